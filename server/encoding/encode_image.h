@@ -1,0 +1,26 @@
+// The bytes of a picture.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "base/image.h"
+
+namespace isostrata {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Full chroma (4:4:4), quality 1..100. Alpha is ignored. For frames while something moves; any thread.
+Bytes encode_jpeg(const Image& image, int quality);
+
+/// Lossless, fast deflate; RGB where every pixel is opaque, else RGBA. For frames at rest; any thread.
+Bytes encode_png(const Image& image);
+
+/// Writes .png, .jpg, .webp, .tif from 8 bits and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth).
+/// Throws invalid_argument for an unknown extension (naming those that are known) and unavailable where the file cannot be written.
+void write_image(const std::filesystem::path& path, const Image& image);
+void write_image(const std::filesystem::path& path, const FloatImage& image);
+bool is_float_format(const std::filesystem::path& path);  // .exr
+
+}  // namespace isostrata

@@ -1,0 +1,69 @@
+// Interval volumes as one conforming, labelled tetrahedral mesh.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace isostrata {
+
+/// The solid region lower <= f <= upper, lower < upper. Closed at both ends; but where another interval of the same request begins at
+/// `upper`, the shared value belongs to that one, so that touching intervals never overlap. NaN is outside every interval.
+struct Interval {
+  double lower = 0;
+  double upper = 0;
+};
+
+enum class FacetLabel : std::uint8_t {
+  lower,   // on the isosurface f = lower
+  upper,   // on the isosurface f = upper
+  domain   // on the boundary of the grid
+};
+
+/// A point of the mesh lies on the grid edge a-b: (1 - weight) * a + weight * b, or is the grid point a (then b == a, weight 0).
+/// Any other point array is carried to the mesh by the same formula.
+struct PointOrigin {
+  std::int64_t a = 0;
+  std::int64_t b = 0;
+  double weight = 0;
+};
+
+struct BoundaryFacet {
+  std::array<std::uint32_t, 3> points{};  // counter-clockwise seen from outside the interval
+  std::uint32_t tetrahedron = 0;          // the tetrahedron it bounds
+  std::uint16_t interval = 0;
+  FacetLabel label = FacetLabel::domain;
+};
+
+/// The tetrahedra of one active cell: [first_tetrahedron, next run's first_tetrahedron).
+struct CellRun {
+  std::int64_t cell = 0;
+  std::uint32_t first_tetrahedron = 0;
+};
+
+struct IntervalSummary {
+  Interval interval;
+  std::int64_t active_cells = 0;
+  std::int64_t tetrahedra = 0;
+  double volume = 0;         // sum of absolute volumes
+  double signed_volume = 0;  // sum of signed volumes; positive for the orientation of the cell they lie in
+  std::int64_t inverted = 0; // tetrahedra of the other sign
+};
+
+/// Touching intervals share the points on their common isosurface. Immutable once made.
+struct IntervalMesh {
+  std::vector<Vec3d> positions;                          // [np] world space
+  std::vector<PointOrigin> origins;                      // [np]
+  std::vector<double> values;                            // [np] the array that was extracted on
+  std::vector<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices; grouped by cell, cells in increasing order
+  std::vector<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
+  std::vector<CellRun> cell_runs;                        // [active cells]
+  std::vector<BoundaryFacet> facets;                     // empty unless asked for
+  std::vector<IntervalSummary> summaries;                // one per interval of the request, in its order
+  std::int64_t cells = 0;                                // of the grid, hidden ones included
+  std::int64_t active_cells = 0;                         // active in at least one interval
+};
+
+}  // namespace isostrata

@@ -1,0 +1,34 @@
+// Arguments that several commands share.
+#pragma once
+
+#include <boost/json/value.hpp>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "base/task.h"
+#include "data/dataset.h"
+#include "extraction/interval_mesh.h"
+#include "rendering/style.h"
+
+namespace isostrata {
+
+struct IntervalArgument {
+  Interval interval;
+  IntervalStyle style;  // defaults where the text says nothing; color from default_interval_color(index)
+};
+
+/// "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]". Throws invalid_argument saying which part of which text.
+IntervalArgument parse_interval(std::string_view text, std::size_t index);
+
+/// A Task that shows a progress line on standard error where that is a terminal, and is cancelled by SIGINT and SIGTERM.
+/// One per process.
+Task& command_task();
+
+/// FILE of a command: analytic data or a path.
+std::shared_ptr<const Dataset> open_argument(const std::string& file, int step = 0);
+
+/// One JSON document and a newline on standard output.
+void print_json(const boost::json::value& document);
+
+}  // namespace isostrata

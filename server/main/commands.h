@@ -1,0 +1,20 @@
+// The commands of `isostrata`, one file each. Every add_*_command gives the app a subcommand whose callback does the work.
+// Exit status: 0 done; 1 it failed (an Error, printed as one line); 2 wrong usage.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace isostrata {
+
+void add_serve_command(CLI::App& app);
+void add_info_command(CLI::App& app);
+void add_extract_command(CLI::App& app);
+void add_render_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
+void add_tables_command(CLI::App& app);
+void add_doctor_command(CLI::App& app);
+
+void add_bench_extract_command(CLI::App& bench);
+void add_bench_render_command(CLI::App& bench);
+
+}  // namespace isostrata

@@ -1,0 +1,33 @@
+// isostrata: the server and its offline twin.
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "base/error.h"
+#include "main/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"Isostrata: interval volumes of scalar fields, extracted exactly, rendered here, seen in a browser"};
+  app.set_version_flag("--version", "isostrata " ISOSTRATA_VERSION);
+  app.require_subcommand(1);
+  isostrata::add_serve_command(app);
+  isostrata::add_info_command(app);
+  isostrata::add_extract_command(app);
+  isostrata::add_render_command(app);
+  isostrata::add_bench_command(app);
+  isostrata::add_tables_command(app);
+  isostrata::add_doctor_command(app);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "isostrata: out of memory\n");
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isostrata: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,34 @@
+// Where the viewer stands. World space is the dataset's space; angles in degrees.
+#pragma once
+
+#include <string_view>
+
+#include "base/vec.h"
+
+namespace isostrata {
+
+struct Camera {
+  Vec3d eye{0, 0, 1};
+  Vec3d at{0, 0, 0};
+  Vec3d up{0, 1, 0};
+  double fov_deg = 30;  // full vertical angle of view
+
+  bool operator==(const Camera&) const = default;
+};
+
+/// Throws invalid_argument where eye == at, up is parallel to the view, fov is not in (0, 180), or a number is not finite.
+void check(const Camera& camera);
+
+/// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z".
+Camera view_of(const Box3d& bounds, std::string_view side);
+
+/// Right-handed, looking down -z.
+Mat4d view_from_world(const Camera& camera);
+/// OpenGL's clip space; near and far enclose the box as seen from the eye.
+Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds);
+
+/// "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg", every part optional over `base`, or a view name that view_of knows.
+/// Throws invalid_argument naming the part.
+Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds);
+
+}  // namespace isostrata

@@ -1,0 +1,46 @@
+// How intervals look.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace isostrata {
+
+using Rgb = std::array<float, 3>;  // display values in [0, 1]
+
+/// A colour map sampled at equal steps over [0, 1].
+struct ColorMap {
+  std::string_view name;
+  std::vector<Rgb> rgb;  // at least 2
+};
+
+/// The maps built in: "viridis", "plasma", "inferno", "magma", "gray", "coolwarm", ... Throws not_found listing the names.
+const ColorMap& color_map(std::string_view name);
+std::vector<std::string_view> color_map_names();
+
+/// "#rrggbb" or "#rgb". Throws invalid_argument.
+Rgb parse_rgb(std::string_view text);
+std::string format_rgb(const Rgb& rgb);
+
+/// The colour that a new interval gets: red, green, blue, yellow, then further distinct ones.
+Rgb default_interval_color(std::size_t index);
+
+struct IntervalStyle {
+  Rgb color{1, 0, 0};       // where color_map is empty
+  std::string color_map;    // else colour runs linearly with the color-by array over color_range
+  double color_lower = 0, color_upper = 1;
+  double opacity = 0.5;     // of a layer one unit distance thick, in [0, 1]: extinction = -ln(1 - opacity) / unit distance
+  int priority = 0;         // with RenderMode::prioritized higher ones are painted over lower ones
+  bool visible = true;
+};
+
+/// Extinction per world unit of length. An opacity of 1 is treated as 1 - 1e-6.
+double extinction(double opacity, double unit_distance);
+
+/// The default scalar_opacity_unit_distance: a twentieth of the bounding box's diagonal.
+double default_unit_distance(double diagonal);
+
+}  // namespace isostrata
