@@ -17,6 +17,7 @@
 namespace isostrata {
 
 inline constexpr int kMaxCaseTetrahedra = 64;
+inline constexpr int kMaxIsoVertices = 32;  // of a 3-D cell: the hexahedron has 8 vertices and 12 edges, each crossed by two isovalues
 
 /// Polytopes of every case of a cell type.
 struct IntervalComplex {
