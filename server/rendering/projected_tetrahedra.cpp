@@ -17,7 +17,10 @@ struct Corner {
 };
 
 constexpr double kSnap = 1.0 / 128;        // pixels: rasterizers move vertices to a grid of 1/256
-constexpr double kSteepestTent = 1e5;      // a side of the tent rises to D within this fraction of the triangle at the steepest
+// Where a corner has less than this share of the thick vertex, the side across from it is a face seen edge-on: the tent does not fall to 0
+// there but ends in a wall. Its function is then D everywhere, so that a pixel whose middle lies on the wall (common: straight views of
+// regular grids) gets the full length from whichever tetrahedron the rasterizer's edge rule gives it to.
+constexpr double kWallShare = 1e-6;
 
 /// Whether [low, high] holds a pixel centre. Pixel centres lie at whole numbers plus `phase`.
 bool holds_center(double low, double high, double phase) { return std::floor(high + kSnap - phase) >= std::ceil(low - kSnap - phase); }
@@ -88,10 +91,17 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
   const double thick = std::min(std::abs(q_plus - q_minus), q_max - q_min);  // D
   if (!(thick > 0)) return;
   const double slope = (s_plus - s_minus) / (q_plus - q_minus);
-  // A side's function is 0 on the side, D at the thick vertex, so D over its share of the thick vertex at the corner across.
-  const auto peak = [&](std::size_t v) { return thick * std::min(weight / std::abs(lambda[v]), kSteepestTent); };
-  const auto put = [&](std::size_t v, double t0, double t1, double t2, std::uint32_t side) {
-    out.push_back(make_vertex<Vertex>(corner[v], t0, t1, t2, q_min, 2 * style + side, slope));
+  // The function of the side across from corner v: 0 on the side and D at the thick vertex, so D over v's share of it at v.
+  struct Side {
+    double at_corner, elsewhere;
+  };
+  const auto side_of = [&](std::size_t v) -> Side {
+    const double share = std::abs(lambda[v]) / weight;
+    if (share < kWallShare) return {thick, thick};
+    return {thick / share, 0};
+  };
+  const auto put = [&](std::size_t v, double t0, double t1, double t2, std::uint32_t at_back) {
+    out.push_back(make_vertex<Vertex>(corner[v], t0, t1, t2, q_min, 2 * style + at_back, slope));
   };
 
   if (np != 2) {  // class 1: the single one projects into the triangle of the others, which is drawn
@@ -99,21 +109,23 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
     const std::size_t a = three[0], b = three[1], c = three[2];
     if (!emitter.covers_pixel(corner[a], corner[b], corner[c])) return;
     const double q_three = np == 1 ? q_minus : q_plus, q_single = np == 1 ? q_plus : q_minus;
-    const std::uint32_t side = q_three > q_single ? 0 : 1;
-    put(a, peak(a), 0, 0, side);
-    put(b, 0, peak(b), 0, side);
-    put(c, 0, 0, peak(c), side);
+    const std::uint32_t at_back = q_three > q_single ? 0 : 1;
+    const Side across_a = side_of(a), across_b = side_of(b), across_c = side_of(c);
+    put(a, across_a.at_corner, across_b.elsewhere, across_c.elsewhere, at_back);
+    put(b, across_a.elsewhere, across_b.at_corner, across_c.elsewhere, at_back);
+    put(c, across_a.elsewhere, across_b.elsewhere, across_c.at_corner, at_back);
     return;
   }
-  // Class 2: the two faces at the nearer diagonal.
+  // Class 2: the two faces at the nearer diagonal. The third function, D, bounds what is extrapolated beyond the diagonal.
   const auto& near_pair = q_plus > q_minus ? plus : minus;
   const auto& far_pair = q_plus > q_minus ? minus : plus;
   const std::size_t a = near_pair[0], c = near_pair[1];
+  const Side across_a = side_of(a), across_c = side_of(c);
   for (const std::size_t b : {far_pair[0], far_pair[1]}) {
     if (!emitter.covers_pixel(corner[a], corner[b], corner[c])) continue;
-    put(a, peak(a), 0, thick, 0);
-    put(b, 0, 0, thick, 0);
-    put(c, 0, peak(c), thick, 0);
+    put(a, across_a.at_corner, across_c.elsewhere, thick, 0);
+    put(b, across_a.elsewhere, across_c.elsewhere, thick, 0);
+    put(c, across_a.elsewhere, across_c.at_corner, thick, 0);
   }
 }
 
