@@ -32,14 +32,14 @@ unmount_bare_root() {
 
 # in_bare_root DIR [--userspec=U:G] COMMAND...: nothing of the caller's environment, no terminal, no standard input.
 in_bare_root() {
-  local dir=$1 user=()
+  local dir=$1 as=()
   shift
   if [[ $1 == --userspec=* ]]; then
-    user=("$1")
+    as=("$1")
     shift
   fi
   env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 CI=true \
-    chroot "${user[@]}" "$dir" "$@" </dev/null
+    chroot "${as[@]}" "$dir" "$@" </dev/null
 }
 
 # seconds_since START: for reports, START from $EPOCHREALTIME.

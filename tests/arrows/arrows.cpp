@@ -83,17 +83,17 @@ class Checker {
 
   void check_include(const fs::path& file, const std::string& room, const Include& include) {
     // Angle brackets are for the system and for libraries (<net/if.h>), unless they happen to reach one of ours.
-    const bool ours = fs::exists(root_ / "server" / include.path) || include.path.starts_with("isostrata/v1/");
+    const bool ours = fs::exists(root_ / "server" / include.path) || first_folder(include.path) == "isostrata";
     if (include.in_angle_brackets && !ours) return;
     // A name without a folder, or one that is found beside the file, is the room's own.
     if (include.path.find('/') == std::string::npos || fs::exists(file.parent_path() / include.path)) return;
     const std::string wanted = first_folder(include.path);
     if (wanted == room) return;
-    if (wanted == "isostrata") {  // isostrata/v1/isostrata.pb.h: the one place where Protobuf meets our types is session
+    if (include.path.starts_with("isostrata/v1/")) {  // generated: the one place where Protobuf meets our types is session
       if (rank_of(room) != kNoRoom && rank_of(room) < rank_of("session"))
         complain(file, include.line, "Protobuf left of session: " + include.path);
-    } else if (wanted == "client" || wanted == "protocol") {
-      if (rank_of(room) != kNoRoom) complain(file, include.line, "the server includes no " + wanted + ": " + include.path);
+    } else if (wanted == "isostrata" || wanted == "client") {  // isostrata/x.h is the client library's
+      if (room != "client") complain(file, include.line, room + " may not include the client: " + include.path);
     } else if (rank_of(wanted) == kNoRoom) {
       complain(file, include.line, "no such room: " + include.path);
     } else if (reach_of(room) < rank_of(wanted)) {

@@ -75,8 +75,10 @@ TEST_F(Arrows, TheClientKnowsTheProtocolAndNoRoom) {
 }
 
 TEST_F(Arrows, TheServerDoesNotKnowTheClient) {
-  write("server/main/snapshot.cpp", "#include \"client/client.h\"\n");
-  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/main/snapshot.cpp:1: the server includes no client: client/client.h"));
+  write("server/main/a.cpp", "#include \"client/client.h\"\n");
+  write("server/main/b.cpp", "#include <isostrata/client.h>\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/main/a.cpp:1: main may not include the client: client/client.h",
+                                                "server/main/b.cpp:1: main may not include the client: isostrata/client.h"));
 }
 
 TEST_F(Arrows, ProtobufStopsAtSession) {
