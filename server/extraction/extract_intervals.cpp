@@ -14,6 +14,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/structured_points.h"
 
 namespace isostrata {
 namespace {
@@ -67,10 +68,10 @@ class Extraction {
     mesh_.cells = grid_.cell_count();
     cases_ = find_active_cells(grid_, array_, rules_, task_);
     starts_ = block_starts(cases_);
-    const MeshPoints points(grid_, cases_, rules_, options_.max_bytes, task_);
-    points.locate(grid_, array_, rules_, mesh_, task_);
-    count_tetrahedra(points);
-    write_tetrahedra(points);
+    if (grid_.structured() && rules_.isovalues().size() <= StructuredPoints::kMaxIsovalues)
+      build_mesh(StructuredPoints(grid_, cases_, rules_, options_.max_bytes, task_));
+    else
+      build_mesh(MeshPoints(grid_, cases_, rules_, options_.max_bytes, task_));
     summarise();
     if (options_.facets) mesh_.facets = boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_);
     task_.report(1.0, "extracted");
@@ -78,27 +79,33 @@ class Extraction {
   }
 
  private:
+  /// Points: MeshPoints or StructuredPoints.
+  template <class Points>
+  void build_mesh(const Points& points) {
+    points.locate(grid_, array_, rules_, mesh_, task_);
+    count_tetrahedra(points);
+    write_tetrahedra(points);
+  }
+
   std::int64_t blocks() const { return static_cast<std::int64_t>(starts_.size()) - 1; }
 
   /// Calls visit(case, is the cell's first) for the cases of a block, with the triangulation turned to their cells and points_ filled with
   /// the numbers of the isovertices in use.
-  template <class Visit>
-  void visit_block(std::int64_t block, const MeshPoints& points, CellTriangulation& triangulation,
+  template <class Points, class Visit>
+  void visit_block(std::int64_t block, const Points& points, CellTriangulation& triangulation,
                    std::array<std::uint32_t, kMaxIsoVertices>& numbers, const Visit& visit) const {
     for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
       const CellCase& at = cases_[i];
       const bool first = i == starts_[block] || cases_[i - 1].cell != at.cell;
       if (first) triangulation.begin_cell(at.cell);
-      const IsoRule& rule = rules_.rules()[at.interval];
-      for (std::uint32_t rest = triangulation.isovertices(at.case_index); rest; rest &= rest - 1) {
-        const int v = std::countr_zero(rest);
-        numbers[v] = points.find(point_key(triangulation.cell(), triangulation.ids(), rule, v));
-      }
+      points.number(triangulation.cell(), triangulation.ids(), rules_.rules()[at.interval], triangulation.isovertices(at.case_index),
+                    numbers);
       visit(at, first);
     }
   }
 
-  void count_tetrahedra(const MeshPoints& points) {
+  template <class Points>
+  void count_tetrahedra(const Points& points) {
     tetrahedra_before_.assign(blocks() + 1, 0);
     cells_before_.assign(blocks() + 1, 0);
     StageProgress progress(task_, "counting", 0.5, 0.6, blocks());
@@ -107,7 +114,12 @@ class Extraction {
       std::array<std::uint32_t, kMaxIsoVertices> numbers;
       for (std::int64_t block = begin; block < end; ++block) {
         std::uint64_t tetrahedra = 0, cells = 0;
-        visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
+        if (grid_.structured()) {  // the points of a cell are distinct: the table has the count
+          for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
+            cells += i == starts_[block] || cases_[i - 1].cell != cases_[i].cell;
+            tetrahedra += hexahedron_table().of(cases_[i].case_index).size();
+          }
+        } else visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
           cells += first;
           for (const auto& t : triangulation.tetrahedra(at.case_index))
             tetrahedra += !repeats_a_point({numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]});
@@ -132,7 +144,8 @@ class Extraction {
                   "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
   }
 
-  void write_tetrahedra(const MeshPoints& points) {
+  template <class Points>
+  void write_tetrahedra(const Points& points) {
     mesh_.tetrahedra.resize(tetrahedra_before_.back());
     mesh_.tetrahedron_interval.resize(tetrahedra_before_.back());
     mesh_.cell_runs.resize(cells_before_.back());
@@ -150,7 +163,8 @@ class Extraction {
     });
   }
 
-  void write_block(std::int64_t block, const MeshPoints& points, CellTriangulation& triangulation,
+  template <class Points>
+  void write_block(std::int64_t block, const Points& points, CellTriangulation& triangulation,
                    std::array<std::uint32_t, kMaxIsoVertices>& numbers) {
     std::uint64_t to = tetrahedra_before_[block];
     std::uint64_t run = cells_before_[block];
