@@ -1,0 +1,25 @@
+// Generates src/gen from the protocol's one schema. protoc comes from the system (Debian: protobuf-compiler).
+import { spawnSync } from 'node:child_process';
+import { mkdirSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const web = dirname(dirname(fileURLToPath(import.meta.url)));
+const out = join(web, 'src', 'gen');
+mkdirSync(out, { recursive: true });
+const run = spawnSync(
+  'protoc',
+  [
+    `--plugin=protoc-gen-es=${join(web, 'node_modules', '.bin', 'protoc-gen-es')}`,
+    `--proto_path=${join(web, '..', 'protocol')}`,
+    `--es_out=${out}`,
+    '--es_opt=target=ts',
+    'isostrata/v1/isostrata.proto',
+  ],
+  { stdio: 'inherit' },
+);
+if (run.error) {
+  console.error(`protoc did not start (${run.error.message}): install protobuf-compiler`);
+  process.exit(1);
+}
+process.exit(run.status ?? 1);

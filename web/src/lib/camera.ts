@@ -1,0 +1,62 @@
+// The server's camera, on this side: right-handed, looking down -z, fovDeg the full vertical angle of view. The overlay is drawn with it,
+// so it must agree with server/rendering/camera.h.
+import type { Box, Camera, Vec3 } from './model';
+import { add, cross, dot, length, normalize, scale, sub } from './vec';
+
+/** The camera's axes in world space: right, up, and back (from what is looked at to the eye). */
+export interface ViewAxes {
+  right: Vec3;
+  up: Vec3;
+  back: Vec3;
+}
+
+export function viewAxes(camera: Camera): ViewAxes {
+  const back = normalize(sub(camera.eye, camera.at));
+  const right = normalize(cross(camera.up, back));
+  return { right, up: cross(back, right), back };
+}
+
+/** A point in view space: x right, y up, z towards the viewer; what is seen has z < 0. */
+export function viewFromWorld(camera: Camera, axes: ViewAxes, point: Vec3): Vec3 {
+  const d = sub(point, camera.eye);
+  return [dot(d, axes.right), dot(d, axes.up), dot(d, axes.back)];
+}
+
+/** Pixels from the top left corner, of a view-space point in front of the eye. */
+export function screenFromView(camera: Camera, width: number, height: number, view: Vec3): [number, number] {
+  const pixelsPerUnit = height / 2 / Math.tan((camera.fovDeg * Math.PI) / 360) / -view[2];
+  return [width / 2 + view[0] * pixelsPerUnit, height / 2 - view[1] * pixelsPerUnit];
+}
+
+/** World units that one pixel covers at the distance of `at`. */
+export function worldPerPixel(camera: Camera, height: number): number {
+  return (2 * length(sub(camera.eye, camera.at)) * Math.tan((camera.fovDeg * Math.PI) / 360)) / height;
+}
+
+/** A line between two world points on the screen, cut at a plane just before the eye; null where all of it lies behind. */
+export function projectSegment(
+  camera: Camera,
+  axes: ViewAxes,
+  width: number,
+  height: number,
+  from: Vec3,
+  to: Vec3,
+): [[number, number], [number, number]] | null {
+  const near = -1e-4 * Math.max(length(sub(camera.eye, camera.at)), 1e-30);
+  let a = viewFromWorld(camera, axes, from);
+  let b = viewFromWorld(camera, axes, to);
+  if (a[2] > near && b[2] > near) return null;
+  const cut = (p: Vec3, q: Vec3): Vec3 => add(p, scale(sub(q, p), (near - p[2]) / (q[2] - p[2])));
+  if (a[2] > near) a = cut(a, b);
+  else if (b[2] > near) b = cut(b, a);
+  return [screenFromView(camera, width, height, a), screenFromView(camera, width, height, b)];
+}
+
+export const center = (box: Box): Vec3 => scale(add(box.lower, box.upper), 0.5);
+export const diagonal = (box: Box): number => length(sub(box.upper, box.lower));
+
+export function sameCamera(a: Camera | null, b: Camera | null): boolean {
+  if (!a || !b) return a === b;
+  const same = (p: Vec3, q: Vec3) => p[0] === q[0] && p[1] === q[1] && p[2] === q[2];
+  return same(a.eye, b.eye) && same(a.at, b.at) && same(a.up, b.up) && a.fovDeg === b.fovDeg;
+}

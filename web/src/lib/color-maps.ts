@@ -1,0 +1,18 @@
+// Previews of the server's colour maps: a few stops each, for a swatch. The picture itself is coloured by the server.
+
+const stops: Record<string, string> = {
+  viridis: '#440154 #472d7b #3b528b #2c728e #21918c #28ae80 #5ec962 #addc30 #fde725',
+  plasma: '#0d0887 #4c02a1 #7e03a8 #a92395 #cc4778 #e56b5d #f89540 #fdc527 #f0f921',
+  inferno: '#000004 #210c4a #57106e #8a226a #bc3754 #e45a31 #f98e09 #f9cb35 #fcffa4',
+  magma: '#000004 #1c1044 #51127c #832681 #b73779 #e75263 #fc8961 #fec488 #fcfdbf',
+  cividis: '#00224e #1f3a6d #434e6c #61646f #7d7c78 #9b9476 #bcaf6f #dfcb5d #fee838',
+  turbo: '#30123b #4777ef #1bd0d5 #62fc6b #d2e935 #fe9b2d #db3a07 #7a0403',
+  gray: '#000000 #ffffff',
+  coolwarm: '#3b4cc0 #7b9ff9 #c0d4f5 #dddcdc #f2cbb7 #ee8468 #b40426',
+};
+
+/** A CSS background for the named map; null for a map that has no preview here. */
+export function colorMapGradient(name: string): string | null {
+  const colors = stops[name];
+  return colors ? `linear-gradient(to right, ${colors.split(' ').join(', ')})` : null;
+}

@@ -1,0 +1,158 @@
+// One WebSocket that comes back: connect, Hello, messages in and out, and after a loss a retry with backoff.
+import type { ServerEvent } from './model';
+import { decodeEvent, encodeCommand, subprotocol, type Command } from './protocol';
+
+export type ConnectionStatus =
+  | { kind: 'connecting'; attempt: number }
+  | { kind: 'connected' }
+  | { kind: 'waiting'; attempt: number; retryAtMs: number; reason: string }
+  | { kind: 'refused'; reason: string }; // trying again by itself would not help
+
+/** What a browser's WebSocket offers and this needs. */
+export type Socket = Pick<WebSocket, 'binaryType' | 'readyState' | 'send' | 'close'> & {
+  onopen: ((event: Event) => void) | null;
+  onmessage: ((event: MessageEvent) => void) | null;
+  onclose: ((event: CloseEvent) => void) | null;
+};
+
+export interface ConnectionDoors {
+  open(subprotocol: string): Socket;
+  hello(): Command;
+  onStatus(status: ConnectionStatus): void;
+  onEvent(event: ServerEvent): void;
+  /** Asks over HTTP why the socket did not open: a browser hides the status of a refused handshake. */
+  askWhy(): Promise<'refused' | 'unreachable' | 'unknown'>;
+  now(): number;
+  setTimeout(callback: () => void, ms: number): number;
+  clearTimeout(id: number): void;
+  random(): number;
+}
+
+const firstRetryMs = 500;
+const longestRetryMs = 10_000;
+const silenceMs = 12_000; // pings go out every 2 s: a server silent for this long is gone, whatever TCP says
+
+/** 0.5 s, 0.9 s, 1.6 s, ... 10 s, each a fifth more or less so that pages do not come back all at once. */
+export function retryDelayMs(attempt: number, random: number): number {
+  return Math.min(firstRetryMs * 1.8 ** attempt, longestRetryMs) * (0.8 + 0.4 * random);
+}
+
+export class Connection {
+  private socket: Socket | null = null;
+  private seq = 0;
+  private attempt = 0;
+  private timer: number | null = null;
+  private lastHeardMs = 0;
+  private stopped = false;
+  private refusal = '';
+
+  constructor(private readonly doors: ConnectionDoors) {}
+
+  start(): void {
+    this.stopped = false;
+    this.connect();
+  }
+  stop(): void {
+    this.stopped = true;
+    this.cancelTimer();
+    this.drop();
+  }
+  /** Now rather than when the countdown ends; also the way out of `refused`. */
+  retryNow(): void {
+    if (this.socket || this.stopped) return;
+    this.attempt = 0;
+    this.connect();
+  }
+  /** The server has said why it will not have us; the close that follows is final. */
+  refuse(reason: string): void {
+    this.refusal = reason;
+  }
+
+  /** The message's seq, or 0 where there is nobody to send it to. */
+  send(body: Command): number {
+    if (!this.socket || this.socket.readyState !== 1) return 0;
+    this.seq += 1;
+    this.socket.send(encodeCommand(this.seq, body));
+    return this.seq;
+  }
+
+  /** To be called now and then: finds a server that has gone without saying so. */
+  checkAlive(): void {
+    if (!this.socket || this.socket.readyState !== 1) return;
+    if (this.doors.now() - this.lastHeardMs > silenceMs) this.lost('The server has stopped answering.');
+  }
+
+  private connect(): void {
+    this.cancelTimer();
+    this.refusal = '';
+    this.doors.onStatus({ kind: 'connecting', attempt: this.attempt });
+    let opened = false;
+    const socket = this.doors.open(subprotocol);
+    this.socket = socket;
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => {
+      opened = true;
+      this.seq = 0;
+      this.lastHeardMs = this.doors.now();
+      this.send(this.doors.hello());
+    };
+    socket.onmessage = (message) => {
+      this.lastHeardMs = this.doors.now();
+      if (!(message.data instanceof ArrayBuffer)) return;
+      let event: ServerEvent;
+      try {
+        event = decodeEvent(new Uint8Array(message.data));
+      } catch (problem) {
+        this.lost(`The server sent something that is not a message of this protocol (${String(problem)}).`);
+        return;
+      }
+      if (event.kind === 'welcome') {
+        this.attempt = 0;
+        this.doors.onStatus({ kind: 'connected' });
+      }
+      this.doors.onEvent(event);
+    };
+    socket.onclose = (close) => {
+      if (socket !== this.socket) return;
+      this.socket = null;
+      if (this.stopped) return;
+      if (this.refusal) this.doors.onStatus({ kind: 'refused', reason: this.refusal });
+      else if (opened) this.wait(close.reason || 'The connection was lost.');
+      else void this.explain();
+    };
+  }
+
+  private async explain(): Promise<void> {
+    const why = await this.doors.askWhy();
+    if (this.socket || this.stopped || this.timer !== null) return;
+    if (why === 'refused') {
+      const reason = 'The server does not accept this access token. Open the address that `isostrata serve` printed, with its token.';
+      this.doors.onStatus({ kind: 'refused', reason });
+    } else this.wait(why === 'unreachable' ? 'The server cannot be reached.' : 'The server did not open the connection.');
+  }
+
+  private wait(reason: string): void {
+    this.cancelTimer();
+    const delay = retryDelayMs(this.attempt, this.doors.random());
+    this.attempt += 1;
+    this.doors.onStatus({ kind: 'waiting', attempt: this.attempt, retryAtMs: this.doors.now() + delay, reason });
+    this.timer = this.doors.setTimeout(() => {
+      this.timer = null;
+      this.connect();
+    }, delay);
+  }
+
+  private lost(reason: string): void {
+    this.drop();
+    this.wait(reason);
+  }
+  private drop(): void {
+    const socket = this.socket;
+    this.socket = null;
+    socket?.close();
+  }
+  private cancelTimer(): void {
+    if (this.timer !== null) this.doors.clearTimeout(this.timer);
+    this.timer = null;
+  }
+}

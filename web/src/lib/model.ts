@@ -1,0 +1,177 @@
+// The page's own plain types. Numbers are numbers here; protocol.ts is the one place where they meet Protobuf.
+
+export type Vec3 = readonly [number, number, number];
+
+/** Display values (sRGB) in [0, 1]. */
+export type Rgb = readonly [number, number, number];
+
+/** Where the viewer stands, in the dataset's space; fovDeg is the full vertical angle of view. */
+export interface Camera {
+  eye: Vec3;
+  at: Vec3;
+  up: Vec3;
+  fovDeg: number;
+}
+
+export interface Box {
+  lower: Vec3;
+  upper: Vec3;
+}
+
+/** A span of values: of an array, or of a histogram's axis. */
+export interface Range {
+  lower: number;
+  upper: number;
+}
+
+/** One layer: the solid region lower <= f <= upper. */
+export interface Interval {
+  id: number;
+  lower: number;
+  upper: number;
+  color: Rgb;
+  colorMap: string; // empty: the constant colour
+  opacity: number; // of a layer one unit distance thick
+  priority: number; // higher is painted over lower
+  visible: boolean;
+}
+
+/** What PatchInterval can change. */
+export type IntervalPatch = Partial<Omit<Interval, 'id' | 'priority'>>;
+
+export type RenderMode = 'sorted' | 'prioritized';
+
+export interface SceneState {
+  revision: number;
+  dataset: string; // empty: nothing is open
+  step: number;
+  array: string;
+  colorBy: string;
+  intervals: Interval[]; // in the order they were added
+  mode: RenderMode;
+  camera: Camera | null; // null: the whole dataset
+  background: Rgb;
+  unitDistance: number; // 0: the server's default
+}
+
+export interface ArrayInfo extends Range {
+  name: string;
+  association: string;
+  type: string;
+  components: number;
+  nanCount: number;
+}
+
+export interface DatasetEntry {
+  id: string;
+  name: string;
+}
+
+export interface DatasetInfo {
+  id: string;
+  name: string;
+  grid: string;
+  points: number;
+  cells: number;
+  cellTypes: [string, number][];
+  bounds: Box | null;
+  arrays: ArrayInfo[];
+  times: number[];
+  notes: string[];
+}
+
+export interface Histogram extends Range {
+  dataset: string;
+  step: number;
+  array: string;
+  counts: number[];
+}
+
+export interface Welcome {
+  protocolMajor: number;
+  server: string;
+  session: string;
+  resumeToken: string;
+  datasets: DatasetEntry[];
+  state: SceneState | null;
+  datasetInfo: DatasetInfo | null;
+  device: string;
+  deviceIsSoftware: boolean;
+  colorMaps: string[];
+  limits: { maxIntervals: number; maxWidth: number; maxHeight: number };
+}
+
+export interface StageTimes {
+  extractMs: number;
+  orderMs: number;
+  drawMs: number;
+  readbackMs: number;
+  encodeMs: number;
+  totalMs: number;
+}
+
+export interface IntervalFacts {
+  id: number;
+  activeCells: number;
+  tetrahedra: number;
+  volume: number;
+}
+
+export interface Frame {
+  frameId: bigint;
+  revision: number;
+  inputSeq: number;
+  step: number;
+  lossless: boolean;
+  format: string;
+  width: number;
+  height: number;
+  stages: StageTimes;
+  device: string;
+  order: string;
+  orderExact: boolean;
+  tetrahedra: number;
+  intervals: IntervalFacts[];
+  camera: Camera | null;
+  payload: Uint8Array<ArrayBuffer>;
+}
+
+export interface Progress {
+  operation: bigint;
+  stage: string;
+  fraction: number;
+}
+
+export interface ServerError {
+  inReplyTo: number;
+  code: string;
+  message: string;
+  field: string;
+}
+
+/** What the server says, one case per message. */
+export type ServerEvent =
+  | { kind: 'welcome'; welcome: Welcome }
+  | { kind: 'state'; state: SceneState }
+  | { kind: 'datasetInfo'; info: DatasetInfo }
+  | { kind: 'histogram'; histogram: Histogram }
+  | { kind: 'frame'; frame: Frame }
+  | { kind: 'progress'; progress: Progress }
+  | { kind: 'done'; operation: bigint; cancelled: boolean }
+  | { kind: 'error'; error: ServerError }
+  | { kind: 'pong'; clientTimeMs: number }
+  | { kind: 'shutdown'; reason: string }
+  | { kind: 'unknown' };
+
+export const emptyState: SceneState = {
+  revision: 0,
+  dataset: '',
+  step: 0,
+  array: '',
+  colorBy: '',
+  intervals: [],
+  mode: 'sorted',
+  camera: null,
+  background: [0.05, 0.06, 0.08],
+  unitDistance: 0,
+};

@@ -1,0 +1,57 @@
+// A restarted server knows nothing of the old session: this says what to send so that the picture returns.
+import type { DatasetEntry, DatasetInfo, Range, SceneState } from './model';
+import { command, type Command } from './protocol';
+
+export type RestoreStep =
+  | { kind: 'send'; commands: Command[]; done: boolean }
+  | { kind: 'wait' } // for the dataset to be opened
+  | { kind: 'impossible'; reason: string };
+
+/** The next thing to do, given what was saved and where the new session stands. Called again with every State and DatasetInfo. */
+export function restoreStep(
+  saved: SceneState,
+  current: SceneState,
+  info: DatasetInfo | null,
+  datasets: readonly DatasetEntry[],
+  opened: boolean,
+): RestoreStep {
+  if (saved.dataset === '') return { kind: 'send', commands: [], done: true };
+  if (current.dataset !== saved.dataset) {
+    if (opened) return { kind: 'wait' };
+    if (!datasets.some((entry) => entry.id === saved.dataset))
+      return { kind: 'impossible', reason: `The server no longer has the dataset “${saved.dataset}”.` };
+    return { kind: 'send', commands: [command.openDataset(saved.dataset)], done: false };
+  }
+  if (info?.id !== saved.dataset) return { kind: 'wait' };
+
+  const has = (name: string) => info.arrays.some((array) => array.name === name);
+  if (!has(saved.array)) return { kind: 'impossible', reason: `The dataset no longer has the array “${saved.array}”.` };
+  const commands = [command.selectArrays(saved.array, has(saved.colorBy) ? saved.colorBy : '')];
+  if (saved.step !== current.step && saved.step < Math.max(info.times.length, 1)) commands.push(command.setTimeStep(saved.step));
+  // New ids: those of the old session mean nothing to the new one.
+  commands.push(command.setIntervals(saved.intervals.map((interval) => ({ ...interval, id: 0 }))));
+  commands.push(
+    command.setAppearance({ mode: saved.mode, background: saved.background, unitDistance: saved.unitDistance }),
+  );
+  if (saved.camera) commands.push(command.setCamera(saved.camera));
+  return { kind: 'send', commands, done: true };
+}
+
+/** A state out of storage, or null where it is not one: what was stored is not trusted. */
+export function parseSavedState(text: string | null): SceneState | null {
+  if (!text) return null;
+  try {
+    const value = JSON.parse(text) as SceneState;
+    const numbers = (...xs: unknown[]) => xs.every((x) => typeof x === 'number' && Number.isFinite(x));
+    const good =
+      typeof value.dataset === 'string' &&
+      typeof value.array === 'string' &&
+      typeof value.colorBy === 'string' &&
+      numbers(value.step, value.unitDistance, ...value.background) &&
+      Array.isArray(value.intervals) &&
+      value.intervals.every((i: Range & { opacity: number }) => numbers(i.lower, i.upper, i.opacity) && i.lower < i.upper);
+    return good ? value : null;
+  } catch {
+    return null;
+  }
+}

@@ -1,0 +1,11 @@
+// Hands a file to the person.
+
+export function saveBlob(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
+  const link = document.createElement('a');
+  link.href = url;
+  link.download = name;
+  link.click();
+  // The browser has to have begun reading before the address goes.
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

@@ -1,0 +1,52 @@
+// What a tab remembers over a reload: which session it had, and what the picture was made of.
+import type { SceneState } from './model';
+import { parseSavedState } from './restore';
+
+export interface SavedSession {
+  id: string;
+  resumeToken: string;
+}
+
+type Store = Pick<Storage, 'getItem' | 'setItem'>;
+
+/** Storage can be forbidden or full; then the tab remembers nothing and works all the same. */
+export class SavedTab {
+  private readonly prefix: string;
+
+  /** path: of the page, since several servers can share one origin below a proxy. */
+  constructor(
+    private readonly store: Store,
+    path: string,
+  ) {
+    this.prefix = `isostrata.${path}.`;
+  }
+
+  get session(): SavedSession {
+    return { id: this.read('session') ?? '', resumeToken: this.read('resume') ?? '' };
+  }
+  set session(session: SavedSession) {
+    this.write('session', session.id);
+    this.write('resume', session.resumeToken);
+  }
+  get state(): SceneState | null {
+    return parseSavedState(this.read('state'));
+  }
+  set state(state: SceneState | null) {
+    this.write('state', state ? JSON.stringify(state) : '');
+  }
+
+  private read(key: string): string | null {
+    try {
+      return this.store.getItem(this.prefix + key);
+    } catch {
+      return null;
+    }
+  }
+  private write(key: string, value: string): void {
+    try {
+      this.store.setItem(this.prefix + key, value);
+    } catch {
+      // See above.
+    }
+  }
+}

@@ -1,0 +1,417 @@
+// The page's one store: what the server says, what the person does, and the way between them.
+import { Connection, type ConnectionStatus } from './connection';
+import { decodeFrame, FramePlayer } from './frames';
+import { priorityOrder } from './intervals';
+import { RateMeter, Smoothed } from './meter';
+import {
+  emptyState,
+  type Camera,
+  type DatasetInfo,
+  type Frame,
+  type Histogram,
+  type Interval,
+  type IntervalPatch,
+  type Progress,
+  type SceneState,
+  type ServerEvent,
+  type Welcome,
+} from './model';
+import { Notices, placeOf, type Place } from './notices.svelte';
+import { OptimisticState, type Overlay } from './optimistic';
+import { CameraCredits, Outbox } from './pacing';
+import { command, protocolMajor, type Command, type ViewportSize } from './protocol';
+import { restoreStep } from './restore';
+import type { SavedTab } from './saved';
+
+/** A frame without its bytes, and what this side measured of it. */
+export type FrameReadout = Omit<Frame, 'payload'> & { bytes: number; decodeMs: number; fps: number };
+
+export interface SessionDoors {
+  connection(handlers: {
+    hello(): Command;
+    onStatus(status: ConnectionStatus): void;
+    onEvent(event: ServerEvent): void;
+  }): Connection;
+  saved: SavedTab;
+  now(): number;
+  schedule(callback: () => void): void;
+}
+
+const histogramBins = 256;
+
+export class Session {
+  status = $state.raw<ConnectionStatus>({ kind: 'connecting', attempt: 0 });
+  welcome = $state.raw<Welcome | null>(null);
+  /** As the person sees it: the server's newest State under their own newest edits. */
+  view = $state.raw<SceneState>(emptyState);
+  info = $state.raw<DatasetInfo | null>(null);
+  histogram = $state.raw<Histogram | null>(null);
+  frame = $state.raw<FrameReadout | null>(null);
+  progress = $state.raw<Progress[]>([]);
+  roundTripMs = $state.raw<number | null>(null);
+  /** The layer that keys and new edits go to. */
+  selected = $state.raw<number | null>(null);
+  readonly notices = new Notices();
+
+  /** Set by the viewport. */
+  drawFrame: ((bitmap: ImageBitmap, frame: Frame) => void) | null = null;
+
+  private server: SceneState = emptyState;
+  private viewport: ViewportSize = { width: 800, height: 600, hidden: false };
+  private readonly connection: Connection;
+  private readonly optimistic = new OptimisticState();
+  private readonly credits = new CameraCredits();
+  private readonly outbox: Outbox;
+  private readonly player: FramePlayer;
+  private readonly rate = new RateMeter();
+  private trip = new Smoothed();
+  private sentAbout = new Map<number, { place: Place; interval: number | null }>();
+  private askedHistogram = '';
+  private interactions = 0;
+  private restoring: { saved: SceneState; opened: boolean; quiet: boolean } | null = null;
+  private welcomed = false;
+  private saveTimer: ReturnType<typeof setTimeout> | null = null;
+  private lossless: Frame | null = null;
+  private wantStill: ((frame: Frame) => void)[] = [];
+  private selectNewest = false;
+
+  constructor(private readonly doors: SessionDoors) {
+    this.connection = doors.connection({
+      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken),
+      onStatus: (status) => this.onStatus(status),
+      onEvent: (event) => this.onEvent(event),
+    });
+    this.outbox = new Outbox({
+      sendCamera: (camera) => {
+        const seq = this.send(command.setCamera(camera));
+        if (seq) this.credits.sent(seq, doors.now());
+      },
+      sendPatch: (id, patch) => this.send(command.patchInterval(id, patch)),
+      sendOther: (_key, body) => this.send(body as Command),
+      cameraMayGo: () => this.credits.open(doors.now()),
+      schedule: doors.schedule,
+    });
+    this.player = new FramePlayer({
+      decode: decodeFrame,
+      draw: (bitmap, frame) => this.drawFrame?.(bitmap, frame),
+      ack: (frameId, decodeMs) => {
+        this.connection.send(command.frameAck(frameId, decodeMs));
+        if (this.frame?.frameId === frameId) this.frame = { ...this.frame, decodeMs };
+      },
+      failed: (frame, problem) =>
+        this.say(`A ${frame.format.toUpperCase()} frame of ${frame.payload.length} bytes could not be decoded: ${String(problem)}`),
+      now: doors.now,
+    });
+  }
+
+  start(): void {
+    this.connection.start();
+  }
+  stop(): void {
+    this.connection.stop();
+  }
+  retryNow(): void {
+    this.connection.retryNow();
+  }
+  /** To be called every two seconds or so. */
+  heartbeat(): void {
+    this.connection.send(command.ping(this.doors.now()));
+    this.connection.checkAlive();
+  }
+
+  // ---- what the person does ------------------------------------------------------------------------------------------------
+
+  openDataset(id: string): void {
+    this.edit({ dataset: id });
+    this.notices.clear('dataset');
+    this.sendInOrder(command.openDataset(id));
+  }
+  selectArrays(change: { array?: string; colorBy?: string }): void {
+    this.edit(change);
+    this.notices.clear('arrays');
+    this.sendInOrder(command.selectArrays(change.array ?? '', change.colorBy ?? ''));
+  }
+  setStep(step: number): void {
+    this.edit({ step });
+    this.notices.clear('step');
+    this.outbox.put('step', command.setTimeStep(step));
+  }
+  setMode(mode: SceneState['mode']): void {
+    this.edit({ mode });
+    this.sendInOrder(command.setAppearance({ mode }));
+  }
+  setBackground(background: SceneState['background']): void {
+    this.edit({ background });
+    this.outbox.put('background', command.setAppearance({ background }));
+  }
+  setUnitDistance(unitDistance: number): void {
+    this.edit({ unitDistance });
+    this.outbox.put('unitDistance', command.setAppearance({ unitDistance }));
+  }
+
+  patchInterval(id: number, patch: IntervalPatch): void {
+    this.optimistic.patch(id, patch, this.doors.now());
+    this.refresh();
+    this.notices.clear('layers', id);
+    this.outbox.putPatch(id, patch);
+  }
+  addInterval(interval: Omit<Interval, 'id' | 'priority'>): void {
+    const most = this.welcome?.limits.maxIntervals ?? 256;
+    if (this.view.intervals.length >= most) {
+      this.notices.add({ text: `The server takes at most ${most} layers.`, place: 'layers', interval: null, field: '', tone: 'error' });
+      return;
+    }
+    const priority = this.view.intervals.reduce((top, other) => Math.max(top, other.priority), 0) + 1;
+    this.selectNewest = true;
+    this.notices.clear('layers');
+    this.sendInOrder(command.setIntervals([...this.view.intervals, { ...interval, id: 0, priority }]));
+  }
+  removeInterval(id: number): void {
+    this.outbox.drop(id);
+    this.optimistic.remove(id, this.doors.now());
+    this.notices.clear('layers', id);
+    if (this.selected === id) this.selected = null;
+    this.refresh();
+    this.sendInOrder(command.removeInterval(id));
+  }
+  reorderPriorities(ids: readonly number[]): void {
+    this.optimistic.reorder(ids, this.doors.now());
+    this.refresh();
+    this.sendInOrder(command.reorderPriorities(ids));
+  }
+  get priorities(): number[] {
+    return priorityOrder(this.view.intervals);
+  }
+
+  /** Where the picture is seen from; null before the server has shown anything. */
+  get camera(): Camera | null {
+    return this.view.camera ?? this.frame?.camera ?? null;
+  }
+  moveCamera(camera: Camera): void {
+    this.edit({ camera });
+    this.outbox.putCamera(camera);
+  }
+  setView(side: string): void {
+    this.sendInOrder(command.setView(side));
+  }
+  beginInteraction(): void {
+    this.interactions += 1;
+    if (this.interactions === 1) this.send(command.interaction(true));
+  }
+  endInteraction(): void {
+    if (this.interactions === 0) return;
+    this.interactions -= 1;
+    this.outbox.flush();
+    if (this.interactions === 0) this.send(command.interaction(false));
+  }
+
+  resizeViewport(size: { width: number; height: number }): void {
+    if (size.width === this.viewport.width && size.height === this.viewport.height) return;
+    this.viewport = { ...this.viewport, ...size };
+    this.outbox.put('viewport', command.viewport(this.viewport));
+  }
+  setHidden(hidden: boolean): void {
+    this.viewport = { ...this.viewport, hidden };
+    this.send(command.viewport(this.viewport)); // at once: a hidden page has no animation frames
+    if (!hidden) this.connection.retryNow();
+  }
+  cancel(operation: bigint): void {
+    this.send(command.cancel(operation));
+  }
+
+  /** The newest lossless frame, asked for where the picture on the screen is not one. Null where none comes within ten seconds. */
+  still(): Promise<Frame | null> {
+    const newest = this.lossless;
+    if (newest && newest.revision >= this.server.revision && this.frame?.lossless) return Promise.resolve(newest);
+    return new Promise((resolve) => {
+      const timer = setTimeout(() => resolve(null), 10_000);
+      this.wantStill.push((frame) => {
+        clearTimeout(timer);
+        resolve(frame);
+      });
+      this.sendInOrder(command.requestStill());
+    });
+  }
+
+  say(text: string, tone: 'error' | 'note' = 'error'): void {
+    this.notices.add({ text, place: 'page', interval: null, field: '', tone });
+  }
+
+  // ---- what the server says -------------------------------------------------------------------------------------------------
+
+  private onStatus(status: ConnectionStatus): void {
+    this.status = status;
+    if (status.kind === 'connected') return;
+    this.progress = [];
+    this.sentAbout.clear();
+    this.credits.reset();
+    this.player.reset();
+    this.trip = new Smoothed();
+    this.roundTripMs = null;
+  }
+
+  private onEvent(event: ServerEvent): void {
+    switch (event.kind) {
+      case 'welcome':
+        return this.onWelcome(event.welcome);
+      case 'state':
+        return this.onState(event.state);
+      case 'datasetInfo':
+        this.info = event.info;
+        this.continueRestore();
+        return this.askHistogram();
+      case 'histogram':
+        this.histogram = event.histogram;
+        return;
+      case 'frame':
+        return this.onFrame(event.frame);
+      case 'progress': {
+        const others = this.progress.filter((p) => p.operation !== event.progress.operation);
+        this.progress = [...others, event.progress];
+        return;
+      }
+      case 'done':
+        this.progress = this.progress.filter((p) => p.operation !== event.operation);
+        if (event.cancelled) this.say('Cancelled. The picture shows the last finished state.', 'note');
+        return;
+      case 'error':
+        return this.onError(event.error);
+      case 'pong':
+        this.roundTripMs = this.trip.add(this.doors.now() - event.clientTimeMs);
+        return;
+      case 'shutdown':
+        this.say(`The server is shutting down${event.reason ? `: ${event.reason}` : ''}.`, 'note');
+        return;
+      case 'unknown':
+        return;
+    }
+  }
+
+  private onWelcome(welcome: Welcome): void {
+    if (welcome.protocolMajor !== protocolMajor) {
+      this.connection.refuse(
+        `The server speaks version ${welcome.protocolMajor} of the protocol, this page version ${protocolMajor}: reload the page.`,
+      );
+      this.connection.stop();
+      this.status = { kind: 'refused', reason: 'The page is of another version than the server: reload it.' };
+      return;
+    }
+    const resumed = welcome.session !== '' && welcome.session === this.doors.saved.session.id;
+    const saved = this.welcomed && this.server.dataset ? this.optimistic.view(this.server) : this.doors.saved.state;
+    this.doors.saved.session = { id: welcome.session, resumeToken: welcome.resumeToken };
+    this.welcome = welcome;
+    if (!resumed) this.optimistic.clear();
+    this.restoring = !resumed && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
+    this.welcomed = true;
+    this.askedHistogram = '';
+    if (!resumed) this.histogram = null;
+    this.info = welcome.datasetInfo;
+    this.frame = null;
+    this.lossless = null;
+    this.interactions = 0;
+    this.outbox.drop();
+    this.send(command.viewport(this.viewport));
+    if (welcome.state) this.onState(welcome.state);
+    else this.onState(emptyState);
+  }
+
+  private onState(state: SceneState): void {
+    const known = new Set(this.server.intervals.map((interval) => interval.id));
+    const changedData = state.dataset !== this.server.dataset;
+    this.server = state;
+    if (changedData && this.info?.id !== state.dataset) this.info = null;
+    this.optimistic.settle(state, this.doors.now());
+    this.refresh();
+    if (this.selectNewest) {
+      const added = state.intervals.find((interval) => !known.has(interval.id));
+      if (added) {
+        this.selected = added.id;
+        this.selectNewest = false;
+      }
+    }
+    if (this.selected !== null && !state.intervals.some((interval) => interval.id === this.selected)) this.selected = null;
+    this.continueRestore();
+    this.askHistogram();
+    this.saveSoon();
+  }
+
+  private onFrame(frame: Frame): void {
+    this.credits.answered(frame.inputSeq);
+    this.rate.tick(this.doors.now());
+    if (frame.lossless) {
+      this.lossless = frame;
+      for (const resolve of this.wantStill.splice(0)) resolve(frame);
+    }
+    const { payload, ...readout } = frame;
+    const decodeMs = this.frame?.decodeMs ?? 0;
+    this.frame = { ...readout, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    void this.player.show(frame);
+  }
+
+  private onError(error: { inReplyTo: number; code: string; message: string; field: string }): void {
+    if (error.code === 'unsupported_version') this.connection.refuse(error.message);
+    if (error.code === 'cancelled') return; // Done says so too
+    const about = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null };
+    this.notices.add({ text: error.message || error.code, ...about, field: error.field, tone: 'error' });
+    if (error.inReplyTo) this.optimistic.refuse(about.interval ?? undefined);
+    if (about.place === 'histogram') this.askedHistogram = '';
+    this.refresh();
+  }
+
+  // ---- between ---------------------------------------------------------------------------------------------------------------
+
+  private edit(overlay: Overlay): void {
+    this.optimistic.set(overlay, this.doors.now());
+    this.refresh();
+  }
+  private refresh(): void {
+    this.view = this.optimistic.view(this.server);
+  }
+
+  private send(body: Command): number {
+    const seq = this.connection.send(body);
+    if (seq) {
+      this.sentAbout.set(seq, placeOf(body));
+      this.sentAbout.delete(seq - 1000);
+    }
+    return seq;
+  }
+  /** After everything that waits in the outbox, so that the server sees things in the order in which they were done. */
+  private sendInOrder(body: Command): number {
+    this.outbox.flush();
+    return this.send(body);
+  }
+
+  private askHistogram(): void {
+    const { dataset, step, array } = this.server;
+    if (!dataset || !array || this.info?.id !== dataset) return;
+    const wanted = JSON.stringify([dataset, step, array]);
+    if (wanted === this.askedHistogram) return;
+    this.askedHistogram = wanted;
+    this.notices.clear('histogram');
+    this.send(command.requestHistogram(array, histogramBins));
+  }
+
+  private continueRestore(): void {
+    const restoring = this.restoring;
+    if (!restoring) return;
+    const step = restoreStep(restoring.saved, this.server, this.info, this.welcome?.datasets ?? [], restoring.opened);
+    if (step.kind === 'wait') return;
+    if (step.kind === 'impossible') {
+      this.restoring = null;
+      if (!restoring.quiet) this.say(step.reason);
+      return;
+    }
+    restoring.opened = true;
+    if (step.done) this.restoring = null;
+    for (const body of step.commands) this.send(body);
+  }
+
+  private saveSoon(): void {
+    if (this.restoring || this.saveTimer !== null) return;
+    this.saveTimer = setTimeout(() => {
+      this.saveTimer = null;
+      if (!this.restoring && this.server.dataset) this.doors.saved.state = this.server;
+    }, 300);
+  }
+}

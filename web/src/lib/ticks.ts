@@ -1,0 +1,52 @@
+// Round numbers for axes, fields and readouts.
+
+/** 1, 2 or 5 times a power of ten, at least `raw`. */
+export function niceStep(raw: number): number {
+  if (!(raw > 0) || !Number.isFinite(raw)) return 1;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const mantissa = raw / power;
+  const step = mantissa <= 1 ? 1 : mantissa <= 2 ? 2 : mantissa <= 5 ? 5 : 10;
+  return step * power;
+}
+
+/** Multiples of a nice step within [lower, upper], about `count` of them. */
+export function ticks(lower: number, upper: number, count: number): number[] {
+  if (!(upper > lower) || count < 1) return [];
+  const step = niceStep((upper - lower) / count);
+  const first = Math.ceil(lower / step - 1e-9);
+  const last = Math.floor(upper / step + 1e-9);
+  const result: number[] = [];
+  for (let i = first; i <= last && result.length < 100; i++) result.push(Number((i * step).toPrecision(12)));
+  return result;
+}
+
+/** Short, and exact to `digits` significant ones: 0.3125, 1.25e+8, 12 300 as 12300. */
+export function formatNumber(value: number, digits = 5): string {
+  if (!Number.isFinite(value)) return String(value);
+  if (value === 0) return '0';
+  const short = Number(value.toPrecision(digits));
+  const size = Math.abs(short);
+  if (size >= 1e6 || size < 1e-4) return short.toExponential().replace('e+', 'e');
+  return String(short);
+}
+
+/** The nearest multiple of step, without the tail that binary arithmetic leaves. */
+export function roundTo(value: number, step: number): number {
+  return Number((Math.round(value / step) * step).toPrecision(12));
+}
+
+/** 1.2 M, 60.4 k, 812. */
+export function formatCount(value: number): string {
+  if (value >= 1e9) return `${(value / 1e9).toPrecision(3)} G`;
+  if (value >= 1e6) return `${(value / 1e6).toPrecision(3)} M`;
+  if (value >= 1e4) return `${(value / 1e3).toPrecision(3)} k`;
+  return value.toLocaleString('en');
+}
+
+export function formatBytes(value: number): string {
+  return value >= 1048576 ? `${(value / 1048576).toFixed(1)} MiB` : value >= 1024 ? `${Math.round(value / 1024)} KiB` : `${value} B`;
+}
+
+export function formatMs(value: number): string {
+  return value >= 1000 ? `${(value / 1000).toFixed(2)} s` : value >= 100 ? `${Math.round(value)} ms` : `${value.toFixed(1)} ms`;
+}

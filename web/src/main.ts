@@ -1,0 +1,51 @@
+// Wires the page: token, connection, store, and the one component that holds the others.
+import { mount } from 'svelte';
+import App from './App.svelte';
+import './style.css';
+import { Connection, type Socket } from './lib/connection';
+import { SavedTab } from './lib/saved';
+import { Session } from './lib/session.svelte';
+import { ThemeChoice } from './lib/theme.svelte';
+import { socketUrl, takeToken } from './lib/token';
+
+const theme = new ThemeChoice();
+const token = takeToken({
+  location,
+  storage: sessionStorage,
+  replaceUrl: (url) => history.replaceState(history.state, '', url),
+});
+
+/** A refused handshake looks like a dead server to a page; plain HTTP tells the two apart. */
+async function askWhy(): Promise<'refused' | 'unreachable' | 'unknown'> {
+  const url = new URL('api/v1/datasets', document.baseURI);
+  if (token) url.searchParams.set('token', token);
+  try {
+    const { status } = await fetch(url, { cache: 'no-store', signal: AbortSignal.timeout(5000) });
+    if (status === 401 || status === 403) return 'refused';
+    return status >= 502 && status <= 504 ? 'unreachable' : 'unknown';
+  } catch {
+    return 'unreachable';
+  }
+}
+
+const session = new Session({
+  connection: (handlers) =>
+    new Connection({
+      ...handlers,
+      open: (subprotocol) => new WebSocket(socketUrl(document.baseURI, token), subprotocol) as Socket,
+      askWhy,
+      now: () => performance.now(),
+      setTimeout: (callback, ms) => window.setTimeout(callback, ms),
+      clearTimeout: (id) => window.clearTimeout(id),
+      random: Math.random,
+    }),
+  saved: new SavedTab(sessionStorage, location.pathname),
+  now: () => performance.now(),
+  schedule: (callback) => void requestAnimationFrame(callback),
+});
+
+mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });
+session.start();
+setInterval(() => session.heartbeat(), 2000);
+document.addEventListener('visibilitychange', () => session.setHidden(document.hidden));
+window.addEventListener('online', () => session.retryNow());
