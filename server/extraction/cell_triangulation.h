@@ -23,7 +23,7 @@ class CellTriangulation {
     if (structured_) {
       if (!topology_) {
         topology_ = &topology(CellType::hexahedron);
-        table_ = &interval_table(CellType::hexahedron);
+        table_ = &hexahedron_table();
         masks_ = table_->masks;
       }
       return;
@@ -56,7 +56,7 @@ class CellTriangulation {
   const Grid& grid_;
   bool structured_;
   const CellTopology* topology_ = nullptr;
-  const IntervalTable* table_ = nullptr;
+  const HexahedronTable* table_ = nullptr;
   const IntervalComplex* complex_ = nullptr;
   std::span<const FaceMask> masks_;
   int count_ = 0;

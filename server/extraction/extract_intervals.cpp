@@ -212,7 +212,7 @@ class Extraction {
 
 void prepare_tables(const Grid& grid) {
   if (grid.structured()) {
-    interval_table(CellType::hexahedron);
+    hexahedron_table();
     return;
   }
   std::array<bool, 256> seen{};
