@@ -210,6 +210,17 @@ class Extraction {
 
 }  // namespace
 
+void prepare_tables(const Grid& grid) {
+  if (grid.structured()) {
+    interval_table(CellType::hexahedron);
+    return;
+  }
+  std::array<bool, 256> seen{};
+  for (const std::uint8_t type : std::get<UnstructuredGrid>(grid.shape).types) seen[type] = true;
+  for (const CellType type : kCellTypes)
+    if (seen[static_cast<std::uint8_t>(type)]) interval_complex(type);
+}
+
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task) {
   const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));

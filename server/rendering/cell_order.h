@@ -1,0 +1,47 @@
+// The order of the few tetrahedra inside one convex cell.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "extraction/interval_mesh.h"
+
+namespace isostrata {
+
+/// Orders small sets of tetrahedra with disjoint interiors by separating planes. Keeps its scratch memory; one per thread.
+class CellOrder {
+ public:
+  /// Permutes `tetrahedra` (indices into mesh.tetrahedra) back to front as seen from the eye. Returns how many pairs could not be ordered
+  /// exactly: their interiors meet (inverted tetrahedra), or they hide each other in a cycle. 0 means the order is exact. O(n^2).
+  int sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t> tetrahedra);
+
+ private:
+  enum class Relation { none, a_behind, b_behind, unknown };
+  struct Plane {
+    Vec3d normal;    // unit length, outwards
+    double offset;   // dot(normal, x) <= offset inside; the eye is the origin
+  };
+  struct Item {
+    std::uint32_t id;
+    Vec3d p[4];       // seen from the eye
+    Plane plane[4];
+    double lower[3], upper[3];  // of (x/z, y/z, z) in a frame that looks at the cell; only where in_front_
+    double distance;            // of the centroid
+    bool flat;                  // of no volume: hides nothing
+  };
+
+  void prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std::uint32_t> tetrahedra);
+  Relation relate(const Item& a, const Item& b) const;
+  Relation relate_by_edges(const Item& a, const Item& b) const;
+  bool silhouettes_meet(const Item& a, const Item& b) const;
+  int emit(std::span<std::uint32_t> tetrahedra);
+
+  std::vector<Item> items_;
+  std::vector<std::uint64_t> behind_;  // [items][words] bit j of row i: j must be drawn before i
+  std::size_t words_ = 0;
+  double tolerance_ = 0;               // lengths below it do not count
+  bool in_front_ = false;              // the whole cell is in front of the eye, so that it has a projection
+};
+
+}  // namespace isostrata
