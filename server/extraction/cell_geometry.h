@@ -1,6 +1,9 @@
-// Signed volumes of cells.
+// Signed volumes and handedness of cells.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 
 #include "base/vec.h"
@@ -23,6 +26,25 @@ inline double signed_cell_volume(const CellTopology& cell, const Vec3d* p) {
     }
   }
   return twice / 12;
+}
+
+/// What orients the tetrahedra of a cell.
+struct CellHandedness {
+  double tolerance = 0;  // volumes of tetrahedra in the cell are uncertain by this much, from rounding
+  int sign = 0;          // of the cell's own signed volume; 0 where that is within the tolerance
+};
+
+inline CellHandedness cell_handedness(const CellTopology& cell, std::span<const Vec3d> p) {
+  Box3d box;
+  for (const Vec3d& point : p) box.include(point);
+  double largest = 0;  // coordinate: what is rounded are differences of positions that far from the origin
+  for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
+  const double size = box.diagonal();
+  CellHandedness out;
+  out.tolerance = 4 * std::numeric_limits<double>::epsilon() * std::max(largest, size) * size * size;
+  const double volume = signed_cell_volume(cell, p.data());
+  out.sign = volume > out.tolerance ? 1 : volume < -out.tolerance ? -1 : 0;
+  return out;
 }
 
 }  // namespace isostrata

@@ -1,6 +1,7 @@
 #include "extraction/extract_intervals.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <limits>
 #include <map>
@@ -66,7 +67,7 @@ class Extraction {
 
   IntervalMesh run() {
     mesh_.cells = grid_.cell_count();
-    cases_ = find_active_cells(grid_, array_, rules_, task_);
+    cases_ = find_active_cells(grid_, array_, rules_, options_.max_bytes, task_);
     starts_ = block_starts(cases_);
     if (grid_.structured() && rules_.isovalues().size() <= StructuredPoints::kMaxIsovalues)
       build_mesh(StructuredPoints(grid_, cases_, rules_, options_.max_bytes, task_));
@@ -84,6 +85,7 @@ class Extraction {
   void build_mesh(const Points& points) {
     points.locate(grid_, array_, rules_, mesh_, task_);
     count_tetrahedra(points);
+    measure_cells();
     write_tetrahedra(points);
   }
 
@@ -144,6 +146,30 @@ class Extraction {
                   "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
   }
 
+  /// Which way the active cells are turned; a cell without volume is taken to be turned as most others are.
+  void measure_cells() {
+    handedness_.resize(cells_before_.back());
+    std::atomic<std::int64_t> balance{0};
+    parallel_for(blocks(), 1, [&](std::int64_t begin, std::int64_t end) {
+      CellTriangulation triangulation(grid_);
+      std::array<Vec3d, kMaxCellVertices> p;
+      for (std::int64_t block = begin; block < end; ++block) {
+        task_.check();
+        std::uint64_t run = cells_before_[block];
+        std::int64_t own = 0;
+        for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
+          if (i > starts_[block] && cases_[i - 1].cell == cases_[i].cell) continue;
+          triangulation.begin_cell(cases_[i].cell);
+          const auto ids = triangulation.ids();
+          for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
+          own += (handedness_[run++] = cell_handedness(triangulation.cell(), std::span(p).first(ids.size()))).sign;
+        }
+        balance.fetch_add(own, std::memory_order_relaxed);
+      }
+    });
+    usual_sign_ = balance.load() < 0 ? -1 : 1;
+  }
+
   template <class Points>
   void write_tetrahedra(const Points& points) {
     mesh_.tetrahedra.resize(tetrahedra_before_.back());
@@ -169,20 +195,20 @@ class Extraction {
     std::uint64_t to = tetrahedra_before_[block];
     std::uint64_t run = cells_before_[block];
     std::map<std::uint16_t, Sums>& sums = sums_[block];
-    double cell_volume = 0;
+    CellHandedness hand;
+    std::uint16_t summed = 0;
+    Sums* own = nullptr;
     bool collapsed = false;
     std::array<FaceMask, kMaxIsoVertices> merged_masks;
     visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
       if (first) {
-        cell_volume = volume_of(triangulation);
+        hand = handedness_[run];
         collapsed = !grid_.structured() && triangulation.collapsed();
         mesh_.cell_runs[run++] = {at.cell, static_cast<std::uint32_t>(to)};
       }
-      const bool left_handed = cell_volume < 0;
-      // Flat tetrahedra come out as rounding of either sign; only what is more than that is inverted.
-      const double rounding = -1e-13 * std::abs(cell_volume);
-      Sums& own = sums[at.interval];
-      ++own.active_cells;
+      const bool left_handed = (hand.sign != 0 ? hand.sign : usual_sign_) < 0;
+      if (!own || summed != at.interval) own = &sums[summed = at.interval];
+      ++own->active_cells;
       std::span<const FaceMask> masks = triangulation.masks();
       if (options_.facets && collapsed) {
         std::copy(masks.begin(), masks.end(), merged_masks.begin());
@@ -195,22 +221,15 @@ class Extraction {
         if (repeats_a_point(p)) continue;
         const auto& x = mesh_.positions;
         const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-        ++own.tetrahedra;
-        own.volume += std::abs(volume);
-        own.signed_volume += volume;
-        own.inverted += volume < rounding;
+        ++own->tetrahedra;
+        own->volume += std::abs(volume);
+        own->signed_volume += volume;
+        own->inverted += volume < -hand.tolerance;  // flat ones come out as rounding of either sign
         if (options_.facets) labels_[to] = label_facets(masks[t[0]], masks[t[1]], masks[t[2]], masks[t[3]]);
         mesh_.tetrahedron_interval[to] = at.interval;
         mesh_.tetrahedra[to++] = p;
       }
     });
-  }
-
-  double volume_of(const CellTriangulation& triangulation) const {
-    std::array<Vec3d, kMaxCellVertices> p;
-    const auto ids = triangulation.ids();
-    for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
-    return signed_cell_volume(triangulation.cell(), p.data());
   }
 
   void summarise() {
@@ -235,6 +254,8 @@ class Extraction {
   std::vector<std::size_t> starts_;               // [blocks + 1] into cases_
   std::vector<std::uint64_t> tetrahedra_before_;  // [blocks + 1]
   std::vector<std::uint64_t> cells_before_;       // [blocks + 1]
+  std::vector<CellHandedness> handedness_;        // [active cells]
+  int usual_sign_ = 1;
   std::vector<FacetLabels> labels_;               // [nt] where facets are wanted
   std::vector<std::map<std::uint16_t, Sums>> sums_;  // [blocks] by interval
 };

@@ -57,9 +57,14 @@ class MeshPoints {
   /// The number of a point that is there.
   std::uint32_t find(const PointKey& key) const {
     const std::uint64_t packed = pack(key);
-    std::uint32_t at = first_[key.a];
-    while (keys_[at] != packed) ++at;
-    return at;
+    const std::uint64_t* const begin = keys_.data() + first_[key.a];
+    const std::uint64_t* const end = keys_.data() + first_[key.a + 1];
+    const std::uint64_t* at = begin;
+    if (end - begin > 16)  // many isovalues
+      at = std::lower_bound(begin, end, packed);
+    else
+      while (*at != packed) ++at;
+    return static_cast<std::uint32_t>(at - keys_.data());
   }
   /// Fills the mesh's positions, origins and values: [size()].
   void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const;
