@@ -34,17 +34,30 @@ struct CellHandedness {
   int sign = 0;          // of the cell's own signed volume; 0 where that is within the tolerance
 };
 
-inline CellHandedness cell_handedness(const CellTopology& cell, std::span<const Vec3d> p) {
-  Box3d box;
-  for (const Vec3d& point : p) box.include(point);
-  double largest = 0;  // coordinate: what is rounded are differences of positions that far from the origin
+/// From the cell's volume and bounds: what is rounded are differences of positions as far from the origin as the cell is.
+inline CellHandedness handedness_of(double volume, const Box3d& box) {
+  double largest = 0;
   for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
   const double size = box.diagonal();
   CellHandedness out;
   out.tolerance = 4 * std::numeric_limits<double>::epsilon() * std::max(largest, size) * size * size;
-  const double volume = signed_cell_volume(cell, p.data());
   out.sign = volume > out.tolerance ? 1 : volume < -out.tolerance ? -1 : 0;
   return out;
+}
+
+inline CellHandedness cell_handedness(const CellTopology& cell, std::span<const Vec3d> p) {
+  Box3d box;
+  for (const Vec3d& point : p) box.include(point);
+  return handedness_of(signed_cell_volume(cell, p.data()), box);
+}
+
+/// Of a box with its vertices 0 and 6: rectilinear grids need no more.
+inline CellHandedness box_handedness(const Vec3d& first, const Vec3d& opposite) {
+  Box3d box;
+  box.include(first);
+  box.include(opposite);
+  const Vec3d d = opposite - first;
+  return handedness_of(d.x * d.y * d.z, box);
 }
 
 }  // namespace isostrata

@@ -138,7 +138,7 @@ class Extraction {
     const std::uint64_t tetrahedra = tetrahedra_before_.back();
     const std::uint64_t bytes = tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + (options_.facets ? 4 : 0)) +
                                 static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
-                                cases_.size() * sizeof(CellCase) + cells_before_.back() * sizeof(CellRun);
+                                cases_.size() * sizeof(CellCase) + cells_before_.back() * (sizeof(CellRun) + sizeof(CellHandedness));
     check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points.size()) + " points", bytes,
                  options_.max_bytes);
     if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
@@ -161,8 +161,14 @@ class Extraction {
           if (i > starts_[block] && cases_[i - 1].cell == cases_[i].cell) continue;
           triangulation.begin_cell(cases_[i].cell);
           const auto ids = triangulation.ids();
-          for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
-          own += (handedness_[run++] = cell_handedness(triangulation.cell(), std::span(p).first(ids.size()))).sign;
+          CellHandedness& hand = handedness_[run++];
+          if (grid_.rectilinear()) {
+            hand = box_handedness(grid_.point(ids[0]), grid_.point(ids[6]));
+          } else {
+            for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
+            hand = cell_handedness(triangulation.cell(), std::span(p).first(ids.size()));
+          }
+          own += hand.sign;
         }
         balance.fetch_add(own, std::memory_order_relaxed);
       }
