@@ -63,7 +63,8 @@ std::vector<CellCase> join_blocks(const Search& search, std::int64_t count, std:
   const auto check = [&](const std::vector<CellCase>& out) {
     task.check();
     // The list is held twice while it is joined.
-    check_budget("the list of active cells", 2 * (listed.load(std::memory_order_relaxed) + out.size()) * sizeof(CellCase), search.max_bytes);
+    check_budget("the list of active cells", 2 * (listed.load(std::memory_order_relaxed) + out.size()) * sizeof(CellCase),
+                 search.max_bytes);
   };
   StageProgress progress(task, "searching", 0.0, 0.3, count);
   parallel_for(blocks, 1, [&](std::int64_t first, std::int64_t last) {
@@ -87,7 +88,8 @@ std::vector<CellCase> join_blocks(const Search& search, std::int64_t count, std:
   return all;
 }
 
-/// The extremes of the four rows of points around a row of cells, column by column. A NaN may or may not come through; classify looks again.
+/// The extremes of the four rows of points around a row of cells, column by column. A NaN may or may not come through; classify
+/// looks again.
 template <class T>
 struct RowExtremes {
   std::vector<T> lowest, highest;  // [ni] over the four rows
@@ -106,7 +108,8 @@ struct RowExtremes {
   }
 };
 
-/// The smallest T that is not below the bound once promoted to double; for integers in a type that also holds one past T's largest.
+/// The smallest T that is not below the bound once promoted to double; for integers in a type that also holds one past T's
+/// largest.
 template <class T>
 auto threshold(double bound) {
   if constexpr (std::is_same_v<T, float>) {
@@ -136,38 +139,39 @@ std::vector<CellCase> find_structured(const Search& search, std::span<const T> v
 
   const std::int64_t rows = cj * ck;
   const std::int64_t block = std::max<std::int64_t>(1, 32768 / std::max<std::int64_t>(ci, 1));
-  return join_blocks(search, rows, block, [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
-    RowExtremes<T> row;
-    std::vector<std::uint8_t> candidate((ci + 7) / 8 * 8);
-    for (std::int64_t r = begin; r < end; ++r) {
-      const std::int64_t k = r / cj, j = r - k * cj;
-      const std::int64_t first = ni * (j + nj * k);
-      const T* const p = values.data() + first;
-      row.compute(p, p + ni, p + ni * nj, p + ni * nj + ni, ni);
-      const T* const lo = row.lowest.data();
-      const T* const hi = row.highest.data();
-      for (std::int64_t i = 0; i < ci; ++i) {
-        const bool reaches = (static_cast<Bound>(hi[i]) >= lowest) | (static_cast<Bound>(hi[i + 1]) >= lowest);
-        const bool begins = (static_cast<Bound>(lo[i]) < highest) | (static_cast<Bound>(lo[i + 1]) < highest);
-        candidate[i] = reaches & begins;
-      }
-      for (std::int64_t i8 = 0; i8 < ci; i8 += 8) {
-        std::uint64_t eight;
-        std::memcpy(&eight, candidate.data() + i8, 8);
-        if (eight == 0) continue;
-        check(out);
-        for (std::int64_t i = i8; i < std::min(ci, i8 + 8); ++i) {
-          if (!candidate[i]) continue;
-          const std::int64_t q = first + i;
-          const std::array<std::int64_t, 8> ids{q,           q + 1,           q + ni + 1,           q + ni,
-                                                q + ni * nj, q + ni * nj + 1, q + ni * nj + ni + 1, q + ni * nj + ni};
-          std::array<double, 8> f;
-          for (int v = 0; v < 8; ++v) f[v] = static_cast<double>(values[ids[v]]);
-          classify(grid, rules, r * ci + i, ids, f.data(), out);
+  return join_blocks(
+      search, rows, block, [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
+        RowExtremes<T> row;
+        std::vector<std::uint8_t> candidate((ci + 7) / 8 * 8);
+        for (std::int64_t r = begin; r < end; ++r) {
+          const std::int64_t k = r / cj, j = r - k * cj;
+          const std::int64_t first = ni * (j + nj * k);
+          const T* const p = values.data() + first;
+          row.compute(p, p + ni, p + ni * nj, p + ni * nj + ni, ni);
+          const T* const lo = row.lowest.data();
+          const T* const hi = row.highest.data();
+          for (std::int64_t i = 0; i < ci; ++i) {
+            const bool reaches = (static_cast<Bound>(hi[i]) >= lowest) | (static_cast<Bound>(hi[i + 1]) >= lowest);
+            const bool begins = (static_cast<Bound>(lo[i]) < highest) | (static_cast<Bound>(lo[i + 1]) < highest);
+            candidate[i] = reaches & begins;
+          }
+          for (std::int64_t i8 = 0; i8 < ci; i8 += 8) {
+            std::uint64_t eight;
+            std::memcpy(&eight, candidate.data() + i8, 8);
+            if (eight == 0) continue;
+            check(out);
+            for (std::int64_t i = i8; i < std::min(ci, i8 + 8); ++i) {
+              if (!candidate[i]) continue;
+              const std::int64_t q = first + i;
+              const std::array<std::int64_t, 8> ids{q,           q + 1,           q + ni + 1,           q + ni,
+                                                    q + ni * nj, q + ni * nj + 1, q + ni * nj + ni + 1, q + ni * nj + ni};
+              std::array<double, 8> f;
+              for (int v = 0; v < 8; ++v) f[v] = static_cast<double>(values[ids[v]]);
+              classify(grid, rules, r * ci + i, ids, f.data(), out);
+            }
+          }
         }
-      }
-    }
-  });
+      });
 }
 
 template <class T>
@@ -175,17 +179,18 @@ std::vector<CellCase> find_unstructured(const Search& search, std::span<const T>
   const Grid& grid = search.grid;
   const auto& shape = std::get<UnstructuredGrid>(grid.shape);
   constexpr std::int64_t kCellsPerBlock = 8192;
-  return join_blocks(search, grid.cell_count(), kCellsPerBlock, [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
-    std::array<double, kMaxCellVertices> f;
-    for (std::int64_t cell = begin; cell < end; ++cell) {
-      const std::int64_t first = shape.offsets[cell];
-      const auto n = static_cast<std::size_t>(shape.offsets[cell + 1] - first);
-      const auto ids = shape.connectivity.subspan(static_cast<std::size_t>(first), n);
-      for (std::size_t v = 0; v < n; ++v) f[v] = static_cast<double>(values[ids[v]]);
-      classify(grid, search.rules, cell, ids, f.data(), out);
-      if (cell % 16 == 0) check(out);
-    }
-  });
+  return join_blocks(search, grid.cell_count(), kCellsPerBlock,
+                     [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
+                       std::array<double, kMaxCellVertices> f;
+                       for (std::int64_t cell = begin; cell < end; ++cell) {
+                         const std::int64_t first = shape.offsets[cell];
+                         const auto n = static_cast<std::size_t>(shape.offsets[cell + 1] - first);
+                         const auto ids = shape.connectivity.subspan(static_cast<std::size_t>(first), n);
+                         for (std::size_t v = 0; v < n; ++v) f[v] = static_cast<double>(values[ids[v]]);
+                         classify(grid, search.rules, cell, ids, f.data(), out);
+                         if (cell % 16 == 0) check(out);
+                       }
+                     });
 }
 
 }  // namespace

@@ -20,9 +20,10 @@ struct CellCase {
   std::uint16_t case_index = 0;  // of the interval table, neither all below nor all above
 };
 
-/// Every (active cell, interval), by cell, then by the intervals' lower ends. A cell is *absent* where it is hidden or one of its vertices has
-/// a value or a position that is not finite: interpolation means nothing there, so such a cell holds no part of any interval and its faces
-/// bound the domain. One read of the array on structured grids. Throws too_large where the list would need more than max_bytes, cancelled.
+/// Every (active cell, interval), by cell, then by the intervals' lower ends. A cell is *absent* where it is hidden or one of its
+/// vertices has a value or a position that is not finite: interpolation means nothing there, so such a cell holds no part of any
+/// interval and its faces bound the domain. One read of the array on structured grids. Throws too_large where the list would need
+/// more than max_bytes, cancelled.
 std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
                                         const Task& task);
 
@@ -54,7 +55,7 @@ class StageProgress {
   double begin_, end_;
   std::int64_t count_;
   std::atomic<std::int64_t> done_{0};
-  std::mutex reporting_;       // guards reported_ and the listener
+  std::mutex reporting_;  // guards reported_ and the listener
   std::int64_t reported_ = 0;
 };
 

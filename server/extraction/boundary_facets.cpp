@@ -120,13 +120,17 @@ std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& a
   // visit(tetrahedron, facet, label) in the order of the tetrahedra.
   const auto visit_boundary = [&](std::int64_t begin, std::int64_t end, const auto& visit) {
     for (std::int64_t r = begin; r < end; ++r) {
-      const std::uint32_t last = r + 1 < count ? runs[r + 1].first_tetrahedron : static_cast<std::uint32_t>(mesh.tetrahedra.size());
+      const std::uint32_t last =
+          r + 1 < count ? runs[r + 1].first_tetrahedron : static_cast<std::uint32_t>(mesh.tetrahedra.size());
       for (std::uint32_t t = runs[r].first_tetrahedron; t < last; ++t)
         for (int i = 0; i < 4; ++i) {
           const std::uint8_t label = labels[t][i];
-          if (label == kLowerFacet) visit(t, i, FacetLabel::lower);
-          else if (label == kUpperFacet) visit(t, i, FacetLabel::upper);
-          else if (label >= kFirstCellFace && (open[r] >> (label - kFirstCellFace) & 1)) visit(t, i, FacetLabel::domain);
+          if (label == kLowerFacet)
+            visit(t, i, FacetLabel::lower);
+          else if (label == kUpperFacet)
+            visit(t, i, FacetLabel::upper);
+          else if (label >= kFirstCellFace && (open[r] >> (label - kFirstCellFace) & 1))
+            visit(t, i, FacetLabel::domain);
         }
     }
   };
@@ -168,7 +172,7 @@ std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) 
   struct FacetUse {
     std::uint32_t middle, largest;  // of the three points
     std::uint16_t interval;
-    bool odd;       // the points, counter-clockwise from outside, are an odd permutation of their sorted order
+    bool odd;  // the points, counter-clockwise from outside, are an odd permutation of their sorted order
     bool boundary;
   };
   const auto same = [](const FacetUse& a, const FacetUse& b) {
@@ -193,8 +197,9 @@ std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) 
         emit(p[0], {p[1], p[2], mesh.tetrahedron_interval[t], odd, (listed[t] >> i & 1) != 0});
       }
   };
-  auto uses = list_by_key<FacetUse>(static_cast<std::int64_t>(mesh.positions.size()), static_cast<std::int64_t>(mesh.tetrahedra.size()),
-                                    8192, "the facets of the mesh", ~std::uint64_t{0}, visit);
+  auto uses =
+      list_by_key<FacetUse>(static_cast<std::int64_t>(mesh.positions.size()), static_cast<std::int64_t>(mesh.tetrahedra.size()),
+                            8192, "the facets of the mesh", ~std::uint64_t{0}, visit);
   std::atomic<std::int64_t> unmatched{0};
   parallel_for(uses.keys(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
     task.check();
@@ -207,7 +212,8 @@ std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) 
       for (std::size_t i = 0; i < list.size();) {
         std::size_t next = i + 1;
         while (next < list.size() && same(list[next], list[i])) ++next;
-        // Boundary facets may coincide where the grid itself does not conform (a tetrahedron standing on half of a hexahedron's face).
+        // Boundary facets may coincide where the grid itself does not conform (a tetrahedron standing on half of a hexahedron's
+        // face).
         const bool bounds = std::all_of(list.begin() + i, list.begin() + next, [](const FacetUse& use) { return use.boundary; });
         const bool meets = next == i + 2 && !list[i].boundary && !list[i + 1].boundary && list[i].odd != list[i + 1].odd;
         if (!bounds && !meets) own += static_cast<std::int64_t>(next - i);

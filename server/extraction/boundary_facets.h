@@ -24,14 +24,14 @@ inline constexpr std::uint8_t kFirstCellFace = 3;  // + k: in the cell's face k
 /// From the masks of a tetrahedron's vertices.
 FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d);
 
-/// Facets on the lower and upper isosurfaces, and those in cell faces that no other cell shares. Hidden and absent cells do not count as
-/// sharing. labels: [nt]. In the order of the tetrahedra. Throws too_large, cancelled.
+/// Facets on the lower and upper isosurfaces, and those in cell faces that no other cell shares. Hidden and absent cells do not
+/// count as sharing. labels: [nt]. In the order of the tetrahedra. Throws too_large, cancelled.
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task);
 
-/// Facets of tetrahedra that are not in mesh.facets and do not meet exactly one other such facet of the same interval, with opposite
-/// orientation; where such facets meet facets of mesh.facets all of them count. 0 for a conforming mesh. Precondition: the mesh was
-/// extracted with facets. O(tetrahedra), by facets sorted within lists by smallest point. Throws cancelled.
+/// Facets of tetrahedra that are not in mesh.facets and do not meet exactly one other such facet of the same interval, with
+/// opposite orientation; where such facets meet facets of mesh.facets all of them count. 0 for a conforming mesh. Precondition:
+/// the mesh was extracted with facets. O(tetrahedra), by facets sorted within lists by smallest point. Throws cancelled.
 std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task);
 
 }  // namespace isostrata

@@ -15,7 +15,8 @@ std::vector<float> carry_array(const IntervalMesh& mesh, const PointArray& array
             const PointOrigin& origin = mesh.origins[i];
             if (static_cast<std::uint64_t>(origin.b) >= values.size())  // b >= a
               throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values.size()) +
-                                                           " values; the mesh lies on a grid with a point " + std::to_string(origin.b));
+                                                           " values; the mesh lies on a grid with a point " +
+                                                           std::to_string(origin.b));
             const auto at_a = static_cast<double>(values[origin.a]);
             // A weight of 0 or 1 takes the end itself: the other one may be NaN.
             if (origin.weight == 0) {

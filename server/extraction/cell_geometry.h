@@ -11,8 +11,8 @@
 
 namespace isostrata {
 
-/// The volume inside the cell's faces, positive for a right-handed cell: tetrahedra from a vertex to the faces, a quadrilateral face taken as
-/// the mean of its two triangulations (which is exact for the bilinear face). p: [vertex_count].
+/// The volume inside the cell's faces, positive for a right-handed cell: tetrahedra from a vertex to the faces, a quadrilateral
+/// face taken as the mean of its two triangulations (which is exact for the bilinear face). p: [vertex_count].
 inline double signed_cell_volume(const CellTopology& cell, const Vec3d* p) {
   if (cell.type == CellType::tetrahedron) return orient3d(p[0], p[1], p[2], p[3]) / 6;
   double twice = 0;  // of six times the volume

@@ -11,8 +11,8 @@
 
 namespace isostrata {
 
-/// Structured grids use the hexahedron's table as it is: cells number a shared face alike. Unstructured grids pull the case's polytopes in the
-/// order of global point ids, so that any mix of cell types conforms. One object per thread.
+/// Structured grids use the hexahedron's table as it is: cells number a shared face alike. Unstructured grids pull the case's
+/// polytopes in the order of global point ids, so that any mix of cell types conforms. One object per thread.
 class CellTriangulation {
  public:
   explicit CellTriangulation(const Grid& grid) : grid_(grid), structured_(grid.structured()) {

@@ -40,7 +40,8 @@ struct Sums {
 };
 
 /// In a collapsed cell isovertices may be one point, and that point lies wherever any of them does.
-void merge_masks(std::uint32_t isovertices, const std::array<std::uint32_t, kMaxIsoVertices>& numbers, std::span<FaceMask> masks) {
+void merge_masks(std::uint32_t isovertices, const std::array<std::uint32_t, kMaxIsoVertices>& numbers,
+                 std::span<FaceMask> masks) {
   for (std::uint32_t rest = isovertices; rest; rest &= rest - 1)
     for (std::uint32_t others = rest & (rest - 1); others; others &= others - 1) {
       const int v = std::countr_zero(rest), w = std::countr_zero(others);
@@ -48,8 +49,8 @@ void merge_masks(std::uint32_t isovertices, const std::array<std::uint32_t, kMax
     }
 }
 
-/// Two vertices of a tetrahedron are one point where the cell is collapsed (a hexahedron that repeats a point): it has no extent, and both
-/// facets that it separates are the same triangle.
+/// Two vertices of a tetrahedron are one point where the cell is collapsed (a hexahedron that repeats a point): it has no extent,
+/// and both facets that it separates are the same triangle.
 bool repeats_a_point(const std::array<std::uint32_t, 4>& t) {
   return t[0] == t[1] || t[0] == t[2] || t[0] == t[3] || t[1] == t[2] || t[1] == t[3] || t[2] == t[3];
 }
@@ -91,8 +92,8 @@ class Extraction {
 
   std::int64_t blocks() const { return static_cast<std::int64_t>(starts_.size()) - 1; }
 
-  /// Calls visit(case, is the cell's first) for the cases of a block, with the triangulation turned to their cells and points_ filled with
-  /// the numbers of the isovertices in use.
+  /// Calls visit(case, is the cell's first) for the cases of a block, with the triangulation turned to their cells and points_
+  /// filled with the numbers of the isovertices in use.
   template <class Points, class Visit>
   void visit_block(std::int64_t block, const Points& points, CellTriangulation& triangulation,
                    std::array<std::uint32_t, kMaxIsoVertices>& numbers, const Visit& visit) const {
@@ -100,8 +101,8 @@ class Extraction {
       const CellCase& at = cases_[i];
       const bool first = i == starts_[block] || cases_[i - 1].cell != at.cell;
       if (first) triangulation.begin_cell(at.cell);
-      points.number(triangulation.cell(), triangulation.ids(), rules_.rules()[at.interval], triangulation.isovertices(at.case_index),
-                    numbers);
+      points.number(triangulation.cell(), triangulation.ids(), rules_.rules()[at.interval],
+                    triangulation.isovertices(at.case_index), numbers);
       visit(at, first);
     }
   }
@@ -121,11 +122,12 @@ class Extraction {
             cells += i == starts_[block] || cases_[i - 1].cell != cases_[i].cell;
             tetrahedra += hexahedron_table().of(cases_[i].case_index).size();
           }
-        } else visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
-          cells += first;
-          for (const auto& t : triangulation.tetrahedra(at.case_index))
-            tetrahedra += !repeats_a_point({numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]});
-        });
+        } else
+          visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
+            cells += first;
+            for (const auto& t : triangulation.tetrahedra(at.case_index))
+              tetrahedra += !repeats_a_point({numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]});
+          });
         tetrahedra_before_[block + 1] = tetrahedra;
         cells_before_[block + 1] = cells;
         progress.done(1);
@@ -136,9 +138,10 @@ class Extraction {
       cells_before_[block + 1] += cells_before_[block];
     }
     const std::uint64_t tetrahedra = tetrahedra_before_.back();
-    const std::uint64_t bytes = tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + (options_.facets ? 4 : 0)) +
-                                static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
-                                cases_.size() * sizeof(CellCase) + cells_before_.back() * (sizeof(CellRun) + sizeof(CellHandedness));
+    const std::uint64_t bytes =
+        tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + (options_.facets ? 4 : 0)) +
+        static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
+        cases_.size() * sizeof(CellCase) + cells_before_.back() * (sizeof(CellRun) + sizeof(CellHandedness));
     check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points.size()) + " points", bytes,
                  options_.max_bytes);
     if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
@@ -262,7 +265,7 @@ class Extraction {
   std::vector<std::uint64_t> cells_before_;       // [blocks + 1]
   std::vector<CellHandedness> handedness_;        // [active cells]
   int usual_sign_ = 1;
-  std::vector<FacetLabels> labels_;               // [nt] where facets are wanted
+  std::vector<FacetLabels> labels_;                  // [nt] where facets are wanted
   std::vector<std::map<std::uint16_t, Sums>> sums_;  // [blocks] by interval
 };
 
@@ -283,8 +286,8 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
                                const ExtractOptions& options, const Task& task) {
   const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));
   if (values != grid.point_count())
-    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) + " values; the grid has " +
-                                                 std::to_string(grid.point_count()) + " points");
+    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
+                                                 " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
   return Extraction(grid, array, intervals, options, task).run();
 }

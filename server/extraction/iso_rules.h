@@ -10,8 +10,8 @@
 
 namespace isostrata {
 
-/// A point is in class (f >= lower) + (f >= above): 0 below, 1 inside, 2 above. `above` is the interval's upper end where another interval
-/// of the request begins there, else the next double after it, so that a closed end holds the points that have it.
+/// A point is in class (f >= lower) + (f >= above): 0 below, 1 inside, 2 above. `above` is the interval's upper end where another
+/// interval of the request begins there, else the next double after it, so that a closed end holds the points that have it.
 struct IsoRule {
   double lower = 0, upper = 0;
   double above = 0;
@@ -26,13 +26,13 @@ class IsoRules {
   /// Throws invalid_argument: no interval, more than 65535, an end that is not finite, lower >= upper.
   explicit IsoRules(std::span<const Interval> intervals);
 
-  std::span<const IsoRule> rules() const { return rules_; }           // in the order of the request
-  std::span<const double> isovalues() const { return isovalues_; }    // distinct, increasing
-  double lowest() const { return lowest_; }                           // of all lower
-  double highest() const { return highest_; }                         // of all above
+  std::span<const IsoRule> rules() const { return rules_; }         // in the order of the request
+  std::span<const double> isovalues() const { return isovalues_; }  // distinct, increasing
+  double lowest() const { return lowest_; }                         // of all lower
+  double highest() const { return highest_; }                       // of all above
 
-  /// Calls visit(interval, rule), in the order of `lower`, for every interval in which values that span [minimum, maximum] are neither
-  /// all below nor all above. O(log intervals + visits) where intervals do not overlap.
+  /// Calls visit(interval, rule), in the order of `lower`, for every interval in which values that span [minimum, maximum] are
+  /// neither all below nor all above. O(log intervals + visits) where intervals do not overlap.
   template <class Visit>
   void visit_active(double minimum, double maximum, Visit&& visit) const {
     std::size_t i = 0;
@@ -40,7 +40,10 @@ class IsoRules {
       std::size_t last = order_.size();
       while (i < last) {
         const std::size_t middle = (i + last) / 2;
-        if (minimum < reach_[middle]) last = middle; else i = middle + 1;
+        if (minimum < reach_[middle])
+          last = middle;
+        else
+          i = middle + 1;
       }
     }
     for (; i < order_.size(); ++i) {

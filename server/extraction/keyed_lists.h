@@ -14,7 +14,8 @@
 
 namespace isostrata {
 
-/// The values under each key in [0, keys). Their order within a list depends on threads: sort each list before reading anything into it.
+/// The values under each key in [0, keys). Their order within a list depends on threads: sort each list before reading anything
+/// into it.
 template <class Value>
 struct KeyedLists {
   std::vector<std::uint32_t> first;  // [keys + 1] into values
@@ -38,8 +39,8 @@ inline std::uint64_t running_sum(std::vector<std::uint32_t>& counts) {
 /// Calls visit(begin, end, emit) twice over blocks of [0, count); visit calls emit(key, value), both times alike.
 /// O(count + keys + values). Throws too_large (`what` says of what): above max_bytes or 2^32 values; and whatever visit throws.
 template <class Value, class Visit>
-KeyedLists<Value> list_by_key(std::int64_t keys, std::int64_t count, std::int64_t grain, const std::string& what, std::uint64_t max_bytes,
-                              const Visit& visit) {
+KeyedLists<Value> list_by_key(std::int64_t keys, std::int64_t count, std::int64_t grain, const std::string& what,
+                              std::uint64_t max_bytes, const Visit& visit) {
   KeyedLists<Value> lists;
   lists.first.assign(keys + 1, 0);
   std::atomic<std::uint64_t> total{0};
@@ -53,7 +54,8 @@ KeyedLists<Value> list_by_key(std::int64_t keys, std::int64_t count, std::int64_
   });
   check_budget(what, total.load() * sizeof(Value) + lists.first.size() * 2 * sizeof(std::uint32_t), max_bytes);
   if (total.load() > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::too_large, "extraction: " + what + ": " + std::to_string(total.load()) + " of them; expected fewer than 2^32");
+    throw Error(ErrorCode::too_large,
+                "extraction: " + what + ": " + std::to_string(total.load()) + " of them; expected fewer than 2^32");
 
   running_sum(lists.first);
   lists.values.resize(total.load());

@@ -60,11 +60,13 @@ MeshPoints::MeshPoints(const Grid& grid, std::span<const CellCase> cases, const 
   keys_.resize(running_sum(first_));
   parallel_for(np, kPointsPerBlock, [&](std::int64_t begin, std::int64_t end) {
     task.check();
-    for (std::int64_t a = begin; a < end; ++a) std::copy_n(uses.of(a).begin(), first_[a + 1] - first_[a], keys_.begin() + first_[a]);
+    for (std::int64_t a = begin; a < end; ++a)
+      std::copy_n(uses.of(a).begin(), first_[a + 1] - first_[a], keys_.begin() + first_[a]);
   });
 }
 
-void MeshPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const {
+void MeshPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh,
+                        const Task& task) const {
   mesh.positions.resize(keys_.size());
   mesh.origins.resize(keys_.size());
   mesh.values.resize(keys_.size());

@@ -19,7 +19,8 @@
 
 namespace isostrata {
 
-/// The identity of a mesh point: the kept grid point a (b == a, isovalue 0), or the crossing of the grid edge a < b with an isovalue.
+/// The identity of a mesh point: the kept grid point a (b == a, isovalue 0), or the crossing of the grid edge a < b with an
+/// isovalue.
 struct PointKey {
   std::int64_t a = 0, b = 0;
   std::uint32_t isovalue = 0;  // into IsoRules::isovalues
@@ -94,8 +95,8 @@ inline void set_kept_point(IntervalMesh& mesh, std::uint32_t to, std::int64_t a,
   mesh.values[to] = fa;
 }
 
-/// Writes point `to` of the mesh: where the edge from a to b crosses the isovalue. A coordinate that both ends share stays as it is to the
-/// last bit, so plane faces of the domain stay plane.
+/// Writes point `to` of the mesh: where the edge from a to b crosses the isovalue. A coordinate that both ends share stays as it
+/// is to the last bit, so plane faces of the domain stay plane.
 inline void set_crossing(IntervalMesh& mesh, std::uint32_t to, std::int64_t a, const Vec3d& at_a, double fa, std::int64_t b,
                          const Vec3d& at_b, double fb, double isovalue) {
   const double weight = crossing_weight(fa, fb, isovalue);

@@ -36,8 +36,8 @@ std::uint32_t RankedPoints::finish() {
   return count;
 }
 
-StructuredPoints::StructuredPoints(const Grid& grid, std::span<const CellCase> cases, const IsoRules& rules, std::uint64_t max_bytes,
-                                   const Task& task)
+StructuredPoints::StructuredPoints(const Grid& grid, std::span<const CellCase> cases, const IsoRules& rules,
+                                   std::uint64_t max_bytes, const Task& task)
     : isovalues_(static_cast<int>(rules.isovalues().size())), points_(grid.point_count()) {
   const LatticeCell cell = lattice_cell(CellType::hexahedron);
   axes_.fill(-1);

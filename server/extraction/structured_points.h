@@ -38,14 +38,16 @@ class RankedPoints {
   std::vector<std::uint32_t> before_;  // [words_] points in earlier words
 };
 
-/// Gives the numbers that MeshPoints gives, several times faster: a grid point in use has one bit for itself (kept) and one for each isovalue
-/// on each of its three edges towards larger indices, and the number of a mesh point is a base plus a count of bits.
+/// Gives the numbers that MeshPoints gives, several times faster: a grid point in use has one bit for itself (kept) and one for
+/// each isovalue on each of its three edges towards larger indices, and the number of a mesh point is a base plus a count of
+/// bits.
 class StructuredPoints {
  public:
   static constexpr std::size_t kMaxIsovalues = 21;  // 1 + 3 * 21 bits
 
   /// Precondition: a structured grid and at most kMaxIsovalues isovalues. Throws too_large, cancelled.
-  StructuredPoints(const Grid& grid, std::span<const CellCase> cases, const IsoRules& rules, std::uint64_t max_bytes, const Task& task);
+  StructuredPoints(const Grid& grid, std::span<const CellCase> cases, const IsoRules& rules, std::uint64_t max_bytes,
+                   const Task& task);
 
   std::int64_t size() const { return size_; }
 

@@ -13,7 +13,8 @@
 namespace isostrata {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the formats are written in little-endian byte order as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "the formats are written in little-endian byte order as they lie in memory");
 
 /// Writes values one by one through a buffer.
 class ByteWriter {
@@ -41,11 +42,20 @@ std::string xml_text(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += static_cast<unsigned char>(c) < 0x20 ? '_' : c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 0x20 ? '_' : c;
     }
   }
   return out;
@@ -69,7 +79,9 @@ Block block(std::string type, std::string name, std::size_t count, int component
 
 void write_vtu(std::ostream& out, const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more) {
   const std::size_t np = mesh.positions.size(), nt = mesh.tetrahedra.size();
-  const auto of_interval = [&mesh](std::size_t t) -> const Interval& { return mesh.summaries[mesh.tetrahedron_interval[t]].interval; };
+  const auto of_interval = [&mesh](std::size_t t) -> const Interval& {
+    return mesh.summaries[mesh.tetrahedron_interval[t]].interval;
+  };
 
   struct Section {
     const char* tag;
@@ -93,7 +105,8 @@ void write_vtu(std::ostream& out, const IntervalMesh& mesh, const std::string& a
         block("Int64", "offsets", nt, 1, [](std::size_t t) { return static_cast<std::int64_t>(4 * (t + 1)); }),
         block("UInt8", "types", nt, 1, [](std::size_t) { return kVtkTetra; })}});
 
-  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+         "header_type=\"UInt64\">\n"
       << "  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"" << np << "\" NumberOfCells=\"" << nt << "\">\n";
   std::uint64_t offset = 0;
   for (const Section& section : sections) {
@@ -101,8 +114,8 @@ void write_vtu(std::ostream& out, const IntervalMesh& mesh, const std::string& a
     if (section.tag == std::string("PointData")) out << " Scalars=\"" << xml_text(array_name) << '"';
     out << ">\n";
     for (const Block& b : section.blocks) {
-      out << "        <DataArray type=\"" << b.type << "\" Name=\"" << xml_text(b.name) << "\" NumberOfComponents=\"" << b.components
-          << "\" format=\"appended\" offset=\"" << offset << "\"/>\n";
+      out << "        <DataArray type=\"" << b.type << "\" Name=\"" << xml_text(b.name) << "\" NumberOfComponents=\""
+          << b.components << "\" format=\"appended\" offset=\"" << offset << "\"/>\n";
       offset += sizeof(std::uint64_t) + b.bytes;
     }
     out << "      </" << section.tag << ">\n";
@@ -151,7 +164,8 @@ void write_stl(std::ostream& out, const IntervalMesh& mesh) {
   ByteWriter writer(out);
   writer.put(header);
   if (mesh.facets.size() > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::too_large, "STL holds at most 2^32 - 1 triangles; the boundary has " + std::to_string(mesh.facets.size()));
+    throw Error(ErrorCode::too_large,
+                "STL holds at most 2^32 - 1 triangles; the boundary has " + std::to_string(mesh.facets.size()));
   writer.put(static_cast<std::uint32_t>(mesh.facets.size()));
   const auto single = [](Vec3d v) { return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; };
   for (const BoundaryFacet& facet : mesh.facets) {

@@ -73,7 +73,8 @@ void read_once(const PointArray& array) {
       array.values);
 }
 
-/// A thin layer around the torus of radius 0.25, about as many tetrahedra as in the paper's Table 2; elsewhere the middle tenth of the range.
+/// A thin layer around the torus of radius 0.25, about as many tetrahedra as in the paper's Table 2; elsewhere the middle tenth
+/// of the range.
 Interval default_interval(const std::string& data, const PointArray& array) {
   if (data.starts_with("torus")) return {0.24, 0.26};
   const double span = array.upper - array.lower;
@@ -123,10 +124,11 @@ boost::json::object to_json(const BenchRun& run) {
 }
 
 void print_text(const BenchRun& run) {
-  std::printf("%s, %s %g:%g: %lld of %lld cells, %lld tetrahedra; min %.2f, median %.2f, max %.2f ms; reading the array once %.2f ms\n",
-              run.data.c_str(), run.array.c_str(), run.interval.lower, run.interval.upper, static_cast<long long>(run.active_cells),
-              static_cast<long long>(run.cells), static_cast<long long>(run.tetrahedra), run.min_ms, run.median_ms, run.max_ms,
-              run.read_floor_ms);
+  std::printf(
+      "%s, %s %g:%g: %lld of %lld cells, %lld tetrahedra; min %.2f, median %.2f, max %.2f ms; reading the array once %.2f ms\n",
+      run.data.c_str(), run.array.c_str(), run.interval.lower, run.interval.upper, static_cast<long long>(run.active_cells),
+      static_cast<long long>(run.cells), static_cast<long long>(run.tetrahedra), run.min_ms, run.median_ms, run.max_ms,
+      run.read_floor_ms);
 }
 
 void run(const BenchArguments& arguments) {
@@ -151,7 +153,9 @@ void run(const BenchArguments& arguments) {
 void add_bench_extract_command(CLI::App& bench) {
   CLI::App* command = bench.add_subcommand("extract", "Times extraction, with the time to read the array once beside it");
   auto arguments = std::make_shared<BenchArguments>();
-  command->add_option("--data", arguments->data, "A file or the name of analytic data; may be repeated")->allow_extra_args(false)->capture_default_str();
+  command->add_option("--data", arguments->data, "A file or the name of analytic data; may be repeated")
+      ->allow_extra_args(false)
+      ->capture_default_str();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->interval, "LOWER:UPPER (default: a thin layer)");
   command->add_option("--repeat", arguments->repeat, "Runs of each")->check(CLI::Range(1, 100000))->capture_default_str();

@@ -67,17 +67,20 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
 }
 
 void print_text(const IntervalMesh& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
-  std::printf("%s: %lld of %lld cells active, %zu tetrahedra, %zu points\n", array.c_str(), static_cast<long long>(mesh.active_cells),
-              static_cast<long long>(mesh.cells), mesh.tetrahedra.size(), mesh.positions.size());
-  std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "signed volume", "inverted");
+  std::printf("%s: %lld of %lld cells active, %zu tetrahedra, %zu points\n", array.c_str(),
+              static_cast<long long>(mesh.active_cells), static_cast<long long>(mesh.cells), mesh.tetrahedra.size(),
+              mesh.positions.size());
+  std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "signed volume",
+              "inverted");
   for (const IntervalSummary& row : mesh.summaries)
     std::printf("%14.8g %14.8g %10lld %10lld %16.10g %16.10g %8lld\n", row.interval.lower, row.interval.upper,
                 static_cast<long long>(row.active_cells), static_cast<long long>(row.tetrahedra), row.volume, row.signed_volume,
                 static_cast<long long>(row.inverted));
   std::printf("boundary facets: %lld lower, %lld upper, %lld domain; %lld unmatched\n", static_cast<long long>(facets.lower),
-              static_cast<long long>(facets.upper), static_cast<long long>(facets.domain), static_cast<long long>(facets.unmatched));
-  std::printf("load %.1f ms, index %.1f ms, extract %.1f ms, check %.1f ms, write %.1f ms, total %.1f ms on %d threads\n", ms.load,
-              ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
+              static_cast<long long>(facets.upper), static_cast<long long>(facets.domain),
+              static_cast<long long>(facets.unmatched));
+  std::printf("load %.1f ms, index %.1f ms, extract %.1f ms, check %.1f ms, write %.1f ms, total %.1f ms on %d threads\n",
+              ms.load, ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
 }
 
 void run(const ExtractArguments& arguments) {

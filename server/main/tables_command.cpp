@@ -10,9 +10,12 @@ namespace isostrata {
 namespace {
 
 boost::json::object to_json(const TableStatistics& row) {
-  return {{"cell", row.cell},           {"dimension", row.dimension},
-          {"vertices", row.vertices},   {"cases", row.cases},
-          {"total_simplices", row.total_simplices}, {"average", row.average},
+  return {{"cell", row.cell},
+          {"dimension", row.dimension},
+          {"vertices", row.vertices},
+          {"cases", row.cases},
+          {"total_simplices", row.total_simplices},
+          {"average", row.average},
           {"max", row.max}};
 }
 

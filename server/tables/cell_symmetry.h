@@ -7,12 +7,12 @@
 
 namespace isostrata {
 
-/// A permutation of a cell's vertices that maps faces to faces. For the four cell types every one of them is an affine map of the lattice
-/// cell, so hulls of its vertices and edge midpoints are mapped to hulls.
+/// A permutation of a cell's vertices that maps faces to faces. For the four cell types every one of them is an affine map of the
+/// lattice cell, so hulls of its vertices and edge midpoints are mapped to hulls.
 struct CellSymmetry {
-  std::vector<int> vertex;          // [n] vertex v goes to vertex[v]
-  std::vector<IsoVertex> isovertex; // [n + 2 e] likewise for isovertices
-  bool reverses = false;            // it mirrors: counter-clockwise becomes clockwise
+  std::vector<int> vertex;           // [n] vertex v goes to vertex[v]
+  std::vector<IsoVertex> isovertex;  // [n + 2 e] likewise for isovertices
+  bool reverses = false;             // it mirrors: counter-clockwise becomes clockwise
 
   /// The case in which vertex[v] has the class that v has in `case_index`.
   int map_case(int case_index) const;

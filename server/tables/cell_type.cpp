@@ -8,8 +8,8 @@ namespace {
 
 using Edge = std::array<int, 2>;
 
-// Faces as in VTK's cell classes: triangles first or quadrilaterals first as listed there, normals outwards. A right-handed wedge is the
-// one VTK documents (the normal of 0,1,2 points away from 3,4,5).
+// Faces as in VTK's cell classes: triangles first or quadrilaterals first as listed there, normals outwards. A right-handed wedge
+// is the one VTK documents (the normal of 0,1,2 points away from 3,4,5).
 constexpr std::array<Edge, 6> kTetrahedronEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 constexpr std::array<CellFace, 4> kTetrahedronFaces{{{3, {0, 1, 3}}, {3, {1, 2, 3}}, {3, {2, 0, 3}}, {3, {0, 2, 1}}}};
 
@@ -35,10 +35,14 @@ const CellTopology kHexahedron{CellType::hexahedron, "hexahedron", 8, kHexahedro
 
 const CellTopology& topology(CellType type) {
   switch (type) {
-    case CellType::tetrahedron: return kTetrahedron;
-    case CellType::pyramid: return kPyramid;
-    case CellType::wedge: return kWedge;
-    case CellType::hexahedron: return kHexahedron;
+    case CellType::tetrahedron:
+      return kTetrahedron;
+    case CellType::pyramid:
+      return kPyramid;
+    case CellType::wedge:
+      return kWedge;
+    case CellType::hexahedron:
+      return kHexahedron;
   }
   throw std::logic_error("topology: no cell type has the id " + std::to_string(static_cast<int>(type)));
 }

@@ -93,8 +93,8 @@ std::vector<IsoSimplex> interval_case(const LatticeCell& cell, int case_index, c
   for (const HullPoint& point : points) positions.push_back(point.at);
   const int d = cell.dimension + 1;
 
-  // The isosurface's facets have no cell vertex: near one, the hull is the lifted cell itself. Of the others, those inside a facet of the
-  // lifted cell are no part of it.
+  // The isosurface's facets have no cell vertex: near one, the hull is the lifted cell itself. Of the others, those inside a
+  // facet of the lifted cell are no part of it.
   const std::vector<FaceMask> masks = face_masks(cell);
   std::vector<IsoSimplex> simplices;
   std::vector<std::pair<std::array<std::int64_t, kMaxLatticeDimension>, std::int64_t>> planes;
@@ -110,8 +110,8 @@ std::vector<IsoSimplex> interval_case(const LatticeCell& cell, int case_index, c
       common &= masks[code];
     }
     if (!all_iso || common != 0) continue;
-    // f - (lower (1 - t) + upper t) falls with t, so the outward normal of the positive side points along +t: dropping t keeps its
-    // orientation; the negative side's is the mirror image.
+    // f - (lower (1 - t) + upper t) falls with t, so the outward normal of the positive side points along +t: dropping t keeps
+    // its orientation; the negative side's is the mirror image.
     if (rule.side == HullSide::negative) std::swap(simplex.vertex[0], simplex.vertex[1]);
     const auto plane = std::make_pair(facet.normal, facet.offset);
     const auto at = std::find(planes.begin(), planes.end(), plane);

@@ -1,8 +1,8 @@
 // One case of an interval table: the simplices of the interval volume in one cell, for one classification of the cell's vertices.
 // Method: P. Bhaniramka, C. Zhang, D. Xue, R. Crawfis, R. Wenger, "Volume Interval Segmentation and Rendering", 2004, section 3:
-// the cell C is lifted to C x [0,1] with f - lower at t = 0 and f - upper at t = 1; the isosurface 0 of the lifted cell, made of hull facets
-// as in P. Bhaniramka, R. Wenger, R. Crawfis, "Isosurface construction in any dimension using convex hulls", 2004, projects one to one onto
-// the interval volume.
+// the cell C is lifted to C x [0,1] with f - lower at t = 0 and f - upper at t = 1; the isosurface 0 of the lifted cell, made of
+// hull facets as in P. Bhaniramka, R. Wenger, R. Crawfis, "Isosurface construction in any dimension using convex hulls", 2004,
+// projects one to one onto the interval volume.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ int case_count(int vertex_count);
 ///   n + e + i        edge i crosses the upper isovalue there.
 using IsoVertex = std::uint8_t;
 
-/// Which facets of the lifted cell hold a vertex: bit 0 the lower isosurface (t = 0), bit 1 the upper one (t = 1), bit 2 + k the cell's
-/// face k. The label of a facet of a simplex is the AND over its vertices; 0 means inside the cell.
+/// Which facets of the lifted cell hold a vertex: bit 0 the lower isosurface (t = 0), bit 1 the upper one (t = 1), bit 2 + k the
+/// cell's face k. The label of a facet of a simplex is the AND over its vertices; 0 means inside the cell.
 using FaceMask = std::uint16_t;
 inline constexpr FaceMask kOnLower = 1;
 inline constexpr FaceMask kOnUpper = 2;
@@ -34,8 +34,9 @@ inline constexpr int kFirstFaceBit = 2;
 /// The masks of all isovertices: [n + 2 e].
 std::vector<FaceMask> face_masks(const LatticeCell& cell);
 
-/// The hull facets that make the isosurface of the lifted cell, as simplices of the interval volume. Simplices of equal `plane` lie in one
-/// hyperplane of the lifted space and make up one convex polytope of the interval volume, whatever the order of placing was.
+/// The hull facets that make the isosurface of the lifted cell, as simplices of the interval volume. Simplices of equal `plane`
+/// lie in one hyperplane of the lifted space and make up one convex polytope of the interval volume, whatever the order of
+/// placing was.
 struct IsoSimplex {
   std::array<IsoVertex, kMaxLatticeDimension> vertex{};  // [dimension + 1], positively oriented in the cell's own coordinates
   int plane = 0;

@@ -24,8 +24,8 @@ std::array<Triangle, 4> facets_of(const IsoSimplex& s) {
   return {{{v[1], v[2], v[3]}, {v[0], v[3], v[2]}, {v[0], v[1], v[3]}, {v[0], v[2], v[1]}}};
 }
 
-/// What lies beyond a triangle of a polytope's boundary: another polytope of the case, or a facet of the lifted cell. Triangles with the
-/// same beyond make one face.
+/// What lies beyond a triangle of a polytope's boundary: another polytope of the case, or a facet of the lifted cell. Triangles
+/// with the same beyond make one face.
 struct Beyond {
   int plane = -1;
   FaceMask mask = 0;
@@ -175,7 +175,8 @@ const IntervalComplex& interval_complex(CellType type) {
       static const IntervalComplex complex = build(CellType::wedge);
       return complex;
     }
-    case CellType::hexahedron: break;
+    case CellType::hexahedron:
+      break;
   }
   static const IntervalComplex complex = build(CellType::hexahedron);
   return complex;

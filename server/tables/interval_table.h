@@ -11,11 +11,11 @@
 
 namespace isostrata {
 
-/// The hexahedron's tetrahedra for every case, pulled (interval_complex.h) in the order in which a structured grid numbers its points: z, then
-/// y, then x. All cells of a structured grid number their points alike up to translation, so one table serves, and gives what pulling by
-/// global point ids would give. Compared with the placing order of kTableRule half as many tetrahedra are inverted on random values and next to
-/// none on smooth fields (torus:40: 0 instead of 94; marschner-lobb:40: 2 instead of 158, of 0.67 million); there are 77800 in all cases
-/// instead of 78336, and both have at most 18.
+/// The hexahedron's tetrahedra for every case, pulled (interval_complex.h) in the order in which a structured grid numbers its
+/// points: z, then y, then x. All cells of a structured grid number their points alike up to translation, so one table serves,
+/// and gives what pulling by global point ids would give. Compared with the placing order of kTableRule half as many tetrahedra
+/// are inverted on random values and next to none on smooth fields (torus:40: 0 instead of 94; marschner-lobb:40: 2 instead of
+/// 158, of 0.67 million); there are 77800 in all cases instead of 78336, and both have at most 18.
 struct HexahedronTable {
   std::vector<FaceMask> masks;                       // [n + 2 e] of the isovertices
   std::vector<std::uint32_t> first;                  // [cases + 1] into tetrahedra

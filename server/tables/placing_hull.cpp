@@ -15,8 +15,8 @@ using Mask = std::uint64_t;  // a set of points, bit i for point i
 /// A facet of the current hull inside the affine space spanned so far.
 struct Facet {
   Mask points = 0;
-  int inner = 0;         // a point of the hull that is not in this facet's hyperplane
-  bool reversed = false; // the outward normal is the negative of the cross product of the sorted points
+  int inner = 0;          // a point of the hull that is not in this facet's hyperplane
+  bool reversed = false;  // the outward normal is the negative of the cross product of the sorted points
   Row normal{};
   std::int64_t offset = 0;
 };
@@ -47,18 +47,25 @@ std::int64_t determinant(const std::array<Row, kMaxLatticeDimension>& rows) {
 
 std::int64_t determinant(const std::array<Row, kMaxLatticeDimension>& rows, int n) {
   switch (n) {
-    case 0: return determinant<0>(rows);
-    case 1: return determinant<1>(rows);
-    case 2: return determinant<2>(rows);
-    case 3: return determinant<3>(rows);
-    case 4: return determinant<4>(rows);
-    case 5: return determinant<5>(rows);
-    default: return determinant<6>(rows);
+    case 0:
+      return determinant<0>(rows);
+    case 1:
+      return determinant<1>(rows);
+    case 2:
+      return determinant<2>(rows);
+    case 3:
+      return determinant<3>(rows);
+    case 4:
+      return determinant<4>(rows);
+    case 5:
+      return determinant<5>(rows);
+    default:
+      return determinant<6>(rows);
   }
 }
 
-/// The incremental hull. While the points span only k < dimension dimensions it works in k coordinates in which they are independent and
-/// also keeps the k-simplices themselves, because these become facets when the dimension grows.
+/// The incremental hull. While the points span only k < dimension dimensions it works in k coordinates in which they are
+/// independent and also keeps the k-simplices themselves, because these become facets when the dimension grows.
 class PlacingHull {
  public:
   PlacingHull(std::span<const LatticePoint> points, int dimension) : points_(points), dimension_(dimension) {}
@@ -83,9 +90,11 @@ class PlacingHull {
     for (const Facet& facet : facets_) {
       HullFacet& to = out.emplace_back();
       int count = 0;
-      for (Mask rest = facet.points; rest; rest &= rest - 1) to.vertex[count++] = static_cast<std::uint8_t>(std::countr_zero(rest));
+      for (Mask rest = facet.points; rest; rest &= rest - 1)
+        to.vertex[count++] = static_cast<std::uint8_t>(std::countr_zero(rest));
       if (facet.reversed) std::swap(to.vertex[0], to.vertex[1]);
-      // Coordinates were taken in the order in which the points came to span them: put them back, with the sign of that permutation.
+      // Coordinates were taken in the order in which the points came to span them: put them back, with the sign of that
+      // permutation.
       int inversions = 0;
       for (int i = 0; i < dimension_; ++i) {
         to.normal[coordinates_[i]] = facet.normal[i];
@@ -208,10 +217,10 @@ class PlacingHull {
 
   std::span<const LatticePoint> points_;
   int dimension_;
-  int k_ = 0;  // dimension of the affine hull so far
+  int k_ = 0;                                            // dimension of the affine hull so far
   std::array<int, kMaxLatticeDimension> coordinates_{};  // [k_]
-  std::vector<int> basis_;        // [k_ + 1] affinely independent points
-  std::vector<Mask> simplices_;   // of the flat phase
+  std::vector<int> basis_;                               // [k_ + 1] affinely independent points
+  std::vector<Mask> simplices_;                          // of the flat phase
   std::vector<Facet> facets_;
   std::vector<Ridge> ridges_;
 };

@@ -1,9 +1,9 @@
 // Convex hulls of a few lattice points in up to six dimensions, exactly, with the boundary triangulated by *placing*.
 //
-// Placing (pushing) triangulation: points are added one at a time; each new point is joined to the facets that it sees strictly, and facets
-// whose hyperplane holds it are left alone. Restricted to any face of the hull it is the placing triangulation of that face's points in the
-// same order, which is why cells that share a face and order its points alike agree on it.
-// Source: J. A. De Loera, J. Rambau, F. Santos, "Triangulations", 2010, section 4.3.1.
+// Placing (pushing) triangulation: points are added one at a time; each new point is joined to the facets that it sees strictly,
+// and facets whose hyperplane holds it are left alone. Restricted to any face of the hull it is the placing triangulation of that
+// face's points in the same order, which is why cells that share a face and order its points alike agree on it. Source: J. A. De
+// Loera, J. Rambau, F. Santos, "Triangulations", 2010, section 4.3.1.
 #pragma once
 
 #include <array>

@@ -51,11 +51,17 @@ TEST(BoundaryFacets, LieOnTheIsosurfaceOrTheDomainThatTheyName) {
     const Interval interval = mesh.summaries[facet.interval].interval;
     bool on_side[6] = {true, true, true, true, true, true};
     for (const std::uint32_t p : facet.points) {
-      if (facet.label == FacetLabel::lower) { ASSERT_EQ(mesh.values[p], interval.lower); }
-      if (facet.label == FacetLabel::upper) { ASSERT_EQ(mesh.values[p], interval.upper); }
+      if (facet.label == FacetLabel::lower) {
+        ASSERT_EQ(mesh.values[p], interval.lower);
+      }
+      if (facet.label == FacetLabel::upper) {
+        ASSERT_EQ(mesh.values[p], interval.upper);
+      }
       for (int side = 0; side < 6; ++side) on_side[side] &= std::abs(mesh.positions[p][side / 2] - (side % 2 ? 1 : -1)) < 1e-12;
     }
-    if (facet.label == FacetLabel::domain) { ASSERT_TRUE(std::any_of(on_side, on_side + 6, [](bool on) { return on; })); }
+    if (facet.label == FacetLabel::domain) {
+      ASSERT_TRUE(std::any_of(on_side, on_side + 6, [](bool on) { return on; }));
+    }
   }
 }
 

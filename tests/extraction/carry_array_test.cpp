@@ -37,8 +37,10 @@ TEST(CarryArray, TakesKeptPointsAsTheyAre) {
   const std::vector<float> carried = carry_array(mesh, point_array(std::vector<float>{1, 2, 3, nan, 5, 6, 7, 8}));
   ASSERT_EQ(carried.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) {
-    if (i == 3) EXPECT_TRUE(std::isnan(carried[i]));
-    else EXPECT_EQ(carried[i], static_cast<float>(i + 1));
+    if (i == 3)
+      EXPECT_TRUE(std::isnan(carried[i]));
+    else
+      EXPECT_EQ(carried[i], static_cast<float>(i + 1));
   }
 }
 

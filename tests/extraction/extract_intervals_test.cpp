@@ -62,8 +62,8 @@ TEST(ExtractIntervals, GivesAStructuredGridAndItsExplicitCellsTheSameMesh) {
   EXPECT_EQ(count_label(structured, FacetLabel::domain), count_label(explicit_cells, FacetLabel::domain));
 }
 
-/// Two cells that share a face, their points numbered at random. Both are affine images of their lattice cells. `turn` says how the second
-/// cell is turned about the face.
+/// Two cells that share a face, their points numbered at random. Both are affine images of their lattice cells. `turn` says how
+/// the second cell is turned about the face.
 Grid glued_pair(CellType first, const CellFace& face, CellType second, const CellFace& other, int turn, std::mt19937_64& random) {
   const auto positions = [](CellType type) {
     std::vector<Vec3d> out;
@@ -97,7 +97,8 @@ Grid glued_pair(CellType first, const CellFace& face, CellType second, const Cel
   for (std::size_t i = 0; i < local.size(); ++i) {
     glued.push_back(partner[i] >= 0 ? ids[partner[i]] : numbers[next++]);
     const Vec3d d = local[i] - local[own[0]];
-    parts.points[glued.back()] = at[theirs[0]] + (tu * dot(cross(d, v), w) + tv * dot(cross(u, d), w) + tw * dot(cross(u, v), d)) / determinant;
+    parts.points[glued.back()] =
+        at[theirs[0]] + (tu * dot(cross(d, v), w) + tv * dot(cross(u, d), w) + tw * dot(cross(u, v), d)) / determinant;
   }
   parts.add(first, ids);
   parts.add(second, glued);
@@ -217,7 +218,8 @@ TEST(ExtractIntervals, TouchingIntervalsShareThePointsOfTheirIsosurface) {
   const IntervalMesh mesh = extract(dataset->grid, dataset->arrays[0], {{0.3, 0.6}, {0.6, 0.9}});
   std::map<std::array<std::uint32_t, 3>, int> shared;
   for (const BoundaryFacet& facet : mesh.facets) {
-    const bool at_6 = (facet.interval == 0 && facet.label == FacetLabel::upper) || (facet.interval == 1 && facet.label == FacetLabel::lower);
+    const bool at_6 =
+        (facet.interval == 0 && facet.label == FacetLabel::upper) || (facet.interval == 1 && facet.label == FacetLabel::lower);
     if (!at_6) continue;
     auto points = facet.points;
     std::sort(points.begin(), points.end());
@@ -253,12 +255,15 @@ TEST(ExtractIntervals, RunsGroupTetrahedraByIncreasingCell) {
   ASSERT_EQ(static_cast<std::int64_t>(mesh.cell_runs.size()), mesh.active_cells);
   std::array<std::int64_t, kMaxCellVertices> ids;
   for (std::size_t r = 0; r < mesh.cell_runs.size(); ++r) {
-    if (r > 0) { ASSERT_LT(mesh.cell_runs[r - 1].cell, mesh.cell_runs[r].cell); }
+    if (r > 0) {
+      ASSERT_LT(mesh.cell_runs[r - 1].cell, mesh.cell_runs[r].cell);
+    }
     const std::size_t end = r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron : mesh.tetrahedra.size();
     const int n = dataset->grid.cell_points(mesh.cell_runs[r].cell, ids);
     for (std::size_t t = mesh.cell_runs[r].first_tetrahedron; t < end; ++t)
       for (const auto p : mesh.tetrahedra[t])
-        for (const auto id : {mesh.origins[p].a, mesh.origins[p].b}) ASSERT_NE(std::find(ids.begin(), ids.begin() + n, id), ids.begin() + n);
+        for (const auto id : {mesh.origins[p].a, mesh.origins[p].b})
+          ASSERT_NE(std::find(ids.begin(), ids.begin() + n, id), ids.begin() + n);
   }
 }
 
@@ -331,7 +336,8 @@ TEST(ExtractIntervals, CollapsedHexahedraStillConform) {
     const auto id = random_numbers(10, random);
     UnstructuredParts parts;
     parts.points.resize(10);
-    const Vec3d at[10] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {2, 0.5, 0}, {2, 0.5, 1}};
+    const Vec3d at[10] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},   {0, 0, 1},
+                          {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {2, 0.5, 0}, {2, 0.5, 1}};
     for (int p = 0; p < 10; ++p) parts.points[id[p]] = at[p];
     parts.add(CellType::hexahedron, {id[0], id[1], id[2], id[3], id[4], id[5], id[6], id[7]});
     parts.add(CellType::hexahedron, {id[1], id[8], id[8], id[2], id[5], id[9], id[9], id[6]});  // a wedge written as a hexahedron
@@ -354,7 +360,8 @@ TEST(ExtractIntervals, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(serial.tetrahedra, parallel.tetrahedra) << name;
     EXPECT_EQ(serial.positions, parallel.positions) << name;
     EXPECT_EQ(serial.tetrahedron_interval, parallel.tetrahedron_interval) << name;
-    for (std::size_t i = 0; i < intervals.size(); ++i) EXPECT_EQ(serial.summaries[i].signed_volume, parallel.summaries[i].signed_volume);
+    for (std::size_t i = 0; i < intervals.size(); ++i)
+      EXPECT_EQ(serial.summaries[i].signed_volume, parallel.summaries[i].signed_volume);
     ASSERT_EQ(serial.facets.size(), parallel.facets.size());
     for (std::size_t i = 0; i < serial.facets.size(); ++i) ASSERT_EQ(serial.facets[i].points, parallel.facets[i].points);
   }

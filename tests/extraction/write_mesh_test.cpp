@@ -33,7 +33,8 @@ class WriteMesh : public testing::Test {
     return text.str();
   }
   std::size_t files() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator()));
   }
 
   std::filesystem::path folder_;
@@ -58,14 +59,16 @@ std::string appended(const std::string& vtu, const std::string& name) {
 
 TEST_F(WriteMesh, VtuHoldsWhatTheMeshHolds) {
   const std::string vtu = write("mesh.vtu", {{"other", std::vector<float>(mesh_.positions.size(), 2.5f)}});
-  const std::string points = appended(vtu, "Points"), connectivity = appended(vtu, "connectivity"), interval = appended(vtu, "interval");
+  const std::string points = appended(vtu, "Points"), connectivity = appended(vtu, "connectivity"),
+                    interval = appended(vtu, "interval");
   ASSERT_EQ(points.size(), mesh_.positions.size() * 24);
   ASSERT_EQ(connectivity.size(), mesh_.tetrahedra.size() * 32);
   ASSERT_EQ(interval.size(), mesh_.tetrahedra.size() * 4);
   double volume[2] = {0, 0};
   for (std::size_t t = 0; t < mesh_.tetrahedra.size(); ++t) {
     std::array<Vec3d, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = at<Vec3d>(points, 24 * static_cast<std::size_t>(at<std::int64_t>(connectivity, 32 * t + 8 * i)));
+    for (std::size_t i = 0; i < 4; ++i)
+      p[i] = at<Vec3d>(points, 24 * static_cast<std::size_t>(at<std::int64_t>(connectivity, 32 * t + 8 * i)));
     volume[at<std::int32_t>(interval, 4 * t)] += orient3d(p[0], p[1], p[2], p[3]) / 6;
   }
   for (int i = 0; i < 2; ++i) EXPECT_NEAR(volume[i], mesh_.summaries[i].signed_volume, 1e-12);

@@ -130,9 +130,11 @@ TEST(ExtractCommand, BluntfinHasThePapersKindOfLayer) {
   EXPECT_EQ(number(layer.at("unmatched_facets")), 0);
 
   const json::value halves = extract_json("'" + grid.string() + "' --array Density --interval 0:1 --interval 1:6");
-  const json::value parts = extract_json("'" + grid.string() + "' --array Density --interval 0:0.7 --interval 0.7:1.1 --interval 1.1:2 --interval 2:6");
+  const json::value parts =
+      extract_json("'" + grid.string() + "' --array Density --interval 0:0.7 --interval 0.7:1.1 --interval 1.1:2 --interval 2:6");
   ASSERT_TRUE(halves.is_object() && parts.is_object());
-  EXPECT_NEAR(signed_volume(halves), signed_volume(parts), 1e-9 * signed_volume(parts)) << "every partition has the grid's volume";
+  EXPECT_NEAR(signed_volume(halves), signed_volume(parts), 1e-9 * signed_volume(parts))
+      << "every partition has the grid's volume";
   EXPECT_EQ(number(parts.at("unmatched_facets")), 0);
 }
 
@@ -144,11 +146,11 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
     double tolerance;
   };
   const Example examples[] = {
-      {"ug_aneurysm_fem/output_fem.vtu", "0.01", 1e-9},      // tetrahedra and wedges of mixed handedness
-      {"ug_fire/fire_ug.vtu", "400", 1e-9},                  // left-handed hexahedra
-      {"ug_post_tets/post.vtk", "1", 1e-9},                  // tetrahedra
-      {"vtk_ironprot/ironProt.vtk", "128", 1e-9},            // 8-bit values that equal the isovalue
-      {"plot3d_comb/combxyz.bin", "0.4", 1e-5},              // curved faces
+      {"ug_aneurysm_fem/output_fem.vtu", "0.01", 1e-9},  // tetrahedra and wedges of mixed handedness
+      {"ug_fire/fire_ug.vtu", "400", 1e-9},              // left-handed hexahedra
+      {"ug_post_tets/post.vtk", "1", 1e-9},              // tetrahedra
+      {"vtk_ironprot/ironProt.vtk", "128", 1e-9},        // 8-bit values that equal the isovalue
+      {"plot3d_comb/combxyz.bin", "0.4", 1e-5},          // curved faces
   };
   int found = 0;
   for (const Example& example : examples) {

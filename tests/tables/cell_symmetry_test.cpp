@@ -22,7 +22,8 @@ TEST(CellSymmetry, AreAsManyAsTheCellsHaveAndHalfOfThemMirror) {
 }
 
 /// The polytopes of a case as sets of faces, each a cycle from its smallest isovertex.
-std::set<std::set<std::vector<IsoVertex>>> polytopes(const IntervalComplex& complex, int case_index, const CellSymmetry& symmetry) {
+std::set<std::set<std::vector<IsoVertex>>> polytopes(const IntervalComplex& complex, int case_index,
+                                                     const CellSymmetry& symmetry) {
   std::set<std::set<std::vector<IsoVertex>>> out;
   for (std::size_t at = complex.first[case_index]; at < complex.first[case_index + 1];) {
     std::set<std::vector<IsoVertex>> faces;
@@ -43,12 +44,11 @@ TEST(CellSymmetry, MapsPolytopesToPolytopesWhateverCaseTheyWereMadeFrom) {
   for (const CellType type : kCellTypes) {
     const IntervalComplex& complex = interval_complex(type);
     const auto symmetries = cell_symmetries(topology(type));
-    const auto identity = std::find_if(symmetries.begin(), symmetries.end(), [](const CellSymmetry& s) {
-      return std::is_sorted(s.vertex.begin(), s.vertex.end());
-    });
+    const auto identity = std::find_if(symmetries.begin(), symmetries.end(),
+                                       [](const CellSymmetry& s) { return std::is_sorted(s.vertex.begin(), s.vertex.end()); });
     ASSERT_NE(identity, symmetries.end());
     const int cases = case_count(topology(type).vertex_count);
-    for (int i = 0; i < cases; i += cases > 1000 ? 17 : 1)
+    for (int i = 0; i<cases; i += cases> 1000 ? 17 : 1)
       for (const CellSymmetry& symmetry : symmetries)
         ASSERT_EQ(polytopes(complex, i, symmetry), polytopes(complex, symmetry.map_case(i), *identity))
             << topology(type).name << ", case " << i;

@@ -46,7 +46,8 @@ TEST(CellTopology, FacesOfTheLatticeCellAreSupportedFromOutside) {
       for (int v = 0; v < cell.vertex_count; ++v) {
         int height = 0;
         for (int i = 0; i < 3; ++i) height += normal[i] * difference(v, a, i);
-        const bool in_face = std::find(face.vertex.begin(), face.vertex.begin() + face.size, v) != face.vertex.begin() + face.size;
+        const bool in_face =
+            std::find(face.vertex.begin(), face.vertex.begin() + face.size, v) != face.vertex.begin() + face.size;
         EXPECT_TRUE(in_face ? height == 0 : height < 0) << "face " << a << " " << b << " " << c << ", vertex " << v;
       }
     }

@@ -66,14 +66,16 @@ TEST(IntervalCase, IsEmptyOnlyWhereAllIsBelowOrAllIsAbove) {
   for (const CellType type : kCellTypes) {
     const LatticeCell cell = lattice_cell(type);
     const int cases = case_count(cell.vertex_count());
-    for (int i = 0; i < cases; ++i) EXPECT_EQ(interval_case(cell, i).empty(), i == 0 || i == cases - 1) << cell.name << ", case " << i;
+    for (int i = 0; i < cases; ++i)
+      EXPECT_EQ(interval_case(cell, i).empty(), i == 0 || i == cases - 1) << cell.name << ", case " << i;
   }
 }
 
 TEST(TableStatistics, AreTheWholeNumbersOfThePapersTable1) {
   const auto rows = all_table_statistics();
   ASSERT_EQ(rows.size(), 6u);
-  const auto expect = [&](std::size_t i, const char* cell, int dimension, std::int64_t cases, std::int64_t total, std::int64_t max) {
+  const auto expect = [&](std::size_t i, const char* cell, int dimension, std::int64_t cases, std::int64_t total,
+                          std::int64_t max) {
     EXPECT_EQ(rows[i].cell, cell);
     EXPECT_EQ(rows[i].dimension, dimension);
     EXPECT_EQ(rows[i].cases, cases);

@@ -40,7 +40,8 @@ TEST(IntervalComplex, TilesTheCellForEveryCaseOfEveryCellInAnyOrder) {
       cell.values.clear();
       for (int v = 0, rest = i; v < n; ++v, rest /= 3) cell.values.push_back(rest % 3 + uniform(random));
       double sum = 0;
-      std::vector<double> ends{0, uniform(random), 1, 2, 2 + uniform(random), 3};  // the case itself, its neighbours cut at random
+      std::vector<double> ends{0, uniform(random),     1,
+                               2, 2 + uniform(random), 3};  // the case itself, its neighbours cut at random
       for (std::size_t k = 0; k + 1 < ends.size(); ++k)
         for (const auto& t : pulled(type, cell.case_index(ends[k], ends[k + 1]), ids))
           sum += cell.signed_volume(t, ends[k], ends[k + 1]);

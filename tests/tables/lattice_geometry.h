@@ -49,8 +49,12 @@ inline double place_randomly(ValuedCell& cell, std::mt19937_64& random) {
     determinant = dot(cross(x, y), z);
   } while (determinant < 0.05);
   cell.points.clear();
-  for (const LatticePoint& p : cell.lattice.vertices) cell.points.push_back(x * double(p[0]) + y * double(p[1]) + z * double(p[2]));
-  const double unit = cell.lattice.name == "hexahedron" ? 1.0 : cell.lattice.name == "wedge" ? 1.0 / 2 : cell.lattice.name == "pyramid" ? 1.0 / 3 : 1.0 / 6;
+  for (const LatticePoint& p : cell.lattice.vertices)
+    cell.points.push_back(x * double(p[0]) + y * double(p[1]) + z * double(p[2]));
+  const double unit = cell.lattice.name == "hexahedron" ? 1.0
+                      : cell.lattice.name == "wedge"    ? 1.0 / 2
+                      : cell.lattice.name == "pyramid"  ? 1.0 / 3
+                                                        : 1.0 / 6;
   return unit * determinant;
 }
 
