@@ -53,7 +53,14 @@ float linear_from_srgb(float v) {
 
 bool is_float_format(const std::filesystem::path& path) { return extension_of(path) == ".exr"; }
 
+void check_image_path(const std::filesystem::path& path) {
+  for (const char* known : {".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr"})
+    if (extension_of(path) == known) return;
+  unknown_extension(path);
+}
+
 void write_image(const std::filesystem::path& path, const Image& image) {
+  check_image_path(path);
   check_image(image);
   const std::string extension = extension_of(path);
   if (extension == ".png") return write_bytes(path, encode_png(image));
@@ -67,7 +74,6 @@ void write_image(const std::filesystem::path& path, const Image& image) {
     }
     return write_image(path, floats);
   }
-  if (extension != ".webp" && extension != ".tif" && extension != ".tiff") unknown_extension(path);
   OIIO::ImageSpec spec(image.width, image.height, 4, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("oiio:UnassociatedAlpha", 1);

@@ -23,7 +23,7 @@ class CellTriangulation {
     if (structured_) {
       if (!topology_) {
         topology_ = &topology(CellType::hexahedron);
-        table_ = &interval_table(CellType::hexahedron);
+        table_ = &hexahedron_table();
         masks_ = table_->masks;
       }
       return;
@@ -37,6 +37,13 @@ class CellTriangulation {
     order_isovertices(*topology_, ids(), keys_);
   }
 
+  /// Whether two vertices of the cell are one point (a wedge written as a hexahedron).
+  bool collapsed() const {
+    for (int v = 1; v < count_; ++v)
+      for (int w = 0; w < v; ++w)
+        if (ids_[v] == ids_[w]) return true;
+    return false;
+  }
   const CellTopology& cell() const { return *topology_; }
   std::span<const std::int64_t> ids() const { return {ids_.data(), static_cast<std::size_t>(count_)}; }
   /// [n + 2 e] lifted facets that hold each isovertex.
@@ -56,7 +63,7 @@ class CellTriangulation {
   const Grid& grid_;
   bool structured_;
   const CellTopology* topology_ = nullptr;
-  const IntervalTable* table_ = nullptr;
+  const HexahedronTable* table_ = nullptr;
   const IntervalComplex* complex_ = nullptr;
   std::span<const FaceMask> masks_;
   int count_ = 0;

@@ -26,6 +26,10 @@ struct Range {
 
 int CellOrder::sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t> tetrahedra) {
   if (tetrahedra.size() < 2) return 0;
+  const std::uint16_t first = mesh.tetrahedron_interval[tetrahedra[0]];
+  if (one_color_[first] && std::all_of(tetrahedra.begin(), tetrahedra.end(),
+                                       [&](std::uint32_t t) { return mesh.tetrahedron_interval[t] == first; }))
+    return 0;
   prepare(mesh, eye, tetrahedra);
   const std::size_t n = items_.size();
   words_ = (n + 63) / 64;
@@ -33,10 +37,13 @@ int CellOrder::sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t
   int unresolved = 0;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
-      Relation relation = relate(items_[i], items_[j]);
+      const Item& a = items_[i];
+      const Item& b = items_[j];
+      if (a.interval == b.interval && one_color_[a.interval]) continue;
+      Relation relation = relate(a, b);
       if (relation == Relation::unknown) {
         ++unresolved;
-        relation = items_[i].distance > items_[j].distance ? Relation::a_behind : Relation::b_behind;
+        relation = a.distance2 > b.distance2 ? Relation::a_behind : Relation::b_behind;
       }
       if (relation == Relation::a_behind) behind_[j * words_ + i / 64] |= 1ull << (i % 64);
       if (relation == Relation::b_behind) behind_[i * words_ + j / 64] |= 1ull << (j % 64);
@@ -50,14 +57,15 @@ void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std
   for (std::size_t i = 0; i < items_.size(); ++i) {
     Item& item = items_[i];
     item.id = tetrahedra[i];
+    item.interval = mesh.tetrahedron_interval[item.id];
     const auto& points = mesh.tetrahedra[item.id];
     Vec3d sum;
-    for (int v = 0; v < 4; ++v) {
-      item.p[v] = mesh.positions[points[static_cast<std::size_t>(v)]] - eye;
+    for (std::size_t v = 0; v < 4; ++v) {
+      item.p[v] = mesh.positions[points[v]] - eye;
       sum = sum + item.p[v];
       box.include(item.p[v]);
     }
-    item.distance = length(sum * 0.25);
+    item.distance2 = dot(sum, sum);
   }
   const double size = box.diagonal();
   tolerance_ = 1e-9 * size + 4e-16 * length(eye);
@@ -65,22 +73,25 @@ void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std
   // A frame that looks at the middle of the cell.
   const double middle_distance = length(box.center());
   in_front_ = middle_distance > 0.51 * size;
-  Vec3d z = in_front_ ? box.center() / middle_distance : Vec3d{0, 0, 1};
+  const Vec3d z = in_front_ ? box.center() / middle_distance : Vec3d{0, 0, 1};
   const Vec3d x = normalized(cross(std::abs(z.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, z)), y = cross(z, x);
 
   for (Item& item : items_) {
     Range range[3];
-    double longest = 0;
     for (const Vec3d& p : item.p) {
-      const double depth = dot(z, p);
-      range[0].include(dot(x, p) / depth);
-      range[1].include(dot(y, p) / depth);
+      const double depth = dot(z, p), inverse = 1 / depth;
+      range[0].include(dot(x, p) * inverse);
+      range[1].include(dot(y, p) * inverse);
       range[2].include(depth);
     }
     for (int axis = 0; axis < 3; ++axis) item.lower[axis] = range[axis].lower, item.upper[axis] = range[axis].upper;
-    for (const auto& edge : kEdges) longest = std::max(longest, length(item.p[edge[0]] - item.p[edge[1]]));
+    double longest2 = 0;
+    for (const auto& edge : kEdges) {
+      const Vec3d e = item.p[edge[0]] - item.p[edge[1]];
+      longest2 = std::max(longest2, dot(e, e));
+    }
     const double volume = orient3d(item.p[0], item.p[1], item.p[2], item.p[3]);
-    item.flat = !(std::abs(volume) > 1e-9 * longest * longest * longest) || !(longest > tolerance_);
+    item.flat = !(volume * volume > 1e-18 * longest2 * longest2 * longest2) || !(longest2 > tolerance_ * tolerance_);
     if (item.flat) continue;
     for (int f = 0; f < 4; ++f) {
       const Vec3d a = item.p[kFaces[f][0]];
@@ -91,8 +102,11 @@ void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std
     }
   }
   // Far ones first, so that ties and cycles are broken in the likeliest order.
-  std::sort(items_.begin(), items_.end(),
-            [](const Item& a, const Item& b) { return a.distance != b.distance ? a.distance > b.distance : a.id < b.id; });
+  by_distance_.resize(items_.size());
+  for (std::size_t i = 0; i < items_.size(); ++i) by_distance_[i] = static_cast<std::uint32_t>(i);
+  std::sort(by_distance_.begin(), by_distance_.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return items_[a].distance2 != items_[b].distance2 ? items_[a].distance2 > items_[b].distance2 : items_[a].id < items_[b].id;
+  });
 }
 
 CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
@@ -165,21 +179,23 @@ bool CellOrder::silhouettes_meet(const Item& a, const Item& b) const {
 /// meet (their bounding boxes do) are dropped; if that does not end it, the farthest is taken and the pair counted.
 int CellOrder::emit(std::span<std::uint32_t> tetrahedra) {
   const std::size_t n = items_.size();
-  std::vector<std::uint64_t> left(words_, 0);
-  for (std::size_t i = 0; i < n; ++i) left[i / 64] |= 1ull << (i % 64);
+  left_.assign(words_, 0);
+  for (std::size_t i = 0; i < n; ++i) left_[i / 64] |= 1ull << (i % 64);
   const auto waits = [&](std::size_t i) {
     for (std::size_t w = 0; w < words_; ++w)
-      if (behind_[i * words_ + w] & left[w]) return true;
+      if (behind_[i * words_ + w] & left_[w]) return true;
     return false;
   };
   int broken = 0;
   bool refined = false;
   for (std::size_t out = 0; out < n;) {
-    std::size_t taken = n, first_left = n;
-    for (std::size_t i = 0; i < n && taken == n; ++i) {
-      if (!(left[i / 64] >> (i % 64) & 1)) continue;
-      if (first_left == n) first_left = i;
-      if (!waits(i)) taken = i;
+    std::size_t taken = n, farthest = n;
+    for (const std::uint32_t i : by_distance_) {
+      if (!(left_[i / 64] >> (i % 64) & 1)) continue;
+      if (farthest == n) farthest = i;
+      if (waits(i)) continue;
+      taken = i;
+      break;
     }
     if (taken == n && !refined) {
       refined = true;
@@ -190,10 +206,10 @@ int CellOrder::emit(std::span<std::uint32_t> tetrahedra) {
       continue;
     }
     if (taken == n) {
-      taken = first_left;
+      taken = farthest;
       ++broken;
     }
-    left[taken / 64] &= ~(1ull << (taken % 64));
+    left_[taken / 64] &= ~(1ull << (taken % 64));
     tetrahedra[out++] = items_[taken].id;
   }
   return broken;

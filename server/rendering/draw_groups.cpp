@@ -9,12 +9,15 @@ namespace {
 bool is_drawn(const IntervalStyle& style) { return style.visible && style.opacity > 0; }
 
 VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_t>& members) {
-  std::vector<std::uint8_t> drawn(input.styles.size(), 0);
-  for (const std::size_t i : members) drawn[i] = 1;
-  bool one_color = true;
-  for (const std::size_t i : members)
-    one_color = one_color && input.styles[i].color_map.empty() && input.styles[i].color == input.styles[members[0]].color;
-  return one_color ? mesh_order(*input.mesh, drawn) : visibility_order(input.grid, *input.mesh, drawn, input.camera.eye);
+  std::vector<std::uint8_t> drawn(input.styles.size(), 0), one_color(input.styles.size(), 0);
+  bool same_color = true;
+  for (const std::size_t i : members) {
+    drawn[i] = 1;
+    one_color[i] = input.styles[i].color_map.empty();
+    same_color = same_color && one_color[i] && input.styles[i].color == input.styles[members[0]].color;
+  }
+  const OrderRequest request{drawn, one_color};
+  return same_color ? mesh_order(*input.mesh, request) : visibility_order(input.grid, *input.mesh, request, input.camera.eye);
 }
 
 }  // namespace

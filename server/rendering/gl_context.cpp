@@ -74,7 +74,8 @@ std::unique_ptr<GlContext> open_egl_device(std::string_view device, std::string_
     if (index < devices.size())
       if (auto context = attempt(attempts, devices[index].name, [&] { return open_egl(devices[index]); })) return context;
     throw Error(ErrorCode::unavailable, "device '" + std::string(device) + "': " +
-                                            (attempts.empty() ? "there are " + std::to_string(devices.size()) + " EGL devices"
+                                            (attempts.empty() ? "no such EGL device; there are " + std::to_string(devices.size()) +
+                                                                    ", counted from 0 (isostrata doctor lists them)"
                                                               : attempts.back().name + ": " + attempts.back().detail));
   }
   const std::string wanted = digits_only(which);

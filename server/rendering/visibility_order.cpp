@@ -96,12 +96,12 @@ std::vector<std::uint32_t> sort_runs(const Grid& grid, const IntervalMesh& mesh,
 
 }  // namespace
 
-VisibilityOrder mesh_order(const IntervalMesh& mesh, std::span<const std::uint8_t> drawn) {
-  return {drawn_tetrahedra(mesh, drawn), "none needed", true};
+VisibilityOrder mesh_order(const IntervalMesh& mesh, const OrderRequest& request) {
+  return {drawn_tetrahedra(mesh, request.drawn), "none needed", true};
 }
 
-VisibilityOrder centroid_order(const IntervalMesh& mesh, std::span<const std::uint8_t> drawn, Vec3d eye) {
-  VisibilityOrder order{drawn_tetrahedra(mesh, drawn), "centroid (approximate)", false};
+VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
+  VisibilityOrder order{drawn_tetrahedra(mesh, request.drawn), "centroid (approximate)", false};
   std::vector<Keyed> items(order.tetrahedra.size());
   parallel_for(static_cast<std::int64_t>(items.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
@@ -117,7 +117,7 @@ VisibilityOrder centroid_order(const IntervalMesh& mesh, std::span<const std::ui
   return order;
 }
 
-VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, std::span<const std::uint8_t> drawn, Vec3d eye) {
+VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
   const std::vector<std::uint32_t> runs = sort_runs(grid, mesh, eye);
   std::vector<std::uint32_t> first(runs.size() + 1, 0);  // where each run's tetrahedra go
   const auto run_end = [&](std::uint32_t r) {
@@ -125,19 +125,19 @@ VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh,
   };
   for (std::size_t i = 0; i < runs.size(); ++i) {
     std::uint32_t count = 0;
-    for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t) count += is_drawn(mesh, drawn, t);
+    for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t) count += is_drawn(mesh, request.drawn, t);
     first[i + 1] = first[i] + count;
   }
   VisibilityOrder order;
   order.tetrahedra.resize(first.back());
   std::atomic<std::int64_t> unresolved{0};
   parallel_for(static_cast<std::int64_t>(runs.size()), 512, [&](std::int64_t begin, std::int64_t end) {
-    CellOrder cell_order;
+    CellOrder cell_order(request.one_color);
     std::int64_t mine = 0;
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       std::uint32_t out = first[i];
       for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t)
-        if (is_drawn(mesh, drawn, t)) order.tetrahedra[out++] = t;
+        if (is_drawn(mesh, request.drawn, t)) order.tetrahedra[out++] = t;
       mine += cell_order.sort(mesh, eye, std::span(order.tetrahedra).subspan(first[i], out - first[i]));
     }
     unresolved += mine;
@@ -148,9 +148,9 @@ VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh,
   return order;
 }
 
-VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, std::span<const std::uint8_t> drawn, Vec3d eye) {
-  if (grid && grid->rectilinear() && !mesh.cell_runs.empty()) return index_distance_order(*grid, mesh, drawn, eye);
-  return centroid_order(mesh, drawn, eye);
+VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
+  if (grid && grid->rectilinear() && !mesh.cell_runs.empty()) return index_distance_order(*grid, mesh, request, eye);
+  return centroid_order(mesh, request, eye);
 }
 
 }  // namespace isostrata

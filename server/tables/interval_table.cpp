@@ -1,59 +1,38 @@
 #include "tables/interval_table.h"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "base/parallel.h"
+#include "tables/interval_complex.h"
 
 namespace isostrata {
 namespace {
 
-std::vector<std::vector<IsoSimplex>> all_cases(const LatticeCell& cell, const PlacingRule& rule) {
-  std::vector<std::vector<IsoSimplex>> cases(case_count(cell.vertex_count()));
-  parallel_for(static_cast<std::int64_t>(cases.size()), 32, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) cases[i] = interval_case(cell, static_cast<int>(i), rule);
-  });
-  return cases;
-}
+HexahedronTable build() {
+  const IntervalComplex& complex = interval_complex(CellType::hexahedron);
+  const LatticeCell cell = lattice_cell(CellType::hexahedron);
+  std::array<std::int64_t, 8> number{};  // of the vertices in a structured grid of one cell
+  for (int v = 0; v < 8; ++v) number[v] = cell.vertices[v][0] + 2 * (cell.vertices[v][1] + 2 * cell.vertices[v][2]);
+  std::array<std::uint8_t, kMaxIsoVertices> keys;
+  order_isovertices(topology(CellType::hexahedron), number, keys);
 
-IntervalTable build(CellType type) {
-  const LatticeCell cell = lattice_cell(type);
-  IntervalTable table;
-  table.type = type;
-  table.masks = face_masks(cell);
+  HexahedronTable table;
+  table.masks = complex.masks;
+  table.isovertices = complex.isovertices;
   table.first.push_back(0);
-  for (const auto& simplices : all_cases(cell, kTableRule)) {
-    std::uint32_t used = 0;
-    for (const IsoSimplex& simplex : simplices) {
-      const auto& v = simplex.vertex;
-      table.tetrahedra.push_back({v[0], v[1], v[2], v[3]});
-      for (int i = 0; i < 4; ++i) used |= 1u << v[i];
-    }
+  std::array<std::array<IsoVertex, 4>, kMaxCaseTetrahedra> pulled;
+  for (int i = 0; i < case_count(8); ++i) {
+    const int count = pull(complex, i, keys, pulled.data());
+    table.tetrahedra.insert(table.tetrahedra.end(), pulled.begin(), pulled.begin() + count);
     table.first.push_back(static_cast<std::uint32_t>(table.tetrahedra.size()));
-    table.isovertices.push_back(used);
   }
   return table;
 }
 
 }  // namespace
 
-const IntervalTable& interval_table(CellType type) {
-  switch (type) {  // one static for each: whoever needs only tetrahedra does not wait for the hexahedron
-    case CellType::tetrahedron: {
-      static const IntervalTable table = build(CellType::tetrahedron);
-      return table;
-    }
-    case CellType::pyramid: {
-      static const IntervalTable table = build(CellType::pyramid);
-      return table;
-    }
-    case CellType::wedge: {
-      static const IntervalTable table = build(CellType::wedge);
-      return table;
-    }
-    case CellType::hexahedron: break;
-  }
-  static const IntervalTable table = build(CellType::hexahedron);
+const HexahedronTable& hexahedron_table() {
+  static const HexahedronTable table = build();
   return table;
 }
 
@@ -62,10 +41,13 @@ TableStatistics table_statistics(const LatticeCell& cell, const PlacingRule& rul
   out.cell = cell.name;
   out.dimension = cell.dimension;
   out.vertices = cell.vertex_count();
-  const auto cases = all_cases(cell, rule);
-  out.cases = static_cast<std::int64_t>(cases.size());
-  for (const auto& simplices : cases) {
-    const auto count = static_cast<std::int64_t>(simplices.size());
+  out.cases = case_count(cell.vertex_count());
+  std::vector<std::int64_t> simplices(out.cases);
+  parallel_for(out.cases, 32, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      simplices[i] = static_cast<std::int64_t>(interval_case(cell, static_cast<int>(i), rule).size());
+  });
+  for (const std::int64_t count : simplices) {
     out.total_simplices += count;
     out.max = std::max(out.max, count);
   }

@@ -1,4 +1,4 @@
-// The interval tables: every case of a cell, generated on first use.
+// Interval tables: the paper's, for their statistics, and the one that structured grids are extracted with.
 #pragma once
 
 #include <array>
@@ -11,22 +11,24 @@
 
 namespace isostrata {
 
-/// Tetrahedra for every case, in the order of kTableRule. Cells of a structured grid number a shared face alike up to translation, so
-/// neighbours agree on it; cells of an unstructured grid do not, see interval_complex.h.
-struct IntervalTable {
-  CellType type;
-  std::vector<FaceMask> masks;                        // [n + 2 e] of the isovertices
-  std::vector<std::uint32_t> first;                   // [cases + 1] into tetrahedra
-  std::vector<std::array<IsoVertex, 4>> tetrahedra;   // positively oriented in a right-handed cell
-  std::vector<std::uint32_t> isovertices;             // [cases] set of those in use, bit i for isovertex i
+/// The hexahedron's tetrahedra for every case, pulled (interval_complex.h) in the order in which a structured grid numbers its points: z, then
+/// y, then x. All cells of a structured grid number their points alike up to translation, so one table serves, and gives what pulling by
+/// global point ids would give. Compared with the placing order of kTableRule half as many tetrahedra are inverted on random values and next to
+/// none on smooth fields (torus:40: 0 instead of 94; marschner-lobb:40: 2 instead of 158, of 0.67 million); there are 77800 in all cases
+/// instead of 78336, and both have at most 18.
+struct HexahedronTable {
+  std::vector<FaceMask> masks;                       // [n + 2 e] of the isovertices
+  std::vector<std::uint32_t> first;                  // [cases + 1] into tetrahedra
+  std::vector<std::array<IsoVertex, 4>> tetrahedra;  // positively oriented in a right-handed cell
+  std::vector<std::uint32_t> isovertices;            // [cases] set of those in use, bit i for isovertex i
 
   std::span<const std::array<IsoVertex, 4>> of(int case_index) const {
     return {tetrahedra.data() + first[case_index], tetrahedra.data() + first[case_index + 1]};
   }
 };
 
-/// Built at the first call for each type (0.1 s of one core for the hexahedron, on the pool); later calls cost nothing. Any thread.
-const IntervalTable& interval_table(CellType type);
+/// Built at the first call (0.1 s of one core, on the pool); later calls cost nothing. Any thread.
+const HexahedronTable& hexahedron_table();
 
 /// What the paper's Table 1 lists.
 struct TableStatistics {
@@ -39,7 +41,7 @@ struct TableStatistics {
   std::int64_t max = 0;
 };
 
-/// Generates the cell's whole table and counts. Any thread.
+/// Generates the cell's whole table by placing, on the pool, and counts. Any thread.
 TableStatistics table_statistics(const LatticeCell& cell, const PlacingRule& rule = kTableRule);
 
 /// Of the tetrahedron, pyramid, wedge, hexahedron, 4-simplex and 5-simplex, in this order.

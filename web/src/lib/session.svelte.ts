@@ -311,6 +311,7 @@ export class Session {
     this.interactions = 0;
     this.outbox.drop();
     this.send(command.viewport(this.viewport));
+    this.send(command.ping(this.doors.now()));
     if (welcome.state) this.onState(welcome.state);
     else this.onState(emptyState);
   }

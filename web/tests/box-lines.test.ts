@@ -1,0 +1,49 @@
+import { expect, test } from 'vitest';
+import { boxLines } from '../src/lib/box-lines';
+import type { Box, Camera } from '../src/lib/model';
+import { seeded } from './random';
+
+const box: Box = { lower: [-1, -2, -3], upper: [3, 2, 1] };
+
+test('three edges of a box seen from outside and a corner are hidden, nine are seen', () => {
+  const camera: Camera = { eye: [20, 15, 25], at: [1, 0, -1], up: [0, 1, 0], fovDeg: 30 };
+  const { edges } = boxLines(camera, box, 800, 600);
+  expect(edges).toHaveLength(12);
+  expect(edges.filter((edge) => edge.hidden)).toHaveLength(3);
+});
+
+test('the labels stand outside the box on the screen', () => {
+  const camera: Camera = { eye: [20, 15, 25], at: [1, 0, -1], up: [0, 1, 0], fovDeg: 30 };
+  const { edges, labels } = boxLines(camera, box, 800, 600);
+  expect(labels.filter((label) => label.kind === 'name').map((label) => label.text).sort()).toEqual(['x', 'y', 'z']);
+  const xs = edges.flatMap((edge) => [edge.x1, edge.x2]);
+  const z = labels.find((label) => label.kind === 'name' && label.text === 'y');
+  expect(z && (z.x < Math.min(...xs) + 1 || z.x > Math.max(...xs) - 1)).toBe(true);
+});
+
+test('every number drawn is a number of the axis that it stands on', () => {
+  for (let seed = 1; seed <= 40; seed++) {
+    const random = seeded(seed);
+    const far = () => (random() - 0.5) * 60;
+    const camera: Camera = { eye: [far(), far(), far()], at: [1, 0, -1], up: [0.1, 1, 0.2], fovDeg: 30 };
+    const { edges, labels, ticks } = boxLines(camera, box, 800, 600);
+    for (const edge of edges)
+      for (const x of [edge.x1, edge.y1, edge.x2, edge.y2]) expect(Number.isFinite(x), `seed ${seed}`).toBe(true);
+    expect(ticks).toHaveLength(labels.filter((label) => label.kind === 'tick').length);
+    for (const label of labels) if (label.kind === 'tick') expect(Math.abs(Number(label.text)), `seed ${seed}`).toBeLessThanOrEqual(3);
+  }
+});
+
+test('from inside nothing is called hidden and no label is drawn', () => {
+  const camera: Camera = { eye: [1, 0, 0], at: [1, 0, -1], up: [0, 1, 0], fovDeg: 60 };
+  const { edges, labels } = boxLines(camera, box, 800, 600);
+  expect(edges.length).toBeGreaterThan(0);
+  expect(edges.some((edge) => edge.hidden)).toBe(false);
+  expect(labels).toEqual([]);
+});
+
+test('a flat box is drawn too', () => {
+  const camera: Camera = { eye: [0, 0, 10], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 };
+  const { edges } = boxLines(camera, { lower: [-1, -1, 0], upper: [1, 1, 0] }, 400, 400);
+  expect(edges.every((edge) => Number.isFinite(edge.x1 + edge.y1 + edge.x2 + edge.y2))).toBe(true);
+});

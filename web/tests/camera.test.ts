@@ -1,0 +1,120 @@
+import { describe, expect, test } from 'vitest';
+import { projectSegment, sameCamera, screenFromView, viewAxes, viewFromWorld, worldPerPixel } from '../src/lib/camera';
+import type { Camera, Vec3 } from '../src/lib/model';
+import { dolly, orbit, pan, wheelFactor } from '../src/lib/trackball';
+import { add, cross, dot, length, normalize, scale, sub } from '../src/lib/vec';
+import { seeded } from './random';
+
+function randomCamera(random: () => number): Camera {
+  const vector = (): Vec3 => [random() - 0.5, random() - 0.5, random() - 0.5];
+  const eye = scale(vector(), 20);
+  return { eye, at: scale(vector(), 4), up: normalize(vector()), fovDeg: 20 + 60 * random() };
+}
+const project = (camera: Camera, w: number, h: number, p: Vec3) =>
+  screenFromView(camera, w, h, viewFromWorld(camera, viewAxes(camera), p));
+
+describe('the camera', () => {
+  test('has right-handed, orthonormal axes', () => {
+    for (let seed = 1; seed <= 50; seed++) {
+      const { right, up, back } = viewAxes(randomCamera(seeded(seed)));
+      for (const axis of [right, up, back]) expect(length(axis), `seed ${seed}`).toBeCloseTo(1, 12);
+      expect(dot(cross(right, up), back), `seed ${seed}`).toBeCloseTo(1, 12);
+    }
+  });
+
+  test('puts what it looks at in the middle of the screen', () => {
+    for (let seed = 1; seed <= 50; seed++) {
+      const camera = randomCamera(seeded(seed));
+      const [x, y] = project(camera, 640, 480, camera.at);
+      expect(x, `seed ${seed}`).toBeCloseTo(320, 6);
+      expect(y, `seed ${seed}`).toBeCloseTo(240, 6);
+    }
+  });
+
+  test('shows the full vertical angle from the top to the bottom edge, whatever the width', () => {
+    for (const width of [200, 600, 1500]) {
+      const camera: Camera = { eye: [0, 0, 10], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 40 };
+      const top = 10 * Math.tan((20 * Math.PI) / 180);
+      expect(project(camera, width, 600, [0, top, 0])[1]).toBeCloseTo(0, 9);
+      expect(project(camera, width, 600, [0, -top, 0])[1]).toBeCloseTo(600, 9);
+      // x to the right, y up
+      expect(project(camera, width, 600, [1, 0, 0])[0]).toBeGreaterThan(width / 2);
+      expect(worldPerPixel(camera, 600) * 600).toBeCloseTo(2 * top, 9);
+    }
+  });
+
+  test('cuts lines at the eye instead of drawing them mirrored', () => {
+    const camera: Camera = { eye: [0, 0, 1], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 40 };
+    const axes = viewAxes(camera);
+    expect(projectSegment(camera, axes, 100, 100, [0, 0, 2], [1, 0, 3])).toBeNull();
+    const through = projectSegment(camera, axes, 100, 100, [0.1, 0, -5], [0.1, 0, 5]);
+    expect(through).not.toBeNull();
+    for (const [x] of through ?? []) expect(x).toBeGreaterThan(50); // stays on the side it is on
+  });
+});
+
+describe('the trackball', () => {
+  test('keeps the distance and what is looked at while it turns', () => {
+    for (let seed = 1; seed <= 50; seed++) {
+      const random = seeded(seed);
+      let camera = randomCamera(random);
+      const before = camera;
+      for (let i = 0; i < 20; i++) {
+        const point = () => ({ x: random() * 800, y: random() * 600 });
+        camera = orbit(camera, point(), point(), 800, 600);
+      }
+      expect(camera.at, `seed ${seed}`).toEqual(before.at);
+      expect(length(sub(camera.eye, camera.at)), `seed ${seed}`).toBeCloseTo(length(sub(before.eye, before.at)), 9);
+      expect(Math.abs(dot(camera.up, normalize(sub(camera.eye, camera.at)))), `seed ${seed}`).toBeLessThan(1e-9);
+    }
+  });
+
+  test('turns the scene with the pointer: what faces the viewer goes where the pointer goes', () => {
+    const camera: Camera = { eye: [0, 0, 10], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 };
+    const front: Vec3 = [0, 0, 1];
+    const right = orbit(camera, { x: 400, y: 300 }, { x: 440, y: 300 }, 800, 600);
+    expect(project(right, 800, 600, front)[0]).toBeGreaterThan(401);
+    const down = orbit(camera, { x: 400, y: 300 }, { x: 400, y: 340 }, 800, 600);
+    expect(project(down, 800, 600, front)[1]).toBeGreaterThan(301);
+  });
+
+  test('comes back when the drag is undone', () => {
+    for (let seed = 1; seed <= 30; seed++) {
+      const random = seeded(seed);
+      const camera = randomCamera(random);
+      const level = { ...camera, up: viewAxes(camera).up };
+      const a = { x: random() * 800, y: random() * 600 };
+      const b = { x: random() * 800, y: random() * 600 };
+      const back = orbit(orbit(level, a, b, 800, 600), b, a, 800, 600);
+      expect(length(sub(back.eye, level.eye)), `seed ${seed}`).toBeLessThan(1e-6);
+      expect(length(sub(back.up, level.up)), `seed ${seed}`).toBeLessThan(1e-6);
+    }
+  });
+
+  test('pans so that what is looked at stays under the pointer', () => {
+    for (let seed = 1; seed <= 30; seed++) {
+      const camera = randomCamera(seeded(seed));
+      const [x, y] = project(pan(camera, 37, -21, 600), 800, 600, camera.at);
+      expect(x, `seed ${seed}`).toBeCloseTo(437, 6);
+      expect(y, `seed ${seed}`).toBeCloseTo(279, 6);
+    }
+  });
+
+  test('zooms along the view and never through what is looked at or out of reach', () => {
+    const camera: Camera = { eye: [0, 0, 10], at: [0, 0, 2], up: [0, 1, 0], fovDeg: 30 };
+    expect(dolly(camera, 0.5, 1).eye).toEqual([0, 0, 6]);
+    expect(length(sub(dolly(camera, 0, 1).eye, camera.at))).toBeCloseTo(1e-4, 12);
+    expect(length(sub(dolly(camera, 1e9, 1).eye, camera.at))).toBeCloseTo(1e3, 6);
+    expect(wheelFactor(100, 0)).toBeGreaterThan(1);
+    expect(wheelFactor(-100, 0) * wheelFactor(100, 0)).toBeCloseTo(1, 12);
+    expect(wheelFactor(1e9, 0)).toBeLessThan(2);
+  });
+
+  test('does nothing when the pointer has not moved', () => {
+    const camera: Camera = { eye: [1, 2, 3], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 };
+    const p = { x: 12, y: 34 };
+    expect(sameCamera(orbit(camera, p, p, 800, 600), camera)).toBe(true);
+    expect(sameCamera(camera, { ...camera, eye: add(camera.eye, [0, 0, 1]) })).toBe(false);
+    expect(sameCamera(null, null)).toBe(true);
+  });
+});

@@ -1,0 +1,157 @@
+import { describe, expect, test } from 'vitest';
+import {
+  axisRange,
+  drawn,
+  keyToValue,
+  leastWidth,
+  move,
+  moveAndSnap,
+  placed,
+  priorityOrder,
+  proposeInterval,
+  resize,
+  snap,
+  snapCandidates,
+  typeEnd,
+  type End,
+} from '../src/lib/intervals';
+import type { Interval, Range } from '../src/lib/model';
+import { seeded } from './random';
+
+const axis: Range = { lower: 0, upper: 10 };
+const make = (id: number, lower: number, upper: number, priority = id): Interval => ({
+  id,
+  lower,
+  upper,
+  priority,
+  color: [1, 0, 0],
+  colorMap: '',
+  opacity: 0.5,
+  visible: true,
+});
+
+describe('whatever is done to an interval', () => {
+  const random = (seed: number) => {
+    const r = seeded(seed);
+    const lower = r() * 9;
+    return { r, interval: { lower, upper: lower + 0.1 + r() * (10 - lower - 0.1) } };
+  };
+
+  test('lower stays less than upper, and both stay on the axis', () => {
+    for (let seed = 1; seed <= 300; seed++) {
+      const { r, interval } = random(seed);
+      const end: End = r() < 0.5 ? 'lower' : 'upper';
+      const stops = [0, 10, r() * 10];
+      for (const next of [
+        resize(interval, end, r() * 30 - 10, axis),
+        move(interval, r() * 40 - 20, axis),
+        moveAndSnap(interval, r() * 40 - 20, axis, stops, 0.3),
+      ]) {
+        expect(next.upper - next.lower, `seed ${seed}`).toBeGreaterThan(0);
+        expect(next.lower, `seed ${seed}`).toBeGreaterThanOrEqual(-0.31);
+        expect(next.upper, `seed ${seed}`).toBeLessThanOrEqual(10.31);
+      }
+    }
+  });
+
+  test('moving keeps the width, resizing keeps the other end', () => {
+    for (let seed = 1; seed <= 100; seed++) {
+      const { r, interval } = random(seed);
+      const moved = move(interval, r() * 40 - 20, axis);
+      expect(moved.upper - moved.lower, `seed ${seed}`).toBeCloseTo(interval.upper - interval.lower, 12);
+      const value = r() * 30 - 10;
+      expect(resize(interval, 'lower', value, axis).upper, `seed ${seed}`).toBe(interval.upper);
+      expect(resize(interval, 'upper', value, axis).lower, `seed ${seed}`).toBe(interval.lower);
+    }
+  });
+});
+
+test('an end stops before the other end', () => {
+  expect(resize({ lower: 2, upper: 4 }, 'lower', 9, axis)).toEqual({ lower: 4 - leastWidth(axis), upper: 4 });
+  expect(resize({ lower: 2, upper: 4 }, 'upper', -9, axis)).toEqual({ lower: 2, upper: 2 + leastWidth(axis) });
+});
+
+test('an interval that was typed beyond the axis is not pulled in by dragging its other end', () => {
+  expect(resize({ lower: -5, upper: 4 }, 'upper', 6, axis)).toEqual({ lower: -5, upper: 6 });
+  expect(move({ lower: -5, upper: 4 }, -1, axis)).toEqual({ lower: -5, upper: 4 });
+  expect(move({ lower: -5, upper: 4 }, 1, axis)).toEqual({ lower: -4, upper: 5 });
+});
+
+test('an end near the end of another interval takes exactly its value, so that layers touch', () => {
+  const stops = snapCandidates(axis, [make(1, 1, 3.14159265), make(2, 5, 6)], 2);
+  expect(stops).not.toContain(5);
+  expect(snap(3.17, stops, 0.05, 0.002)).toBe(3.14159265);
+  expect(snap(3.3, stops, 0.05, 0.002)).toBe(3.3);
+  expect(snap(9.98, stops, 0.05, 0.002)).toBe(10);
+  expect(moveAndSnap(make(2, 5, 6), -1.84, axis, stops, 0.05)).toEqual({ lower: 3.14159265, upper: 4.14159265 });
+  // Alt: no reach, no pull
+  expect(snap(3.1416, stops, 0, 0.002)).toBe(3.142);
+});
+
+test('a stroke that is too thin was a click', () => {
+  expect(drawn(4, 4.001, axis)).toBeNull();
+  expect(drawn(6, 4, axis)).toEqual({ lower: 4, upper: 6 });
+  expect(drawn(8, 40, axis)).toEqual({ lower: 8, upper: 10 });
+});
+
+test('a new interval is put where no other is', () => {
+  for (let seed = 1; seed <= 100; seed++) {
+    const r = seeded(seed);
+    const others = Array.from({ length: Math.floor(r() * 4) }, () => {
+      const lower = r() * 8;
+      return { lower, upper: lower + r() * 1.5 + 0.01 };
+    });
+    const next = proposeInterval(axis, others);
+    expect(next.lower, `seed ${seed}`).toBeLessThan(next.upper);
+    for (const other of others) expect(next.lower >= other.upper || next.upper <= other.lower, `seed ${seed}`).toBe(true);
+  }
+});
+
+test('where the whole axis is covered a new interval is put in the middle', () => {
+  const next = proposeInterval(axis, [{ lower: -1, upper: 11 }]);
+  expect((next.lower + next.upper) / 2).toBeCloseTo(5, 1);
+});
+
+test('a constant array still has an axis with a width', () => {
+  for (const value of [0, 3.5, -2e9]) {
+    const wide = axisRange({ lower: value, upper: value });
+    expect(wide.lower).toBeLessThan(value);
+    expect(wide.upper).toBeGreaterThan(value);
+    const next = proposeInterval(wide, []);
+    expect(next.lower < next.upper).toBe(true);
+  }
+  expect(axisRange({ lower: Number.NaN, upper: 1 })).toEqual({ lower: 0, upper: 1 });
+});
+
+test('typed numbers are taken exactly, and what cannot be taken is said in words', () => {
+  expect(typeEnd({ lower: 0, upper: 5 }, 'lower', ' 1.2345678901 ')).toEqual({ lower: 1.2345678901, upper: 5 });
+  expect(typeEnd({ lower: 0, upper: 5 }, 'upper', '-3e-2')).toContain('greater than 0');
+  expect(typeEnd({ lower: 0, upper: 5 }, 'lower', '5')).toContain('less than 5');
+  expect(typeEnd({ lower: 0, upper: 5 }, 'lower', 'abc')).toContain('not a number');
+  expect(typeEnd({ lower: 0, upper: 5 }, 'lower', '')).toContain('not a number');
+  expect(typeEnd({ lower: 0, upper: 5 }, 'upper', 'Infinity')).toContain('not a number');
+  expect(typeEnd({ lower: 0, upper: 5 }, 'upper', '1e400')).toContain('not a number');
+});
+
+test('keys move a thumb: arrows a little, pages more, Home and End as far as it goes', () => {
+  const interval = { lower: 4, upper: 6 };
+  const right = keyToValue('ArrowRight', false, interval, 'lower', axis) as number;
+  expect(right).toBeGreaterThan(4);
+  expect(keyToValue('PageUp', false, interval, 'lower', axis)).toBeGreaterThan(right);
+  expect(keyToValue('ArrowRight', true, interval, 'lower', axis)).toBeLessThan(right);
+  expect(keyToValue('Home', false, interval, 'lower', axis)).toBe(0);
+  expect(keyToValue('End', false, interval, 'lower', axis)).toBeCloseTo(6, 2);
+  expect(keyToValue('End', false, interval, 'upper', axis)).toBe(10);
+  expect(keyToValue('a', false, interval, 'upper', axis)).toBeNull();
+});
+
+test('the highest priority comes first, of equal ones the later added', () => {
+  expect(priorityOrder([make(1, 0, 1, 0), make(2, 0, 1, 5), make(3, 0, 1, 5), make(4, 0, 1, -1)])).toEqual([3, 2, 1, 4]);
+});
+
+test('an id can be put at every place of an order and the others keep theirs', () => {
+  expect(placed([1, 2, 3], 3, 0)).toEqual([3, 1, 2]);
+  expect(placed([1, 2, 3], 1, 1)).toEqual([2, 1, 3]);
+  expect(placed([1, 2, 3], 1, 99)).toEqual([2, 3, 1]);
+  expect(placed([1, 2, 3], 2, -1)).toEqual([2, 1, 3]);
+});

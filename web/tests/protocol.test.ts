@@ -1,0 +1,59 @@
+import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
+import { expect, test } from 'vitest';
+import { ClientMessageSchema, FramePhase, RenderMode, ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
+import { command, decodeEvent, encodeCommand } from '../src/lib/protocol';
+
+const decode = (bytes: Uint8Array) => fromBinary(ClientMessageSchema, bytes);
+
+test('a patch carries the fields that changed and no others', () => {
+  const { seq, body } = decode(encodeCommand(7, command.patchInterval(3, { lower: 0, visible: false })));
+  expect(seq).toBe(7n);
+  if (body.case !== 'patchInterval') throw new Error(`unexpected ${String(body.case)}`);
+  expect(body.value.id).toBe(3);
+  expect(body.value.lower).toBe(0); // zero and false are values too
+  expect(body.value.visible).toBe(false);
+  expect(body.value.upper).toBeUndefined();
+  expect(body.value.color).toBeUndefined();
+  expect(body.value.opacity).toBeUndefined();
+});
+
+test('an appearance without a mode leaves the mode alone', () => {
+  const { body } = decode(encodeCommand(1, command.setAppearance({ unitDistance: 0 })));
+  if (body.case !== 'setAppearance') throw new Error(`unexpected ${String(body.case)}`);
+  expect(body.value.mode).toBe(RenderMode.UNSPECIFIED);
+  expect(body.value.unitDistance).toBe(0);
+  expect(body.value.background).toBeUndefined();
+});
+
+test('a camera comes back from the server as it was sent, to the last bit', () => {
+  const camera = { eye: [0.1, 1 / 3, -7e-9], at: [1, 2, 3], up: [0, 1, 0], fovDeg: 31.7 } as const;
+  const sent = decode(encodeCommand(1, command.setCamera(camera))).body;
+  if (sent.case !== 'setCamera') throw new Error(`unexpected ${String(sent.case)}`);
+  const message = create(ServerMessageSchema, { body: { case: 'state', value: { camera: sent.value.camera } } });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  expect(event.kind === 'state' && event.state.camera).toEqual(camera);
+});
+
+test('a frame becomes plain numbers, its phase in words', () => {
+  const message = create(ServerMessageSchema, {
+    body: {
+      case: 'frame',
+      value: { frameId: 9n, revision: 4n, inputSeq: 12n, phase: FramePhase.LOSSLESS, format: 'png', payload: new Uint8Array([1, 2]) },
+    },
+  });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  if (event.kind !== 'frame') throw new Error(`unexpected ${event.kind}`);
+  expect(event.frame).toMatchObject({ frameId: 9n, revision: 4, inputSeq: 12, lossless: true, camera: null, tetrahedra: 0 });
+  expect([...event.frame.payload]).toEqual([1, 2]);
+});
+
+test('a message of a later version is unknown, not an error', () => {
+  expect(decodeEvent(new Uint8Array([0x08, 0x01, 0xfa, 0x01, 0x00]))).toEqual({ kind: 'unknown' });
+});
+
+test('a welcome without limits still has some', () => {
+  const message = create(ServerMessageSchema, { body: { case: 'welcome', value: { protocolMajor: 1 } } });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  expect(event.kind === 'welcome' && event.welcome.limits.maxIntervals).toBeGreaterThan(0);
+  expect(event.kind === 'welcome' && event.welcome.state).toBeNull();
+});

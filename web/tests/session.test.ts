@@ -1,0 +1,181 @@
+import { create, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
+import { describe, expect, test } from 'vitest';
+import { ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
+import type { Connection, ConnectionStatus } from '../src/lib/connection';
+import type { ServerEvent } from '../src/lib/model';
+import { decodeEvent, type Command } from '../src/lib/protocol';
+import { SavedTab } from '../src/lib/saved';
+import { Session } from '../src/lib/session.svelte';
+
+type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
+
+function harness(store = new Map<string, string>()) {
+  const sent: { seq: number; body: Command }[] = [];
+  const clock = { now: 0 };
+  let scheduled: (() => void)[] = [];
+  let refused = '';
+  let handlers: { hello(): Command; onStatus(s: ConnectionStatus): void; onEvent(e: ServerEvent): void } | undefined;
+  const session = new Session({
+    connection: (given) => {
+      handlers = given;
+      return {
+        start() {},
+        stop() {},
+        retryNow() {},
+        checkAlive() {},
+        refuse: (reason: string) => (refused = reason),
+        send: (body: Command) => {
+          sent.push({ seq: sent.length + 1, body });
+          return sent.length;
+        },
+      } as unknown as Connection;
+    },
+    saved: new SavedTab({ getItem: (key) => store.get(key) ?? null, setItem: (key, value) => void store.set(key, value) }, '/'),
+    now: () => clock.now,
+    schedule: (callback) => scheduled.push(callback),
+  });
+  const says = (body: Body) => {
+    const bytes = toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));
+    handlers?.onEvent(decodeEvent(bytes));
+  };
+  const frame = () => {
+    const due = scheduled;
+    scheduled = [];
+    for (const callback of due) callback();
+  };
+  const cases = () => sent.map(({ body }) => body.case);
+  const find = <C extends Command['case']>(name: C) =>
+    [...sent].reverse().find(({ body }) => body.case === name) as { seq: number; body: Extract<Command, { case: C }> } | undefined;
+  return { session, sent, says, frame, clock, cases, find, store, handlers: handlers as NonNullable<typeof handlers>, refused: () => refused };
+}
+
+const camera = { eye: { z: 9 }, at: {}, up: { y: 1 }, fovDeg: 30 };
+const interval = (id: number, lower: number, upper: number) => ({ id, lower, upper, color: { r: 1 }, opacity: 0.5, priority: id, visible: true });
+const state = (revision: number, ...intervals: ReturnType<typeof interval>[]) => ({
+  revision: BigInt(revision),
+  dataset: 'fin',
+  array: 'Density',
+  mode: 1,
+  camera,
+  background: {},
+  intervals,
+});
+const info = { id: 'fin', name: 'fin.bin', arrays: [{ name: 'Density', lower: 0, upper: 5 }], lower: {}, upper: { x: 1, y: 1, z: 1 } };
+const welcome = (session: string, ...intervals: ReturnType<typeof interval>[]): Body => ({
+  case: 'welcome',
+  value: {
+    protocolMajor: 1,
+    session,
+    resumeToken: `token of ${session}`,
+    datasets: [{ id: 'fin', name: 'fin.bin' }],
+    state: state(1, ...intervals),
+    datasetInfo: info,
+  },
+});
+
+describe('the store', () => {
+  test('asks for the histogram of what is shown, once per array and step', () => {
+    const { says, cases, find } = harness();
+    says(welcome('s'));
+    says({ case: 'state', value: state(2) });
+    expect(cases().filter((c) => c === 'requestHistogram')).toHaveLength(1);
+    expect(find('requestHistogram')?.body.value.array).toBe('Density');
+    says({ case: 'state', value: { ...state(3), array: 'Momentum' } });
+    expect(find('requestHistogram')?.body.value.array).toBe('Momentum');
+  });
+
+  test('shows a drag at once and sends only the newest value of each animation frame', () => {
+    const { session, says, frame, sent, find } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    const before = sent.length;
+    for (let i = 1; i <= 60; i++) session.patchInterval(1, { upper: 1 + i / 60 });
+    expect(session.view.intervals[0]?.upper).toBe(2);
+    frame();
+    expect(sent.length - before).toBe(1);
+    expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 2 });
+  });
+
+  test('sends what waits before a command that must come after it', () => {
+    const { session, says, cases } = harness();
+    says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));
+    session.patchInterval(2, { lower: 1.5 });
+    session.reorderPriorities([1, 2]);
+    expect(cases().slice(-2)).toEqual(['patchInterval', 'reorderPriorities']);
+    session.patchInterval(1, { lower: 0.5 });
+    session.removeInterval(1);
+    expect(cases().slice(-2)).toEqual(['reorderPriorities', 'removeInterval']);
+  });
+
+  test('keeps the other layers and their ids when one is added, and selects the new one', () => {
+    const { session, says, find } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    session.addInterval({ lower: 2, upper: 3, color: [0, 1, 0], colorMap: '', opacity: 0.5, visible: true });
+    expect(find('setIntervals')?.body.value.intervals?.map((i) => [i.id, i.priority])).toEqual([[1, 1], [0, 2]]);
+    says({ case: 'state', value: state(2, interval(1, 0, 1), interval(7, 2, 3)) });
+    expect(session.selected).toBe(7);
+  });
+
+  test('puts a refusal beside the layer that it is about and shows the server’s value again', () => {
+    const { session, says, frame, find } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    session.patchInterval(1, { upper: -4 });
+    frame();
+    const seq = find('patchInterval')?.seq ?? 0;
+    says({ case: 'error', value: { inReplyTo: BigInt(seq), code: 'invalid_argument', message: 'lower 0 is not less than upper -4', field: 'upper' } });
+    expect(session.notices.list).toMatchObject([{ place: 'layers', interval: 1, field: 'upper', text: 'lower 0 is not less than upper -4' }]);
+    expect(session.view.intervals[0]?.upper).toBe(1);
+    session.patchInterval(1, { upper: 0.5 });
+    expect(session.notices.list).toEqual([]);
+  });
+
+  test('tells begin and end of overlapping interactions once', () => {
+    const { session, says, sent } = harness();
+    says(welcome('s'));
+    session.beginInteraction();
+    session.beginInteraction();
+    session.endInteraction();
+    session.endInteraction();
+    session.endInteraction();
+    expect(sent.flatMap(({ body }) => (body.case === 'interaction' ? [body.value.active] : []))).toEqual([true, false]);
+  });
+
+  test('shows work in progress until it is done, and can cancel it', () => {
+    const { session, says, find } = harness();
+    says(welcome('s'));
+    says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2 } });
+    says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.6 } });
+    expect(session.progress).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6 }]);
+    session.cancel(4n);
+    expect(find('cancel')?.body.value.operation).toBe(4n);
+    says({ case: 'done', value: { operation: 4n, cancelled: true } });
+    expect(session.progress).toEqual([]);
+  });
+
+  test('after a reconnect to the same session keeps the server’s state', () => {
+    const { says, handlers, cases } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    handlers.onStatus({ kind: 'waiting', attempt: 1, retryAtMs: 0, reason: '' });
+    const hello = handlers.hello();
+    expect(hello.case === 'hello' && hello.value.resumeToken).toBe('token of s');
+    says(welcome('s', interval(1, 0, 1)));
+    expect(cases()).not.toContain('setIntervals');
+  });
+
+  test('after a reconnect to a restarted server sends its picture again', () => {
+    const { session, says, handlers, find, frame } = harness();
+    says(welcome('s', interval(5, 0.25, 0.75)));
+    session.patchInterval(5, { upper: 0.9 });
+    frame();
+    handlers.onStatus({ kind: 'waiting', attempt: 1, retryAtMs: 0, reason: '' });
+    says(welcome('another', interval(1, 0, 5)));
+    const intervals = find('setIntervals')?.body.value.intervals;
+    expect(intervals?.map((i) => [i.id, i.lower, i.upper])).toEqual([[0, 0.25, 0.9]]);
+    expect(find('setCamera')?.body.value.camera?.eye).toMatchObject({ z: 9 });
+  });
+
+  test('refuses a server of another major version in words', () => {
+    const { session, says } = harness();
+    says({ case: 'welcome', value: { protocolMajor: 2 } });
+    expect(session.status.kind).toBe('refused');
+  });
+});

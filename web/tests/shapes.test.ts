@@ -1,0 +1,93 @@
+import { expect, test } from 'vitest';
+import { hexOf, luminance, newIntervalColor, rgbOfHex } from '../src/lib/colors';
+import { barHeights, barPath } from '../src/lib/histogram-shape';
+import { RateMeter, Smoothed } from '../src/lib/meter';
+import type { Rgb } from '../src/lib/model';
+import { formatBytes, formatCount, formatNumber, niceStep, roundTo, ticks } from '../src/lib/ticks';
+import { viewportPixels } from '../src/lib/viewport-size';
+import { seeded } from './random';
+
+test('ticks are multiples of a round step and lie within the axis', () => {
+  for (let seed = 1; seed <= 200; seed++) {
+    const r = seeded(seed);
+    const lower = (r() - 0.5) * 10 ** Math.floor(r() * 20 - 10);
+    const upper = lower + r() * 10 ** Math.floor(r() * 20 - 10) + Math.abs(lower) * 1e-6;
+    const values = ticks(lower, upper, 6);
+    expect(values.length, `seed ${seed}`).toBeLessThanOrEqual(13);
+    for (const value of values) {
+      expect(value, `seed ${seed}`).toBeGreaterThanOrEqual(lower - (upper - lower) * 1e-6);
+      expect(value, `seed ${seed}`).toBeLessThanOrEqual(upper + (upper - lower) * 1e-6);
+    }
+  }
+  expect(ticks(0, 1, 5)).toEqual([0, 0.2, 0.4, 0.6, 0.8, 1]);
+  expect(ticks(3, 3, 5)).toEqual([]);
+  expect(niceStep(0.3)).toBe(0.5);
+  expect(roundTo(0.30000000004, 0.1)).toBe(0.3);
+});
+
+test('numbers are short and right to the digits shown', () => {
+  expect(formatNumber(0)).toBe('0');
+  expect(formatNumber(4.97749)).toBe('4.9775');
+  expect(formatNumber(-2.4e10)).toBe('-2.4e10');
+  expect(formatNumber(0.00001234)).toBe('1.234e-5');
+  expect(formatNumber(123456)).toBe('123460');
+  expect(formatNumber(Number.NaN)).toBe('NaN');
+  expect(formatCount(9479)).toBe('9,479');
+  expect(formatCount(60432)).toBe('60.4 k');
+  expect(formatCount(5_100_000)).toBe('5.10 M');
+  expect(formatBytes(900)).toBe('900 B');
+  expect(formatBytes(48 * 1024)).toBe('48 KiB');
+});
+
+test('the fullest bar is full, empty bars are empty, and the logarithm keeps the order', () => {
+  const counts = [0, 1, 10, 100000];
+  for (const log of [false, true]) {
+    const heights = barHeights(counts, log);
+    expect(heights[0]).toBe(0);
+    expect(heights[3]).toBe(1);
+    expect([...heights].sort((a, b) => a - b)).toEqual(heights);
+  }
+  expect(barHeights([0, 0], true)).toEqual([0, 0]);
+  expect(barPath([], 100, 50)).toBe('');
+  // A value that is there at all can be seen.
+  expect(barPath([1, 1e-9], 100, 50)).toBe('M0 50V0H50V49.5H100V50Z');
+});
+
+test('colours survive the way to the picker and back', () => {
+  for (const hex of ['#000000', '#ffffff', '#e6392f', '#0a0b0c']) expect(hexOf(rgbOfHex(hex) as Rgb)).toBe(hex);
+  expect(rgbOfHex('red')).toBeNull();
+  expect(luminance([1, 1, 1])).toBeCloseTo(1, 6);
+  expect(luminance([0, 0, 0])).toBe(0);
+});
+
+test('the first eight new intervals have eight colours', () => {
+  const used: Rgb[] = [];
+  for (let i = 0; i < 8; i++) used.push(newIntervalColor(used));
+  expect(new Set(used.map(hexOf)).size).toBe(8);
+  expect(newIntervalColor(used)).toHaveLength(3);
+});
+
+test('the picture is asked for in device pixels, within the limits, in the shape of the box', () => {
+  const most = { width: 4096, height: 4096 };
+  expect(viewportPixels(800, 600, 1, most)).toEqual({ width: 800, height: 600 });
+  expect(viewportPixels(800, 600, 1.5, most)).toEqual({ width: 1200, height: 900 });
+  for (const [w, h, ratio] of [[3840, 2160, 2], [9000, 100, 1], [100, 9000, 3], [0, 0, 1]] as const) {
+    const size = viewportPixels(w, h, ratio, most);
+    expect(size.width).toBeLessThanOrEqual(4096);
+    expect(size.height).toBeLessThanOrEqual(4096);
+    expect(size.width * size.height).toBeLessThanOrEqual(4_200_000);
+    expect(Math.min(size.width, size.height)).toBeGreaterThanOrEqual(16);
+  }
+  const wide = viewportPixels(3840, 2160, 2, most);
+  expect(wide.width / wide.height).toBeCloseTo(3840 / 2160, 2);
+});
+
+test('the rate is that of the last two seconds, and a still picture has none', () => {
+  const meter = new RateMeter();
+  for (let t = 0; t <= 1000; t += 50) meter.tick(t);
+  expect(meter.rate(1000)).toBeCloseTo(20, 6);
+  expect(meter.rate(9000)).toBe(0);
+  const smoothed = new Smoothed();
+  expect(smoothed.add(10)).toBe(10);
+  expect(smoothed.add(20)).toBe(12);
+});
