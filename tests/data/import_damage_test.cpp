@@ -124,6 +124,14 @@ TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
             ErrorCode::bad_data);
 }
 
+TEST(ImportDamage, ALinkIsReadUnderItsOwnName) {
+  const Scratch scratch;
+  scratch.write("store/4f2a", kImageHeader);
+  std::filesystem::create_directory(scratch / "in");
+  std::filesystem::create_symlink("../store/4f2a", scratch / "in/x.vti");
+  EXPECT_EQ(test::open(scratch / "in/x.vti")->grid.point_count(), 8);
+}
+
 TEST(ImportDamage, MemoryBudgetIsKept) {
   const Scratch scratch;
   OpenOptions options;
