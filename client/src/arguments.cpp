@@ -94,7 +94,7 @@ Connection SceneArguments::open(const std::string& url, std::uint64_t& last_seq)
   for (const auto& text : intervals) parsed.push_back(parse_interval(text, parsed.size()));
 
   Connection connection = Connection::open(url, options);
-  last_seq = 1;
+  last_seq = 0;
   std::string id = connection.state().dataset();
   if (!dataset.empty() || id.empty()) {
     std::string offered;

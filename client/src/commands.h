@@ -30,7 +30,7 @@ struct SceneArguments {
   std::string resume;
 
   void add_to(CLI::App& command);
-  /// Connects and brings the session to what the arguments say; returns the last command's seq.
+  /// Connects and brings the session to what the arguments say; last_seq is the last command's, 0 where none was needed.
   Connection open(const std::string& url, std::uint64_t& last_seq) const;
 };
 

@@ -142,7 +142,8 @@ void add_latency_command(CLI::App& app, const std::string& url) {
     Connection connection = arguments->scene.open(url, seq);
     v1::ClientMessage still;
     still.mutable_request_still();
-    connection.wait_for_frame(connection.send(std::move(still)), true, std::chrono::minutes(2));
+    connection.send(std::move(still));
+    connection.wait_for_frame(seq, true, std::chrono::minutes(2));
     if (connection.state().intervals().empty()) throw Error("invalid_argument", "the session has no interval to drag; give --interval LOWER:UPPER");
     const v1::Interval interval = connection.state().intervals(0);
     print(drag(connection, interval, arguments->seconds, arguments->rate_hz), arguments->scene, arguments->json);

@@ -45,7 +45,8 @@ void add_snapshot_command(CLI::App& app, const std::string& url) {
     Connection connection = arguments->scene.open(url, seq);
     v1::ClientMessage message;
     message.mutable_request_still();
-    const v1::Frame frame = connection.wait_for_frame(connection.send(std::move(message)), true, timeout);
+    connection.send(std::move(message));
+    const v1::Frame frame = connection.wait_for_frame(seq, true, timeout);
     save(arguments->out, frame.payload());
     std::fprintf(stderr, "%s: %ux%u, %lld tetrahedra, %s, %s\n", arguments->out.c_str(), frame.width(), frame.height(),
                  static_cast<long long>(frame.facts().tetrahedra()), frame.facts().order().c_str(), frame.facts().device().c_str());

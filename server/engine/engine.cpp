@@ -169,9 +169,9 @@ class Engine::Impl {
       run(request.session, request.request, *operation, [&] {
         const auto dataset = store_.acquire(entry(request.dataset).source, request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
-        HistogramReady ready{request.session, request.request, request.dataset, request.step, request.array, array.lower, array.upper, {}};
-        ready.counts = histogram(array, array.lower, array.upper, request.bins);
-        send(std::move(ready));
+        Histogram counted = histogram(array, request.bins);
+        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower, counted.upper,
+                            std::move(counted.counts)});
       });
     });
   }

@@ -4,6 +4,9 @@
 //   isostrata::v1::ClientMessage open;
 //   open.mutable_open_dataset()->set_id(connection.welcome().datasets(0).id());
 //   const auto seq = connection.send(open);
+//   isostrata::v1::ClientMessage still;
+//   still.mutable_request_still();
+//   connection.send(still);
 //   const auto frame = connection.wait_for_frame(seq, /*lossless=*/true, std::chrono::seconds(30));   // frame.payload() is a PNG
 //
 // A Connection belongs to one thread at a time. Everything that can fail throws client::Error.
@@ -67,7 +70,7 @@ class Connection {
   /// Tells the server that a frame was decoded; it sends the next only then. decode_ms is for the server's statistics.
   void acknowledge(const v1::Frame& frame, double decode_ms);
 
-  /// Receives until a Frame contains command `seq` (its input_seq is at least that), acknowledging every frame on the way. Throws the
+  /// Receives until a Frame contains the state-changing command `seq` (its input_seq is at least that), acknowledging every frame on the way. Throws the
   /// server's Error where it answers one to a command of this connection, and "timeout".
   v1::Frame wait_for_frame(std::uint64_t seq, bool lossless, std::chrono::milliseconds timeout);
 
