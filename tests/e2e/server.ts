@@ -36,9 +36,10 @@ export class Server {
     if (!existsSync(binary)) throw new Error(`${binary} is not there: build it, or set ISOSTRATA_BIN_DIR`);
     const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-ready-'));
     const readyFile = join(folder, 'ready.json');
-    const args = ['serve', ...options.data, '--port', String(options.port ?? 0), '--ready-file', readyFile];
-    if (options.token) args.push('--token', options.token);
-    const child = spawn(binary, args, { cwd: repository, stdio: ['ignore', 'pipe', 'pipe'] });
+    const webRoot = join(repository, 'web', 'dist');
+    const args = ['serve', ...options.data, '--port', String(options.port ?? 0), '--ready-file', readyFile, '--web-root', webRoot];
+    const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}) };
+    const child = spawn(binary, args, { cwd: repository, env, stdio: ['ignore', 'pipe', 'pipe'] });
     const server = new Server(child, options);
     for (const stream of [child.stdout, child.stderr]) stream?.on('data', (text) => (server.log += String(text)));
     const begun = Date.now();
