@@ -11,7 +11,7 @@ let browser: Browser;
 let viewer: Viewer;
 
 beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48', 'sphere:24'] });
+  server = await Server.start({ data: ['torus:48', 'sphere:24', 'cylinder:16x24x4x5'] });
   browser = await launch();
 });
 afterAll(async () => {
@@ -269,6 +269,36 @@ describe('the rest of the page', () => {
     await viewer.page.getByLabel('Unit distance', { exact: true }).fill('-2.5');
     await viewer.until('a unit distance', (s) => s.unitDistance > 0);
     expect(difference(white, await viewer.exactPicture())).toBeGreaterThan(0.1);
+  });
+
+  test('steps through time where there is more than one step', async () => {
+    await open();
+    expect(await viewer.page.getByLabel('Time', { exact: true }).count()).toBe(0);
+    await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x24x4x5');
+    await viewer.until('the cylinder', (s) => s.dataset.startsWith('cylinder') && s.intervals.length > 0);
+    const before = await viewer.exactPicture();
+    const slider = viewer.page.getByLabel('Time', { exact: true });
+    await slider.focus();
+    await viewer.page.keyboard.press('ArrowRight');
+    await viewer.page.getByRole('button', { name: 'Step on' }).click();
+    await viewer.until('the third step', (s) => s.step === 2);
+    expect(await slider.getAttribute('aria-valuetext')).toContain('step 3 of 5');
+    expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.05);
+  });
+
+  test('changes the array: axis, histogram and layers follow', async () => {
+    await open();
+    await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x24x4x5');
+    await viewer.until('the cylinder', (s) => s.dataset.startsWith('cylinder') && s.intervals.length > 0);
+    const { array } = viewer.state;
+    const names = await viewer.page.getByLabel('Layers of').locator('option').evaluateAll((list) => list.map((o) => (o as HTMLOptionElement).value));
+    const other = names.find((name) => name !== array) as string;
+    await viewer.page.getByLabel('Layers of').selectOption(other);
+    await viewer.until('the other array', (s) => s.array === other);
+    await expect.poll(() => viewer.events.some((e) => e.kind === 'histogram' && e.histogram.array === other)).toBe(true);
+    await expect.poll(() => viewer.page.getByRole('heading', { name: other }).count()).toBe(1);
+    await expect.poll(() => viewer.page.locator('path.bars').getAttribute('d')).not.toBe('');
+    await viewer.exactPicture();
   });
 
   test('saves the exact picture as a PNG', async () => {

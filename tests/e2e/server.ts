@@ -20,6 +20,7 @@ export interface ServerOptions {
   data: string[];
   token?: string;
   port?: number;
+  more?: string[]; // further arguments
 }
 
 export class Server {
@@ -37,7 +38,9 @@ export class Server {
     const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-ready-'));
     const readyFile = join(folder, 'ready.json');
     const webRoot = join(repository, 'web', 'dist');
-    const args = ['serve', ...options.data, '--port', String(options.port ?? 0), '--ready-file', readyFile, '--web-root', webRoot];
+    const port = String(options.port ?? 0);
+    const more = options.more ?? [];
+    const args = ['serve', ...options.data, '--port', port, '--ready-file', readyFile, '--web-root', webRoot, ...more];
     const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}) };
     const child = spawn(binary, args, { cwd: repository, env, stdio: ['ignore', 'pipe', 'pipe'] });
     const server = new Server(child, options);
