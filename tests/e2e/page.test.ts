@@ -20,6 +20,7 @@ afterAll(async () => {
 });
 afterEach(async () => {
   await viewer?.close();
+  server.checkAlive();
 });
 
 async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<void> {

@@ -66,6 +66,13 @@ export class Server {
     return this.child.exitCode === null && this.child.signalCode === null;
   }
 
+  /** Throws with the server's last words where it has died on its own. */
+  checkAlive(): void {
+    if (this.alive) return;
+    const how = this.child.signalCode ?? `status ${this.child.exitCode}`;
+    throw new Error(`isostrata serve died (${how}):\n${this.log.slice(-4000)}`);
+  }
+
   async stop(signal: 'SIGTERM' | 'SIGKILL' = 'SIGTERM'): Promise<void> {
     if (this.alive) {
       const ended = new Promise((done) => this.child.once('exit', done));
