@@ -48,4 +48,7 @@ struct PointArray {
   }
 };
 
+/// Sets lower, upper and nan_count from values: one parallel pass, the same result for any number of threads.
+void measure_range(PointArray& array);
+
 }  // namespace isostrata

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "base/image.h"
@@ -22,5 +23,16 @@ Bytes encode_png(const Image& image);
 void write_image(const std::filesystem::path& path, const Image& image);
 void write_image(const std::filesystem::path& path, const FloatImage& image);
 bool is_float_format(const std::filesystem::path& path);  // .exr
+
+/// Throws what write_image would throw for the extension, before the picture is made.
+void check_image_path(const std::filesystem::path& path);
+
+/// What this build can write, each tried on a small picture, for `isostrata doctor`.
+struct CodecProbe {
+  std::string name;    // "jpeg", "png", "webp", "tiff", "openexr"
+  bool ok = false;
+  std::string detail;  // by what library, or why it failed
+};
+std::vector<CodecProbe> probe_codecs();
 
 }  // namespace isostrata

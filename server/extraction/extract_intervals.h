@@ -16,8 +16,14 @@ struct ExtractOptions {
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
 };
 
+/// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra). extract_intervals does it
+/// too; this is for whoever wants to pay, or time, it apart. Any thread.
+void prepare_tables(const Grid& grid);
+
 /// Conforming: tetrahedra of neighbouring cells share whole facets, for any mix of cell types. The result does not depend on the number
-/// of threads. Throws invalid_argument (lower >= upper, NaN, no interval, more than 65535), too_large, cancelled. Any thread.
+/// of threads. A cell that is hidden, or has a vertex whose value or position is not finite, holds no part of any interval; its neighbours' faces
+/// towards it bound the domain. Throws invalid_argument (lower >= upper, an end that is not finite, no interval, more than 65535, an array of
+/// another length than the grid's points), too_large, cancelled. Any thread.
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task);
 

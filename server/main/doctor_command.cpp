@@ -1,7 +1,132 @@
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <boost/json.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "encoding/encode_image.h"
+#include "main/arguments.h"
 #include "main/commands.h"
+#include "rendering/renderer.h"
 
 namespace isostrata {
+namespace {
 
-void add_doctor_command(CLI::App&) {}
+struct Importer {
+  std::string path;
+  bool found = false;
+};
+
+struct Findings {
+  std::vector<DeviceAttempt> attempts;
+  std::string device;         // what auto takes; empty where nothing can draw
+  std::string device_detail;  // or why nothing can
+  bool software = false;
+  std::vector<CodecProbe> codecs;
+  Importer importer;
+  int cores = 0;
+  std::int64_t memory_bytes = 0, memory_limit_bytes = 0;  // 0: unknown, no limit
+};
+
+Importer find_importer() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto path = self.parent_path() / "isostrata-import";
+  return {path.string(), access(path.c_str(), X_OK) == 0};
+}
+
+/// The memory that this process's control group may use; 0 where there is no limit.
+std::int64_t control_group_limit() {
+  for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+    std::ifstream in(file);
+    std::int64_t bytes = 0;
+    if (in >> bytes && bytes > 0 && bytes < (1ll << 60)) return bytes;
+  }
+  return 0;
+}
+
+Findings examine(const std::string& device) {
+  Findings findings;
+  findings.attempts = probe_devices();
+  try {
+    const std::unique_ptr<Renderer> renderer = make_renderer(device);
+    findings.device = renderer->device();
+    for (const DeviceAttempt& attempt : findings.attempts)
+      if (attempt.ok && attempt.detail.starts_with(findings.device)) findings.software = attempt.software;
+  } catch (const Error& error) {
+    findings.device_detail = error.what();
+  }
+  findings.codecs = probe_codecs();
+  findings.importer = find_importer();
+  findings.cores = thread_count();
+  findings.memory_bytes = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  findings.memory_limit_bytes = control_group_limit();
+  return findings;
+}
+
+boost::json::object to_json(const Findings& findings) {
+  boost::json::array devices, codecs;
+  for (const DeviceAttempt& a : findings.attempts)
+    devices.push_back(boost::json::object{{"name", a.name}, {"ok", a.ok}, {"software", a.software}, {"detail", a.detail}});
+  for (const CodecProbe& codec : findings.codecs)
+    codecs.push_back(boost::json::object{{"name", codec.name}, {"ok", codec.ok}, {"detail", codec.detail}});
+  boost::json::object out{{"version", ISOSTRATA_VERSION}, {"can_draw", !findings.device.empty()}, {"devices", std::move(devices)}};
+  if (findings.device.empty()) {
+    out["device"] = nullptr;
+    out["reason"] = findings.device_detail;
+  } else {
+    out["device"] = findings.device;
+    out["software"] = findings.software;
+  }
+  out["codecs"] = std::move(codecs);
+  out["importer"] = boost::json::object{{"found", findings.importer.found}, {"path", findings.importer.path}};
+  out["limits"] = boost::json::object{{"cores", findings.cores},
+                                      {"memory_bytes", findings.memory_bytes},
+                                      {"memory_limit_bytes", findings.memory_limit_bytes}};
+  return out;
+}
+
+void print_text(const Findings& findings) {
+  std::printf("isostrata " ISOSTRATA_VERSION "\n\ndevices\n");
+  for (const DeviceAttempt& a : findings.attempts)
+    std::printf("  %-5s %s: %s\n", a.ok ? "ok" : "no", a.name.c_str(), a.detail.c_str());
+  if (findings.device.empty())
+    std::printf("  nothing can draw\n");
+  else
+    std::printf("  used: %s\n", findings.device.c_str());
+  if (findings.software) std::printf("  *** SOFTWARE rendering: pictures are right, but slow; no GPU is used ***\n");
+  std::printf("\ncodecs\n");
+  for (const CodecProbe& codec : findings.codecs)
+    std::printf("  %-5s %s: %s\n", codec.ok ? "ok" : "no", codec.name.c_str(), codec.detail.c_str());
+  std::printf("\nimporter\n  %-5s %s\n", findings.importer.found ? "ok" : "no", findings.importer.path.c_str());
+  if (!findings.importer.found) std::printf("        only analytic data can be opened without it\n");
+  constexpr double kGiB = 1024.0 * 1024 * 1024;
+  std::printf("\nlimits\n  %d cores, %.1f GiB of memory", findings.cores, static_cast<double>(findings.memory_bytes) / kGiB);
+  if (findings.memory_limit_bytes > 0) std::printf(", limited to %.1f GiB", static_cast<double>(findings.memory_limit_bytes) / kGiB);
+  std::printf("\n");
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("doctor", "Says which devices were tried, why each failed, and what will be used");
+  auto device = std::make_shared<std::string>("auto");
+  auto json = std::make_shared<bool>(false);
+  command->add_option("--device", *device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
+  command->add_flag("--json", *json, "Print one JSON document");
+  command->callback([device, json] {
+    const Findings findings = examine(*device);
+    if (*json) print_json(to_json(findings));
+    else print_text(findings);
+    std::fflush(stdout);
+    if (findings.device.empty()) throw Error(ErrorCode::unavailable, findings.device_detail);
+  });
+}
 
 }  // namespace isostrata

@@ -1,7 +1,135 @@
+#include <boost/json.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "extraction/boundary_facets.h"
+#include "extraction/extract_intervals.h"
+#include "extraction/write_mesh.h"
+#include "main/arguments.h"
 #include "main/commands.h"
 
 namespace isostrata {
+namespace {
 
-void add_extract_command(CLI::App&) {}
+struct ExtractArguments {
+  std::string file, array, color_by, out;
+  std::vector<std::string> intervals;
+  int step = 0;
+  int threads = 0;
+  bool json = false;
+};
+
+struct Timing {
+  double load = 0, index = 0, extract = 0, check = 0, write = 0, total = 0;  // ms
+};
+
+struct FacetCounts {
+  std::int64_t lower = 0, upper = 0, domain = 0, unmatched = 0;
+};
+
+FacetCounts count_facets(const IntervalMesh& mesh) {
+  FacetCounts counts;
+  for (const BoundaryFacet& facet : mesh.facets) {
+    counts.lower += facet.label == FacetLabel::lower;
+    counts.upper += facet.label == FacetLabel::upper;
+    counts.domain += facet.label == FacetLabel::domain;
+  }
+  counts.unmatched = count_unmatched_facets(mesh, command_task());
+  return counts;
+}
+
+boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms) {
+  boost::json::array intervals;
+  for (const IntervalSummary& row : mesh.summaries)
+    intervals.push_back(boost::json::object{{"lower", row.interval.lower},
+                                            {"upper", row.interval.upper},
+                                            {"active_cells", row.active_cells},
+                                            {"tetrahedra", row.tetrahedra},
+                                            {"volume", row.volume},
+                                            {"signed_volume", row.signed_volume},
+                                            {"inverted", row.inverted}});
+  return {{"cells", mesh.cells},
+          {"active_cells", mesh.active_cells},
+          {"tetrahedra", mesh.tetrahedra.size()},
+          {"points", mesh.positions.size()},
+          {"unmatched_facets", facets.unmatched},
+          {"boundary_facets", boost::json::object{{"lower", facets.lower}, {"upper", facets.upper}, {"domain", facets.domain}}},
+          {"intervals", std::move(intervals)},
+          {"ms", boost::json::object{{"load", ms.load},
+                                     {"index", ms.index},
+                                     {"extract", ms.extract},
+                                     {"check", ms.check},
+                                     {"write", ms.write},
+                                     {"total", ms.total}}},
+          {"threads", thread_count()}};
+}
+
+void print_text(const IntervalMesh& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
+  std::printf("%s: %lld of %lld cells active, %zu tetrahedra, %zu points\n", array.c_str(), static_cast<long long>(mesh.active_cells),
+              static_cast<long long>(mesh.cells), mesh.tetrahedra.size(), mesh.positions.size());
+  std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "signed volume", "inverted");
+  for (const IntervalSummary& row : mesh.summaries)
+    std::printf("%14.8g %14.8g %10lld %10lld %16.10g %16.10g %8lld\n", row.interval.lower, row.interval.upper,
+                static_cast<long long>(row.active_cells), static_cast<long long>(row.tetrahedra), row.volume, row.signed_volume,
+                static_cast<long long>(row.inverted));
+  std::printf("boundary facets: %lld lower, %lld upper, %lld domain; %lld unmatched\n", static_cast<long long>(facets.lower),
+              static_cast<long long>(facets.upper), static_cast<long long>(facets.domain), static_cast<long long>(facets.unmatched));
+  std::printf("load %.1f ms, index %.1f ms, extract %.1f ms, check %.1f ms, write %.1f ms, total %.1f ms on %d threads\n", ms.load,
+              ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
+}
+
+void run(const ExtractArguments& arguments) {
+  std::vector<Interval> intervals;
+  for (const std::string& text : arguments.intervals) intervals.push_back(parse_interval(text, intervals.size()).interval);
+  if (!arguments.out.empty()) check_mesh_path(arguments.out);
+  if (arguments.threads > 0) set_thread_count(arguments.threads);
+
+  Stopwatch total, stage;
+  Timing ms;
+  const std::shared_ptr<const Dataset> dataset = open_argument(arguments.file, arguments.step);
+  if (dataset->arrays.empty()) throw Error(ErrorCode::not_found, arguments.file + ": no point array; expected at least one");
+  const PointArray& array = arguments.array.empty() ? dataset->arrays.front() : dataset->array(arguments.array);
+  const PointArray* color_by = arguments.color_by.empty() ? nullptr : &dataset->array(arguments.color_by);
+  ms.load = stage.lap_ms();
+
+  prepare_tables(dataset->grid);
+  ms.index = stage.lap_ms();
+  ExtractOptions options;
+  options.facets = true;
+  const IntervalMesh mesh = extract_intervals(dataset->grid, array, intervals, options, command_task());
+  ms.extract = stage.lap_ms();
+  const FacetCounts facets = count_facets(mesh);
+  ms.check = stage.lap_ms();
+  if (!arguments.out.empty()) {
+    std::vector<MeshArray> more;
+    if (color_by && color_by->name != array.name) more.push_back({color_by->name, carry_array(mesh, *color_by)});
+    write_mesh(arguments.out, mesh, array.name, more);
+    ms.write = stage.lap_ms();
+  }
+  ms.total = total.elapsed_ms();
+
+  if (arguments.json)
+    print_json(to_json(mesh, facets, ms));
+  else
+    print_text(mesh, array.name, facets, ms);
+}
+
+}  // namespace
+
+void add_extract_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("extract", "Extracts interval volumes as a mesh of tetrahedra");
+  auto arguments = std::make_shared<ExtractArguments>();
+  command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
+  command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated")->required()->allow_extra_args(false);
+  command->add_option("--step", arguments->step, "Time step, counted from 0");
+  command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
+  command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");
+  command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
+  command->add_flag("--json", arguments->json, "Print one JSON document");
+  command->callback([arguments] { run(*arguments); });
+}
 
 }  // namespace isostrata

@@ -1,7 +1,117 @@
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "main/arguments.h"
 #include "main/commands.h"
 
 namespace isostrata {
+namespace {
 
-void add_info_command(CLI::App&) {}
+namespace json = boost::json;
+
+const char* to_string(Association association) { return association == Association::point ? "point" : "cell_averaged"; }
+
+std::int64_t hidden_cells(const Grid& grid) {
+  return std::count_if(grid.hidden_cells.begin(), grid.hidden_cells.end(), [](std::uint8_t hidden) { return hidden != 0; });
+}
+
+/// null where an array has no finite value: JSON has no NaN.
+json::value range_json(const PointArray& array) {
+  if (array.lower > array.upper) return nullptr;
+  return json::array{array.lower, array.upper};
+}
+
+json::object describe(const Dataset& dataset) {
+  json::object out;
+  out["name"] = dataset.name;
+  out["grid"] = dataset.grid.kind_name();
+  if (dataset.grid.structured()) {
+    const auto d = dataset.grid.dims();
+    out["dims"] = json::array{d[0], d[1], d[2]};
+  }
+  out["points"] = dataset.grid.point_count();
+  out["cells"] = dataset.grid.cell_count();
+  out["hidden_cells"] = hidden_cells(dataset.grid);
+  json::object types;
+  for (const auto& [name, count] : dataset.cell_types) types[name] = count;
+  out["cell_types"] = std::move(types);
+  const Box3d& box = dataset.bounds;
+  out["bounds"] = box.empty() ? json::value(nullptr)
+                              : json::value(json::array{json::array{box.lower.x, box.upper.x}, json::array{box.lower.y, box.upper.y},
+                                                        json::array{box.lower.z, box.upper.z}});
+  json::array arrays;
+  for (const PointArray& array : dataset.arrays)
+    arrays.push_back(json::object{{"name", array.name},
+                                  {"association", to_string(array.association)},
+                                  {"type", to_string(array.type)},
+                                  {"components", array.components},
+                                  {"component", array.component},
+                                  {"range", range_json(array)},
+                                  {"nan_count", array.nan_count}});
+  out["arrays"] = std::move(arrays);
+  out["times"] = json::array(dataset.times.begin(), dataset.times.end());
+  out["step"] = dataset.step;
+  out["notes"] = json::array(dataset.notes.begin(), dataset.notes.end());
+  return out;
+}
+
+void print_text(const Dataset& dataset) {
+  std::printf("%s\n", dataset.name.c_str());
+  std::printf("  grid    %s", dataset.grid.kind_name());
+  if (dataset.grid.structured()) {
+    const auto d = dataset.grid.dims();
+    std::printf(", %lld x %lld x %lld points", static_cast<long long>(d[0]), static_cast<long long>(d[1]), static_cast<long long>(d[2]));
+  }
+  std::printf("\n  points  %lld\n  cells   %lld", static_cast<long long>(dataset.grid.point_count()), static_cast<long long>(dataset.grid.cell_count()));
+  for (const auto& [name, count] : dataset.cell_types) std::printf(", %s %lld", name.c_str(), static_cast<long long>(count));
+  if (const auto hidden = hidden_cells(dataset.grid)) std::printf(", of which %lld hidden", static_cast<long long>(hidden));
+  const Box3d& box = dataset.bounds;
+  if (!box.empty())
+    std::printf("\n  bounds  x [%g, %g]  y [%g, %g]  z [%g, %g]", box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z, box.upper.z);
+  if (dataset.times.size() > 1)
+    std::printf("\n  times   %zu steps from %g to %g; this is step %d", dataset.times.size(), dataset.times.front(), dataset.times.back(), dataset.step);
+  else
+    std::printf("\n  times   %g", dataset.times.front());
+  std::printf("\n  arrays  %zu\n", dataset.arrays.size());
+  for (const PointArray& array : dataset.arrays) {
+    std::printf("    %-28s %-8s", array.name.c_str(), to_string(array.type));
+    if (array.lower <= array.upper)
+      std::printf(" [%g, %g]", array.lower, array.upper);
+    else
+      std::printf(" no finite value");
+    if (array.component == "magnitude") std::printf("  magnitude of %d components", array.components);
+    if (array.association == Association::cell_averaged) std::printf("  averaged from cells");
+    if (array.nan_count > 0) std::printf("  %lld not finite", static_cast<long long>(array.nan_count));
+    std::printf("\n");
+  }
+  for (const std::string& note : dataset.notes) std::printf("  note    %s\n", note.c_str());
+}
+
+struct InfoArguments {
+  std::string file;
+  int step = 0;
+  bool as_json = false;
+};
+
+}  // namespace
+
+void add_info_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("info", "Says what is in a file: grid, points, cells by type, arrays, time steps");
+  const auto arguments = std::make_shared<InfoArguments>();
+  command->add_option("FILE", arguments->file, "A file, or analytic data such as torus:64")->required();
+  command->add_option("--step", arguments->step, "The time step to look at, from 0");
+  command->add_flag("--json", arguments->as_json, "One JSON document on standard output");
+  command->callback([arguments] {
+    const auto dataset = open_argument(arguments->file, arguments->step);
+    if (arguments->as_json)
+      print_json(describe(*dataset));
+    else
+      print_text(*dataset);
+  });
+}
 
 }  // namespace isostrata

@@ -34,6 +34,7 @@ struct DrawInput {
   Rgb background{0, 0, 0};
   bool transparent = false;               // leave the background out and keep alpha
   bool float_image = false;               // ask for the float target as it is (EXR, tests), never composited over the background
+  bool count_fragments = false;           // fill DrawFacts::fragments (costs a little)
 };
 
 /// Facts of a frame, as they are sent to clients and printed by bench.
@@ -42,6 +43,7 @@ struct DrawFacts {
   std::string order;           // "index distance (exact)", "centroid (approximate)", "none needed"
   bool order_exact = false;
   std::int64_t tetrahedra = 0; // drawn
+  std::int64_t fragments = 0;  // pixels of tetrahedra that were blended, each tetrahedron for itself; 0 where not asked for
   double order_ms = 0, draw_ms = 0, readback_ms = 0;
 };
 

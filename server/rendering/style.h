@@ -20,6 +20,8 @@ struct ColorMap {
 /// The maps built in: "viridis", "plasma", "inferno", "magma", "gray", "coolwarm", ... Throws not_found listing the names.
 const ColorMap& color_map(std::string_view name);
 std::vector<std::string_view> color_map_names();
+/// The map's colour at t, clamped to [0, 1]; linear between its samples.
+Rgb sample(const ColorMap& map, float t);
 
 /// "#rrggbb" or "#rgb". Throws invalid_argument.
 Rgb parse_rgb(std::string_view text);

@@ -1,0 +1,168 @@
+#include "data/child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include "base/stopwatch.h"
+
+extern char** environ;
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kMostErrors = 64 << 10;
+constexpr std::size_t kLongestLine = 4 << 10;
+
+/// Both ends of a pipe, closed on exec.
+struct Pipe {
+  int read = -1, write = -1;
+
+  Pipe() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::unavailable, std::string("cannot make a pipe: ") + std::strerror(errno));
+    read = ends[0];
+    write = ends[1];
+  }
+  ~Pipe() {
+    close_end(read);
+    close_end(write);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  static void close_end(int& end) {
+    if (end >= 0) close(end);
+    end = -1;
+  }
+};
+
+/// Ends the child's whole group when it goes out of scope before the child was waited for.
+class Child {
+ public:
+  explicit Child(pid_t id) : id_(id) {}
+  ~Child() {
+    if (id_ <= 0) return;
+    kill(-id_, SIGKILL);
+    kill(id_, SIGKILL);
+    int status = 0;
+    while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  bool ended(int& status) {
+    const pid_t done = waitpid(id_, &status, WNOHANG);
+    if (done != id_) return false;
+    kill(-id_, SIGKILL);  // what it may have left in its group
+    id_ = 0;
+    return true;
+  }
+
+ private:
+  pid_t id_;
+};
+
+pid_t start(const std::filesystem::path& program, const std::vector<std::string>& arguments, int out, int err) {
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
+  posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none, defaults;
+  sigemptyset(&none);
+  sigfillset(&defaults);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &defaults);
+  pid_t id = 0;
+  const int error = posix_spawn(&id, program.c_str(), &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw Error(ErrorCode::unavailable, program.string() + ": cannot be started: " + std::strerror(error));
+  return id;
+}
+
+/// Passes whole lines on; a line that is too long is cut off.
+class Lines {
+ public:
+  explicit Lines(const std::function<void(std::string_view)>& on_line) : on_line_(on_line) {}
+  void add(std::string_view text) {
+    for (const char c : text) {
+      if (c == '\n') {
+        on_line_(line_);
+        line_.clear();
+      } else if (line_.size() < kLongestLine) {
+        line_ += c;
+      }
+    }
+  }
+
+ private:
+  const std::function<void(std::string_view)>& on_line_;
+  std::string line_;
+};
+
+}  // namespace
+
+ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, double timeout_s, const Task& task,
+                      const std::function<void(std::string_view)>& on_line) {
+  const Stopwatch clock;
+  Pipe out, err;
+  Child child(start(program, arguments, out.write, err.write));
+  Pipe::close_end(out.write);
+  Pipe::close_end(err.write);
+
+  ChildResult result;
+  Lines lines(on_line);
+  const auto drain = [](int& end, const auto& use) {
+    std::array<char, 8192> buffer;
+    const ssize_t got = read(end, buffer.data(), buffer.size());
+    if (got > 0)
+      use(std::string_view(buffer.data(), static_cast<std::size_t>(got)));
+    else if (got == 0 || (errno != EINTR && errno != EAGAIN))
+      Pipe::close_end(end);
+  };
+  const auto keep_errors = [&](std::string_view text) {
+    result.errors += text;
+    if (result.errors.size() > kMostErrors) result.errors.erase(0, result.errors.size() - kMostErrors);
+  };
+  int status = 0;
+  for (bool ended = false;;) {
+    task.check();
+    if (clock.elapsed_ms() > 1000 * timeout_s)
+      throw Error(ErrorCode::bad_data, "the reader was ended after " + std::to_string(static_cast<long>(timeout_s)) + " s");
+    pollfd waits[2] = {{out.read, POLLIN, 0}, {err.read, POLLIN, 0}};  // a negative descriptor is skipped
+    const bool open = out.read >= 0 || err.read >= 0;
+    const int ready = poll(waits, 2, ended ? 0 : open ? 50 : 5);
+    if (waits[0].revents) drain(out.read, [&](std::string_view text) { lines.add(text); });
+    if (waits[1].revents) drain(err.read, keep_errors);
+    if (ended && (ready <= 0 || !open)) break;  // everything that it wrote has been read
+    if (!ended) ended = child.ended(status);
+  }
+  if (WIFSIGNALED(status))
+    result.signal = WTERMSIG(status);
+  else
+    result.exit_status = WEXITSTATUS(status);
+  return result;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,112 @@
+#include "data/import_door.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <system_error>
+
+#include "data/child_process.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A directory of our own that is gone when this is.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() {
+    const char* base = std::getenv("TMPDIR");
+    std::string pattern = (fs::path(base && *base ? base : "/tmp") / "isostrata-import-XXXXXX").string();
+    if (!mkdtemp(pattern.data()))
+      throw Error(ErrorCode::unavailable, "cannot make a temporary directory " + pattern + ": " + std::strerror(errno));
+    path_ = pattern;
+  }
+  ~TemporaryDirectory() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+ErrorCode code_of(std::string_view word) {
+  for (const ErrorCode code : {ErrorCode::invalid_argument, ErrorCode::not_found, ErrorCode::bad_data, ErrorCode::unsupported, ErrorCode::too_large,
+                               ErrorCode::unavailable, ErrorCode::internal})
+    if (word == to_string(code)) return code;
+  return ErrorCode::bad_data;
+}
+
+std::string last_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  if (const auto newline = text.rfind('\n'); newline != std::string::npos) text.erase(0, newline + 1);
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  return text.substr(0, 2000);
+}
+
+/// What the child's end means. Its last line is "error CODE MESSAGE" where it could still say so.
+[[noreturn]] void throw_failure(const ChildResult& result, const std::string& name) {
+  if (result.signal == SIGXCPU) throw Error(ErrorCode::bad_data, name + ": the reader was ended because it used too much processor time");
+  if (result.signal != 0) throw Error(ErrorCode::bad_data, name + ": the reader crashed (signal " + std::to_string(result.signal) + ")");
+  const std::string line = last_line(result.errors);
+  if (line.starts_with("error ")) {
+    const auto space = line.find(' ', 6);
+    if (space != std::string::npos) throw Error(code_of(std::string_view(line).substr(6, space - 6)), line.substr(space + 1));
+  }
+  throw Error(ErrorCode::bad_data, name + ": the reader failed with status " + std::to_string(result.exit_status) + (line.empty() ? "" : ": " + line));
+}
+
+}  // namespace
+
+fs::path default_importer() {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  const fs::path importer = self.parent_path() / "isostrata-import";
+  if (error || !fs::exists(importer, error))
+    throw Error(ErrorCode::unavailable, importer.string() + " is not there: files cannot be read, only analytic data");
+  return importer;
+}
+
+std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (file.empty() || !fs::exists(status)) throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
+  if (fs::is_directory(status)) throw Error(ErrorCode::bad_data, file.string() + ": is a directory; expected a file");
+  if (options.step < 0) throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
+  const std::string name = file.filename().string();
+
+  task.report(0, "reading");
+  const TemporaryDirectory directory;
+  const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
+  ChildResult result;
+  try {
+    result = run_child(options.importer.empty() ? default_importer() : options.importer,
+                       {fs::absolute(file).string(), directory.path().string(), std::to_string(options.step), std::to_string(options.max_bytes),
+                        std::to_string(cpu_seconds)},
+                       options.timeout_s, task, [&](std::string_view line) {
+                         if (!line.starts_with("progress ")) return;
+                         double fraction = 0;
+                         std::from_chars(line.data() + 9, line.data() + line.size(), fraction);
+                         if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
+                       });
+  } catch (const Error& failure) {
+    if (failure.code() != ErrorCode::bad_data) throw;
+    throw Error(ErrorCode::bad_data, name + ": " + failure.what());
+  }
+  if (result.signal != 0 || result.exit_status != 0) throw_failure(result, name);
+  task.report(0.9, "checking");
+  const std::shared_ptr<Dataset> dataset = map_import(directory.path(), name, options);
+  dataset->name = file.string();
+  task.report(1, "reading");
+  return dataset;
+}
+
+}  // namespace isostrata

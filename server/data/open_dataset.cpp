@@ -1,0 +1,14 @@
+#include <filesystem>
+
+#include "data/analytic.h"
+#include "data/dataset.h"
+#include "data/import_door.h"
+
+namespace isostrata {
+
+std::shared_ptr<const Dataset> open_dataset(std::string_view name, const OpenOptions& options, const Task& task) {
+  if (is_analytic(name)) return make_analytic(name, options, task);
+  return open_import(std::filesystem::path(name), options, task);
+}
+
+}  // namespace isostrata

@@ -1,0 +1,45 @@
+// What a viewer may know of a dataset without holding it: plain data that can cross a process boundary.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/vec.h"
+#include "data/dataset.h"
+
+namespace isostrata {
+
+struct ArrayFacts {
+  std::string name;
+  std::string association;  // "point" or "cell_averaged"
+  std::string type;         // "float32", ...
+  int components = 1;
+  double lower = 0, upper = 0;  // of the finite values; lower > upper where there is none
+  std::int64_t nan_count = 0;
+};
+
+struct DatasetFacts {
+  std::string id;    // of the catalogue
+  std::string name;  // what a person reads; never a path
+  std::string grid;  // "uniform", "rectilinear", "curvilinear", "unstructured"
+  std::int64_t points = 0;
+  std::int64_t cells = 0;
+  std::map<std::string, std::int64_t> cell_types;
+  Box3d bounds;
+  std::vector<ArrayFacts> arrays;
+  std::vector<double> times;
+  std::vector<std::string> notes;
+
+  /// Null where there is none of that name.
+  const ArrayFacts* find_array(std::string_view array) const;
+};
+
+DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset);
+
+/// What the dataset holds in memory or mapped: points, cells and arrays, in bytes.
+std::uint64_t dataset_bytes(const Dataset& dataset);
+
+}  // namespace isostrata

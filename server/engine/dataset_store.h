@@ -1,0 +1,66 @@
+// Loaded datasets, shared between sessions. A dataset is loaded once however many ask for it; the least recently used ones that nobody
+// holds are dropped when the budget is passed.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "data/dataset.h"
+
+namespace isostrata {
+
+struct DatasetStoreOptions {
+  std::uint64_t max_bytes = 8ull << 30;       // kept between uses; also the most that one dataset may need
+  std::filesystem::path importer;             // as OpenOptions
+  double timeout_s = 600;                     // as OpenOptions
+};
+
+/// Any thread may call any function. Lock: mutex_.
+class DatasetStore {
+ public:
+  using Loader = std::function<std::shared_ptr<const Dataset>(const std::string& source, int step, const Task& task)>;
+
+  explicit DatasetStore(DatasetStoreOptions options);
+  /// For tests: loads by another function than open_dataset.
+  DatasetStore(DatasetStoreOptions options, Loader loader);
+  /// Cancels what is loading and waits for it.
+  ~DatasetStore();
+
+  /// Waits until the dataset is there, reporting the loading to `task`. Loading ends when everyone who waits for it has cancelled.
+  /// Throws what open_dataset throws, and cancelled.
+  std::shared_ptr<const Dataset> acquire(const std::string& source, int step, const Task& task);
+
+  std::uint64_t held_bytes() const;
+
+ private:
+  struct Loading;
+  using Key = std::pair<std::string, int>;
+  struct Held {
+    std::shared_ptr<const Dataset> dataset;
+    std::uint64_t bytes = 0;
+    std::uint64_t last_use = 0;
+  };
+
+  void load(std::shared_ptr<Loading> loading, Key key);
+  void drop_unused();  // with mutex_ held
+
+  const DatasetStoreOptions options_;
+  const Loader loader_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<Key, Held> held_;
+  std::map<Key, std::shared_ptr<Loading>> loading_;
+  std::uint64_t uses_ = 0;
+  int threads_ = 0;  // that are loading
+};
+
+}  // namespace isostrata

@@ -1,0 +1,449 @@
+#include "engine/engine.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <future>
+#include <map>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <thread>
+
+#include "data/histogram.h"
+#include "engine/draw_scene.h"
+#include "engine/operation.h"
+#include "engine/worker_threads.h"
+
+namespace isostrata {
+namespace {
+
+// An extraction that a newer scene has overtaken may still run this long. Shorter ones are shown, so a drag is never blind; and of two in a row
+// at most one is cancelled, so that a drag over slow data still shows every other one.
+constexpr double kSupersededGraceMs = 250;
+
+RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
+  RequestFailed failed{session, request, revision, ErrorCode::internal, {}};
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    failed.code = error.code();
+    failed.message = error.what();
+  } catch (const std::bad_alloc&) {
+    failed.code = ErrorCode::too_large;
+    failed.message = "out of memory";
+  } catch (const std::exception& error) {
+    failed.message = error.what();
+  } catch (...) {
+    failed.message = "an unknown failure";
+  }
+  return failed;
+}
+
+bool uses_color_map(const Scene& scene) {
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& i) { return !i.color_map.empty(); });
+}
+
+const std::string& color_array(const Scene& scene) { return scene.color_by.empty() ? scene.array : scene.color_by; }
+
+// The parts of a scene that a picture of older intervals can still follow.
+void take_view(Scene& of, const Scene& from) {
+  of.camera = from.camera;
+  of.background = from.background;
+  of.mode = from.mode;
+  of.unit_distance = from.unit_distance;
+}
+
+bool same_view(const Scene& a, const Scene& b) {
+  return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.unit_distance == b.unit_distance;
+}
+
+struct SessionState {
+  std::optional<Scene> scene;  // the newest
+  std::shared_ptr<const ExtractedScene> ready;
+  Scene ready_scene;           // that it was extracted for
+  bool ready_drawn = false;    // its extraction time has been reported
+  std::shared_ptr<Operation> extraction;  // running or queued
+  Scene extraction_scene;
+  bool last_was_cut_short = false;
+  std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
+  std::optional<Scene> drawn_meanwhile;  // the last picture of older intervals
+  std::deque<FrameRequest> waiting;
+};
+
+struct DrawOrder {
+  FrameRequest request;
+  Scene scene;
+  std::shared_ptr<const ExtractedScene> extracted;
+  double extract_ms = 0;
+};
+
+}  // namespace
+
+bool is_software_device(const std::string& device) {
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "OSMesa", "lavapipe", "Software"})
+    if (device.find(name) != std::string::npos) return true;
+  return false;
+}
+
+bool same_extraction(const Scene& a, const Scene& b) {
+  if (a.dataset != b.dataset || a.step != b.step || a.array != b.array || a.intervals.size() != b.intervals.size()) return false;
+  for (std::size_t i = 0; i < a.intervals.size(); ++i)
+    if (a.intervals[i].lower != b.intervals[i].lower || a.intervals[i].upper != b.intervals[i].upper) return false;
+  return uses_color_map(a) == uses_color_map(b) && (!uses_color_map(a) || color_array(a) == color_array(b));
+}
+
+class Engine::Impl {
+ public:
+  Impl(EngineOptions options, Sink sink)
+      : options_(std::move(options)),
+        sink_(std::move(sink)),
+        store_(options_.store),
+        loaders_(4),
+        jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
+    for (int i = 0; i < 2; ++i) encoders_.push_back(std::make_unique<WorkerThreads>(1));
+    std::promise<std::string> started;
+    auto device = started.get_future();
+    render_thread_ = std::thread([this, &started] { render(started); });
+    try {
+      device_ = device.get();
+    } catch (...) {
+      render_thread_.join();
+      throw;
+    }
+  }
+
+  ~Impl() {
+    {
+      std::lock_guard lock(mutex_);
+      stopping_ = true;
+      for (auto& [id, operation] : operations_)
+        if (const auto living = operation.lock()) living->task().cancel();
+    }
+    changed_.notify_all();
+    render_thread_.join();
+  }
+
+  void post(EngineRequest request) {
+    std::visit([this](auto& message) { take(message); }, request);
+  }
+
+  const Catalogue& catalogue() const { return options_.catalogue; }
+  const std::string& device() const { return device_; }
+
+ private:
+  void send(EngineEvent event) { sink_(std::move(event)); }
+
+  std::shared_ptr<Operation> begin(SessionKey session, RequestId request) {  // with mutex_ held
+    auto operation = std::make_shared<Operation>(session, request, next_operation_++, [this](EngineEvent event) { send(std::move(event)); });
+    std::erase_if(operations_, [](const auto& entry) { return entry.second.expired(); });
+    operations_[operation->id()] = operation;
+    return operation;
+  }
+
+  const CatalogueEntry& entry(const std::string& id) const {
+    const CatalogueEntry* found = options_.catalogue.find(id);
+    if (!found) throw Error(ErrorCode::not_found, "dataset '" + id + "': not in this server's catalogue");
+    return *found;
+  }
+
+  // ---- requests ----
+
+  void take(OpenRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    loaders_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const CatalogueEntry& source = entry(request.dataset);
+        const auto dataset = store_.acquire(source.source, 0, operation->task());
+        send(DatasetReady{request.session, request.request, dataset_facts(source.id, source.name, *dataset)});
+      });
+    });
+  }
+
+  void take(HistogramRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    loaders_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const auto dataset = store_.acquire(entry(request.dataset).source, request.step, operation->task());
+        const PointArray& array = dataset->array(request.array);
+        Histogram counted = histogram(array, request.bins);
+        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower, counted.upper,
+                            std::move(counted.counts)});
+      });
+    });
+  }
+
+  template <class Work>
+  void run(SessionKey session, RequestId request, Operation& operation, const Work& work) {
+    try {
+      operation.task().check();
+      work();
+    } catch (...) {
+      send(failure_of(std::current_exception(), session, request));
+    }
+    operation.finish();
+  }
+
+  void take(SceneUpdate& update) {
+    {
+      std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      SessionState& session = sessions_[update.session];
+      const bool same = session.scene && same_extraction(*session.scene, update.scene);
+      session.scene = std::move(update.scene);
+      if (!same) session.extraction_failure.reset();
+      advance(update.session, session);
+    }
+    changed_.notify_all();
+  }
+
+  // Starts or overtakes the extraction that the newest scene needs. With mutex_ held.
+  void advance(SessionKey key, SessionState& session) {
+    const Scene& scene = *session.scene;
+    if (stopping_ || scene.dataset.empty() || session.extraction_failure) return;
+    if (session.extraction) {
+      if (same_extraction(session.extraction_scene, scene)) return;
+      const bool other_data = session.extraction_scene.dataset != scene.dataset || session.extraction_scene.array != scene.array ||
+                              session.extraction_scene.step != scene.step;
+      if (other_data) session.extraction->supersede(0);
+      else if (!session.last_was_cut_short) session.extraction->supersede(kSupersededGraceMs);
+      return;
+    }
+    if (session.ready && same_extraction(session.ready_scene, scene)) return;
+    session.extraction = begin(key, 0);
+    session.extraction_scene = scene;
+    jobs_.post([this, key, operation = session.extraction, scene, previous = session.ready] { extract(key, operation, scene, previous); });
+  }
+
+  void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene,
+               const std::shared_ptr<const ExtractedScene>& previous) {
+    std::shared_ptr<const ExtractedScene> extracted;
+    std::exception_ptr failure;
+    try {
+      operation->task().check();
+      auto dataset = store_.acquire(entry(scene.dataset).source, scene.step, operation->task());
+      extracted = extract_scene(std::move(dataset), scene, previous, operation->task());
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    operation->finish();
+    std::vector<EngineEvent> events;
+    {
+      std::lock_guard lock(mutex_);
+      const auto it = sessions_.find(key);
+      if (it == sessions_.end() || it->second.extraction != operation) return;
+      SessionState& session = it->second;
+      session.extraction.reset();
+      session.last_was_cut_short = failure && operation->superseded();
+      if (extracted) {
+        session.ready = extracted;
+        session.ready_scene = scene;
+        session.ready_drawn = false;
+      } else if (same_extraction(scene, *session.scene)) {
+        // Nothing is tried again until the scene changes: whoever waits for it is told once.
+        session.extraction_failure = failure_of(failure, key, 0, session.scene->revision);
+        events.push_back(*session.extraction_failure);
+        fail_waiting(session, events);
+      }
+      advance(key, session);
+    }
+    changed_.notify_all();
+    for (EngineEvent& event : events) send(std::move(event));
+  }
+
+  static void fail_waiting(SessionState& session, std::vector<EngineEvent>& events) {
+    for (const FrameRequest& request : session.waiting) {
+      RequestFailed failed = *session.extraction_failure;
+      failed.request = request.request;
+      events.push_back(std::move(failed));
+    }
+    session.waiting.clear();
+  }
+
+  void take(FrameRequest& request) {
+    std::optional<RequestFailed> failed;
+    {
+      std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      const auto it = sessions_.find(request.session);
+      if (it == sessions_.end() || !it->second.scene || it->second.scene->dataset.empty()) {
+        failed = RequestFailed{request.session, request.request, 0, ErrorCode::not_found, "no dataset is open: there is nothing to draw"};
+      } else if (it->second.extraction_failure) {
+        failed = *it->second.extraction_failure;
+        failed->request = request.request;
+      } else {
+        it->second.waiting.push_back(request);
+      }
+    }
+    if (failed) send(std::move(*failed));
+    changed_.notify_all();
+  }
+
+  void take(CancelRequest& request) {
+    std::lock_guard lock(mutex_);
+    for (auto& [id, operation] : operations_) {
+      const auto living = operation.lock();
+      if (!living || living->session() != request.session) continue;
+      if (id == request.operation || (request.request != 0 && living->request() == request.request)) living->task().cancel();
+    }
+  }
+
+  void take(ForgetFrame& request) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(request.session);
+    if (it != sessions_.end()) std::erase_if(it->second.waiting, [&](const FrameRequest& f) { return f.request == request.request; });
+  }
+
+  void take(CloseSession& request) {
+    std::shared_ptr<const ExtractedScene> freed_outside_the_lock;
+    std::lock_guard lock(mutex_);
+    for (auto& [id, operation] : operations_)
+      if (const auto living = operation.lock(); living && living->session() == request.session) living->task().cancel();
+    const auto it = sessions_.find(request.session);
+    if (it == sessions_.end()) return;
+    freed_outside_the_lock = std::move(it->second.ready);
+    sessions_.erase(it);
+  }
+
+  // ---- the render thread ----
+
+  void render(std::promise<std::string>& started) {
+    std::unique_ptr<Renderer> renderer;
+    try {
+      renderer = options_.renderer ? options_.renderer() : make_renderer(options_.device);
+      started.set_value(renderer->device());
+    } catch (...) {
+      started.set_exception(std::current_exception());
+      return;
+    }
+    for (;;) {
+      std::optional<DrawOrder> order;
+      {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return stopping_ || (order = next_order()); });
+        if (stopping_) return;
+      }
+      draw(*renderer, std::move(*order));
+    }
+  }
+
+  // The next session in turn that has a frame to draw. With mutex_ held.
+  std::optional<DrawOrder> next_order() {
+    auto it = sessions_.upper_bound(last_drawn_);
+    for (std::size_t n = sessions_.size(); n > 0; --n, ++it) {
+      if (it == sessions_.end()) it = sessions_.begin();
+      if (auto order = order_of(it->second)) {
+        last_drawn_ = it->first;
+        return order;
+      }
+    }
+    return std::nullopt;
+  }
+
+  static std::optional<DrawOrder> order_of(SessionState& session) {
+    if (session.waiting.empty() || !session.ready || !session.scene) return std::nullopt;
+    const bool newest = same_extraction(session.ready_scene, *session.scene);
+    DrawOrder order;
+    auto request = session.waiting.begin();
+    if (newest) {
+      order.scene = *session.scene;
+      session.ready_scene = *session.scene;
+      session.drawn_meanwhile.reset();
+    } else {
+      // The intervals of the newest scene are still being extracted. The camera need not wait for them.
+      if (session.ready_scene.dataset != session.scene->dataset) return std::nullopt;
+      request = std::find_if(request, session.waiting.end(), [](const FrameRequest& f) { return !f.lossless; });
+      if (request == session.waiting.end()) return std::nullopt;
+      order.scene = session.ready_scene;
+      take_view(order.scene, *session.scene);
+      const bool seen = session.ready_drawn && session.drawn_meanwhile ? same_view(*session.drawn_meanwhile, order.scene)
+                                                                       : session.ready_drawn && same_view(session.ready_scene, order.scene);
+      if (seen) return std::nullopt;
+      session.drawn_meanwhile = order.scene;
+    }
+    order.request = *request;
+    session.waiting.erase(request);
+    order.extracted = session.ready;
+    order.extract_ms = session.ready_drawn ? 0 : session.ready->extract_ms;
+    session.ready_drawn = true;
+    return order;
+  }
+
+  void draw(Renderer& renderer, DrawOrder order) {
+    const FrameRequest& request = order.request;
+    send(FrameStarted{request.session, request.request});
+    Stopwatch watch;
+    try {
+      const DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      DrawResult result = renderer.draw(input);
+      FrameReady frame;
+      frame.session = request.session;
+      frame.request = request.request;
+      frame.revision = order.scene.revision;
+      frame.step = order.scene.step;
+      frame.lossless = request.lossless;
+      frame.jpeg = request.jpeg;
+      frame.width = request.width;
+      frame.height = request.height;
+      frame.camera = input.camera;
+      frame.stages = {order.extract_ms, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, 0, 0};
+      frame.device = std::move(result.facts.device);
+      frame.order = std::move(result.facts.order);
+      frame.order_exact = result.facts.order_exact;
+      frame.tetrahedra = result.facts.tetrahedra;
+      const auto& summaries = order.extracted->mesh->summaries;
+      for (std::size_t i = 0; i < std::min(order.scene.intervals.size(), summaries.size()); ++i)
+        frame.intervals.push_back({order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
+      auto image = std::make_shared<Image>(std::get<Image>(std::move(result.image)));
+      encoders_[request.session % encoders_.size()]->post(
+          [this, image, frame = std::move(frame), watch, quality = request.jpeg_quality]() mutable {
+            encode(*image, std::move(frame), watch, quality);
+          });
+    } catch (...) {
+      send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
+    }
+  }
+
+  void encode(const Image& image, FrameReady frame, const Stopwatch& since_taken, int quality) {
+    try {
+      Stopwatch watch;
+      frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, quality) : encode_png(image));
+      frame.stages.encode_ms = watch.elapsed_ms();
+      frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
+      send(std::move(frame));
+    } catch (...) {
+      send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
+    }
+  }
+
+  const EngineOptions options_;
+  const Sink sink_;
+  std::string device_;
+
+  std::mutex mutex_;  // guards the block below
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  std::map<SessionKey, SessionState> sessions_;
+  SessionKey last_drawn_ = 0;
+  std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
+  std::uint64_t next_operation_ = 1;
+
+  // Destroyed from the last: every thread ends before what it uses.
+  DatasetStore store_;
+  WorkerThreads loaders_;
+  WorkerThreads jobs_;
+  std::vector<std::unique_ptr<WorkerThreads>> encoders_;
+  std::thread render_thread_;
+};
+
+Engine::Engine(EngineOptions options, Sink sink) : impl_(std::make_unique<Impl>(std::move(options), std::move(sink))) {}
+Engine::~Engine() = default;
+void Engine::post(EngineRequest request) { impl_->post(std::move(request)); }
+const Catalogue& Engine::catalogue() const { return impl_->catalogue(); }
+const std::string& Engine::device() const { return impl_->device(); }
+bool Engine::device_is_software() const { return is_software_device(impl_->device()); }
+
+}  // namespace isostrata

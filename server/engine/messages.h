@@ -1,0 +1,156 @@
+// Everything that passes between viewers and the engine: plain data by value and shared immutable bytes, never a shared object, so that
+// the engine can move to a process of its own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/error.h"
+#include "encoding/encode_image.h"
+#include "engine/dataset_facts.h"
+#include "engine/scene.h"
+
+namespace isostrata {
+
+using SessionKey = std::uint64_t;  // of one scene; never used again
+using RequestId = std::uint64_t;   // chosen by the asker, unique in the process
+
+// ---- to the engine -----------------------------------------------------------------------------------------------------------
+
+/// Loads the dataset and answers DatasetReady or RequestFailed. It does not change the session's scene.
+struct OpenRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;  // id of the catalogue
+};
+
+/// The newest scene of a session; replaces the one before. Extraction begins at once.
+struct SceneUpdate {
+  SessionKey session = 0;
+  Scene scene;
+};
+
+/// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or RequestFailed.
+/// While intervals are being extracted, a moving frame shows the last ones that are ready; a lossless one waits for the newest.
+struct FrameRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  int width = 800, height = 600;
+  bool lossless = false;
+  bool jpeg = true;       // the bytes' format; lossless frames may be asked for as JPEG too (REST)
+  int jpeg_quality = 90;
+};
+
+struct HistogramRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+  int bins = 256;
+};
+
+/// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
+struct CancelRequest {
+  SessionKey session = 0;
+  std::uint64_t operation = 0;
+  RequestId request = 0;
+};
+
+/// Forgets the frame request where it has not begun (its viewer is gone).
+struct ForgetFrame {
+  SessionKey session = 0;
+  RequestId request = 0;
+};
+
+struct CloseSession {
+  SessionKey session = 0;
+};
+
+using EngineRequest =
+    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession>;
+
+// ---- from the engine ---------------------------------------------------------------------------------------------------------
+
+/// At most ten a second for one operation, and none for what is done within a tenth of a second.
+struct OperationProgress {
+  SessionKey session = 0;
+  std::uint64_t operation = 0;
+  std::string stage;
+  double fraction = 0;
+};
+
+/// Follows the last OperationProgress of an operation.
+struct OperationDone {
+  SessionKey session = 0;
+  std::uint64_t operation = 0;
+  bool cancelled = false;
+};
+
+struct DatasetReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  DatasetFacts facts;
+};
+
+struct HistogramReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+  double lower = 0, upper = 0;
+  std::vector<std::uint64_t> counts;
+};
+
+/// The drawing of a requested frame begins: the next one may be asked for.
+struct FrameStarted {
+  SessionKey session = 0;
+  RequestId request = 0;
+};
+
+struct IntervalFacts {
+  std::uint32_t id = 0;
+  std::int64_t active_cells = 0;
+  std::int64_t tetrahedra = 0;
+  double volume = 0;
+};
+
+struct StageTimes {
+  double extract_ms = 0, order_ms = 0, draw_ms = 0, readback_ms = 0, encode_ms = 0;
+  double total_ms = 0;  // from taking the scene to having the bytes
+};
+
+struct FrameReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::uint64_t revision = 0;  // the newest revision that the picture contains wholly
+  int step = 0;
+  bool lossless = false;
+  bool jpeg = true;
+  int width = 0, height = 0;
+  Camera camera;               // that it was drawn with
+  StageTimes stages;
+  std::string device;
+  std::string order;
+  bool order_exact = false;
+  std::int64_t tetrahedra = 0;
+  std::vector<IntervalFacts> intervals;
+  std::shared_ptr<const Bytes> bytes;
+};
+
+/// Answers any request that could not be met. A scene whose extraction failed answers the frame requests that waited for it.
+struct RequestFailed {
+  SessionKey session = 0;
+  RequestId request = 0;  // 0: the scene's extraction
+  std::uint64_t revision = 0;
+  ErrorCode code = ErrorCode::internal;
+  std::string message;
+};
+
+using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
+
+}  // namespace isostrata

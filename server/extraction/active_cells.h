@@ -1,0 +1,60 @@
+// Finding the cells that an interval passes through.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "base/task.h"
+#include "data/array.h"
+#include "data/grid.h"
+#include "extraction/iso_rules.h"
+
+namespace isostrata {
+
+/// One interval in one active cell.
+struct CellCase {
+  std::int64_t cell = 0;
+  std::uint16_t interval = 0;
+  std::uint16_t case_index = 0;  // of the interval table, neither all below nor all above
+};
+
+/// Every (active cell, interval), by cell, then by the intervals' lower ends. A cell is *absent* where it is hidden or one of its vertices has
+/// a value or a position that is not finite: interpolation means nothing there, so such a cell holds no part of any interval and its faces
+/// bound the domain. One read of the array on structured grids. Throws cancelled.
+std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, const Task& task);
+
+/// Whether the cell holds no part of any interval, see above.
+bool cell_is_absent(const Grid& grid, const PointArray& array, std::int64_t cell);
+
+/// Reports the progress of parallel blocks and checks for cancel. Any thread.
+class StageProgress {
+ public:
+  /// The stage covers [begin, end] of the whole work and consists of `count` items.
+  StageProgress(const Task& task, const char* stage, double begin, double end, std::int64_t count)
+      : task_(task), stage_(stage), begin_(begin), end_(end), count_(count) {
+    task_.report(begin_, stage_);
+  }
+  /// Throws cancelled.
+  void done(std::int64_t items) {
+    task_.check();
+    const std::int64_t total = done_.fetch_add(items, std::memory_order_relaxed) + items;
+    std::unique_lock lock(reporting_, std::try_to_lock);
+    if (!lock) return;
+    if (total <= reported_) return;
+    reported_ = total;
+    task_.report(begin_ + (end_ - begin_) * static_cast<double>(total) / static_cast<double>(count_ > 0 ? count_ : 1), stage_);
+  }
+
+ private:
+  const Task& task_;
+  const char* stage_;
+  double begin_, end_;
+  std::int64_t count_;
+  std::atomic<std::int64_t> done_{0};
+  std::mutex reporting_;       // guards reported_ and the listener
+  std::int64_t reported_ = 0;
+};
+
+}  // namespace isostrata

@@ -1,0 +1,37 @@
+// Which facets of the tetrahedra bound an interval, and a check that all others meet a partner.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/task.h"
+#include "data/array.h"
+#include "data/grid.h"
+#include "extraction/interval_mesh.h"
+#include "tables/interval_case.h"
+
+namespace isostrata {
+
+/// For each facet of a tetrahedron (facet i is opposite vertex i) where it lies.
+using FacetLabels = std::array<std::uint8_t, 4>;
+inline constexpr std::uint8_t kInsideCell = 0;
+inline constexpr std::uint8_t kLowerFacet = 1;
+inline constexpr std::uint8_t kUpperFacet = 2;
+inline constexpr std::uint8_t kFirstCellFace = 3;  // + k: in the cell's face k
+
+/// From the masks of a tetrahedron's vertices.
+FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d);
+
+/// Facets on the lower and upper isosurfaces, and those in cell faces that no other cell shares. Hidden and absent cells do not count as
+/// sharing. labels: [nt]. In the order of the tetrahedra. Throws too_large, cancelled.
+std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
+                                           std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task);
+
+/// Facets of all tetrahedra that are not in mesh.facets and do not meet exactly one partner of the same interval with opposite orientation,
+/// and those in mesh.facets that meet any. 0 for a conforming mesh. Precondition: the mesh was extracted with facets.
+/// O(tetrahedra), by facets sorted within lists by smallest point. Throws cancelled.
+std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task);
+
+}  // namespace isostrata

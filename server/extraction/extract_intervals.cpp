@@ -1,0 +1,251 @@
+#include "extraction/extract_intervals.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "base/parallel.h"
+#include "extraction/active_cells.h"
+#include "extraction/boundary_facets.h"
+#include "extraction/cell_geometry.h"
+#include "extraction/cell_triangulation.h"
+#include "extraction/iso_rules.h"
+#include "extraction/memory_budget.h"
+#include "extraction/mesh_points.h"
+
+namespace isostrata {
+namespace {
+
+/// Cases are cut into blocks at cell boundaries; what is summed is summed block by block, so that it does not depend on threads.
+constexpr std::size_t kCasesPerBlock = 2048;
+
+std::vector<std::size_t> block_starts(std::span<const CellCase> cases) {
+  std::vector<std::size_t> starts{0};
+  while (starts.back() < cases.size()) {
+    std::size_t end = std::min(cases.size(), starts.back() + kCasesPerBlock);
+    while (end < cases.size() && cases[end].cell == cases[end - 1].cell) ++end;
+    starts.push_back(end);
+  }
+  return starts;
+}
+
+/// What one block adds to one interval's summary.
+struct Sums {
+  std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
+  double volume = 0, signed_volume = 0;
+};
+
+/// In a collapsed cell isovertices may be one point, and that point lies wherever any of them does.
+void merge_masks(std::uint32_t isovertices, const std::array<std::uint32_t, kMaxIsoVertices>& numbers, std::span<FaceMask> masks) {
+  for (std::uint32_t rest = isovertices; rest; rest &= rest - 1)
+    for (std::uint32_t others = rest & (rest - 1); others; others &= others - 1) {
+      const int v = std::countr_zero(rest), w = std::countr_zero(others);
+      if (numbers[v] == numbers[w]) masks[v] = masks[w] = masks[v] | masks[w];
+    }
+}
+
+/// Two vertices of a tetrahedron are one point where the cell is collapsed (a hexahedron that repeats a point): it has no extent, and both
+/// facets that it separates are the same triangle.
+bool repeats_a_point(const std::array<std::uint32_t, 4>& t) {
+  return t[0] == t[1] || t[0] == t[2] || t[0] == t[3] || t[1] == t[2] || t[1] == t[3] || t[2] == t[3];
+}
+
+class Extraction {
+ public:
+  Extraction(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
+             const Task& task)
+      : grid_(grid), array_(array), options_(options), task_(task), rules_(intervals) {
+    for (const Interval& interval : intervals) {
+      mesh_.summaries.emplace_back();
+      mesh_.summaries.back().interval = interval;
+    }
+  }
+
+  IntervalMesh run() {
+    mesh_.cells = grid_.cell_count();
+    cases_ = find_active_cells(grid_, array_, rules_, task_);
+    starts_ = block_starts(cases_);
+    const MeshPoints points(grid_, cases_, rules_, options_.max_bytes, task_);
+    points.locate(grid_, array_, rules_, mesh_, task_);
+    count_tetrahedra(points);
+    write_tetrahedra(points);
+    summarise();
+    if (options_.facets) mesh_.facets = boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_);
+    task_.report(1.0, "extracted");
+    return std::move(mesh_);
+  }
+
+ private:
+  std::int64_t blocks() const { return static_cast<std::int64_t>(starts_.size()) - 1; }
+
+  /// Calls visit(case, is the cell's first) for the cases of a block, with the triangulation turned to their cells and points_ filled with
+  /// the numbers of the isovertices in use.
+  template <class Visit>
+  void visit_block(std::int64_t block, const MeshPoints& points, CellTriangulation& triangulation,
+                   std::array<std::uint32_t, kMaxIsoVertices>& numbers, const Visit& visit) const {
+    for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
+      const CellCase& at = cases_[i];
+      const bool first = i == starts_[block] || cases_[i - 1].cell != at.cell;
+      if (first) triangulation.begin_cell(at.cell);
+      const IsoRule& rule = rules_.rules()[at.interval];
+      for (std::uint32_t rest = triangulation.isovertices(at.case_index); rest; rest &= rest - 1) {
+        const int v = std::countr_zero(rest);
+        numbers[v] = points.find(point_key(triangulation.cell(), triangulation.ids(), rule, v));
+      }
+      visit(at, first);
+    }
+  }
+
+  void count_tetrahedra(const MeshPoints& points) {
+    tetrahedra_before_.assign(blocks() + 1, 0);
+    cells_before_.assign(blocks() + 1, 0);
+    StageProgress progress(task_, "counting", 0.5, 0.6, blocks());
+    parallel_for(blocks(), 1, [&](std::int64_t begin, std::int64_t end) {
+      CellTriangulation triangulation(grid_);
+      std::array<std::uint32_t, kMaxIsoVertices> numbers;
+      for (std::int64_t block = begin; block < end; ++block) {
+        std::uint64_t tetrahedra = 0, cells = 0;
+        visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
+          cells += first;
+          for (const auto& t : triangulation.tetrahedra(at.case_index))
+            tetrahedra += !repeats_a_point({numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]});
+        });
+        tetrahedra_before_[block + 1] = tetrahedra;
+        cells_before_[block + 1] = cells;
+        progress.done(1);
+      }
+    });
+    for (std::int64_t block = 0; block < blocks(); ++block) {
+      tetrahedra_before_[block + 1] += tetrahedra_before_[block];
+      cells_before_[block + 1] += cells_before_[block];
+    }
+    const std::uint64_t tetrahedra = tetrahedra_before_.back();
+    const std::uint64_t bytes = tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + (options_.facets ? 4 : 0)) +
+                                static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
+                                cases_.size() * sizeof(CellCase) + cells_before_.back() * sizeof(CellRun);
+    check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points.size()) + " points", bytes,
+                 options_.max_bytes);
+    if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
+      throw Error(ErrorCode::too_large,
+                  "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
+  }
+
+  void write_tetrahedra(const MeshPoints& points) {
+    mesh_.tetrahedra.resize(tetrahedra_before_.back());
+    mesh_.tetrahedron_interval.resize(tetrahedra_before_.back());
+    mesh_.cell_runs.resize(cells_before_.back());
+    mesh_.active_cells = static_cast<std::int64_t>(cells_before_.back());
+    if (options_.facets) labels_.resize(tetrahedra_before_.back());
+    sums_.resize(blocks());
+    StageProgress progress(task_, "extracting", 0.6, options_.facets ? 0.8 : 1.0, blocks());
+    parallel_for(blocks(), 1, [&](std::int64_t begin, std::int64_t end) {
+      CellTriangulation triangulation(grid_);
+      std::array<std::uint32_t, kMaxIsoVertices> numbers;
+      for (std::int64_t block = begin; block < end; ++block) {
+        write_block(block, points, triangulation, numbers);
+        progress.done(1);
+      }
+    });
+  }
+
+  void write_block(std::int64_t block, const MeshPoints& points, CellTriangulation& triangulation,
+                   std::array<std::uint32_t, kMaxIsoVertices>& numbers) {
+    std::uint64_t to = tetrahedra_before_[block];
+    std::uint64_t run = cells_before_[block];
+    std::map<std::uint16_t, Sums>& sums = sums_[block];
+    double cell_volume = 0;
+    bool collapsed = false;
+    std::array<FaceMask, kMaxIsoVertices> merged_masks;
+    visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
+      if (first) {
+        cell_volume = volume_of(triangulation);
+        collapsed = !grid_.structured() && triangulation.collapsed();
+        mesh_.cell_runs[run++] = {at.cell, static_cast<std::uint32_t>(to)};
+      }
+      const bool left_handed = cell_volume < 0;
+      // Flat tetrahedra come out as rounding of either sign; only what is more than that is inverted.
+      const double rounding = -1e-13 * std::abs(cell_volume);
+      Sums& own = sums[at.interval];
+      ++own.active_cells;
+      std::span<const FaceMask> masks = triangulation.masks();
+      if (options_.facets && collapsed) {
+        std::copy(masks.begin(), masks.end(), merged_masks.begin());
+        merge_masks(triangulation.isovertices(at.case_index), numbers, merged_masks);
+        masks = merged_masks;
+      }
+      for (auto t : triangulation.tetrahedra(at.case_index)) {
+        if (left_handed) std::swap(t[0], t[1]);  // positive where the cell's own orientation is
+        const std::array<std::uint32_t, 4> p{numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]};
+        if (repeats_a_point(p)) continue;
+        const auto& x = mesh_.positions;
+        const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
+        ++own.tetrahedra;
+        own.volume += std::abs(volume);
+        own.signed_volume += volume;
+        own.inverted += volume < rounding;
+        if (options_.facets) labels_[to] = label_facets(masks[t[0]], masks[t[1]], masks[t[2]], masks[t[3]]);
+        mesh_.tetrahedron_interval[to] = at.interval;
+        mesh_.tetrahedra[to++] = p;
+      }
+    });
+  }
+
+  double volume_of(const CellTriangulation& triangulation) const {
+    std::array<Vec3d, kMaxCellVertices> p;
+    const auto ids = triangulation.ids();
+    for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
+    return signed_cell_volume(triangulation.cell(), p.data());
+  }
+
+  void summarise() {
+    for (const auto& block : sums_)
+      for (const auto& [interval, sums] : block) {
+        IntervalSummary& summary = mesh_.summaries[interval];
+        summary.active_cells += sums.active_cells;
+        summary.tetrahedra += sums.tetrahedra;
+        summary.inverted += sums.inverted;
+        summary.volume += sums.volume;
+        summary.signed_volume += sums.signed_volume;
+      }
+  }
+
+  const Grid& grid_;
+  const PointArray& array_;
+  const ExtractOptions& options_;
+  const Task& task_;
+  const IsoRules rules_;
+  IntervalMesh mesh_;
+  std::vector<CellCase> cases_;
+  std::vector<std::size_t> starts_;               // [blocks + 1] into cases_
+  std::vector<std::uint64_t> tetrahedra_before_;  // [blocks + 1]
+  std::vector<std::uint64_t> cells_before_;       // [blocks + 1]
+  std::vector<FacetLabels> labels_;               // [nt] where facets are wanted
+  std::vector<std::map<std::uint16_t, Sums>> sums_;  // [blocks] by interval
+};
+
+}  // namespace
+
+void prepare_tables(const Grid& grid) {
+  if (grid.structured()) {
+    hexahedron_table();
+    return;
+  }
+  std::array<bool, 256> seen{};
+  for (const std::uint8_t type : std::get<UnstructuredGrid>(grid.shape).types) seen[type] = true;
+  for (const CellType type : kCellTypes)
+    if (seen[static_cast<std::uint8_t>(type)]) interval_complex(type);
+}
+
+IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                               const ExtractOptions& options, const Task& task) {
+  const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));
+  if (values != grid.point_count())
+    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) + " values; the grid has " +
+                                                 std::to_string(grid.point_count()) + " points");
+  task.check();
+  return Extraction(grid, array, intervals, options, task).run();
+}
+
+}  // namespace isostrata

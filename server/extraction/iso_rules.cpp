@@ -1,0 +1,68 @@
+#include "extraction/iso_rules.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <sstream>
+#include <string>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+std::string text(const Interval& interval) {
+  std::ostringstream out;
+  out.precision(17);
+  out << interval.lower << ":" << interval.upper;
+  return out.str();
+}
+
+}  // namespace
+
+IsoRules::IsoRules(std::span<const Interval> intervals) {
+  constexpr std::size_t kMaxIntervals = std::numeric_limits<std::uint16_t>::max();
+  if (intervals.empty()) throw Error(ErrorCode::invalid_argument, "no interval given; expected at least one");
+  if (intervals.size() > kMaxIntervals)
+    throw Error(ErrorCode::invalid_argument,
+                std::to_string(intervals.size()) + " intervals given; expected at most " + std::to_string(kMaxIntervals));
+  std::vector<double> begins;
+  for (const Interval& interval : intervals) {
+    if (!std::isfinite(interval.lower) || !std::isfinite(interval.upper))
+      throw Error(ErrorCode::invalid_argument, "interval " + text(interval) + ": both ends must be finite numbers");
+    if (!(interval.lower < interval.upper))
+      throw Error(ErrorCode::invalid_argument, "interval " + text(interval) + ": lower must be less than upper");
+    begins.push_back(interval.lower);
+    isovalues_.push_back(interval.lower);
+    isovalues_.push_back(interval.upper);
+  }
+  std::sort(begins.begin(), begins.end());
+  std::sort(isovalues_.begin(), isovalues_.end());
+  isovalues_.erase(std::unique(isovalues_.begin(), isovalues_.end()), isovalues_.end());
+  const auto index = [&](double value) {
+    return static_cast<std::uint32_t>(std::lower_bound(isovalues_.begin(), isovalues_.end(), value) - isovalues_.begin());
+  };
+
+  lowest_ = std::numeric_limits<double>::infinity();
+  highest_ = -std::numeric_limits<double>::infinity();
+  for (const Interval& interval : intervals) {
+    IsoRule rule;
+    rule.lower = interval.lower;
+    rule.upper = interval.upper;
+    const bool another_begins = std::binary_search(begins.begin(), begins.end(), rule.upper);
+    rule.above = another_begins ? rule.upper : std::nextafter(rule.upper, std::numeric_limits<double>::infinity());
+    rule.lower_index = index(rule.lower);
+    rule.upper_index = index(rule.upper);
+    rules_.push_back(rule);
+    lowest_ = std::min(lowest_, rule.lower);
+    highest_ = std::max(highest_, rule.above);
+  }
+
+  order_.resize(rules_.size());
+  std::iota(order_.begin(), order_.end(), std::uint16_t{0});
+  std::stable_sort(order_.begin(), order_.end(), [&](auto a, auto b) { return rules_[a].lower < rules_[b].lower; });
+  double reach = -std::numeric_limits<double>::infinity();
+  for (const std::uint16_t i : order_) reach_.push_back(reach = std::max(reach, rules_[i].above));
+}
+
+}  // namespace isostrata

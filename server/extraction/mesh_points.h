@@ -1,0 +1,65 @@
+// Numbering the points of an interval mesh, each once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/task.h"
+#include "data/array.h"
+#include "data/grid.h"
+#include "extraction/active_cells.h"
+#include "extraction/interval_mesh.h"
+#include "extraction/iso_rules.h"
+
+namespace isostrata {
+
+/// The identity of a mesh point: the kept grid point a (b == a, isovalue 0), or the crossing of the grid edge a < b with an isovalue.
+struct PointKey {
+  std::int64_t a = 0, b = 0;
+  std::uint32_t isovalue = 0;  // into IsoRules::isovalues
+
+  bool operator==(const PointKey&) const = default;
+};
+
+/// The key of an isovertex of a cell.
+inline PointKey point_key(const CellTopology& cell, std::span<const std::int64_t> ids, const IsoRule& rule, int isovertex) {
+  const int n = cell.vertex_count, e = static_cast<int>(cell.edges.size());
+  if (isovertex < n) return {ids[isovertex], ids[isovertex], 0};
+  const bool upper = isovertex >= n + e;
+  const auto& edge = cell.edges[isovertex - n - (upper ? e : 0)];
+  const std::int64_t a = ids[edge[0]], b = ids[edge[1]];
+  const std::uint32_t isovalue = upper ? rule.upper_index : rule.lower_index;
+  return a < b ? PointKey{a, b, isovalue} : PointKey{b, a, isovalue};
+}
+
+/// All points of the mesh, numbered by a, then b, then isovalue: the numbers do not depend on threads or on the order of cells.
+/// Built by counting keys by their point a, which needs 8 bytes for each point of the grid.
+class MeshPoints {
+ public:
+  /// Throws too_large (more than 2^32 points, or grids and requests past the key's range), cancelled.
+  MeshPoints(const Grid& grid, std::span<const CellCase> cases, const IsoRules& rules, std::uint64_t max_bytes, const Task& task);
+
+  std::int64_t size() const { return static_cast<std::int64_t>(keys_.size()); }
+  /// The number of a point that is there.
+  std::uint32_t find(const PointKey& key) const {
+    const std::uint64_t packed = pack(key);
+    std::uint32_t at = first_[key.a];
+    while (keys_[at] != packed) ++at;
+    return at;
+  }
+  /// Fills the mesh's positions, origins and values: [size()].
+  void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const;
+
+ private:
+  static constexpr int kIsovalueBits = 17;  // up to 2 * 65535 isovalues
+  static std::uint64_t pack(const PointKey& key) { return static_cast<std::uint64_t>(key.b) << kIsovalueBits | key.isovalue; }
+
+  std::vector<std::uint32_t> first_;  // [grid points + 1] into keys_
+  std::vector<std::uint64_t> keys_;   // [size()] b and isovalue, increasing within each a
+};
+
+/// Where the isovalue lies between a and b, in [0, 1]. fa and fb are on different sides of it.
+double crossing_weight(double fa, double fb, double isovalue);
+
+}  // namespace isostrata

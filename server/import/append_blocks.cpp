@@ -1,0 +1,145 @@
+#include "import/append_blocks.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace isostrata {
+namespace {
+
+bool has_double_points(const Grid& grid) {
+  if (const auto* curvilinear = std::get_if<CurvilinearGrid>(&grid.shape)) return curvilinear->points.index() == 1;
+  if (const auto* unstructured = std::get_if<UnstructuredGrid>(&grid.shape)) return unstructured->points.index() == 1;
+  return true;
+}
+
+struct Cells {
+  std::vector<std::uint8_t> types;
+  std::vector<std::int64_t> offsets{0};
+  std::vector<std::int64_t> connectivity;
+  std::vector<std::uint8_t> hidden;
+  std::vector<Vec3f> single_points;
+  std::vector<Vec3d> double_points;
+};
+
+const FileArray* find(const Block& block, const FileArray& like) {
+  const auto at = std::find_if(block.arrays.begin(), block.arrays.end(),
+                               [&](const FileArray& a) { return a.name == like.name && a.on_cells == like.on_cells; });
+  return at != block.arrays.end() && at->components == like.components ? &*at : nullptr;
+}
+
+/// Whether all blocks are unstructured over one and the same list of points.
+bool share_points(const std::vector<Block>& blocks) {
+  const auto bytes = [](const Block& block) -> std::span<const std::byte> {
+    const auto* grid = std::get_if<UnstructuredGrid>(&block.grid.shape);
+    return grid ? std::visit([](auto span) { return std::as_bytes(span); }, grid->points) : std::span<const std::byte>{};
+  };
+  const auto first = bytes(blocks.front());
+  return !first.empty() && std::all_of(blocks.begin(), blocks.end(), [&](const Block& block) {
+    const auto other = bytes(block);
+    return other.size() == first.size() && has_double_points(block.grid) == has_double_points(blocks.front().grid) &&
+           (other.data() == first.data() || std::memcmp(other.data(), first.data(), first.size()) == 0);
+  });
+}
+
+FileArray concatenate(const std::vector<const FileArray*>& parts) {
+  FileArray out = *parts.front();
+  const bool same = std::all_of(parts.begin(), parts.end(), [&](const FileArray* part) { return part->type == out.type; });
+  if (!same) out.type = ScalarType::float64;
+  std::size_t count = 0;
+  for (const FileArray* part : parts) count += part->values.size() / size_of(part->type);
+  auto [storage, bytes] = allocate<std::byte>(count * size_of(out.type));
+  std::size_t at = 0;
+  for (const FileArray* part : parts) {
+    if (same) {
+      if (!part->values.empty()) std::memcpy(bytes.data() + at, part->values.data(), part->values.size());
+      at += part->values.size();
+      continue;
+    }
+    std::visit(
+        [&](auto values) {
+          for (const auto value : values) {
+            const auto wide = static_cast<double>(value);
+            std::memcpy(bytes.data() + at, &wide, sizeof wide);
+            at += sizeof wide;
+          }
+        },
+        scalar_span(part->type, part->values));
+  }
+  out.values = bytes;
+  out.storage = storage;
+  return out;
+}
+
+}  // namespace
+
+Block append_blocks(Imported& imported, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  if (imported.blocks.empty()) throw Error(ErrorCode::bad_data, name + ": holds no grid");
+  if (imported.blocks.size() == 1) return std::move(imported.blocks.front());
+
+  std::uint64_t bytes = 0;
+  for (const Block& block : imported.blocks)
+    bytes += static_cast<std::uint64_t>(block.grid.cell_count()) * 73 + static_cast<std::uint64_t>(block.grid.point_count()) * 12;
+  check_bytes(request, bytes, name + ": its blocks as one unstructured grid");
+
+  const bool doubles = std::any_of(imported.blocks.begin(), imported.blocks.end(), [](const Block& b) { return has_double_points(b.grid); });
+  const bool shared = share_points(imported.blocks);
+  const auto cells = std::make_shared<Cells>();
+  bool any_hidden = false;
+  std::int64_t first_point = 0;
+  std::array<std::int64_t, kMaxCellVertices> ids{};
+  for (const Block& block : imported.blocks) {
+    const bool add_points = !shared || &block == &imported.blocks.front();
+    for (std::int64_t p = 0; add_points && p < block.grid.point_count(); ++p) {
+      const Vec3d at = block.grid.point(p);
+      if (doubles)
+        cells->double_points.push_back(at);
+      else
+        cells->single_points.push_back({static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)});
+    }
+    for (std::int64_t c = 0; c < block.grid.cell_count(); ++c) {
+      const int n = block.grid.cell_points(c, ids);
+      for (int v = 0; v < n; ++v) cells->connectivity.push_back(first_point + ids[static_cast<std::size_t>(v)]);
+      cells->offsets.push_back(static_cast<std::int64_t>(cells->connectivity.size()));
+      cells->types.push_back(static_cast<std::uint8_t>(block.grid.cell_type(c)));
+      cells->hidden.push_back(block.grid.hidden(c));
+      any_hidden = any_hidden || block.grid.hidden(c);
+    }
+    if (!shared) first_point += block.grid.point_count();
+  }
+
+  Block all;
+  UnstructuredGrid grid;
+  if (doubles)
+    grid.points = std::span<const Vec3d>(cells->double_points);
+  else
+    grid.points = std::span<const Vec3f>(cells->single_points);
+  grid.types = cells->types;
+  grid.offsets = cells->offsets;
+  grid.connectivity = cells->connectivity;
+  all.grid.shape = grid;
+  if (any_hidden) all.grid.hidden_cells = cells->hidden;
+  all.grid.storage = cells;
+
+  std::vector<std::string> left_out;
+  for (const Block& block : imported.blocks)
+    for (const FileArray& array : block.arrays) {
+      if (find(all, array)) continue;
+      std::vector<const FileArray*> parts;
+      for (const Block& other : imported.blocks)
+        if (const FileArray* part = find(other, array)) parts.push_back(part);
+      if (shared && !array.on_cells)
+        all.arrays.push_back(array);  // it belongs to the common points
+      else if (parts.size() == imported.blocks.size())
+        all.arrays.push_back(concatenate(parts));
+      else if (std::find(left_out.begin(), left_out.end(), array.name) == left_out.end())
+        left_out.push_back(array.name);
+    }
+  for (const std::string& array : left_out) imported.notes.push_back("array '" + array + "' skipped: not every block has it");
+  imported.notes.push_back(std::to_string(imported.blocks.size()) +
+                           (shared ? " blocks over the same points as one unstructured grid"
+                                   : " blocks appended to one unstructured grid; points that blocks share are kept twice"));
+  return all;
+}
+
+}  // namespace isostrata

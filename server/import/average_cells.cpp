@@ -1,0 +1,50 @@
+#include "import/average_cells.h"
+
+#include <limits>
+
+namespace isostrata {
+namespace {
+
+template <class Out>
+FileArray mean_over_cells(const Grid& grid, const FileArray& array) {
+  const auto points = static_cast<std::size_t>(grid.point_count());
+  const auto components = static_cast<std::size_t>(array.components);
+  std::vector<double> sums(points * components, 0.0);
+  std::vector<std::uint32_t> uses(points, 0);
+  std::visit(
+      [&](auto values) {
+        std::array<std::int64_t, kMaxCellVertices> ids{};
+        const std::int64_t cells = grid.cell_count();
+        for (std::int64_t cell = 0; cell < cells; ++cell) {
+          if (grid.hidden(cell)) continue;
+          const int n = grid.cell_points(cell, ids);
+          for (int v = 0; v < n; ++v) {
+            const auto point = static_cast<std::size_t>(ids[static_cast<std::size_t>(v)]);
+            ++uses[point];
+            for (std::size_t c = 0; c < components; ++c)
+              sums[point * components + c] += static_cast<double>(values[static_cast<std::size_t>(cell) * components + c]);
+          }
+        }
+      },
+      scalar_span(array.type, array.values));
+
+  auto [storage, means] = allocate<Out>(points * components);
+  for (std::size_t p = 0; p < points; ++p)
+    for (std::size_t c = 0; c < components; ++c)
+      means[p * components + c] =
+          uses[p] ? static_cast<Out>(sums[p * components + c] / uses[p]) : std::numeric_limits<Out>::quiet_NaN();
+  FileArray out = array;
+  out.type = sizeof(Out) == 4 ? ScalarType::float32 : ScalarType::float64;
+  out.values = std::as_bytes(means);
+  out.storage = storage;
+  return out;
+}
+
+}  // namespace
+
+FileArray average_cells(const Grid& grid, const FileArray& array) {
+  const bool single = array.type == ScalarType::float32 || size_of(array.type) <= 2;
+  return single ? mean_over_cells<float>(grid, array) : mean_over_cells<double>(grid, array);
+}
+
+}  // namespace isostrata

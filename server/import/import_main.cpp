@@ -1,0 +1,93 @@
+// isostrata-import: reads one time step of one foreign file and writes plain arrays. Started by data/import_door.h only; what it says:
+//   standard output   "progress FRACTION" lines
+//   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
+#include <sys/sysinfo.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "import/confine.h"
+#include "import/read_file.h"
+#include "import/vtk_messages.h"
+#include "import/write_dataset.h"
+
+namespace {
+
+using isostrata::Error;
+using isostrata::ErrorCode;
+
+int fail(ErrorCode code, const std::string& message) {
+  std::string line = message;
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  std::fprintf(stderr, "error %s %s\n", to_string(code), line.c_str());
+  return 1;
+}
+
+std::uint64_t number(const char* text) {
+  std::uint64_t value = 0;
+  const char* end = text + std::strlen(text);
+  const auto [at, error] = std::from_chars(text, end, value);
+  if (error != std::errc{} || at != end) throw Error(ErrorCode::invalid_argument, std::string("'") + text + "' is not a number");
+  return value;
+}
+
+/// Address space: arrays exist twice for a moment, and libraries take their part; never more than the machine has.
+std::uint64_t memory_limit(std::uint64_t max_bytes) {
+  constexpr std::uint64_t kLibraries = std::uint64_t{3} << 30;
+  struct sysinfo info {};
+  const std::uint64_t machine = sysinfo(&info) == 0 ? static_cast<std::uint64_t>(info.totalram) * info.mem_unit : ~std::uint64_t{0} >> 2;
+  return std::min(3 * std::min(max_bytes, ~std::uint64_t{0} >> 3), machine) + kLibraries;
+}
+
+void run(char** argv) {
+  isostrata::ReadRequest request;
+  request.file = std::filesystem::absolute(argv[1]);
+  const std::filesystem::path output = argv[2];
+  request.step = static_cast<int>(number(argv[3]));
+  request.max_bytes = number(argv[4]);
+  double reported = -1;
+  request.progress = [reported](double fraction) mutable {
+    if (fraction < reported + 0.01) return;
+    reported = fraction;
+    std::printf("progress %.3f\n", fraction);
+    std::fflush(stdout);
+  };
+  isostrata::set_thread_count(1);
+  isostrata::collect_vtk_messages();
+  isostrata::confine(std::filesystem::weakly_canonical(request.file).parent_path(), output, memory_limit(request.max_bytes), number(argv[5]));
+  write_dataset(read_file(request), request, output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 6) {
+    std::fprintf(stderr, "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS (started by isostrata, not by people)\n");
+    return 2;
+  }
+  const std::string name = std::filesystem::path(argv[1]).filename().string();
+  try {
+    run(argv);
+  } catch (const Error& error) {
+    return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::too_large, name + ": needs more memory than the import is allowed");
+  } catch (const std::length_error&) {
+    return fail(ErrorCode::bad_data, name + ": declares an absurd size");
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::bad_data, name + ": " + error.what());
+  }
+  std::fflush(stdout);
+  // Readers that met damage were seen to crash in their destructors; everything is on disk.
+  std::_Exit(0);
+}

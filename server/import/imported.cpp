@@ -1,0 +1,40 @@
+#include "import/imported.h"
+
+namespace isostrata {
+
+void check_bytes(const ReadRequest& request, std::uint64_t bytes, const std::string& what) {
+  if (bytes > request.max_bytes)
+    throw Error(ErrorCode::too_large,
+                what + ": needs " + std::to_string(bytes) + " bytes, the limit is " + std::to_string(request.max_bytes));
+}
+
+std::int64_t checked_product(std::initializer_list<std::int64_t> sizes, const std::string& what) {
+  std::int64_t product = 1;
+  for (const std::int64_t size : sizes)
+    if (size < 0 || __builtin_mul_overflow(product, size, &product) || product > (std::int64_t{1} << 62))
+      throw Error(ErrorCode::bad_data, what + ": a size of " + std::to_string(size) + " makes no sense");
+  return product;
+}
+
+void check_step(const ReadRequest& request, std::size_t steps) {
+  if (request.step >= 0 && static_cast<std::size_t>(request.step) < steps) return;
+  throw Error(ErrorCode::not_found, request.file.filename().string() + ": no step " + std::to_string(request.step) + "; it has " +
+                                        (steps == 1 ? "one, step 0" : "steps 0 to " + std::to_string(steps - 1)));
+}
+
+std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name) {
+  namespace fs = std::filesystem;
+  const fs::path directory = fs::weakly_canonical(from).parent_path();
+  const fs::path wanted(name);
+  const std::string refusal = from.filename().string() + ": refers to '" + name + "'";
+  if (name.empty()) throw Error(ErrorCode::bad_data, from.filename().string() + ": refers to a file without a name");
+  if (wanted.is_absolute()) throw Error(ErrorCode::bad_data, refusal + "; expected a file below its own directory");
+  std::error_code ignored;
+  const fs::path resolved = fs::weakly_canonical(directory / wanted, ignored);
+  const auto [end, at] = std::mismatch(directory.begin(), directory.end(), resolved.begin(), resolved.end());
+  if (resolved.empty() || end != directory.end()) throw Error(ErrorCode::bad_data, refusal + "; expected a file below its own directory");
+  if (!fs::is_regular_file(resolved, ignored)) throw Error(ErrorCode::not_found, refusal + ", which is not there");
+  return resolved;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,68 @@
+// What a reader hands over inside the import child: grids and arrays as the file has them, before cells are averaged and vectors split.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "data/array.h"
+#include "data/grid.h"
+
+namespace isostrata {
+
+/// An array of tuples as in the file.
+struct FileArray {
+  std::string name;
+  bool on_cells = false;
+  int components = 1;
+  ScalarType type = ScalarType::float32;
+  std::span<const std::byte> values;  // [tuples][components], native byte order
+  std::shared_ptr<const void> storage;
+};
+
+/// One piece of space. hidden_cells are set where the file blanks cells.
+struct Block {
+  Grid grid;
+  std::vector<FileArray> arrays;
+};
+
+/// One time step of one file.
+struct Imported {
+  std::vector<Block> blocks;
+  std::vector<double> times{0.0};
+  std::vector<std::string> notes;
+};
+
+struct ReadRequest {
+  std::filesystem::path file;       // absolute
+  int step = 0;
+  std::uint64_t max_bytes = 0;      // of all arrays together
+  std::function<void(double fraction)> progress = [](double) {};
+};
+
+/// Throws too_large where the running total passes the limit. `what` names the file.
+void check_bytes(const ReadRequest& request, std::uint64_t bytes, const std::string& what);
+
+/// A product of sizes; throws bad_data where it overflows 2^62 or a factor is negative.
+std::int64_t checked_product(std::initializer_list<std::int64_t> sizes, const std::string& what);
+
+/// Throws not_found where step is not one of `steps`.
+void check_step(const ReadRequest& request, std::size_t steps);
+
+/// Resolves a file that `from` refers to. Throws bad_data where the name is absolute or leaves the directory of `from`,
+/// not_found where there is no such file.
+std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name);
+
+/// Storage of n Ts and a span of it.
+template <class T>
+std::pair<std::shared_ptr<T[]>, std::span<T>> allocate(std::size_t n) {
+  auto storage = std::make_shared_for_overwrite<T[]>(n);
+  return {storage, std::span<T>(storage.get(), n)};
+}
+
+}  // namespace isostrata

@@ -1,0 +1,223 @@
+#include "import/read_nrrd.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "import/nrrd_data.h"
+#include "import/nrrd_header.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::int64_t kMostComponents = 256;
+
+/// A file mapped for reading. The pages come and go as they are used.
+class MappedFile {
+ public:
+  explicit MappedFile(const std::filesystem::path& path) {
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status {};
+    if (file < 0 || fstat(file, &status) != 0) throw Error(ErrorCode::not_found, path.filename().string() + ": cannot be opened for reading");
+    size_ = static_cast<std::size_t>(status.st_size);
+    if (size_ > 0) data_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+    close(file);
+    if (data_ == MAP_FAILED) throw Error(ErrorCode::unavailable, path.filename().string() + ": cannot be mapped");
+  }
+  ~MappedFile() {
+    if (data_) munmap(data_, size_);
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+struct Axes {
+  std::vector<std::size_t> space, component;
+  std::optional<std::size_t> time;
+};
+
+Axes sort_axes(const NrrdHeader& header, const std::string& name) {
+  Axes axes;
+  std::int64_t components = 1;
+  for (std::size_t a = 0; a < header.axes.size(); ++a) {
+    switch (header.axes[a].role) {
+      case NrrdRole::space: axes.space.push_back(a); break;
+      case NrrdRole::time: axes.time = a; break;
+      case NrrdRole::component:
+        axes.component.push_back(a);
+        components = checked_product({components, header.axes[a].size}, name);
+    }
+  }
+  if (components > kMostComponents)
+    throw Error(ErrorCode::unsupported, name + ": " + std::to_string(components) + " components in each point; expected at most " +
+                                            std::to_string(kMostComponents));
+  return axes;
+}
+
+std::vector<std::byte> load_values(const ReadRequest& request, const NrrdHeader& header, const MappedFile& main, std::vector<std::string>& notes) {
+  const std::string name = request.file.filename().string();
+  if (header.data_files.empty()) return decode_nrrd(main.bytes().subspan(std::min(header.length, main.bytes().size())), header, header.values(), name, notes);
+  const auto files = static_cast<std::int64_t>(header.data_files.size());
+  if (header.values() % files != 0)
+    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(header.values()) + " values do not divide into " + std::to_string(files) + " data files");
+  std::vector<std::byte> all;
+  for (const std::string& data_file : header.data_files) {
+    const auto path = referred_file(request.file, data_file);
+    const MappedFile mapped(path);
+    auto part = decode_nrrd(mapped.bytes(), header, header.values() / files, path.filename().string(), notes);
+    if (files == 1) return part;
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
+}
+
+/// [points][components] at one time step, x fastest.
+FileArray gather(const NrrdHeader& header, const Axes& axes, std::span<const std::byte> values, int step) {
+  const std::size_t width = size_of(header.type);
+  std::vector<std::size_t> strides(header.axes.size());
+  std::size_t stride = 1;
+  for (std::size_t a = 0; a < header.axes.size(); ++a) {
+    strides[a] = stride;
+    stride *= static_cast<std::size_t>(header.axes[a].size);
+  }
+  std::vector<std::size_t> component_offsets{0};
+  for (const std::size_t a : axes.component) {
+    std::vector<std::size_t> more;
+    for (std::int64_t i = 0; i < header.axes[a].size; ++i)
+      for (const std::size_t offset : component_offsets) more.push_back(offset + static_cast<std::size_t>(i) * strides[a]);
+    component_offsets = std::move(more);
+  }
+  std::array<std::size_t, 3> n{1, 1, 1}, s{0, 0, 0};
+  for (std::size_t i = 0; i < axes.space.size(); ++i) {
+    n[i] = static_cast<std::size_t>(header.axes[axes.space[i]].size);
+    s[i] = strides[axes.space[i]];
+  }
+  const std::size_t first = axes.time ? static_cast<std::size_t>(step) * strides[*axes.time] : 0;
+
+  FileArray array;
+  array.name = "scalars";
+  array.type = header.type;
+  array.components = static_cast<int>(component_offsets.size());
+  auto [storage, out] = allocate<std::byte>(n[0] * n[1] * n[2] * component_offsets.size() * width);
+  std::byte* to = out.data();
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j) {
+      const std::size_t row = first + k * s[2] + j * s[1];
+      if (component_offsets.size() == 1 && s[0] == 1) {
+        std::memcpy(to, values.data() + row * width, n[0] * width);
+        to += n[0] * width;
+        continue;
+      }
+      for (std::size_t i = 0; i < n[0]; ++i)
+        for (const std::size_t offset : component_offsets) {
+          std::memcpy(to, values.data() + (row + i * s[0] + offset) * width, width);
+          to += width;
+        }
+    }
+  array.values = out;
+  array.storage = storage;
+  return array;
+}
+
+/// Where an axis without direction begins and how far apart its samples are.
+std::pair<double, double> along(const NrrdAxis& axis, double origin, const std::string& name) {
+  double spacing = axis.spacing.value_or(1.0);
+  if (axis.lower && axis.upper && !axis.spacing && axis.size > 1) {
+    spacing = (*axis.upper - *axis.lower) / static_cast<double>(axis.cell_centered ? axis.size : axis.size - 1);
+    origin = *axis.lower + (axis.cell_centered ? spacing / 2 : 0);
+  } else if (axis.lower) {
+    origin = *axis.lower;
+  }
+  if (spacing == 0 || !std::isfinite(spacing)) throw Error(ErrorCode::bad_data, name + ": a spacing of " + std::to_string(spacing) + "; expected any finite value but 0");
+  return {origin, spacing};
+}
+
+void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::string& name) {
+  std::array<std::int64_t, 3> dims{1, 1, 1};
+  bool directions = false;
+  for (std::size_t i = 0; i < axes.space.size(); ++i) {
+    dims[i] = header.axes[axes.space[i]].size;
+    directions = directions || header.axes[axes.space[i]].direction;
+  }
+  const auto origin = header.origin.value_or(std::array<double, 3>{0, 0, 0});
+  UniformGrid uniform;
+  uniform.dims = dims;
+  uniform.origin = {origin[0], origin[1], origin[2]};
+  if (!directions) {
+    for (std::size_t i = 0; i < axes.space.size(); ++i) {
+      const auto [begin, spacing] = along(header.axes[axes.space[i]], origin[i], name);
+      uniform.origin[static_cast<int>(i)] = begin;
+      uniform.spacing[static_cast<int>(i)] = spacing;
+    }
+    block.grid.shape = uniform;
+    return;
+  }
+
+  std::array<std::array<double, 3>, 3> step{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (std::size_t i = 0; i < axes.space.size(); ++i) {
+    if (!header.axes[axes.space[i]].direction)
+      throw Error(ErrorCode::bad_data, name + ": space directions are given for some axes of space only");
+    step[i] = *header.axes[axes.space[i]].direction;
+  }
+  bool straight = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t a = 0; a < 3; ++a) straight = straight && (i == a) == (step[i][a] != 0);
+  if (straight) {
+    uniform.spacing = {step[0][0], step[1][1], step[2][2]};
+    block.grid.shape = uniform;
+    return;
+  }
+  for (std::size_t i = 0; i < axes.space.size(); ++i)
+    if (step[i][0] == 0 && step[i][1] == 0 && step[i][2] == 0) throw Error(ErrorCode::bad_data, name + ": a space direction of (0,0,0)");
+  const auto n = static_cast<std::size_t>(checked_product({dims[0], dims[1], dims[2]}, name));
+  auto [storage, points] = allocate<Vec3d>(n);
+  std::size_t at = 0;
+  for (std::int64_t k = 0; k < dims[2]; ++k)
+    for (std::int64_t j = 0; j < dims[1]; ++j)
+      for (std::int64_t i = 0; i < dims[0]; ++i, ++at)
+        for (std::size_t a = 0; a < 3; ++a)
+          points[at][static_cast<int>(a)] = origin[a] + static_cast<double>(i) * step[0][a] + static_cast<double>(j) * step[1][a] + static_cast<double>(k) * step[2][a];
+  block.grid.shape = CurvilinearGrid{dims, std::span<const Vec3d>(points)};
+  block.grid.storage = storage;
+}
+
+}  // namespace
+
+Imported read_nrrd(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  const MappedFile file(request.file);
+  const auto bytes = file.bytes();
+  const NrrdHeader header = parse_nrrd_header({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+  const Axes axes = sort_axes(header, name);
+  Imported imported;
+  if (axes.time) {
+    const NrrdAxis& time = header.axes[*axes.time];
+    if (time.size > 1'000'000) throw Error(ErrorCode::too_large, name + ": " + std::to_string(time.size) + " time steps; expected at most 1000000");
+    const double spacing = time.spacing && *time.spacing > 0 ? *time.spacing : 1.0;
+    imported.times.clear();
+    for (std::int64_t t = 0; t < time.size; ++t) imported.times.push_back(time.lower.value_or(0.0) + static_cast<double>(t) * spacing);
+  }
+  check_step(request, imported.times.size());
+  const std::int64_t all = checked_product({header.values(), static_cast<std::int64_t>(size_of(header.type))}, name);
+  check_bytes(request, static_cast<std::uint64_t>(all), name);
+
+  const std::vector<std::byte> values = load_values(request, header, file, imported.notes);
+  request.progress(0.4);
+  Block block;
+  place(block, header, axes, name);
+  block.arrays.push_back(gather(header, axes, values, request.step));
+  imported.blocks.push_back(std::move(block));
+  return imported;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,194 @@
+#include "import/read_vtk.h"
+
+#include <vtkCommand.h>
+#include <vtkCallbackCommand.h>
+#include <vtkDataArray.h>
+#include <vtkDataObject.h>
+#include <vtkDataReader.h>
+#include <vtkFieldData.h>
+#include <vtkGenericDataObjectReader.h>
+#include <vtkInformation.h>
+#include <vtkMetaImageReader.h>
+#include <vtkNew.h>
+#include <vtkRectilinearGridReader.h>
+#include <vtkSLCReader.h>
+#include <vtkSmartPointer.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkStructuredGridReader.h>
+#include <vtkStructuredPointsReader.h>
+#include <vtkUnstructuredGridReader.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLImageDataReader.h>
+#include <vtkXMLPImageDataReader.h>
+#include <vtkXMLPRectilinearGridReader.h>
+#include <vtkXMLPStructuredGridReader.h>
+#include <vtkXMLPUnstructuredGridReader.h>
+#include <vtkXMLRectilinearGridReader.h>
+#include <vtkXMLStructuredGridReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUtilities.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "import/vtk_blocks.h"
+#include "import/vtk_messages.h"
+
+namespace isostrata {
+namespace {
+
+/// Points that the header declares, before memory is asked for.
+void check_declared_extent(vtkAlgorithm* reader, const ReadRequest& request, const std::string& name) {
+  vtkInformation* information = reader->GetOutputInformation(0);
+  if (!information || !information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT())) return;
+  int e[6];
+  information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), e);
+  const auto size = [&](int a) { return static_cast<std::int64_t>(e[2 * a + 1]) - e[2 * a] + 1; };
+  for (int a = 0; a < 3; ++a)
+    if (size(a) < 1) throw Error(ErrorCode::bad_data, name + ": an extent of " + std::to_string(size(a)) + " points; expected at least 1");
+  const std::int64_t points = checked_product({size(0), size(1), size(2)}, name);
+  check_bytes(request, static_cast<std::uint64_t>(points), name + ": " + std::to_string(points) + " points declared");
+}
+
+/// The time that a file says it has, as ParaView and VTK write it.
+std::vector<double> declared_times(vtkDataObject* object) {
+  if (object && object->GetFieldData())
+    for (const char* name : {"TimeValue", "TIME"})
+      if (vtkDataArray* time = object->GetFieldData()->GetArray(name))
+        if (time->GetNumberOfTuples() == 1 && std::isfinite(time->GetComponent(0, 0))) return {time->GetComponent(0, 0)};
+  return {0.0};
+}
+
+void report_progress(vtkAlgorithm* reader, const ReadRequest& request) {
+  vtkNew<vtkCallbackCommand> command;
+  command->SetClientData(const_cast<ReadRequest*>(&request));
+  command->SetCallback([](vtkObject* caller, unsigned long, void* client, void*) {
+    static_cast<const ReadRequest*>(client)->progress(static_cast<vtkAlgorithm*>(caller)->GetProgress());
+  });
+  reader->AddObserver(vtkCommand::ProgressEvent, command);
+}
+
+Imported finish(vtkAlgorithm* reader, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  throw_on_vtk_error(name);
+  if (reader->GetErrorCode() != 0)
+    throw Error(ErrorCode::bad_data, name + ": VTK's reader reported error " + std::to_string(reader->GetErrorCode()));
+  Imported imported;
+  vtkDataObject* object = reader->GetOutputDataObject(0);
+  append_vtk_blocks(object, request, imported.blocks, imported.notes);
+  imported.times = declared_times(object);
+  for (const std::string& warning : vtk_warnings()) imported.notes.push_back("reader: " + warning);
+  return imported;
+}
+
+Imported run(vtkAlgorithm* reader, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  check_step(request, 1);
+  report_progress(reader, request);
+  reader->UpdateInformation();
+  throw_on_vtk_error(name);
+  check_declared_extent(reader, request, name);
+  reader->Update();
+  return finish(reader, request);
+}
+
+template <class Reader>
+Imported run_named(const ReadRequest& request) {
+  vtkNew<Reader> reader;
+  reader->SetFileName(request.file.c_str());
+  return run(reader, request);
+}
+
+template <class Reader>
+Imported run_legacy(const ReadRequest& request) {
+  vtkNew<Reader> reader;
+  reader->SetFileName(request.file.c_str());
+  reader->ReadAllScalarsOn();
+  reader->ReadAllVectorsOn();
+  reader->ReadAllNormalsOn();
+  reader->ReadAllTensorsOn();
+  reader->ReadAllColorScalarsOn();
+  reader->ReadAllTCoordsOn();
+  reader->ReadAllFieldsOn();
+  return run(reader, request);
+}
+
+/// Every piece of a parallel file must be a file below its directory.
+void check_pieces(vtkXMLDataElement* element, const ReadRequest& request) {
+  if (!element) return;
+  if (const char* source = element->GetAttribute("Source")) referred_file(request.file, source);
+  for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) check_pieces(element->GetNestedElement(i), request);
+}
+
+vtkSmartPointer<vtkXMLDataElement> parse_small_xml(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  constexpr std::uintmax_t kMost = 64u << 20;
+  if (std::filesystem::file_size(request.file) > kMost)
+    throw Error(ErrorCode::too_large, name + ": above 64 MiB; a list of files is not that long");
+  auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(request.file.c_str()));
+  throw_on_vtk_error(name);
+  if (!root) throw Error(ErrorCode::bad_data, name + ": is not well-formed XML");
+  return root;
+}
+
+}  // namespace
+
+Imported read_vtk_legacy(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  vtkNew<vtkGenericDataObjectReader> peek;
+  peek->SetFileName(request.file.c_str());
+  const int type = peek->ReadOutputType();
+  throw_on_vtk_error(name);
+  switch (type) {
+    case VTK_STRUCTURED_POINTS:
+    case VTK_IMAGE_DATA: return run_legacy<vtkStructuredPointsReader>(request);
+    case VTK_RECTILINEAR_GRID: return run_legacy<vtkRectilinearGridReader>(request);
+    case VTK_STRUCTURED_GRID: return run_legacy<vtkStructuredGridReader>(request);
+    case VTK_UNSTRUCTURED_GRID: return run_legacy<vtkUnstructuredGridReader>(request);
+    case VTK_POLY_DATA: throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");
+    default:
+      throw Error(type < 0 ? ErrorCode::bad_data : ErrorCode::unsupported,
+                  name + ": expected DATASET STRUCTURED_POINTS, RECTILINEAR_GRID, STRUCTURED_GRID or UNSTRUCTURED_GRID");
+  }
+}
+
+Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
+  const std::string name = request.file.filename().string();
+  if (type == "ImageData") return run_named<vtkXMLImageDataReader>(request);
+  if (type == "RectilinearGrid") return run_named<vtkXMLRectilinearGridReader>(request);
+  if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
+  if (type == "UnstructuredGrid") return run_named<vtkXMLUnstructuredGridReader>(request);
+  if (type == "PImageData" || type == "PRectilinearGrid" || type == "PStructuredGrid" || type == "PUnstructuredGrid") {
+    check_pieces(parse_small_xml(request), request);
+    if (type == "PImageData") return run_named<vtkXMLPImageDataReader>(request);
+    if (type == "PRectilinearGrid") return run_named<vtkXMLPRectilinearGridReader>(request);
+    if (type == "PStructuredGrid") return run_named<vtkXMLPStructuredGridReader>(request);
+    return run_named<vtkXMLPUnstructuredGridReader>(request);
+  }
+  if (type == "PolyData" || type == "PPolyData")
+    throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");
+  throw Error(ErrorCode::unsupported, name + ": VTKFile of type '" + type +
+                                          "'; expected ImageData, RectilinearGrid, StructuredGrid, UnstructuredGrid, one of their parallel "
+                                          "forms, or Collection");
+}
+
+Imported read_meta_image(const ReadRequest& request) {
+  std::ifstream header(request.file, std::ios::binary);
+  std::string line;
+  for (int i = 0; i < 1000 && std::getline(header, line); ++i) {
+    const auto equals = line.find('=');
+    if (!line.starts_with("ElementDataFile") || equals == std::string::npos) continue;
+    line = line.substr(equals + 1);
+    line.erase(0, line.find_first_not_of(" \t"));
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    if (line.starts_with("LIST") || line.find('%') != std::string::npos)
+      throw Error(ErrorCode::unsupported, request.file.filename().string() + ": a list of data files; expected one");
+    if (line != "LOCAL" && line != "local") referred_file(request.file, line);
+    return run_named<vtkMetaImageReader>(request);
+  }
+  throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected a line 'ElementDataFile = ...'");
+}
+
+Imported read_slc(const ReadRequest& request) { return run_named<vtkSLCReader>(request); }
+
+}  // namespace isostrata

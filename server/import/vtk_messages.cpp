@@ -1,0 +1,62 @@
+#include "import/vtk_messages.h"
+
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkSmartPointer.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kMostMessages = 5;
+
+/// "ERROR: In FILE, line N\nvtkXMLDataReader (0x55): What happened.\n\n" -> "What happened."
+std::string plain(std::string text) {
+  if (const auto header = text.find(", line "); header != std::string::npos)
+    if (const auto end = text.find('\n', header); end != std::string::npos) text.erase(0, end + 1);
+  if (text.starts_with("vtk"))
+    if (const auto colon = text.find("): "); colon != std::string::npos && colon < 100) text.erase(0, colon + 3);
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, ' ');
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text.substr(0, 300);
+}
+
+class Messages : public vtkOutputWindow {
+ public:
+  static Messages* New();
+  vtkTypeMacro(Messages, vtkOutputWindow)
+
+  void DisplayText(const char*) override {}
+  void DisplayErrorText(const char* text) override { keep(errors, text); }
+  void DisplayWarningText(const char* text) override { keep(warnings, text); }
+  void DisplayGenericWarningText(const char* text) override { keep(warnings, text); }
+
+  std::vector<std::string> errors, warnings;
+
+ private:
+  static void keep(std::vector<std::string>& messages, const char* text) {
+    if (text && messages.size() < kMostMessages) messages.push_back(plain(text));
+  }
+};
+
+vtkStandardNewMacro(Messages);
+
+vtkSmartPointer<Messages> messages;
+
+}  // namespace
+
+void collect_vtk_messages() {
+  messages = vtkSmartPointer<Messages>::New();
+  vtkOutputWindow::SetInstance(messages);
+}
+
+void throw_on_vtk_error(const std::string& name) {
+  if (messages && !messages->errors.empty()) throw Error(ErrorCode::bad_data, name + ": " + messages->errors.front());
+}
+
+std::vector<std::string> vtk_warnings() { return messages ? messages->warnings : std::vector<std::string>{}; }
+
+}  // namespace isostrata

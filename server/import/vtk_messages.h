@@ -1,0 +1,18 @@
+// VTK's readers print errors and hand over what they have. Here every error ends the import.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace isostrata {
+
+/// Installs VTK's output window that keeps messages instead of printing them. Call once.
+void collect_vtk_messages();
+
+/// Throws bad_data with the first error that VTK's readers printed so far, said as "NAME: text".
+void throw_on_vtk_error(const std::string& name);
+
+/// What VTK warned of so far, at most a few, one line each.
+std::vector<std::string> vtk_warnings();
+
+}  // namespace isostrata

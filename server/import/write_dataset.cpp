@@ -1,0 +1,191 @@
+#include "import/write_dataset.h"
+
+#include <boost/json.hpp>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <set>
+
+#include "import/append_blocks.h"
+#include "import/average_cells.h"
+
+namespace isostrata {
+namespace {
+
+namespace json = boost::json;
+
+class Writer {
+ public:
+  Writer(std::filesystem::path directory, const ReadRequest& request) : directory_(std::move(directory)), request_(request) {}
+
+  void file(const std::string& name, std::span<const std::byte> bytes) {
+    total_ += bytes.size();
+    check_bytes(request_, total_, request_.file.filename().string());
+    std::FILE* out = std::fopen((directory_ / name).c_str(), "wb");
+    const bool written = out && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    const int error = errno;
+    if ((out && std::fclose(out) != 0) || !written)
+      throw Error(ErrorCode::unavailable, "cannot write " + std::to_string(bytes.size()) + " bytes to a temporary file: " +
+                                              std::strerror(written ? errno : error));
+  }
+  template <class T>
+  void values(const std::string& name, std::span<const T> span) {
+    file(name, std::as_bytes(span));
+  }
+
+ private:
+  std::filesystem::path directory_;
+  const ReadRequest& request_;
+  std::uint64_t total_ = 0;
+};
+
+/// Names travel as JSON: what is not UTF-8, or is a control character, becomes '?'.
+std::string printable(const std::string& text, std::size_t most) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size() && out.size() < most;) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+    bool good = length > 0 && i + length <= text.size() && lead >= 32 && lead != 127;
+    for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
+    // Overlong forms, surrogates and what is beyond U+10FFFF.
+    if (good && length > 2) {
+      const auto second = static_cast<unsigned char>(text[i + 1]);
+      good = !((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) || (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F));
+    }
+    if (good && out.size() + length > most) break;
+    out += good ? text.substr(i, length) : "?";
+    i += good ? length : 1;
+  }
+  return out;
+}
+
+json::array write_points(const PointSpan& points, Writer& writer) {
+  std::visit([&](auto span) { writer.values("points.bin", span); }, points);
+  return {points.index() == 0 ? "float32" : "float64", std::visit([](auto span) { return static_cast<std::int64_t>(span.size()); }, points)};
+}
+
+void write_grid(const Grid& grid, Writer& writer, json::object& manifest) {
+  manifest["grid"] = grid.kind_name();
+  if (grid.structured()) {
+    const auto d = grid.dims();
+    manifest["dims"] = json::array{d[0], d[1], d[2]};
+  }
+  if (const auto* uniform = std::get_if<UniformGrid>(&grid.shape)) {
+    // As bytes: a decimal in between would have to be exact.
+    const std::array<double, 6> placement{uniform->origin.x,  uniform->origin.y,  uniform->origin.z,
+                                          uniform->spacing.x, uniform->spacing.y, uniform->spacing.z};
+    writer.values("placement.bin", std::span<const double>(placement));
+  } else if (const auto* rectilinear = std::get_if<RectilinearGrid>(&grid.shape)) {
+    const char* const names[3] = {"axis_x.bin", "axis_y.bin", "axis_z.bin"};
+    for (std::size_t a = 0; a < 3; ++a) writer.values(names[a], std::span<const double>(rectilinear->axes[a]));
+  } else if (const auto* curvilinear = std::get_if<CurvilinearGrid>(&grid.shape)) {
+    manifest["points"] = write_points(curvilinear->points, writer);
+  } else {
+    const auto& unstructured = std::get<UnstructuredGrid>(grid.shape);
+    manifest["points"] = write_points(unstructured.points, writer);
+    manifest["cells"] = unstructured.types.size();
+    manifest["connectivity"] = unstructured.connectivity.size();
+    writer.values("types.bin", unstructured.types);
+    writer.values("offsets.bin", unstructured.offsets);
+    writer.values("connectivity.bin", unstructured.connectivity);
+  }
+  manifest["hidden_cells"] = !grid.hidden_cells.empty();
+  if (!grid.hidden_cells.empty()) writer.values("hidden.bin", grid.hidden_cells);
+}
+
+/// Writes the arrays one by one and lists them in the manifest.
+class ArrayWriter {
+ public:
+  ArrayWriter(Writer& writer, json::array& list) : writer_(writer), list_(list) {}
+
+  void add(const FileArray& array, const std::string& base) {
+    if (array.components == 1) {
+      write(array, base, "", array.type, array.values);
+      return;
+    }
+    static constexpr const char* kAxes[3] = {"x", "y", "z"};
+    std::visit(
+        [&](auto values) {
+          using T = typename decltype(values)::value_type;
+          const auto components = static_cast<std::size_t>(array.components);
+          const std::size_t n = values.size() / components;
+          // The magnitude keeps single precision for float32 and for integers that it holds exactly.
+          if constexpr (sizeof(T) <= 2 || std::is_same_v<T, float>)
+            write(array, base, "magnitude", ScalarType::float32, std::as_bytes(std::span<const float>(magnitude<float>(values, components))));
+          else
+            write(array, base, "magnitude", ScalarType::float64, std::as_bytes(std::span<const double>(magnitude<double>(values, components))));
+          std::vector<T> one(n);
+          for (std::size_t c = 0; c < components; ++c) {
+            for (std::size_t p = 0; p < n; ++p) one[p] = values[p * components + c];
+            const std::string component = components <= 3 ? kAxes[c] : std::to_string(c);
+            write(array, base + "_" + component, component, array.type, std::as_bytes(std::span<const T>(one)));
+          }
+        },
+        scalar_span(array.type, array.values));
+  }
+
+ private:
+  template <class Out, class T>
+  std::vector<Out> magnitude(std::span<const T> values, std::size_t components) {
+    std::vector<Out> out(values.size() / components);
+    for (std::size_t p = 0; p < out.size(); ++p) {
+      double sum = 0;
+      for (std::size_t c = 0; c < components; ++c) {
+        const auto value = static_cast<double>(values[p * components + c]);
+        sum += value * value;
+      }
+      out[p] = static_cast<Out>(std::sqrt(sum));
+    }
+    return out;
+  }
+
+  void write(const FileArray& array, std::string name, const std::string& component, ScalarType type, std::span<const std::byte> bytes) {
+    for (int n = 2; !names_.insert(name).second; ++n) name = name.substr(0, name.rfind(" #")) + " #" + std::to_string(n);
+    writer_.file("array_" + std::to_string(list_.size()) + ".bin", bytes);
+    list_.push_back(json::object{{"name", name},
+                                 {"association", array.on_cells ? "cell_averaged" : "point"},
+                                 {"components", array.components},
+                                 {"component", component},
+                                 {"type", to_string(type)}});
+  }
+
+  Writer& writer_;
+  json::array& list_;
+  std::set<std::string> names_;
+};
+
+}  // namespace
+
+void write_dataset(Imported imported, const ReadRequest& request, const std::filesystem::path& directory) {
+  const Block block = append_blocks(imported, request);
+  Writer writer(directory, request);
+  json::object manifest;
+  manifest["format"] = 1;
+  write_grid(block.grid, writer, manifest);
+
+  std::set<std::string> point_names;
+  for (const FileArray& array : block.arrays)
+    if (!array.on_cells) point_names.insert(array.name);
+  json::array arrays;
+  ArrayWriter array_writer(writer, arrays);
+  std::size_t done = 0;
+  for (const FileArray& array : block.arrays) {
+    const std::string name = printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
+    array_writer.add(array.on_cells ? average_cells(block.grid, array) : array, name);
+    request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
+  }
+  manifest["arrays"] = std::move(arrays);
+
+  writer.values("times.bin", std::span<const double>(imported.times));
+  manifest["times"] = imported.times.size();
+  manifest["step"] = request.step;
+  json::array notes;
+  for (const std::string& note : imported.notes)
+    if (notes.size() < 100) notes.push_back(json::string(printable(note, 400)));
+  manifest["notes"] = std::move(notes);
+  const std::string text = json::serialize(manifest);
+  writer.values("manifest.json", std::span<const char>(text));  // last: without it the rest means nothing
+}
+
+}  // namespace isostrata

@@ -1,0 +1,86 @@
+#include "net/access.h"
+
+#include "session/random_token.h"
+
+namespace isostrata {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+// "name:80" -> "name"; "[::1]:80" -> "[::1]". Empty where the port is not a number.
+std::string_view name_of(std::string_view host) {
+  const auto bracket = host.rfind(']');
+  const auto colon = host.rfind(':');
+  if (colon == std::string_view::npos || (bracket != std::string_view::npos && colon < bracket)) return host;
+  const std::string_view port = host.substr(colon + 1);
+  if (port.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string_view::npos) return {};
+  return host.substr(0, colon);
+}
+
+}  // namespace
+
+Access::Access(AccessOptions options) : options_(std::move(options)), cookie_("isostrata_" + std::to_string(options_.port)) {}
+
+bool Access::listed(std::string_view host_and_port) const {
+  const std::string_view name = name_of(host_and_port);
+  if (name == "localhost" || name == "127.0.0.1" || name == "[::1]") return true;
+  if (name.empty()) return false;
+  for (const std::string& allowed : options_.allowed_hosts)
+    if (allowed == host_and_port || allowed == name) return true;
+  return false;
+}
+
+bool Access::host_allowed(const HttpRequest& request) const {
+  return request.header_count("host") == 1 && listed(lower(request.header("host")));
+}
+
+bool Access::origin_allowed(const HttpRequest& request) const {
+  const std::size_t count = request.header_count("origin");
+  if (count == 0) return true;
+  if (count > 1) return false;
+  std::string origin = lower(request.header("origin"));
+  if (origin.starts_with("https://")) origin.erase(0, 8);
+  else if (origin.starts_with("http://")) origin.erase(0, 7);
+  else return false;
+  if (origin == lower(request.header("host"))) return true;
+  for (const std::string& allowed : options_.allowed_hosts)
+    if (allowed == origin) return true;
+  return false;
+}
+
+bool Access::is_token(std::string_view text) const { return equal_in_constant_time(std::string(text), options_.token); }
+
+bool Access::token_in_query(const RequestTarget& target) const {
+  const auto it = target.query.find("token");
+  return token_needed() && it != target.query.end() && is_token(it->second);
+}
+
+bool Access::token_accepted(const HttpRequest& request, const RequestTarget& target) const {
+  if (!token_needed()) return true;
+  if (token_in_query(target)) return true;
+  for (const auto& [name, value] : request.headers) {
+    if (name == "authorization" && lower(std::string_view(value).substr(0, 7)) == "bearer ") {
+      if (is_token(std::string_view(value).substr(7))) return true;
+    } else if (name == "cookie") {
+      std::string_view rest = value;
+      while (!rest.empty()) {
+        const auto at = rest.find(';');
+        std::string_view pair = rest.substr(0, at);
+        rest = at == std::string_view::npos ? std::string_view{} : rest.substr(at + 1);
+        while (pair.starts_with(' ')) pair.remove_prefix(1);
+        if (pair.starts_with(cookie_) && pair.substr(cookie_.size()).starts_with('=') && is_token(pair.substr(cookie_.size() + 1))) return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::string Access::set_cookie(std::string_view base_path) const {
+  return cookie_ + "=" + options_.token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict";
+}
+
+}  // namespace isostrata

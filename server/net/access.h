@@ -1,0 +1,43 @@
+// Who may ask: the token, and the Host and Origin allow-lists that keep other web pages and rebound names out.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "net/http_message.h"
+#include "net/request_target.h"
+
+namespace isostrata {
+
+struct AccessOptions {
+  std::string token;                       // empty: everyone may ask (--no-auth)
+  std::vector<std::string> allowed_hosts;  // "name" (any port) or "name:port", lower case; beside the loopback names
+  unsigned short port = 0;                 // being served; names the cookie, since browsers share cookies between ports
+};
+
+class Access {
+ public:
+  explicit Access(AccessOptions options);
+
+  /// Host is one of localhost, 127.0.0.1, [::1] at any port (a tunnel may end at another one) or on the list. Exactly one Host header.
+  bool host_allowed(const HttpRequest& request) const;
+  /// Origin, where there is one, is that of Host itself, http or https, or on the list; "null" never is.
+  bool origin_allowed(const HttpRequest& request) const;
+
+  /// By cookie, "Authorization: Bearer", or ?token=. Compared in constant time.
+  bool token_accepted(const HttpRequest& request, const RequestTarget& target) const;
+  bool token_in_query(const RequestTarget& target) const;
+  /// Set-Cookie's value for a page under base_path ("/" or "/prefix/").
+  std::string set_cookie(std::string_view base_path) const;
+  bool token_needed() const { return !options_.token.empty(); }
+
+ private:
+  bool is_token(std::string_view text) const;
+  bool listed(std::string_view host_and_port) const;
+
+  const AccessOptions options_;
+  const std::string cookie_;
+};
+
+}  // namespace isostrata

@@ -1,0 +1,159 @@
+// HTTP on one socket. Beast 1.81 needs care: it is compiled with NDEBUG, bodies in chunks are refused, and any parse error ends the connection.
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <chrono>
+#include <optional>
+
+#include "net/connections.h"
+#include "net/websocket_connection.h"
+#include "session/limits.h"
+
+namespace isostrata {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+constexpr auto kHeaderTimeout = std::chrono::seconds(10);
+constexpr auto kIdleTimeout = std::chrono::seconds(60);   // between two requests
+constexpr auto kBodyTimeout = std::chrono::seconds(20);
+constexpr auto kWriteTimeout = std::chrono::seconds(60);
+constexpr auto kAnswerTimeout = std::chrono::seconds(600);  // loading a dataset may take that long
+constexpr std::uint32_t kMaxHeaderBytes = 16384;
+
+HttpRequest plain(const http::request<http::string_body>& request) {
+  HttpRequest out;
+  out.method = std::string(request.method_string());
+  out.target = std::string(request.target());
+  out.body = request.body();
+  for (const auto& field : request) {
+    std::string name(field.name_string());
+    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    out.headers.emplace_back(std::move(name), std::string(field.value()));
+  }
+  return out;
+}
+
+http::response<http::string_body> wire(HttpResponse&& response, unsigned version, bool keep_alive, bool head) {
+  http::response<http::string_body> out{static_cast<http::status>(response.status), version};
+  out.set(http::field::server, "isostrata");
+  if (!response.content_type.empty()) out.set(http::field::content_type, response.content_type);
+  for (const auto& [name, value] : response.headers) out.insert(name, value);
+  out.keep_alive(keep_alive);
+  const std::size_t length = response.body.size();
+  if (!head) out.body() = std::move(response.body);
+  if (response.status != 204 && response.status != 304) out.content_length(length);
+  return out;
+}
+
+// Waits for the site's one reply.
+asio::awaitable<HttpResponse> answer(Site& site, const HttpRequest& request) {
+  struct Slot {
+    explicit Slot(const asio::any_io_executor& executor) : arrived(executor) {}
+    asio::steady_timer arrived;
+    std::optional<HttpResponse> response;
+  };
+  const auto slot = std::make_shared<Slot>(co_await asio::this_coro::executor);
+  slot->arrived.expires_after(kAnswerTimeout);
+  try {
+    site.handle(request, [slot](HttpResponse response) {
+      if (slot->response) return;
+      slot->response = std::move(response);
+      slot->arrived.cancel();
+    });
+  } catch (const std::exception&) {
+    slot->response = problem(500, "internal", "this request could not be handled");
+  }
+  boost::system::error_code error;
+  if (!slot->response) co_await slot->arrived.async_wait(asio::redirect_error(asio::use_awaitable, error));
+  if (!slot->response) slot->response = problem(503, "unavailable", "this took longer than ten minutes and was given up");
+  co_return std::move(*slot->response);
+}
+
+asio::awaitable<bool> write(beast::tcp_stream& stream, http::response<http::string_body> response) {
+  boost::system::error_code error;
+  stream.expires_after(kWriteTimeout);
+  co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, error));
+  co_return !error && response.keep_alive();
+}
+
+asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) {
+  beast::flat_buffer buffer(kMaxHeaderBytes + kMaxMessageBytes);
+  const std::size_t closer = ++connections.last_closer;
+  connections.closers[closer] = [&stream] { stream.close(); };
+  struct Forget {
+    Connections& connections;
+    std::size_t closer;
+    ~Forget() { connections.closers.erase(closer); }
+  };
+  std::optional<Forget> forget(std::in_place, connections, closer);
+
+  for (bool first = true, more = true; more; first = false) {
+    boost::system::error_code error;
+    http::request_parser<http::string_body> parser;
+    parser.header_limit(kMaxHeaderBytes);
+    parser.body_limit(kMaxMessageBytes);
+    stream.expires_after(first ? kHeaderTimeout : kIdleTimeout);
+    co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (error) {
+      // Only what is a malformed request deserves an answer; a socket that ended does not hear it.
+      const bool too_large = error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow;
+      const bool malformed = error.category() == make_error_code(http::error::bad_method).category() && error != http::error::end_of_stream &&
+                             error != http::error::partial_message;
+      if (too_large) co_await write(stream, wire(problem(error == http::error::body_limit ? 413 : 431, "too_large", "the request is larger than this server reads"), 11, false, false));
+      else if (malformed) co_await write(stream, wire(problem(400, "malformed", "this is not an HTTP request: " + error.message()), 11, false, false));
+      break;
+    }
+    if (parser.chunked() || parser.get().count(http::field::transfer_encoding) > 0) {
+      co_await write(stream, wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
+      break;
+    }
+    if (beast::websocket::is_upgrade(parser.get())) {
+      if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()))) {
+        co_await write(stream, wire(std::move(*refusal), 11, false, false));
+        break;
+      }
+      forget.reset();
+      co_return co_await serve_websocket(std::move(stream), parser.release(), connections);
+    }
+    stream.expires_after(kBodyTimeout);
+    co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (error) {
+      if (error == http::error::body_limit || error == http::error::buffer_overflow)
+        co_await write(stream, wire(problem(413, "too_large", "a body of at most " + std::to_string(kMaxMessageBytes) + " bytes is read"), 11, false, false));
+      break;
+    }
+    const http::request<http::string_body> request = parser.release();
+    const bool head = request.method() == http::verb::head;
+    stream.expires_never();
+    HttpResponse response = co_await answer(connections.site, plain(request));
+    connections.wake();
+    more = co_await write(stream, wire(std::move(response), request.version(), request.keep_alive(), head));
+  }
+  boost::system::error_code ignored;
+  stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+}
+
+}  // namespace
+
+boost::asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, Connections& connections) {
+  struct Count {
+    Connections& connections;
+    explicit Count(Connections& c) : connections(c) { ++connections.open; }
+    ~Count() { --connections.open; }
+  } count(connections);
+  try {
+    boost::system::error_code ignored;
+    socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+    co_await serve(beast::tcp_stream(std::move(socket)), connections);
+  } catch (const std::exception&) {
+    // Out of memory or a broken invariant in one connection ends that connection.
+  }
+}
+
+}  // namespace isostrata

@@ -1,0 +1,224 @@
+#include "net/server.h"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <atomic>
+
+#include "net/connections.h"
+
+namespace isostrata {
+namespace {
+
+namespace asio = boost::asio;
+using tcp = asio::ip::tcp;
+using Steady = std::chrono::steady_clock;
+
+constexpr auto kGoodbye = std::chrono::milliseconds(1500);  // for clients to hear that the server ends
+
+tcp::acceptor listen(asio::io_context& io, const std::string& host, unsigned short port) {
+  boost::system::error_code error;
+  tcp::resolver resolver(io);
+  const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive, error);
+  if (error || found.empty()) throw Error(ErrorCode::invalid_argument, "--host " + host + ": not an address of this machine");
+  const tcp::endpoint endpoint = found.begin()->endpoint();
+  tcp::acceptor acceptor(io);
+  acceptor.open(endpoint.protocol(), error);
+  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.listen(128, error);
+  if (error)
+    throw Error(ErrorCode::unavailable, "cannot listen on " + host + ":" + std::to_string(port) + ": " + error.message() +
+                                            (error == asio::error::address_in_use ? "; --port 0 picks a free one" : ""));
+  return acceptor;
+}
+
+std::string bracketed(const std::string& host) { return host.find(':') != std::string::npos && !host.starts_with('[') ? "[" + host + "]" : host; }
+
+SiteOptions site_options(const ServerOptions& options, unsigned short port, std::string& public_host) {
+  SiteOptions site;
+  site.base_path = parse_base_url(options.base_url, public_host);
+  site.web_root = options.web_root;
+  site.access.token = options.token;
+  site.access.port = port;
+  site.access.allowed_hosts = options.allowed_hosts;
+  if (!public_host.empty()) site.access.allowed_hosts.push_back(public_host);
+  if (options.host != "0.0.0.0" && options.host != "::") site.access.allowed_hosts.push_back(bracketed(options.host));
+  for (std::string& host : site.access.allowed_hosts)
+    for (char& c : host) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return site;
+}
+
+SessionsOptions sessions_options(const ServerOptions& options, const Engine& engine) {
+  SessionsOptions sessions;
+  sessions.max_sessions = options.max_sessions;
+  sessions.session_ttl = options.session_ttl;
+  sessions.server_name = options.name;
+  sessions.device = engine.device();
+  sessions.device_is_software = engine.device_is_software();
+  for (const CatalogueEntry& entry : engine.catalogue().entries()) {
+    v1::DatasetEntry& to = sessions.datasets.emplace_back();
+    to.set_id(entry.id);
+    to.set_name(entry.name);
+  }
+  return sessions;
+}
+
+}  // namespace
+
+// Everything but the engine lives on the thread that calls run.
+class Server::Impl {
+ public:
+  explicit Impl(ServerOptions options)
+      : options_(std::move(options)),
+        connections_{sessions_, site_, 256, [this] { wake(); }},
+        io_(1),
+        acceptor_(listen(io_, options_.host, options_.port)),
+        port_(acceptor_.local_endpoint().port()),
+        site_options_(site_options(options_, port_, public_host_)),
+        engine_(options_.engine, [this](EngineEvent event) { arrive(std::move(event)); }),
+        sessions_(sessions_options(options_, engine_), [this](EngineRequest request) { engine_.post(std::move(request)); }),
+        site_(site_options_, sessions_),
+        tick_(io_) {}
+
+  ~Impl() {
+    // Most coroutines end here; those that wait for an answer are destroyed with io_.
+    for (auto closers = connections_.closers; const auto& [id, close] : closers) close();
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+    tick_.cancel();
+    io_.restart();
+    io_.poll();
+  }
+
+  unsigned short port() const { return port_; }
+  const Engine& engine() const { return engine_; }
+
+  std::string url() const {
+    std::string host = bracketed(options_.host);
+    if (host == "0.0.0.0" || host == "[::]") host = "127.0.0.1";
+    return "http://" + host + ":" + std::to_string(port_) + site_options_.base_path + (options_.token.empty() ? "" : "?token=" + encode_percent(options_.token));
+  }
+
+  void run(bool signals, const std::function<void()>& ready) {
+    asio::signal_set signal_set(io_);
+    if (signals) {
+      signal_set.add(SIGINT);
+      signal_set.add(SIGTERM);
+      signal_set.async_wait([this](boost::system::error_code error, int number) {
+        if (!error) shut_down(number == SIGINT ? "the server was interrupted" : "the server was asked to end");
+      });
+    }
+    asio::co_spawn(io_, accept_all(), asio::detached);
+    asio::co_spawn(io_, tick_all(), asio::detached);
+    if (ready) asio::post(io_, ready);
+    for (;;) {
+      try {
+        io_.run();
+        return;
+      } catch (const Error&) {
+        throw;  // from `ready`: the server could not be announced
+      } catch (const std::exception&) {
+        // One handler failed; the others go on.
+      }
+    }
+  }
+
+  void stop(const std::string& reason) {
+    asio::post(io_, [this, reason] { shut_down(reason); });
+  }
+
+ private:
+  // On an engine thread.
+  void arrive(EngineEvent event) {
+    asio::post(io_, [this, event = std::move(event)] {
+      sessions_.on_event(event, Steady::now());
+      wake();
+    });
+  }
+
+  // What is due may have changed.
+  void wake() { tick_.cancel(); }
+
+  asio::awaitable<void> tick_all() {
+    while (!stopping_) {
+      const auto now = Steady::now();
+      const auto next = sessions_.tick(now);
+      if (connections_.open > 0) last_connection_ = now;
+      if (options_.idle_timeout.count() > 0 && now - last_connection_ >= options_.idle_timeout) shut_down("nobody is connected");
+      boost::system::error_code error;
+      tick_.expires_at(next);
+      co_await tick_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
+  }
+
+  asio::awaitable<void> accept_all() {
+    while (!stopping_) {
+      boost::system::error_code error;
+      tcp::socket socket(io_);
+      co_await acceptor_.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
+      if (stopping_) co_return;
+      if (error) {
+        // Out of descriptors, most likely: the connections that are open go on, and one of them will end.
+        asio::steady_timer pause(io_, std::chrono::milliseconds(100));
+        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+        continue;
+      }
+      if (connections_.open >= connections_.max_connections) {
+        socket.close(error);
+        continue;
+      }
+      asio::co_spawn(io_, serve_connection(std::move(socket), connections_), asio::detached);
+    }
+  }
+
+  void shut_down(const std::string& reason) {
+    if (stopping_) return;
+    stopping_ = true;
+    boost::system::error_code ignored;
+    acceptor_.close(ignored);
+    wake();
+    sessions_.shut_down(reason);
+    asio::co_spawn(io_, end_soon(), asio::detached);
+  }
+
+  asio::awaitable<void> end_soon() {
+    const auto deadline = Steady::now() + kGoodbye;
+    while (Steady::now() < deadline && sessions_.viewer_count() > 0) {
+      boost::system::error_code error;
+      asio::steady_timer pause(io_, std::chrono::milliseconds(20));
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
+    io_.stop();
+  }
+
+  const ServerOptions options_;
+  std::string public_host_;
+  Connections connections_;  // outlives io_, whose coroutines still refer to it when they are destroyed
+  asio::io_context io_;
+  tcp::acceptor acceptor_;
+  const unsigned short port_;
+  const SiteOptions site_options_;
+  Engine engine_;
+  Sessions sessions_;
+  Site site_;
+  asio::steady_timer tick_;
+  bool stopping_ = false;
+  Steady::time_point last_connection_ = Steady::now();
+};
+
+Server::Server(ServerOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Server::~Server() = default;
+unsigned short Server::port() const { return impl_->port(); }
+std::string Server::url() const { return impl_->url(); }
+const Engine& Server::engine() const { return impl_->engine(); }
+void Server::run(bool signals, const std::function<void()>& ready) { impl_->run(signals, ready); }
+void Server::stop(const std::string& reason) { impl_->stop(reason); }
+
+}  // namespace isostrata

@@ -1,0 +1,49 @@
+// The whole server: engine, sessions and one listening port. Wires the rooms; main calls it.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/engine.h"
+
+namespace isostrata {
+
+struct ServerOptions {
+  std::string name = "isostrata";  // with its version, for clients
+  std::string host = "127.0.0.1";  // an address or a name of this machine
+  unsigned short port = 8080;      // 0: any that is free
+  std::string base_url = "/";      // "/prefix/" or the whole URL under which a proxy shows it
+  std::filesystem::path web_root;  // the built page
+  std::string token;               // empty: everyone may ask
+  std::vector<std::string> allowed_hosts;
+  std::size_t max_sessions = 32;
+  std::chrono::seconds session_ttl{600};
+  std::chrono::seconds idle_timeout{0};  // ends after that long without a connection; 0: never
+  EngineOptions engine;
+};
+
+class Server {
+ public:
+  /// Opens the device and the port. Throws unavailable (no device, port taken), invalid_argument.
+  explicit Server(ServerOptions options);
+  ~Server();
+
+  unsigned short port() const;
+  std::string url() const;  // with its token
+  const Engine& engine() const;
+
+  /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are told the reason.
+  void run(bool signals, const std::function<void()>& ready = {});
+  /// Any thread, also before run.
+  void stop(const std::string& reason);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace isostrata

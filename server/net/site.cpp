@@ -1,0 +1,128 @@
+#include "net/site.h"
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+void harden(HttpResponse& response) {
+  response.headers.emplace_back("X-Content-Type-Options", "nosniff");
+  response.headers.emplace_back("Referrer-Policy", "no-referrer");
+  response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
+  if (response.content_type.starts_with("text/html"))
+    response.headers.emplace_back("Content-Security-Policy",
+                                  "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; "
+                                  "connect-src 'self' ws: wss:; object-src 'none'; base-uri 'self'; frame-ancestors 'self'");
+}
+
+std::vector<std::string> segments_of(const std::string& base_path) {
+  const auto target = parse_target(base_path);
+  if (!target) throw Error(ErrorCode::invalid_argument, "base url '" + base_path + "' is not a path");
+  return target->segments;
+}
+
+}  // namespace
+
+std::string parse_base_url(const std::string& url, std::string& host) {
+  std::string path = url;
+  for (const std::string scheme : {"http://", "https://"}) {
+    if (!path.starts_with(scheme)) continue;
+    path.erase(0, scheme.size());
+    const auto slash = path.find('/');
+    host = path.substr(0, slash);
+    path = slash == std::string::npos ? "/" : path.substr(slash);
+    if (host.empty()) throw Error(ErrorCode::invalid_argument, "base url '" + url + "' has no host");
+  }
+  if (!path.starts_with('/')) path = "/" + path;
+  if (!path.ends_with('/')) path += '/';
+  const auto target = parse_target(path);
+  if (!target || !target->query.empty() || path.find('?') != std::string::npos)
+    throw Error(ErrorCode::invalid_argument, "base url '" + url + "' is not a path such as /isostrata/");
+  for (const char c : path)
+    if (static_cast<unsigned char>(c) <= ' ' || c == ';' || c == '"' || c == ',' || c == '<' || c == '&')
+      throw Error(ErrorCode::invalid_argument, "base url '" + url + "' has a character that a path may not have");
+  return path;
+}
+
+Site::Site(SiteOptions options, Sessions& sessions)
+    : options_(std::move(options)),
+      base_segments_(segments_of(options_.base_path)),
+      access_(options_.access),
+      files_(options_.web_root),
+      api_(sessions) {}
+
+HttpResponse Site::unauthorized(bool page) const {
+  if (page)
+    return message_page(401, "A token is needed", "Open the address that the server printed when it started: it carries the token.");
+  HttpResponse response = problem(401, "unauthorized", "a token is needed: Authorization: Bearer TOKEN, the page's cookie, or ?token=TOKEN");
+  response.headers.emplace_back("WWW-Authenticate", "Bearer");
+  return response;
+}
+
+std::optional<std::vector<std::string>> Site::below_base(const RequestTarget& target) const {
+  if (target.segments.size() < base_segments_.size()) return std::nullopt;
+  for (std::size_t i = 0; i < base_segments_.size(); ++i)
+    if (target.segments[i] != base_segments_[i]) return std::nullopt;
+  return std::vector<std::string>(target.segments.begin() + static_cast<std::ptrdiff_t>(base_segments_.size()), target.segments.end());
+}
+
+void Site::handle(const HttpRequest& request, HttpReply send) {
+  const HttpReply reply = [send = std::move(send)](HttpResponse response) {
+    harden(response);
+    send(std::move(response));
+  };
+  const auto target = parse_target(request.target);
+  if (!target) return reply(problem(400, "malformed", "the request's target is not a path"));
+  // Probes come by address and without a token; they learn that the server answers.
+  const auto below = below_base(*target);
+  const bool probe = target->segments == std::vector<std::string>{"healthz"} ||
+                     (below && (*below == std::vector<std::string>{"healthz"} || *below == std::vector<std::string>{"api", "v1", "health"}));
+  if (probe && (request.method == "GET" || request.method == "HEAD")) return reply(api_.health());
+
+  if (!access_.host_allowed(request))
+    return reply(problem(403, "forbidden", "this Host is not served here; start the server with --allow-host NAME to allow it"));
+  if (!access_.origin_allowed(request)) return reply(problem(403, "forbidden", "this Origin may not use the server; start it with --allow-host to allow it"));
+  if (!below) return reply(message_page(404, "Not found", "The application is at <a href=\"" + options_.base_path + "\">" + options_.base_path + "</a>."));
+
+  const bool api = below->size() >= 2 && (*below)[0] == "api" && (*below)[1] == "v1";
+  if (!access_.token_accepted(request, *target)) return reply(unauthorized(!api));
+  if (api) return api_.handle(request, *target, {below->begin() + 2, below->end()}, reply);
+
+  if (request.method != "GET" && request.method != "HEAD") {
+    HttpResponse response = problem(405, "unsupported", "files are read with GET");
+    response.headers.emplace_back("Allow", "GET, HEAD");
+    return reply(std::move(response));
+  }
+  if (below->empty() && !target->trailing_slash) {
+    // Relative addresses in the page need the slash.
+    const auto query = request.target.find('?');
+    return reply({308, "", "", {{"Location", options_.base_path + (query == std::string::npos ? "" : request.target.substr(query))}}});
+  }
+  HttpResponse response = files_.get(request, *below);
+  if (access_.token_in_query(*target)) response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
+  reply(std::move(response));
+}
+
+std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request) const {
+  const auto target = parse_target(request.target);
+  const auto below = target ? below_base(*target) : std::nullopt;
+  if (!below || *below != std::vector<std::string>{"ws"}) return problem(404, "not_found", "the WebSocket is at " + options_.base_path + "ws");
+  if (!access_.host_allowed(request)) return problem(403, "forbidden", "this Host is not served here");
+  if (!access_.origin_allowed(request)) return problem(403, "forbidden", "this Origin may not use the server");
+  if (!access_.token_accepted(request, *target)) return unauthorized(false);
+  const std::string_view offered = request.header("sec-websocket-protocol");
+  bool speaks = false;
+  for (std::size_t at = 0; at <= offered.size();) {
+    auto comma = offered.find(',', at);
+    if (comma == std::string_view::npos) comma = offered.size();
+    std::string_view name = offered.substr(at, comma - at);
+    while (name.starts_with(' ')) name.remove_prefix(1);
+    while (name.ends_with(' ')) name.remove_suffix(1);
+    speaks = speaks || name == "isostrata.v1";
+    at = comma + 1;
+  }
+  if (!speaks) return problem(400, "unsupported_version", "the WebSocket's subprotocol is '" + std::string(offered.substr(0, 64)) + "'; expected isostrata.v1");
+  return std::nullopt;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,112 @@
+#include "net/static_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::uintmax_t kMaxFileBytes = 64u << 20;
+
+const char* type_of(const fs::path& path) {
+  static constexpr std::array<std::pair<const char*, const char*>, 18> kTypes{{
+      {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"}, {".mjs", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"}, {".json", "application/json"}, {".webmanifest", "application/manifest+json"},
+      {".map", "application/json"}, {".svg", "image/svg+xml"}, {".png", "image/png"}, {".jpg", "image/jpeg"}, {".webp", "image/webp"},
+      {".ico", "image/x-icon"}, {".woff2", "font/woff2"}, {".woff", "font/woff"}, {".wasm", "application/wasm"},
+      {".txt", "text/plain; charset=utf-8"}, {".ivf", "application/octet-stream"}, {".proto", "text/plain; charset=utf-8"}}};
+  const std::string extension = path.extension().string();
+  for (const auto& [known, type] : kTypes)
+    if (extension == known) return type;
+  return "application/octet-stream";
+}
+
+std::string etag_of(const fs::path& path, std::uintmax_t size) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error).time_since_epoch().count();
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "\"%llx-%llx\"", static_cast<unsigned long long>(time), static_cast<unsigned long long>(size));
+  return text.data();
+}
+
+bool inside(const fs::path& path, const fs::path& directory) {
+  return std::mismatch(directory.begin(), directory.end(), path.begin(), path.end()).first == directory.end();
+}
+
+}  // namespace
+
+HttpResponse message_page(int status, const std::string& title, const std::string& text) {
+  return {status, "text/html; charset=utf-8",
+          "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" + title +
+              "</title><style>body{font:16px/1.5 system-ui,sans-serif;max-width:40em;margin:4em auto;padding:0 1em}</style><h1>" + title + "</h1><p>" + text +
+              "</p></html>\n",
+          {{"Cache-Control", "no-store"}}};
+}
+
+StaticFiles::StaticFiles(fs::path root) : root_([&] {
+      std::error_code error;
+      fs::path real = root.empty() ? fs::path{} : fs::canonical(root, error);
+      return error ? fs::path{} : real;
+    }()) {}
+
+bool StaticFiles::built() const {
+  std::error_code error;
+  return !root_.empty() && fs::is_regular_file(root_ / "index.html", error);
+}
+
+HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std::string>& segments) const {
+  if (!built())
+    return message_page(503, "The page is not built",
+                        "The server runs, but its web page is missing. Build it with <code>npm ci &amp;&amp; npm run build</code> in <code>web/</code>, "
+                        "or name its directory with <code>--web-root</code>. The API under <code>api/v1</code> works without it.");
+  const HttpResponse missing = message_page(404, "Not found", "There is no such file here.");
+  fs::path path = root_;
+  for (const std::string& segment : segments) {
+    if (segment.starts_with('.')) return missing;
+    path /= segment;
+  }
+  if (segments.empty()) path /= "index.html";
+  std::error_code error;
+  path = fs::canonical(path, error);
+  if (error || !inside(path, root_) || !fs::is_regular_file(path, error)) return missing;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size > kMaxFileBytes) return missing;
+
+  HttpResponse response;
+  const std::string etag = etag_of(path, size);
+  response.headers.emplace_back("ETag", etag);
+  const bool hashed_name = segments.size() > 1 && segments.front() == "assets";
+  response.headers.emplace_back("Cache-Control", hashed_name ? "private, max-age=31536000, immutable" : "no-cache");
+  if (request.header("if-none-match") == etag) {
+    response.status = 304;
+    return response;
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  if (!file) return missing;
+  response.body = std::move(content).str();
+  response.content_type = type_of(path);
+  return response;
+}
+
+fs::path find_web_root(const fs::path& wanted) {
+  if (!wanted.empty()) return wanted;
+  std::error_code error;
+  const fs::path directory = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (error) return {};
+  // <prefix>/bin/isostrata and <source>/build/<preset>/bin/isostrata
+  for (const char* candidate : {"../share/isostrata/web", "../../../web/dist"}) {
+    const fs::path root = directory / candidate;
+    if (fs::is_regular_file(root / "index.html", error)) return fs::canonical(root, error);
+  }
+  // Not built yet: where it will be, so that building it needs no restart.
+  const fs::path source = directory / "../../../web/dist";
+  return fs::is_directory(source, error) ? fs::canonical(source, error) : fs::path{};
+}
+
+}  // namespace isostrata

@@ -1,0 +1,209 @@
+#include "net/websocket_connection.h"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <deque>
+#include <limits>
+#include <optional>
+
+#include "session/limits.h"
+
+namespace isostrata {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using Steady = std::chrono::steady_clock;
+
+constexpr auto kWriteTimeout = std::chrono::seconds(10);
+constexpr auto kHelloTimeout = std::chrono::seconds(10);
+constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
+
+/// Kept alive by its coroutines.
+class WebSocketConnection final : public Outbox, public std::enable_shared_from_this<WebSocketConnection> {
+ public:
+  WebSocketConnection(beast::tcp_stream stream, Connections& connections)
+      : socket_(std::move(stream)), wake_writer_(socket_.get_executor()), watch_(socket_.get_executor()), connections_(connections) {}
+
+  asio::awaitable<void> run(beast::http::request<beast::http::string_body> request) {
+    const auto self = shared_from_this();
+    boost::system::error_code error;
+    beast::get_lowest_layer(socket_).expires_never();
+    websocket::stream_base::timeout timeouts{std::chrono::seconds(10), std::chrono::seconds(34), true};  // pings at half the idle time
+    socket_.set_option(timeouts);
+    socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+      response.set(beast::http::field::sec_websocket_protocol, "isostrata.v1");
+      response.set(beast::http::field::server, "isostrata");
+    }));
+    socket_.read_message_max(kMaxMessageBytes);
+    socket_.auto_fragment(false);
+    socket_.binary(true);
+    co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
+    if (error) co_return;
+
+    viewer_ = connections_.sessions.attach(*this, Steady::now());
+    const std::size_t closer = ++connections_.last_closer;
+    connections_.closers[closer] = [this] { end(); };
+    asio::co_spawn(socket_.get_executor(), [self] { return self->write_all(); }, asio::detached);
+    asio::co_spawn(socket_.get_executor(), [self] { return self->watch(); }, asio::detached);
+    co_await read_all();
+    connections_.closers.erase(closer);
+    connections_.sessions.detach(viewer_, Steady::now());
+    connections_.wake();
+    end();
+  }
+
+  void send(v1::ServerMessage message) override {
+    if (ended_ || closing_) return;
+    waiting_bytes_ += message.ByteSizeLong();
+    if (waiting_bytes_ > kMaxWaitingBytes) return end();  // it has stopped reading and goes on asking
+    greeted_ = true;
+    control_.push_back(std::move(message));
+    wake_writer_.cancel();
+  }
+  void send_state(v1::State state) override {
+    if (ended_ || closing_) return;
+    state_ = std::move(state);
+    wake_writer_.cancel();
+  }
+  void send_frame(v1::Frame frame) override {
+    if (ended_ || closing_) return;
+    frames_.push_back(std::move(frame));
+    wake_writer_.cancel();
+  }
+  void close(std::uint16_t code, const std::string& reason) override {
+    if (closing_) return;
+    closing_ = websocket::close_reason(static_cast<websocket::close_code>(code), reason.substr(0, 100));
+    wake_writer_.cancel();
+  }
+
+ private:
+  asio::awaitable<void> read_all() {
+    beast::flat_buffer buffer(kMaxMessageBytes);
+    while (!ended_) {
+      boost::system::error_code error;
+      buffer.clear();
+      co_await socket_.async_read(buffer, asio::redirect_error(asio::use_awaitable, error));
+      if (error) co_return;
+      if (closing_) continue;  // nothing more is done for it; what it sends is drained until the close is answered
+      if (!socket_.got_binary()) {
+        connections_.sessions.receive_malformed(viewer_, "a text message came; expected binary Protobuf");
+        continue;
+      }
+      v1::ClientMessage message;
+      if (!message.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size()))) {
+        connections_.sessions.receive_malformed(viewer_, std::to_string(buffer.size()) + " bytes that are no ClientMessage of isostrata.v1");
+        continue;
+      }
+      try {
+        connections_.sessions.receive(viewer_, message, Steady::now());
+      } catch (const std::exception&) {
+        v1::ServerMessage failed;
+        failed.mutable_error()->set_code("internal");
+        failed.mutable_error()->set_in_reply_to(message.seq());
+        failed.mutable_error()->set_message("this message could not be handled; the session is as it was");
+        send(std::move(failed));
+      }
+      connections_.wake();
+    }
+  }
+
+  // Whatever waits, the most urgent first.
+  std::optional<std::string> next_bytes() {
+    v1::ServerMessage message;
+    if (!control_.empty()) {
+      message = std::move(control_.front());
+      control_.pop_front();
+      waiting_bytes_ -= std::min(waiting_bytes_, static_cast<std::size_t>(message.ByteSizeLong()));
+    } else if (closing_) {
+      return std::nullopt;
+    } else if (state_) {
+      *message.mutable_state() = std::move(*state_);
+      state_.reset();
+    } else if (!frames_.empty()) {
+      *message.mutable_frame() = std::move(frames_.front());
+      frames_.pop_front();
+    } else {
+      return std::nullopt;
+    }
+    message.set_seq(++last_seq_);
+    std::string bytes;
+    message.SerializeToString(&bytes);
+    return bytes;
+  }
+
+  asio::awaitable<void> write_all() {
+    const auto self = shared_from_this();
+    boost::system::error_code error;
+    while (!ended_) {
+      const auto bytes = next_bytes();
+      if (!bytes && !closing_) {
+        wake_writer_.expires_at(Steady::time_point::max());
+        co_await wake_writer_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+        continue;
+      }
+      write_began_ = Steady::now();
+      if (!bytes) {
+        co_await socket_.async_close(*closing_, asio::redirect_error(asio::use_awaitable, error));
+        co_return end();
+      }
+      co_await socket_.async_write(asio::buffer(*bytes), asio::redirect_error(asio::use_awaitable, error));
+      write_began_.reset();
+      if (error) co_return end();
+    }
+  }
+
+  // Ends what has stood still for too long.
+  asio::awaitable<void> watch() {
+    const auto self = shared_from_this();
+    boost::system::error_code error;
+    const auto accepted = Steady::now();
+    while (!ended_) {
+      watch_.expires_after(std::chrono::seconds(1));
+      co_await watch_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      const auto now = Steady::now();
+      if (write_began_ && now - *write_began_ > kWriteTimeout) co_return end();
+      if (!greeted_ && now - accepted > kHelloTimeout) co_return end();
+    }
+  }
+
+  void end() {
+    if (ended_) return;
+    ended_ = true;
+    boost::system::error_code ignored;
+    beast::get_lowest_layer(socket_).socket().close(ignored);
+    wake_writer_.cancel();
+    watch_.cancel();
+  }
+
+  websocket::stream<beast::tcp_stream> socket_;
+  asio::steady_timer wake_writer_;
+  asio::steady_timer watch_;
+  Connections& connections_;
+  ViewerKey viewer_ = 0;
+  bool ended_ = false;
+  bool greeted_ = false;  // an answer to its Hello, at least, is on its way
+  std::optional<websocket::close_reason> closing_;
+  std::optional<Steady::time_point> write_began_;
+  std::deque<v1::ServerMessage> control_;
+  std::size_t waiting_bytes_ = 0;
+  std::optional<v1::State> state_;
+  std::deque<v1::Frame> frames_;
+  std::uint64_t last_seq_ = 0;
+};
+
+}  // namespace
+
+boost::asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::string_body> request,
+                                             Connections& connections) {
+  co_await std::make_shared<WebSocketConnection>(std::move(stream), connections)->run(std::move(request));
+}
+
+}  // namespace isostrata

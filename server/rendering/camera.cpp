@@ -1,0 +1,140 @@
+#include "rendering/camera.h"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+[[noreturn]] void refuse(std::string_view text, const std::string& why) {
+  throw Error(ErrorCode::invalid_argument,
+              "camera '" + std::string(text) + "': " + why +
+                  "; expected eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees (any of them) or reset, +x, -x, +y, -y, +z, -z");
+}
+
+bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+double parse_number(std::string_view part, std::string_view whole) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+  if (error != std::errc{} || end != part.data() + part.size()) refuse(whole, "'" + std::string(part) + "' is not a number");
+  return value;
+}
+
+Vec3d parse_vector(std::string_view part, std::string_view whole) {
+  Vec3d v;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto comma = part.find(',');
+    if ((comma == std::string_view::npos) != (axis == 2)) refuse(whole, "expected three numbers x,y,z");
+    v[axis] = parse_number(part.substr(0, comma), whole);
+    part.remove_prefix(comma == std::string_view::npos ? part.size() : comma + 1);
+  }
+  return v;
+}
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
+
+/// The direction from `at` to the eye, and what is up.
+bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
+  up = {0, 1, 0};
+  if (side == "reset") direction = normalized(Vec3d{0.55, 0.45, 1.0});
+  else if (side == "+x") direction = {1, 0, 0};
+  else if (side == "-x") direction = {-1, 0, 0};
+  else if (side == "+y") direction = {0, 1, 0}, up = {0, 0, -1};
+  else if (side == "-y") direction = {0, -1, 0}, up = {0, 0, 1};
+  else if (side == "+z") direction = {0, 0, 1};
+  else if (side == "-z") direction = {0, 0, -1};
+  else return false;
+  return true;
+}
+
+}  // namespace
+
+void check(const Camera& camera) {
+  const auto fail = [](const std::string& why) { throw Error(ErrorCode::invalid_argument, "camera: " + why); };
+  if (!finite(camera.eye) || !finite(camera.at) || !finite(camera.up)) fail("eye, at and up must be finite numbers");
+  if (!(camera.fov_deg > 0 && camera.fov_deg < 180)) fail("fov must be above 0 and below 180 degrees, not " + std::to_string(camera.fov_deg));
+  const Vec3d forward = camera.at - camera.eye;
+  const double distance = length(forward), up_length = length(camera.up);
+  if (!(distance > 0) || !std::isfinite(distance)) fail("eye and at must be apart, by a distance that is a finite number");
+  if (!(up_length > 0) || !std::isfinite(up_length)) fail("up must not be zero");
+  if (length(cross(forward / distance, camera.up / up_length)) < 1e-9) fail("up must not be parallel to the direction of view");
+}
+
+Camera view_of(const Box3d& bounds, std::string_view side) {
+  Camera camera;
+  Vec3d direction;
+  if (!named_direction(side, direction, camera.up)) refuse(side, "unknown view");
+  const double radius = bounds.diagonal() > 0 ? bounds.diagonal() / 2 : 1.0;
+  camera.at = bounds.empty() ? Vec3d{} : bounds.center();
+  camera.eye = camera.at + direction * (radius / std::sin(radians(camera.fov_deg / 2)));
+  return camera;
+}
+
+Mat4d view_from_world(const Camera& camera) {
+  const Vec3d back = normalized(camera.eye - camera.at);
+  const Vec3d right = normalized(cross(normalized(camera.up), back));
+  const Vec3d up = cross(back, right);
+  Mat4d m = Mat4d::identity();
+  const Vec3d rows[3] = {right, up, back};
+  for (int row = 0; row < 3; ++row) {
+    for (int axis = 0; axis < 3; ++axis) m.m[axis][row] = rows[row][axis];
+    m.m[3][row] = -dot(rows[row], camera.eye);
+  }
+  return m;
+}
+
+Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds) {
+  const Mat4d view = view_from_world(camera);
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+  if (!bounds.empty())
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d p{corner & 1 ? bounds.upper.x : bounds.lower.x, corner & 2 ? bounds.upper.y : bounds.lower.y,
+                    corner & 4 ? bounds.upper.z : bounds.lower.z};
+      const double depth = -(view * std::array<double, 4>{p.x, p.y, p.z, 1})[2];
+      nearest = std::min(nearest, depth);
+      farthest = std::max(farthest, depth);
+    }
+  if (!(farthest > 0)) farthest = 2 * length(camera.eye - camera.at);
+  // The planes stand a little off the box, and near stays in front of an eye inside it.
+  const double far_plane = farthest * 1.001;
+  const double near_plane = std::clamp(nearest * 0.999, far_plane * 1e-4, far_plane * 0.9);
+  const double scale = 1 / std::tan(radians(camera.fov_deg / 2));
+  Mat4d m;
+  m.m[0][0] = scale / aspect;
+  m.m[1][1] = scale;
+  m.m[2][2] = -(far_plane + near_plane) / (far_plane - near_plane);
+  m.m[2][3] = -1;
+  m.m[3][2] = -2 * far_plane * near_plane / (far_plane - near_plane);
+  return m;
+}
+
+Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds) {
+  Vec3d direction, up;
+  if (named_direction(text, direction, up)) return view_of(bounds, text);
+  Camera camera = base;
+  std::string_view rest = text;
+  if (rest.empty()) refuse(text, "empty");
+  while (!rest.empty()) {
+    const auto end = rest.find(';');
+    const std::string_view part = rest.substr(0, end);
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    const auto equals = part.find('=');
+    const std::string_view key = part.substr(0, equals);
+    if (equals == std::string_view::npos) refuse(text, "unknown part '" + std::string(part) + "'");
+    const std::string_view value = part.substr(equals + 1);
+    if (key == "eye") camera.eye = parse_vector(value, text);
+    else if (key == "at") camera.at = parse_vector(value, text);
+    else if (key == "up") camera.up = parse_vector(value, text);
+    else if (key == "fov") camera.fov_deg = parse_number(value, text);
+    else refuse(text, "unknown part '" + std::string(part) + "'");
+  }
+  check(camera);
+  return camera;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,13 @@
+// What a renderer asks of its input before it draws, whichever renderer it is.
+#pragma once
+
+#include "rendering/renderer.h"
+
+namespace isostrata {
+
+inline constexpr int kMaxImageSize = 16384;
+
+/// Throws invalid_argument, naming what is wrong.
+void check(const DrawInput& input);
+
+}  // namespace isostrata

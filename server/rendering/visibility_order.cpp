@@ -1,0 +1,156 @@
+#include "rendering/visibility_order.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "rendering/cell_order.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::int64_t kGrain = 8192;
+
+bool is_drawn(const IntervalMesh& mesh, std::span<const std::uint8_t> drawn, std::size_t tetrahedron) {
+  return drawn[mesh.tetrahedron_interval[tetrahedron]] != 0;
+}
+
+std::vector<std::uint32_t> drawn_tetrahedra(const IntervalMesh& mesh, std::span<const std::uint8_t> drawn) {
+  std::vector<std::uint32_t> ids;
+  ids.reserve(mesh.tetrahedra.size());
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    if (is_drawn(mesh, drawn, t)) ids.push_back(static_cast<std::uint32_t>(t));
+  return ids;
+}
+
+struct Keyed {
+  std::uint32_t key;
+  std::uint32_t id;
+};
+
+/// Stable, by increasing key: least significant digit first, 11 bits at a time.
+void radix_sort(std::vector<Keyed>& items) {
+  constexpr int kBits = 11;
+  std::vector<Keyed> other(items.size());
+  for (int shift = 0; shift < 32; shift += kBits) {
+    std::array<std::size_t, (1u << kBits) + 1> start{};
+    const auto digit = [shift](std::uint32_t key) { return key >> shift & ((1u << kBits) - 1); };
+    for (const Keyed& item : items) ++start[digit(item.key) + 1];
+    if (*std::max_element(start.begin(), start.end()) == items.size()) continue;  // one digit only: in order already
+    for (std::size_t d = 1; d < start.size(); ++d) start[d] += start[d - 1];
+    for (const Keyed& item : items) other[start[digit(item.key)]++] = item;
+    items.swap(other);
+  }
+}
+
+/// The index of the cell that holds x along one axis of `points` points, clamped into [0, points - 2].
+template <class Coordinate>
+std::int64_t cell_index(double x, std::int64_t points, Coordinate coordinate) {
+  if (points < 2) return 0;
+  const bool rising = coordinate(points - 1) > coordinate(0);
+  std::int64_t low = 0, high = points - 1;  // invariant: x is past coordinate(low), or low is 0; x is before coordinate(high), or high is the last
+  while (high - low > 1) {
+    const std::int64_t middle = (low + high) / 2;
+    if (rising ? x >= coordinate(middle) : x <= coordinate(middle)) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+std::array<std::int64_t, 3> eye_cell(const Grid& grid, Vec3d eye) {
+  std::array<std::int64_t, 3> cell{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    if (const auto* uniform = std::get_if<UniformGrid>(&grid.shape))
+      cell[a] = cell_index(eye[axis], uniform->dims[a],
+                           [&](std::int64_t i) { return uniform->origin[axis] + static_cast<double>(i) * uniform->spacing[axis]; });
+    else if (const auto* rectilinear = std::get_if<RectilinearGrid>(&grid.shape))
+      cell[a] = cell_index(eye[axis], rectilinear->dims[a],
+                           [&](std::int64_t i) { return rectilinear->axes[a][static_cast<std::size_t>(i)]; });
+  }
+  return cell;
+}
+
+/// The mesh's runs of cells, far cells first.
+std::vector<std::uint32_t> sort_runs(const Grid& grid, const IntervalMesh& mesh, Vec3d eye) {
+  const auto dims = grid.dims();
+  const std::int64_t nx = std::max<std::int64_t>(dims[0] - 1, 1), ny = std::max<std::int64_t>(dims[1] - 1, 1);
+  const auto origin = eye_cell(grid, eye);
+  std::vector<std::uint32_t> keys(mesh.cell_runs.size());
+  const auto farthest = static_cast<std::size_t>(dims[0] + dims[1] + dims[2]);
+  std::vector<std::size_t> start(farthest + 2, 0);
+  for (std::size_t r = 0; r < keys.size(); ++r) {
+    const std::int64_t cell = mesh.cell_runs[r].cell;
+    const std::int64_t i = cell % nx, j = cell / nx % ny, k = cell / (nx * ny);
+    const auto distance = static_cast<std::size_t>(std::abs(i - origin[0]) + std::abs(j - origin[1]) + std::abs(k - origin[2]));
+    keys[r] = static_cast<std::uint32_t>(farthest - std::min(distance, farthest));
+    ++start[keys[r] + 1];
+  }
+  for (std::size_t d = 1; d < start.size(); ++d) start[d] += start[d - 1];
+  std::vector<std::uint32_t> order(keys.size());
+  for (std::size_t r = 0; r < keys.size(); ++r) order[start[keys[r]]++] = static_cast<std::uint32_t>(r);
+  return order;
+}
+
+}  // namespace
+
+VisibilityOrder mesh_order(const IntervalMesh& mesh, const OrderRequest& request) {
+  return {drawn_tetrahedra(mesh, request.drawn), "none needed", true};
+}
+
+VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
+  VisibilityOrder order{drawn_tetrahedra(mesh, request.drawn), "centroid (approximate)", false};
+  std::vector<Keyed> items(order.tetrahedra.size());
+  parallel_for(static_cast<std::int64_t>(items.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      const std::uint32_t id = order.tetrahedra[i];
+      Vec3d sum;
+      for (const std::uint32_t p : mesh.tetrahedra[id]) sum = sum + mesh.positions[p];
+      const float distance = static_cast<float>(length(sum * 0.25 - eye));
+      items[i] = {~std::bit_cast<std::uint32_t>(distance), id};  // bits of floats that are not negative sort as integers; far first
+    }
+  });
+  radix_sort(items);
+  for (std::size_t i = 0; i < items.size(); ++i) order.tetrahedra[i] = items[i].id;
+  return order;
+}
+
+VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
+  const std::vector<std::uint32_t> runs = sort_runs(grid, mesh, eye);
+  std::vector<std::uint32_t> first(runs.size() + 1, 0);  // where each run's tetrahedra go
+  const auto run_end = [&](std::uint32_t r) {
+    return r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron : static_cast<std::uint32_t>(mesh.tetrahedra.size());
+  };
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::uint32_t count = 0;
+    for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t) count += is_drawn(mesh, request.drawn, t);
+    first[i + 1] = first[i] + count;
+  }
+  VisibilityOrder order;
+  order.tetrahedra.resize(first.back());
+  std::atomic<std::int64_t> unresolved{0};
+  parallel_for(static_cast<std::int64_t>(runs.size()), 512, [&](std::int64_t begin, std::int64_t end) {
+    CellOrder cell_order(request.one_color);
+    std::int64_t mine = 0;
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      std::uint32_t out = first[i];
+      for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t)
+        if (is_drawn(mesh, request.drawn, t)) order.tetrahedra[out++] = t;
+      mine += cell_order.sort(mesh, eye, std::span(order.tetrahedra).subspan(first[i], out - first[i]));
+    }
+    unresolved += mine;
+  });
+  order.exact = unresolved == 0;
+  order.method = order.exact ? "index distance (exact)"
+                             : "index distance (exact but for " + std::to_string(unresolved.load()) + " pairs inside cells)";
+  return order;
+}
+
+VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
+  if (grid && grid->rectilinear() && !mesh.cell_runs.empty()) return index_distance_order(*grid, mesh, request, eye);
+  return centroid_order(mesh, request, eye);
+}
+
+}  // namespace isostrata

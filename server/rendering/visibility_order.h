@@ -1,0 +1,41 @@
+// The order in which tetrahedra are blended: back to front as seen from the eye.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "data/grid.h"
+#include "extraction/interval_mesh.h"
+
+namespace isostrata {
+
+struct VisibilityOrder {
+  std::vector<std::uint32_t> tetrahedra;  // indices into the mesh, the first is drawn first
+  std::string method;                     // as DrawFacts::order names it
+  bool exact = false;
+};
+
+/// What of the mesh is drawn. [intervals] each.
+struct OrderRequest {
+  std::span<const std::uint8_t> drawn;      // 0: leave the interval out
+  std::span<const std::uint8_t> one_color;  // not 0: one colour and opacity everywhere, so its tetrahedra commute with each other
+};
+
+/// The tetrahedra in the mesh's own order: enough where they all have one colour.
+VisibilityOrder mesh_order(const IntervalMesh& mesh, const OrderRequest& request);
+
+/// By the distance of the centroid from the eye: right where tetrahedra are alike in size, wrong for some pairs of long and short
+/// neighbours. O(n), radix sort.
+VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye);
+
+/// Rectilinear grids. Every step of a ray away from the eye raises the index distance |di| + |dj| + |dk| of its cell from the eye's cell
+/// (clamped into the grid where the eye is outside), and cells of equal distance cannot hide each other: one counting sort is an exact
+/// order of cells. Inside a cell order_in_cell. O(n) in cells; grid.rectilinear() must hold.
+VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye);
+
+/// index_distance_order where the grid allows it, else centroid_order. grid may be null.
+VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye);
+
+}  // namespace isostrata

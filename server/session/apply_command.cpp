@@ -1,0 +1,387 @@
+#include "session/apply_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "session/limits.h"
+#include "session/wire.h"
+
+namespace isostrata {
+namespace {
+
+// A refusal on its way out of nested checks; it never leaves this file.
+struct Refused {
+  v1::Error error;
+};
+
+[[noreturn]] void refuse(const char* code, std::string message, std::string field) {
+  throw Refused{wire_error(code, std::move(message), std::move(field))};
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.9g", value);
+  return text.data();
+}
+
+double finite(double value, const std::string& field, double limit = kMaxMagnitude) {
+  if (!std::isfinite(value) || std::abs(value) > limit)
+    refuse("invalid_argument", field + " is " + number_text(value) + "; expected a finite number of at most " + number_text(limit), field);
+  return value;
+}
+
+double unit(double value, const std::string& field) {
+  if (!(value >= 0 && value <= 1)) refuse("invalid_argument", field + " is " + number_text(value) + "; expected a number in [0, 1]", field);
+  return value;
+}
+
+const std::string& name(const std::string& text, const std::string& field) {
+  if (text.size() > kMaxNameBytes)
+    refuse("invalid_argument", field + " has " + std::to_string(text.size()) + " bytes; expected at most " + std::to_string(kMaxNameBytes), field);
+  return text;
+}
+
+Rgb rgb_of(const v1::Rgb& rgb, const std::string& field) {
+  return {static_cast<float>(unit(rgb.r(), field + ".r")), static_cast<float>(unit(rgb.g(), field + ".g")),
+          static_cast<float>(unit(rgb.b(), field + ".b"))};
+}
+
+std::string color_map_of(const std::string& map, const std::string& field) {
+  if (map.empty()) return {};
+  name(map, field);
+  const auto names = color_map_names();
+  if (std::find(names.begin(), names.end(), map) == names.end()) {
+    std::string known;
+    for (const auto n : names) known += (known.empty() ? "" : ", ") + std::string(n);
+    refuse("not_found", "colour map '" + map + "' is not built in; expected one of " + known, field);
+  }
+  return map;
+}
+
+void check_ends(double lower, double upper, const std::string& field) {
+  finite(lower, field + "lower");
+  finite(upper, field + "upper");
+  if (!(lower < upper))
+    refuse("invalid_argument", "lower " + number_text(lower) + " is not less than upper " + number_text(upper), field + "lower");
+}
+
+const DatasetFacts& opened(const CommandContext& context) {
+  if (!context.dataset) refuse("not_found", "no dataset is open; open one first", "");
+  return *context.dataset;
+}
+
+const ArrayFacts& array_of(const std::string& array, const CommandContext& context, const char* field) {
+  const DatasetFacts& dataset = opened(context);
+  const ArrayFacts* facts = dataset.find_array(name(array, field));
+  if (!facts) {
+    std::string known;
+    for (const ArrayFacts& a : dataset.arrays) known += (known.empty() ? "" : ", ") + a.name;
+    refuse("not_found", "array '" + array + "' is not in " + dataset.name + "; it has " + (known.empty() ? "no arrays" : known), field);
+  }
+  return *facts;
+}
+
+std::uint32_t fresh_id(SceneState& state) {
+  if (state.last_interval_id == UINT32_MAX) refuse("too_large", "this session has used up its interval ids; start another", "");
+  return ++state.last_interval_id;
+}
+
+SceneInterval& interval_of(Scene& scene, std::uint32_t id) {
+  for (SceneInterval& interval : scene.intervals)
+    if (interval.id == id) return interval;
+  refuse("not_found", "interval " + std::to_string(id) + " is not in this session", "id");
+}
+
+// Priorities are 0 .. n-1 in the order given, the highest first.
+void number_priorities(std::vector<SceneInterval*> highest_first) {
+  int priority = static_cast<int>(highest_first.size());
+  for (SceneInterval* interval : highest_first) interval->priority = --priority;
+}
+
+void apply(SceneState& state, const v1::SelectArrays& command, const CommandContext& context) {
+  Scene& scene = state.scene;
+  opened(context);
+  if (!command.array().empty()) {
+    const ArrayFacts& array = array_of(command.array(), context, "array");
+    if (scene.array != array.name) {
+      // Intervals keep their place in the range: their ends have no meaning in another array's values.
+      const ArrayFacts* before = context.dataset->find_array(scene.array);
+      scene.array = array.name;
+      if (before && before->lower < before->upper && array.lower < array.upper) {
+        const double scale = (array.upper - array.lower) / (before->upper - before->lower);
+        for (SceneInterval& interval : scene.intervals) {
+          const double lower = array.lower + (interval.lower - before->lower) * scale;
+          const double upper = array.lower + (interval.upper - before->lower) * scale;
+          if (!std::isfinite(lower) || !std::isfinite(upper) || !(lower < upper)) continue;
+          interval.lower = lower;
+          // The top of one range must be the top of the other to the last bit, or the points that have it fall outside.
+          interval.upper = interval.upper == before->upper ? std::max(array.upper, std::nextafter(lower, INFINITY)) : upper;
+        }
+      }
+    }
+  }
+  if (!command.color_by().empty()) scene.color_by = array_of(command.color_by(), context, "color_by").name;
+}
+
+void apply(SceneState& state, const v1::SetTimeStep& command, const CommandContext& context) {
+  const auto steps = static_cast<int>(opened(context).times.size());
+  if (command.step() < 0 || command.step() >= steps)
+    refuse("not_found", "step " + std::to_string(command.step()) + " is not in " + context.dataset->name + "; expected 0.." +
+                            std::to_string(steps - 1), "step");
+  state.scene.step = command.step();
+}
+
+void apply(SceneState& state, const v1::SetIntervals& command, const CommandContext& context) {
+  opened(context);
+  if (command.intervals_size() > kMaxIntervals)
+    refuse("too_large", std::to_string(command.intervals_size()) + " intervals; expected at most " + std::to_string(kMaxIntervals), "intervals");
+  std::vector<SceneInterval> intervals;
+  std::set<std::uint32_t> seen;
+  for (int i = 0; i < command.intervals_size(); ++i) {
+    const v1::Interval& wanted = command.intervals(i);
+    const std::string field = "intervals[" + std::to_string(i) + "].";
+    SceneInterval interval;
+    check_ends(wanted.lower(), wanted.upper(), field);
+    interval.lower = wanted.lower();
+    interval.upper = wanted.upper();
+    interval.color = wanted.has_color() ? rgb_of(wanted.color(), field + "color") : default_interval_color(static_cast<std::size_t>(i));
+    interval.color_map = color_map_of(wanted.color_map(), field + "color_map");
+    interval.opacity = unit(wanted.opacity(), field + "opacity");
+    interval.priority = wanted.priority();
+    interval.visible = wanted.visible();
+    if (wanted.id() != 0) {
+      const auto& old = state.scene.intervals;
+      if (std::none_of(old.begin(), old.end(), [&](const SceneInterval& o) { return o.id == wanted.id(); }))
+        refuse("not_found", field + "id " + std::to_string(wanted.id()) + " is not in this session; expected an id that is, or 0 for a new one",
+               field + "id");
+      if (!seen.insert(wanted.id()).second) refuse("invalid_argument", field + "id " + std::to_string(wanted.id()) + " stands twice", field + "id");
+      interval.id = wanted.id();
+    } else {
+      interval.id = fresh_id(state);
+    }
+    intervals.push_back(std::move(interval));
+  }
+  state.scene.intervals = std::move(intervals);
+}
+
+void apply(SceneState& state, const v1::PatchInterval& command, const CommandContext& context) {
+  opened(context);
+  SceneInterval& interval = interval_of(state.scene, command.id());
+  const double lower = command.has_lower() ? command.lower() : interval.lower;
+  const double upper = command.has_upper() ? command.upper() : interval.upper;
+  check_ends(lower, upper, "");
+  interval.lower = lower;
+  interval.upper = upper;
+  if (command.has_color()) interval.color = rgb_of(command.color(), "color");
+  if (command.has_color_map()) interval.color_map = color_map_of(command.color_map(), "color_map");
+  if (command.has_opacity()) interval.opacity = unit(command.opacity(), "opacity");
+  if (command.has_visible()) interval.visible = command.visible();
+}
+
+void apply(SceneState& state, const v1::RemoveInterval& command, const CommandContext& context) {
+  opened(context);
+  interval_of(state.scene, command.id());
+  std::erase_if(state.scene.intervals, [&](const SceneInterval& interval) { return interval.id == command.id(); });
+}
+
+void apply(SceneState& state, const v1::ReorderPriorities& command, const CommandContext& context) {
+  opened(context);
+  Scene& scene = state.scene;
+  const std::set<std::uint32_t> given(command.ids().begin(), command.ids().end());
+  if (static_cast<std::size_t>(command.ids_size()) != scene.intervals.size() || given.size() != scene.intervals.size())
+    refuse("invalid_argument", std::to_string(command.ids_size()) + " ids, " + std::to_string(given.size()) + " of them different; expected each of the " +
+                                   std::to_string(scene.intervals.size()) + " intervals once", "ids");
+  std::vector<SceneInterval*> order;
+  for (const std::uint32_t id : command.ids()) order.push_back(&interval_of(scene, id));
+  number_priorities(std::move(order));
+}
+
+void apply(SceneState& state, const v1::SetCamera& command, const CommandContext& context) {
+  opened(context);
+  const v1::Camera& wanted = command.camera();
+  const auto vector = [](const v1::Vec3& v, const std::string& field) {
+    return Vec3d{finite(v.x(), field + ".x", kMaxCoordinate), finite(v.y(), field + ".y", kMaxCoordinate), finite(v.z(), field + ".z", kMaxCoordinate)};
+  };
+  if (!command.has_camera() || !wanted.has_eye() || !wanted.has_at() || !wanted.has_up())
+    refuse("invalid_argument", "a camera needs eye, at and up", "camera");
+  const Camera camera{vector(wanted.eye(), "camera.eye"), vector(wanted.at(), "camera.at"), vector(wanted.up(), "camera.up"),
+                      finite(wanted.fov_deg(), "camera.fov_deg")};
+  try {
+    check(camera);
+  } catch (const Error& error) {
+    refuse(to_string(error.code()), error.what(), "camera");
+  }
+  state.scene.camera = camera;
+}
+
+void apply(SceneState& state, const v1::SetView& command, const CommandContext& context) {
+  const DatasetFacts& dataset = opened(context);
+  static const std::set<std::string, std::less<>> kViews = {"reset", "+x", "-x", "+y", "-y", "+z", "-z"};
+  if (!kViews.contains(name(command.view(), "view")))
+    refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
+  state.scene.camera = view_of(dataset.bounds, command.view());
+}
+
+void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext&) {
+  Scene& scene = state.scene;
+  switch (command.mode()) {
+    case v1::RENDER_MODE_UNSPECIFIED: break;
+    case v1::RENDER_MODE_SORTED: scene.mode = RenderMode::sorted; break;
+    case v1::RENDER_MODE_PRIORITIZED: scene.mode = RenderMode::prioritized; break;
+    default: refuse("unsupported", "mode " + std::to_string(command.mode()) + " is not known; expected sorted (1) or prioritized (2)", "mode");
+  }
+  if (command.has_background()) scene.background = rgb_of(command.background(), "background");
+  if (command.has_unit_distance()) {
+    finite(command.unit_distance(), "unit_distance");
+    if (command.unit_distance() < 0)
+      refuse("invalid_argument", "unit_distance is " + number_text(command.unit_distance()) + "; expected a length, or 0 for the default", "unit_distance");
+    scene.unit_distance = command.unit_distance();
+  }
+}
+
+bool same_scene(const Scene& a, const Scene& b) {
+  return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by && a.intervals == b.intervals &&
+         a.mode == b.mode && a.camera == b.camera && a.background == b.background && a.unit_distance == b.unit_distance;
+}
+
+// Does `change` to a copy and keeps it where it was not refused.
+template <class Change>
+CommandOutcome attempt(SceneState& state, const Change& change) {
+  SceneState next = state;
+  try {
+    change(next);
+  } catch (Refused& refused) {
+    return {std::move(refused.error), false};
+  }
+  const bool changed = !same_scene(next.scene, state.scene);
+  if (changed) ++next.scene.revision;
+  state = std::move(next);
+  return {std::nullopt, changed};
+}
+
+}  // namespace
+
+bool is_scene_command(const v1::ClientMessage& message) {
+  switch (message.body_case()) {
+    case v1::ClientMessage::kSelectArrays:
+    case v1::ClientMessage::kSetTimeStep:
+    case v1::ClientMessage::kSetIntervals:
+    case v1::ClientMessage::kPatchInterval:
+    case v1::ClientMessage::kRemoveInterval:
+    case v1::ClientMessage::kReorderPriorities:
+    case v1::ClientMessage::kSetCamera:
+    case v1::ClientMessage::kSetView:
+    case v1::ClientMessage::kSetAppearance: return true;
+    default: return false;
+  }
+}
+
+CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message, const CommandContext& context) {
+  return attempt(state, [&](SceneState& next) {
+    switch (message.body_case()) {
+      case v1::ClientMessage::kSelectArrays: return apply(next, message.select_arrays(), context);
+      case v1::ClientMessage::kSetTimeStep: return apply(next, message.set_time_step(), context);
+      case v1::ClientMessage::kSetIntervals: return apply(next, message.set_intervals(), context);
+      case v1::ClientMessage::kPatchInterval: return apply(next, message.patch_interval(), context);
+      case v1::ClientMessage::kRemoveInterval: return apply(next, message.remove_interval(), context);
+      case v1::ClientMessage::kReorderPriorities: return apply(next, message.reorder_priorities(), context);
+      case v1::ClientMessage::kSetCamera: return apply(next, message.set_camera(), context);
+      case v1::ClientMessage::kSetView: return apply(next, message.set_view(), context);
+      case v1::ClientMessage::kSetAppearance: return apply(next, message.set_appearance(), context);
+      default: refuse("unsupported", "this message does not change a scene", "");
+    }
+  });
+}
+
+CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context) {
+  return attempt(state, [&](SceneState& next) {
+    if (wanted.dataset() != next.scene.dataset)
+      refuse("invalid_argument", "dataset '" + wanted.dataset() + "' is not the open one, '" + next.scene.dataset + "'", "dataset");
+    if (context.dataset) {
+      v1::SelectArrays arrays;
+      arrays.set_array(wanted.array());
+      arrays.set_color_by(wanted.color_by());
+      apply(next, arrays, context);
+      v1::SetTimeStep step;
+      step.set_step(wanted.step());
+      apply(next, step, context);
+      v1::SetIntervals intervals;
+      *intervals.mutable_intervals() = wanted.intervals();
+      // A saved state names ids of another session's life: those that are not here any more become new ones.
+      for (v1::Interval& interval : *intervals.mutable_intervals())
+        if (std::none_of(next.scene.intervals.begin(), next.scene.intervals.end(), [&](const auto& o) { return o.id == interval.id(); }))
+          interval.set_id(0);
+      apply(next, intervals, context);
+      if (wanted.has_camera()) {
+        v1::SetCamera camera;
+        *camera.mutable_camera() = wanted.camera();
+        apply(next, camera, context);
+      }
+    } else if (wanted.intervals_size() > 0 || wanted.has_camera() || !wanted.array().empty()) {
+      opened(context);
+    }
+    v1::SetAppearance appearance;
+    appearance.set_mode(wanted.mode());
+    if (wanted.has_background()) *appearance.mutable_background() = wanted.background();
+    appearance.set_unit_distance(wanted.unit_distance());
+    apply(next, appearance, context);
+  });
+}
+
+void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
+  Scene& scene = state.scene;
+  scene.dataset = dataset.id;
+  scene.step = 0;
+  scene.color_by.clear();
+  scene.array.clear();
+  scene.intervals.clear();
+  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset");
+  const auto first = std::find_if(dataset.arrays.begin(), dataset.arrays.end(), [](const ArrayFacts& a) { return a.lower < a.upper; });
+  if (first != dataset.arrays.end()) {
+    scene.array = first->name;
+    constexpr std::array kOpacities = {0.05, 0.1, 0.2, 0.4};
+    const auto layers = static_cast<double>(kOpacities.size());
+    for (std::size_t i = 0; i < kOpacities.size(); ++i) {
+      SceneInterval interval;
+      // Weighted ends instead of a width: upper - lower may overflow where the range is that of all doubles.
+      const auto at = [&](double t) { return first->lower * (1 - t) + first->upper * t; };
+      interval.lower = at(static_cast<double>(i) / layers);
+      interval.upper = i + 1 == kOpacities.size() ? first->upper : at(static_cast<double>(i + 1) / layers);
+      if (!(interval.lower < interval.upper)) continue;
+      interval.id = ++state.last_interval_id;
+      interval.color = default_interval_color(i);
+      interval.opacity = kOpacities[i];
+      interval.priority = static_cast<int>(i);
+      scene.intervals.push_back(std::move(interval));
+    }
+  } else if (!dataset.arrays.empty()) {
+    scene.array = dataset.arrays.front().name;
+  }
+  ++scene.revision;
+}
+
+std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height) {
+  const auto bad = [](std::uint32_t side, const char* field) -> std::optional<v1::Error> {
+    if (side >= 1 && side <= static_cast<std::uint32_t>(kMaxSide)) return std::nullopt;
+    return wire_error("invalid_argument", std::string(field) + " is " + std::to_string(side) + "; expected 1.." + std::to_string(kMaxSide), field);
+  };
+  if (auto error = bad(width, "width")) return error;
+  if (auto error = bad(height, "height")) return error;
+  if (static_cast<std::int64_t>(width) * height > kMaxPixels)
+    return wire_error("too_large", std::to_string(width) + "x" + std::to_string(height) + " pixels; expected at most " + std::to_string(kMaxPixels), "width");
+  return std::nullopt;
+}
+
+std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context) {
+  try {
+    if (request.bins() < 1 || request.bins() > static_cast<std::uint32_t>(kMaxBins))
+      refuse("invalid_argument", "bins is " + std::to_string(request.bins()) + "; expected 1.." + std::to_string(kMaxBins), "bins");
+    array_of(request.array(), context, "array");
+  } catch (Refused& refused) {
+    return std::move(refused.error);
+  }
+  return std::nullopt;
+}
+
+}  // namespace isostrata

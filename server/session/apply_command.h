@@ -1,0 +1,50 @@
+// The one place where Protobuf meets our types: every field that came from outside is checked here before anything else sees it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/dataset_facts.h"
+#include "engine/scene.h"
+#include "isostrata/v1/isostrata.pb.h"
+
+namespace isostrata {
+
+/// What commands are judged against.
+struct CommandContext {
+  const DatasetFacts* dataset = nullptr;  // of scene.dataset; null where none is open
+};
+
+/// What a command did. With an error (code, message, field; in_reply_to is the caller's) the scene is as it was.
+struct CommandOutcome {
+  std::optional<v1::Error> error;
+  bool changed = false;  // the scene has a new revision
+};
+
+/// Interval ids are never used again in one session.
+struct SceneState {
+  Scene scene;
+  std::uint32_t last_interval_id = 0;
+};
+
+/// Whether the message is one that apply_command takes: SelectArrays, SetTimeStep, SetIntervals, PatchInterval, RemoveInterval,
+/// ReorderPriorities, SetCamera, SetView, SetAppearance.
+bool is_scene_command(const v1::ClientMessage& message);
+
+/// Does the command to the scene, or to nothing at all. A command that changes nothing does not make a revision.
+CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message, const CommandContext& context);
+
+/// Makes the scene what `wanted` says, as one change: array, colour array, step, intervals, mode, camera, background and unit distance; its
+/// dataset must be the open one, its revision is ignored. Empty and absent fields stay as they are, except that the list of intervals is
+/// always taken.
+CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
+
+/// A first look at a dataset that was just opened: its first array with a range, four equal layers of it in red, green, blue and yellow, the
+/// higher the denser, seen from the three-quarter view. Appearance stays as it is.
+void open_in_scene(SceneState& state, const DatasetFacts& dataset);
+
+/// Null where the size is one that can be drawn; names the field that is not.
+std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);
+std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context);
+
+}  // namespace isostrata

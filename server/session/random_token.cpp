@@ -1,0 +1,29 @@
+#include "session/random_token.h"
+
+#include <unistd.h>
+
+#include <array>
+
+#include "base/error.h"
+
+namespace isostrata {
+
+std::string random_token(std::size_t bits) {
+  std::array<unsigned char, 256> bytes{};
+  if (bits / 8 > bytes.size() || getentropy(bytes.data(), bits / 8) != 0)
+    throw Error(ErrorCode::unavailable, "the system gave no random numbers for a token");
+  std::string text;
+  for (std::size_t i = 0; i < bits / 8; ++i)
+    for (const int digit : {bytes[i] >> 4, bytes[i] & 15}) text += "0123456789abcdef"[digit];
+  return text;
+}
+
+bool equal_in_constant_time(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  volatile unsigned char difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference = static_cast<unsigned char>(difference | (static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i])));
+  return difference == 0;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,15 @@
+// Secrets and names that cannot be guessed.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace isostrata {
+
+/// bits / 4 hexadecimal digits from the kernel's generator; bits must be a multiple of 8 and at most 2048. Throws unavailable.
+std::string random_token(std::size_t bits);
+
+/// Takes as long for every pair of texts of the same length, so that the time tells nothing of a secret.
+bool equal_in_constant_time(const std::string& a, const std::string& b);
+
+}  // namespace isostrata

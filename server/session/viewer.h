@@ -1,0 +1,55 @@
+// One connection of a session: where its messages go, and its frames.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "engine/messages.h"
+#include "isostrata/v1/isostrata.pb.h"
+#include "session/frame_scheduler.h"
+
+namespace isostrata {
+
+/// The way to one client. net's connections are outboxes; so are the fakes of tests. Calls never wait and never call back.
+class Outbox {
+ public:
+  virtual ~Outbox() = default;
+  /// Sends messages in order, before any frame that waits.
+  virtual void send(v1::ServerMessage message) = 0;
+  /// As send, but a State that still waits is replaced: the newest wins.
+  virtual void send_state(v1::State state) = 0;
+  virtual void send_frame(v1::Frame frame) = 0;
+  /// Sends what waits, then closes. `code` is a WebSocket close code.
+  virtual void close(std::uint16_t code, const std::string& reason) = 0;
+};
+
+using ViewerKey = std::uint64_t;
+
+/// Not thread-safe: lives on the io thread.
+struct Viewer {
+  ViewerKey key = 0;
+  Outbox* outbox = nullptr;
+  SessionKey session = 0;  // 0: has not said hello
+  std::uint64_t last_seq = 0;
+  std::uint64_t ignored_messages = 0;
+  FrameScheduler frames;
+  RequestId ordered_request = 0;  // not started
+
+  /// The message `seq` is contained in `revision` and all later ones.
+  void note_input(std::uint64_t seq, std::uint64_t revision);
+  /// The newest message that a picture of `revision` contains.
+  std::uint64_t input_of(std::uint64_t revision);
+
+ private:
+  struct Input {
+    std::uint64_t revision;
+    std::uint64_t seq;
+  };
+  std::deque<Input> inputs_;         // both increase
+  std::uint64_t contained_seq_ = 0;  // of the newest revision that was asked for
+};
+
+}  // namespace isostrata

@@ -1,0 +1,139 @@
+#include "session/wire.h"
+
+namespace isostrata {
+namespace {
+
+v1::Vec3 to_wire(const Vec3d& v) {
+  v1::Vec3 out;
+  out.set_x(v.x);
+  out.set_y(v.y);
+  out.set_z(v.z);
+  return out;
+}
+
+}  // namespace
+
+v1::Rgb to_wire(const Rgb& rgb) {
+  v1::Rgb out;
+  out.set_r(rgb[0]);
+  out.set_g(rgb[1]);
+  out.set_b(rgb[2]);
+  return out;
+}
+
+v1::Camera to_wire(const Camera& camera) {
+  v1::Camera out;
+  *out.mutable_eye() = to_wire(camera.eye);
+  *out.mutable_at() = to_wire(camera.at);
+  *out.mutable_up() = to_wire(camera.up);
+  out.set_fov_deg(camera.fov_deg);
+  return out;
+}
+
+v1::Interval to_wire(const SceneInterval& interval) {
+  v1::Interval out;
+  out.set_id(interval.id);
+  out.set_lower(interval.lower);
+  out.set_upper(interval.upper);
+  *out.mutable_color() = to_wire(interval.color);
+  out.set_color_map(interval.color_map);
+  out.set_opacity(interval.opacity);
+  out.set_priority(interval.priority);
+  out.set_visible(interval.visible);
+  return out;
+}
+
+v1::State to_wire(const Scene& scene) {
+  v1::State out;
+  out.set_revision(scene.revision);
+  out.set_dataset(scene.dataset);
+  out.set_step(scene.step);
+  out.set_array(scene.array);
+  out.set_color_by(scene.color_by);
+  for (const SceneInterval& interval : scene.intervals) *out.add_intervals() = to_wire(interval);
+  out.set_mode(scene.mode == RenderMode::prioritized ? v1::RENDER_MODE_PRIORITIZED : v1::RENDER_MODE_SORTED);
+  if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
+  *out.mutable_background() = to_wire(scene.background);
+  out.set_unit_distance(scene.unit_distance);
+  return out;
+}
+
+v1::DatasetInfo to_wire(const DatasetFacts& facts) {
+  v1::DatasetInfo out;
+  out.set_id(facts.id);
+  out.set_name(facts.name);
+  out.set_grid(facts.grid);
+  out.set_points(facts.points);
+  out.set_cells(facts.cells);
+  for (const auto& [type, count] : facts.cell_types) (*out.mutable_cell_types())[type] = count;
+  if (!facts.bounds.empty()) {
+    *out.mutable_lower() = to_wire(facts.bounds.lower);
+    *out.mutable_upper() = to_wire(facts.bounds.upper);
+  }
+  for (const ArrayFacts& array : facts.arrays) {
+    v1::ArrayInfo* info = out.add_arrays();
+    info->set_name(array.name);
+    info->set_association(array.association);
+    info->set_type(array.type);
+    info->set_components(array.components);
+    info->set_lower(array.lower);
+    info->set_upper(array.upper);
+    info->set_nan_count(array.nan_count);
+  }
+  for (const double time : facts.times) out.add_times(time);
+  for (const std::string& note : facts.notes) out.add_notes(note);
+  return out;
+}
+
+v1::Histogram to_wire(const HistogramReady& histogram) {
+  v1::Histogram out;
+  out.set_dataset(histogram.dataset);
+  out.set_step(histogram.step);
+  out.set_array(histogram.array);
+  out.set_lower(histogram.lower);
+  out.set_upper(histogram.upper);
+  for (const std::uint64_t count : histogram.counts) out.add_counts(count);
+  return out;
+}
+
+v1::Frame to_wire(const FrameReady& frame) {
+  v1::Frame out;
+  out.set_revision(frame.revision);
+  out.set_step(frame.step);
+  out.set_phase(frame.lossless ? v1::FRAME_PHASE_LOSSLESS : v1::FRAME_PHASE_MOVING);
+  out.set_format(frame.jpeg ? "jpeg" : "png");
+  out.set_width(static_cast<std::uint32_t>(frame.width));
+  out.set_height(static_cast<std::uint32_t>(frame.height));
+  v1::StageTimes& stages = *out.mutable_stages();
+  stages.set_extract_ms(frame.stages.extract_ms);
+  stages.set_order_ms(frame.stages.order_ms);
+  stages.set_draw_ms(frame.stages.draw_ms);
+  stages.set_readback_ms(frame.stages.readback_ms);
+  stages.set_encode_ms(frame.stages.encode_ms);
+  stages.set_total_ms(frame.stages.total_ms);
+  v1::FrameFacts& facts = *out.mutable_facts();
+  facts.set_device(frame.device);
+  facts.set_order(frame.order);
+  facts.set_order_exact(frame.order_exact);
+  facts.set_tetrahedra(frame.tetrahedra);
+  for (const IntervalFacts& interval : frame.intervals) {
+    v1::IntervalFacts* of = facts.add_intervals();
+    of->set_id(interval.id);
+    of->set_active_cells(interval.active_cells);
+    of->set_tetrahedra(interval.tetrahedra);
+    of->set_volume(interval.volume);
+  }
+  *out.mutable_camera() = to_wire(frame.camera);
+  out.set_payload(frame.bytes->data(), frame.bytes->size());
+  return out;
+}
+
+v1::Error wire_error(std::string_view code, std::string message, std::string field) {
+  v1::Error error;
+  error.set_code(std::string(code));
+  error.set_message(std::move(message));
+  error.set_field(std::move(field));
+  return error;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,26 @@
+// Our types as Protobuf, and the way back where no rule is involved. The other direction, with its rules, is apply_command.h.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/catalogue.h"
+#include "engine/messages.h"
+#include "engine/scene.h"
+#include "isostrata/v1/isostrata.pb.h"
+
+namespace isostrata {
+
+v1::State to_wire(const Scene& scene);
+v1::Interval to_wire(const SceneInterval& interval);
+v1::Camera to_wire(const Camera& camera);
+v1::Rgb to_wire(const Rgb& rgb);
+v1::DatasetInfo to_wire(const DatasetFacts& facts);
+v1::Histogram to_wire(const HistogramReady& histogram);
+/// Without frame_id and input_seq, which are the connection's own.
+v1::Frame to_wire(const FrameReady& frame);
+
+v1::Error wire_error(std::string_view code, std::string message, std::string field = {});
+
+}  // namespace isostrata

@@ -1,0 +1,122 @@
+#include "arrows/arrows.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// A tree of made-up sources in a folder of its own, gone at the end.
+class Arrows : public testing::Test {
+ protected:
+  Arrows() {
+    fs::create_directories(root_ / "server");
+    write("server/base/vec.h", "#pragma once\n#include <vector>\n");
+  }
+  ~Arrows() override { fs::remove_all(root_); }
+
+  void write(const std::string& path, const std::string& text) {
+    fs::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << text;
+  }
+
+  const fs::path root_ = fs::temp_directory_path() / ("isostrata-arrows-" + std::to_string(getpid()));
+};
+
+TEST(ArrowsOfThisRepository, AllPointOneWay) { EXPECT_THAT(broken_arrows(ISOSTRATA_SOURCE_DIR), IsEmpty()); }
+
+TEST_F(Arrows, EveryPairOfRoomsIsAllowedOneWayOnly) {
+  const auto& order = rooms();
+  std::vector<std::string> expected;
+  for (std::size_t from = 0; from < order.size(); ++from)
+    for (std::size_t to = 0; to < order.size(); ++to) {
+      const std::string file = "server/" + order[from] + "/includes_" + order[to] + ".cpp";
+      const std::string header = order[to] + "/door.h";
+      write(file, "#include \"" + header + "\"\n");
+      if (to > from) expected.push_back(file + ":1: " + order[from] + " may not include " + order[to] + ": " + header);
+    }
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(broken_arrows(root_), expected);
+}
+
+TEST_F(Arrows, AnIncludeIsFoundHoweverItIsSpaced) {
+  write("server/base/back.cpp", "// why\n\n  #  include   \"net/listener.h\"  // never\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/base/back.cpp:3: base may not include net: net/listener.h"));
+}
+
+TEST_F(Arrows, CommentsAndLibrariesAreNoIncludes) {
+  write("server/base/fine.cpp",
+        "// #include \"net/listener.h\"\n#include <net/if.h>\n#include \"vec.h\"\n#include \"base/vec.h\"\n");
+  EXPECT_THAT(broken_arrows(root_), IsEmpty());
+}
+
+TEST_F(Arrows, AngleBracketsDoNotHideARoom) {
+  write("server/net/listener.h", "#pragma once\n");
+  write("server/base/back.cpp", "#include <net/if.h>\n#include <net/listener.h>\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/base/back.cpp:2: base may not include net: net/listener.h"));
+}
+
+TEST_F(Arrows, AShaderIsASourceToo) {
+  write("server/extraction/cells.glsl", "#include \"rendering/camera.h\"\n");
+  EXPECT_THAT(broken_arrows(root_),
+              ElementsAre("server/extraction/cells.glsl:1: extraction may not include rendering: rendering/camera.h"));
+}
+
+TEST_F(Arrows, TheClientKnowsTheProtocolAndNoRoom) {
+  write("client/client.cpp", "#include \"client/client.h\"\n#include \"isostrata/v1/isostrata.pb.h\"\n#include \"base/vec.h\"\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("client/client.cpp:3: client may not include base: base/vec.h"));
+}
+
+TEST_F(Arrows, TheServerDoesNotKnowTheClient) {
+  write("server/main/a.cpp", "#include \"client/client.h\"\n");
+  write("server/main/b.cpp", "#include <isostrata/client.h>\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/main/a.cpp:1: main may not include the client: client/client.h",
+                                                "server/main/b.cpp:1: main may not include the client: isostrata/client.h"));
+}
+
+TEST_F(Arrows, ProtobufStopsAtSession) {
+  write("server/engine/scene.cpp", "#include \"isostrata/v1/isostrata.pb.h\"\n");
+  write("server/session/apply_command.cpp", "#include \"isostrata/v1/isostrata.pb.h\"\n");
+  EXPECT_THAT(broken_arrows(root_),
+              ElementsAre("server/engine/scene.cpp:1: Protobuf left of session: isostrata/v1/isostrata.pb.h"));
+}
+
+TEST_F(Arrows, TheImportChildReachesDataAndNoFurther) {
+  write("server/import/main.cpp",
+        "#include \"data/grid.h\"\n#include \"import/limits.h\"\n#include \"extraction/interval_mesh.h\"\n");
+  EXPECT_THAT(broken_arrows(root_),
+              ElementsAre("server/import/main.cpp:3: import may not include extraction: extraction/interval_mesh.h"));
+}
+
+TEST_F(Arrows, AnUnknownRoomIsRefused) {
+  write("server/core/thing.h", "#pragma once\n");
+  write("server/main/main.cpp", "#include \"core/thing.h\"\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/core: is no room", "server/main/main.cpp:1: no such room: core/thing.h"));
+}
+
+TEST_F(Arrows, NamesThatSayNothingAreRefused) {
+  for (const char* name : {"util", "string_utils", "common", "helpers", "session_manager", "misc"})
+    write(std::string("server/base/") + name + ".h", "#pragma once\n");
+  write("server/base/utility_cart.h", "#pragma once\n");
+  EXPECT_EQ(broken_arrows(root_).size(), 6u);
+}
+
+TEST_F(Arrows, TheWireFormatIsProto3) {
+  write("protocol/new.proto", "syntax = \"proto3\";\n");
+  write("protocol/old.proto", "// syntax = \"proto3\" would be better\nsyntax = \"proto2\";\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("protocol/old.proto: is not proto3"));
+}
+
+TEST(ArrowsOfNothing, AFolderWithoutSourcesIsAnErrorNotASuccess) {
+  EXPECT_THROW(broken_arrows(fs::temp_directory_path() / "isostrata-no-such-folder"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace isostrata

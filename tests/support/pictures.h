@@ -1,0 +1,53 @@
+// Drawing in tests.
+#pragma once
+
+#include <memory>
+
+#include "rendering/renderer.h"
+#include "support/box_mesh.h"
+
+namespace isostrata::testing {
+
+/// One renderer for all tests of a thread: the software one, which every machine that runs the tests has.
+inline Renderer& test_renderer() {
+  static const std::unique_ptr<Renderer> renderer = make_renderer("surfaceless");
+  return *renderer;
+}
+
+inline FloatImage draw_floats(DrawInput input, Renderer& renderer = test_renderer()) {
+  input.float_image = true;
+  return std::get<FloatImage>(renderer.draw(input).image);
+}
+
+inline Image draw_bytes(const DrawInput& input, Renderer& renderer = test_renderer()) { return std::get<Image>(renderer.draw(input).image); }
+
+inline std::array<float, 4> pixel(const FloatImage& image, int x, int y) {
+  const auto at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+  return {image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]};
+}
+
+inline std::array<int, 4> pixel(const Image& image, int x, int y) {
+  const auto at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+  return {image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]};
+}
+
+inline IntervalStyle constant_style(Rgb color, double opacity) {
+  IntervalStyle style;
+  style.color = color;
+  style.opacity = opacity;
+  return style;
+}
+
+/// A mesh with constant styles in red, green, blue, yellow, ..., seen from the three-quarter view.
+inline DrawInput input_of(IntervalMesh mesh, double opacity = 0.5) {
+  DrawInput input;
+  input.bounds = bounds_of(mesh);
+  for (std::size_t i = 0; i < mesh.summaries.size(); ++i) input.styles.push_back(constant_style(default_interval_color(i), opacity));
+  input.mesh = std::make_shared<const IntervalMesh>(std::move(mesh));
+  input.camera = view_of(input.bounds, "reset");
+  input.width = 64;
+  input.height = 48;
+  return input;
+}
+
+}  // namespace isostrata::testing
