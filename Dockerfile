@@ -16,7 +16,7 @@ RUN deploy/build && cmake --install build/release --prefix /opt/isostrata --stri
 
 FROM debian:bookworm-slim
 COPY deploy/packages.txt deploy/setup /tmp/isostrata/deploy/
-RUN /tmp/isostrata/deploy/setup run && rm -rf /tmp/isostrata /var/lib/apt/lists/*
+RUN /tmp/isostrata/deploy/setup run && apt-get clean && rm -rf /tmp/isostrata /var/lib/apt/lists/*
 RUN useradd --system --create-home --uid 10001 --shell /usr/sbin/nologin isostrata
 COPY --from=build /opt/isostrata /usr/local
 COPY deploy/healthcheck /usr/local/bin/isostrata-healthcheck

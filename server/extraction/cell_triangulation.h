@@ -37,6 +37,13 @@ class CellTriangulation {
     order_isovertices(*topology_, ids(), keys_);
   }
 
+  /// Whether two vertices of the cell are one point (a wedge written as a hexahedron).
+  bool collapsed() const {
+    for (int v = 1; v < count_; ++v)
+      for (int w = 0; w < v; ++w)
+        if (ids_[v] == ids_[w]) return true;
+    return false;
+  }
   const CellTopology& cell() const { return *topology_; }
   std::span<const std::int64_t> ids() const { return {ids_.data(), static_cast<std::size_t>(count_)}; }
   /// [n + 2 e] lifted facets that hold each isovertex.

@@ -37,6 +37,15 @@ struct Sums {
   double volume = 0, signed_volume = 0;
 };
 
+/// In a collapsed cell isovertices may be one point, and that point lies wherever any of them does.
+void merge_masks(std::uint32_t isovertices, const std::array<std::uint32_t, kMaxIsoVertices>& numbers, std::span<FaceMask> masks) {
+  for (std::uint32_t rest = isovertices; rest; rest &= rest - 1)
+    for (std::uint32_t others = rest & (rest - 1); others; others &= others - 1) {
+      const int v = std::countr_zero(rest), w = std::countr_zero(others);
+      if (numbers[v] == numbers[w]) masks[v] = masks[w] = masks[v] | masks[w];
+    }
+}
+
 /// Two vertices of a tetrahedron are one point where the cell is collapsed (a hexahedron that repeats a point): it has no extent, and both
 /// facets that it separates are the same triangle.
 bool repeats_a_point(const std::array<std::uint32_t, 4>& t) {
@@ -147,9 +156,12 @@ class Extraction {
     std::uint64_t run = cells_before_[block];
     std::map<std::uint16_t, Sums>& sums = sums_[block];
     double cell_volume = 0;
+    bool collapsed = false;
+    std::array<FaceMask, kMaxIsoVertices> merged_masks;
     visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
       if (first) {
         cell_volume = volume_of(triangulation);
+        collapsed = !grid_.structured() && triangulation.collapsed();
         mesh_.cell_runs[run++] = {at.cell, static_cast<std::uint32_t>(to)};
       }
       const bool left_handed = cell_volume < 0;
@@ -157,7 +169,12 @@ class Extraction {
       const double rounding = -1e-13 * std::abs(cell_volume);
       Sums& own = sums[at.interval];
       ++own.active_cells;
-      const auto masks = triangulation.masks();
+      std::span<const FaceMask> masks = triangulation.masks();
+      if (options_.facets && collapsed) {
+        std::copy(masks.begin(), masks.end(), merged_masks.begin());
+        merge_masks(triangulation.isovertices(at.case_index), numbers, merged_masks);
+        masks = merged_masks;
+      }
       for (auto t : triangulation.tetrahedra(at.case_index)) {
         if (left_handed) std::swap(t[0], t[1]);  // positive where the cell's own orientation is
         const std::array<std::uint32_t, 4> p{numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]};

@@ -27,6 +27,20 @@ const FileArray* find(const Block& block, const FileArray& like) {
   return at != block.arrays.end() && at->components == like.components ? &*at : nullptr;
 }
 
+/// Whether all blocks are unstructured over one and the same list of points.
+bool share_points(const std::vector<Block>& blocks) {
+  const auto bytes = [](const Block& block) -> std::span<const std::byte> {
+    const auto* grid = std::get_if<UnstructuredGrid>(&block.grid.shape);
+    return grid ? std::visit([](auto span) { return std::as_bytes(span); }, grid->points) : std::span<const std::byte>{};
+  };
+  const auto first = bytes(blocks.front());
+  return !first.empty() && std::all_of(blocks.begin(), blocks.end(), [&](const Block& block) {
+    const auto other = bytes(block);
+    return other.size() == first.size() && has_double_points(block.grid) == has_double_points(blocks.front().grid) &&
+           (other.data() == first.data() || std::memcmp(other.data(), first.data(), first.size()) == 0);
+  });
+}
+
 FileArray concatenate(const std::vector<const FileArray*>& parts) {
   FileArray out = *parts.front();
   const bool same = std::all_of(parts.begin(), parts.end(), [&](const FileArray* part) { return part->type == out.type; });
@@ -69,12 +83,14 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   check_bytes(request, bytes, name + ": its blocks as one unstructured grid");
 
   const bool doubles = std::any_of(imported.blocks.begin(), imported.blocks.end(), [](const Block& b) { return has_double_points(b.grid); });
+  const bool shared = share_points(imported.blocks);
   const auto cells = std::make_shared<Cells>();
   bool any_hidden = false;
   std::int64_t first_point = 0;
   std::array<std::int64_t, kMaxCellVertices> ids{};
   for (const Block& block : imported.blocks) {
-    for (std::int64_t p = 0; p < block.grid.point_count(); ++p) {
+    const bool add_points = !shared || &block == &imported.blocks.front();
+    for (std::int64_t p = 0; add_points && p < block.grid.point_count(); ++p) {
       const Vec3d at = block.grid.point(p);
       if (doubles)
         cells->double_points.push_back(at);
@@ -89,7 +105,7 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
       cells->hidden.push_back(block.grid.hidden(c));
       any_hidden = any_hidden || block.grid.hidden(c);
     }
-    first_point += block.grid.point_count();
+    if (!shared) first_point += block.grid.point_count();
   }
 
   Block all;
@@ -112,14 +128,17 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
       std::vector<const FileArray*> parts;
       for (const Block& other : imported.blocks)
         if (const FileArray* part = find(other, array)) parts.push_back(part);
-      if (parts.size() == imported.blocks.size())
+      if (shared && !array.on_cells)
+        all.arrays.push_back(array);  // it belongs to the common points
+      else if (parts.size() == imported.blocks.size())
         all.arrays.push_back(concatenate(parts));
       else if (std::find(left_out.begin(), left_out.end(), array.name) == left_out.end())
         left_out.push_back(array.name);
     }
   for (const std::string& array : left_out) imported.notes.push_back("array '" + array + "' skipped: not every block has it");
   imported.notes.push_back(std::to_string(imported.blocks.size()) +
-                           " blocks appended to one unstructured grid; points that blocks share are kept twice");
+                           (shared ? " blocks over the same points as one unstructured grid"
+                                   : " blocks appended to one unstructured grid; points that blocks share are kept twice"));
   return all;
 }
 

@@ -17,6 +17,7 @@ Imported read_exodus(const ReadRequest& request) {
   reader->SetFileName(request.file.c_str());
   reader->SetApplyDisplacements(0);  // the points as they are; displacements are an array like any other
   reader->SetGenerateObjectIdCellArray(0);
+  reader->SetSqueezePoints(false);  // every element block over all of the file's points, so that blocks meet in common ones
   reader->UpdateInformation();
   throw_on_vtk_error(name);
   for (const int type : {vtkExodusIIReader::NODAL, vtkExodusIIReader::ELEM_BLOCK})

@@ -1,0 +1,71 @@
+#include "data/array.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "base/parallel.h"
+
+namespace isostrata {
+namespace {
+
+template <class T>
+PointArray array_of(const std::vector<T>& values) {
+  PointArray array;
+  array.name = "a";
+  array.values = std::span<const T>(values);
+  measure_range(array);
+  return array;
+}
+
+TEST(PointArray, RangeIsThatOfTheFiniteValuesOnly) {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const std::vector<double> values{nan, 3, -infinity, -2, infinity, 7};
+  const PointArray array = array_of(values);
+  EXPECT_EQ(array.lower, -2);
+  EXPECT_EQ(array.upper, 7);
+  EXPECT_EQ(array.nan_count, 3);
+}
+
+TEST(PointArray, WithoutFiniteValuesHasLowerAboveUpper) {
+  const std::vector<float> values(10, std::nanf(""));
+  EXPECT_GT(array_of(values).lower, array_of(values).upper);
+  EXPECT_GT(array_of(std::vector<float>{}).lower, array_of(std::vector<float>{}).upper);
+}
+
+TEST(PointArray, RangeOfEveryTypeReachesItsLimits) {
+  const auto check = [](auto one) {
+    using T = decltype(one);
+    const std::vector<T> values{std::numeric_limits<T>::max(), T{0}, std::numeric_limits<T>::lowest()};
+    const PointArray array = array_of(values);
+    EXPECT_EQ(array.lower, static_cast<double>(std::numeric_limits<T>::lowest()));
+    EXPECT_EQ(array.upper, static_cast<double>(std::numeric_limits<T>::max()));
+  };
+  check(std::int8_t{}), check(std::uint8_t{}), check(std::int16_t{}), check(std::uint16_t{}), check(std::int32_t{});
+  check(std::uint32_t{}), check(std::int64_t{}), check(std::uint64_t{}), check(float{}), check(double{});
+}
+
+TEST(PointArray, RangeOfMillionsAgreesWithASerialPass) {
+  constexpr unsigned kSeed = 7;
+  std::mt19937 random(kSeed);
+  std::normal_distribution<float> normal;
+  std::vector<float> values(1'500'000);
+  for (float& value : values) value = normal(random);
+  const auto [lower, upper] = std::minmax_element(values.begin(), values.end());
+  const PointArray array = array_of(values);
+  EXPECT_EQ(array.lower, *lower) << "seed " << kSeed;
+  EXPECT_EQ(array.upper, *upper) << "seed " << kSeed;
+}
+
+TEST(ScalarSpan, RefusesBytesThatAreNoWholeNumberOfValues) {
+  alignas(8) std::byte bytes[12] = {};
+  EXPECT_NO_THROW(scalar_span(ScalarType::float32, std::span<const std::byte>(bytes, 12)));
+  EXPECT_THROW(scalar_span(ScalarType::float64, std::span<const std::byte>(bytes, 12)), Error);
+  EXPECT_THROW(scalar_span(ScalarType::float32, std::span<const std::byte>(bytes + 1, 8)), Error);
+}
+
+}  // namespace
+}  // namespace isostrata

@@ -1,0 +1,104 @@
+// Files for the data room's tests: the shared test data, and scratch files of a test's own.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "data/dataset.h"
+
+namespace isostrata::test {
+
+/// Where others' data lies; may be absent.
+inline std::filesystem::path shared_data() {
+  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
+  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+#define ISOSTRATA_NEEDS_SHARED_DATA()                                                              \
+  if (!std::filesystem::is_directory(::isostrata::test::shared_data()))                            \
+  GTEST_SKIP() << "no test data at " << ::isostrata::test::shared_data() << "; set ISOSTRATA_TEST_DATA"
+
+/// A directory that is gone after the test.
+class Scratch {
+ public:
+  Scratch() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "isostrata-test-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::runtime_error("mkdtemp failed");
+    path_ = pattern;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Appends a value's bytes, last byte first where `reversed`.
+template <class T>
+void put(std::string& to, T value, bool reversed = false) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  to += reversed ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
+}
+
+inline std::shared_ptr<const Dataset> open(const std::filesystem::path& file, int step = 0) {
+  OpenOptions options;
+  options.step = step;
+  return open_dataset(file.string(), options, Task());
+}
+
+/// The Error that opening ends with; fails the test where it does not.
+inline Error refusal(const std::filesystem::path& file, const OpenOptions& options = {}) {
+  try {
+    open_dataset(file.string(), options, Task());
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << file << " was opened";
+  return Error(ErrorCode::internal, "opened");
+}
+
+/// Signed volume by the tetrahedra that a fan from the cell's first point makes with its faces; exact for flat faces.
+inline double cell_volume(const Grid& grid, std::int64_t cell) {
+  std::array<std::int64_t, kMaxCellVertices> ids{};
+  grid.cell_points(cell, ids);
+  const auto p = [&](std::size_t v) { return grid.point(ids[v]); };
+  const auto tetrahedron = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) { return orient3d(p(a), p(b), p(c), p(d)) / 6; };
+  switch (grid.cell_type(cell)) {
+    case CellType::tetrahedron: return tetrahedron(0, 1, 2, 3);
+    case CellType::pyramid: return tetrahedron(0, 1, 2, 4) + tetrahedron(0, 2, 3, 4);
+    case CellType::wedge: return -(tetrahedron(0, 1, 2, 3) + tetrahedron(1, 4, 5, 3) + tetrahedron(1, 5, 2, 3));
+    case CellType::hexahedron:
+      return tetrahedron(0, 1, 2, 6) + tetrahedron(0, 2, 3, 6) + tetrahedron(0, 3, 7, 6) + tetrahedron(0, 7, 4, 6) + tetrahedron(0, 4, 5, 6) +
+             tetrahedron(0, 5, 1, 6);
+  }
+  return 0;
+}
+
+}  // namespace isostrata::test

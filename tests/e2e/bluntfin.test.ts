@@ -1,0 +1,71 @@
+// The paper's kind of data on the page: four layers of the blunt fin's density. The photograph is for looking at.
+import { existsSync, statSync } from 'node:fs';
+import { join } from 'node:path';
+import { expect, test } from 'vitest';
+import type { Interval } from '../../web/src/lib/model';
+import { dataFolder, Server } from './server';
+import { drawnPixels, launch, Viewer } from './viewer';
+
+const grid = join(dataFolder, 'plot3d_bluntfin', 'bluntfinxyz.bin');
+if (!existsSync(grid)) console.log(`skipped: ${grid} is not there (set ISOSTRATA_TEST_DATA)`);
+
+test.skipIf(!existsSync(grid))('four layers of the blunt fin in red, green, blue and yellow', async () => {
+  const server = await Server.start({ data: [grid] });
+  const browser = await launch();
+  try {
+    const viewer = await Viewer.open(browser, server.ready.url, { width: 1280, height: 800 });
+    await viewer.until('the dataset', (state) => state.array !== '', 60_000);
+    await viewer.page.getByLabel('Layers of').selectOption('Density');
+    await viewer.until('Density', (state) => state.array === 'Density');
+    while (viewer.state.intervals.length < 4) {
+      const { length } = viewer.state.intervals;
+      await viewer.page.getByRole('button', { name: 'Add layer' }).click();
+      await viewer.until('one more layer', (state) => state.intervals.length > length);
+    }
+    const ends = [[0.4, 0.9], [1.02, 1.309], [1.309, 2.2], [2.2, 4.9775]] as const;
+    const colors = ['#e6302a', '#24b04a', '#2a6df0', '#f5d020'];
+    const layers = viewer.state.intervals.slice(0, 4) as Interval[];
+    // The upper ends first and from above, so that lower stays less than upper on the way.
+    for (const [i, layer] of layers.entries()) {
+      const row = viewer.row(layer);
+      const type = async (end: 'lower' | 'upper', value: number) => {
+        const field = row.getByRole('textbox', { name: new RegExp(`${end} end`) });
+        await field.fill(String(value));
+        await field.press('Enter');
+      };
+      const [lower, upper] = ends[i] as (typeof ends)[number];
+      if (upper > layer.lower) {
+        await type('upper', upper);
+        await type('lower', lower);
+      } else {
+        await type('lower', lower);
+        await type('upper', upper);
+      }
+      await row.locator('input[type=color]').fill(colors[i] as string);
+      await row.getByRole('slider', { name: /opacity/ }).fill(String([0.1, 0.35, 0.6, 0.85][i]));
+    }
+    await viewer.until('the four layers', (state) =>
+      ends.every(([lower, upper], i) => state.intervals[i]?.lower === lower && state.intervals[i]?.upper === upper),
+    );
+    const picture = await viewer.exactPicture();
+    expect(drawnPixels(picture)).toBeGreaterThan(10_000);
+    for (const [name, isIt] of [
+      ['red', (r: number, g: number, b: number) => r > g + 25 && r > b + 25],
+      ['green', (r: number, g: number, b: number) => g > r + 15 && g > b + 15],
+      ['blue', (r: number, g: number, b: number) => b > r + 15 && b > g + 10],
+      ['yellow', (r: number, g: number, b: number) => r > b + 25 && g > b + 25],
+    ] as const) {
+      let count = 0;
+      for (let i = 0; i < picture.pixels.length; i += 4)
+        if (isIt(picture.pixels[i] as number, picture.pixels[i + 1] as number, picture.pixels[i + 2] as number)) count++;
+      expect(count, `${name} pixels`).toBeGreaterThan(50);
+    }
+    await viewer.page.waitForTimeout(300);
+    const path = await viewer.photograph('bluntfin.png');
+    expect(statSync(path).size).toBeGreaterThan(20_000);
+    console.log(`photograph: ${path}`);
+  } finally {
+    await browser.close();
+    await server.stop();
+  }
+});

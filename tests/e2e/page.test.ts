@@ -1,0 +1,323 @@
+// The page in a real browser against a real server: what a person does, and what becomes of the picture.
+import { readFileSync } from 'node:fs';
+import type { Browser } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import type { Interval } from '../../web/src/lib/model';
+import { Server } from './server';
+import { difference, drawnPixels, launch, Viewer } from './viewer';
+
+let server: Server;
+let browser: Browser;
+let viewer: Viewer;
+
+beforeAll(async () => {
+  server = await Server.start({ data: ['torus:48', 'sphere:24'] });
+  browser = await launch();
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+afterEach(async () => {
+  await viewer?.close();
+});
+
+async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<void> {
+  viewer = await Viewer.open(browser, server.ready.url, options);
+  await viewer.until('layers', (state) => state.intervals.length > 0);
+  await viewer.exactPicture();
+}
+/** One broad layer in the middle of the range: a scene in which every edit can be seen. */
+async function openWithOneLayer(): Promise<Interval> {
+  await open();
+  for (const interval of viewer.state.intervals) await viewer.row(interval).getByRole('button', { name: /delete/ }).click();
+  await viewer.until('no layers', (state) => state.intervals.length === 0);
+  await viewer.page.getByRole('button', { name: 'Add layer' }).click();
+  const state = await viewer.until('one layer', (s) => s.intervals.length === 1);
+  await viewer.exactPicture();
+  return state.intervals[0] as Interval;
+}
+const only = () => viewer.state.intervals[0] as Interval;
+
+describe('the page', () => {
+  test('connects, shows a picture, asks nobody but its server, and takes the token out of sight', async () => {
+    await open();
+    const picture = await viewer.exactPicture();
+    expect(drawnPixels(picture)).toBeGreaterThan(1000);
+    expect(viewer.page.url()).not.toContain('token');
+    const origin = new URL(server.ready.url).origin;
+    for (const url of viewer.requests) expect(url.startsWith(origin) || url.startsWith('blob:'), url).toBe(true);
+    await expect.poll(() => viewer.page.locator('footer').innerText()).toMatch(/Connected.*exact/s);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('turns by dragging: box and axes at once, then the picture', async () => {
+    await open();
+    const before = await viewer.exactPicture();
+    const camera = viewer.state.camera;
+    const lines = () => viewer.page.locator('svg.overlay line.edge').first().getAttribute('x1');
+    const line = await lines();
+    const viewport = viewer.page.getByRole('application');
+    await viewer.drag(viewport, 120, 40);
+    expect(await lines()).not.toBe(line);
+    await viewer.until('a turned camera', (state) => JSON.stringify(state.camera) !== JSON.stringify(camera));
+    expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.5);
+
+    await viewport.dblclick({ position: { x: 30, y: 200 } });
+    await viewer.until('the camera of before', (state) => JSON.stringify(state.camera) === JSON.stringify(camera));
+    expect(difference(before, await viewer.exactPicture())).toBe(0);
+  });
+
+  test('draws its box where the server draws the data', async () => {
+    // A layer that holds all values fills the box: its outline on the picture is the box’s outline in the overlay.
+    await open();
+    await viewer.page.getByLabel('Dataset').selectOption({ index: 1 });
+    await viewer.until('the other dataset', (state) => state.dataset !== '' && state.intervals.length > 0);
+    for (const side of ['+z', 'Reset']) {
+      await viewer.page.getByRole('group', { name: 'Views' }).getByText(side, { exact: true }).click();
+      await viewer.page.waitForTimeout(300);
+      const { width, height, pixels } = await viewer.exactPicture();
+      let [left, right, top, bottom] = [width, 0, height, 0];
+      for (let y = 0; y < height; y++)
+        for (let x = 0; x < width; x++) {
+          const i = (y * width + x) * 4;
+          if (![0, 1, 2].some((c) => Math.abs((pixels[i + c] as number) - (pixels[c] as number)) > 3)) continue;
+          left = Math.min(left, x);
+          right = Math.max(right, x + 1);
+          top = Math.min(top, y);
+          bottom = Math.max(bottom, y + 1);
+        }
+      const edges = await viewer.page.locator('svg.overlay line.edge').evaluateAll((lines) =>
+        lines.map((line) => ['x1', 'y1', 'x2', 'y2'].map((name) => Number(line.getAttribute(name)))),
+      );
+      const xs = edges.flatMap(([x1, , x2]) => [x1 as number, x2 as number]);
+      const ys = edges.flatMap(([, y1, , y2]) => [y1 as number, y2 as number]);
+      const tolerance = 4;
+      expect(Math.abs(left - Math.min(...xs)), `${side}: left`).toBeLessThan(tolerance);
+      expect(Math.abs(right - Math.max(...xs)), `${side}: right`).toBeLessThan(tolerance);
+      expect(Math.abs(top - Math.min(...ys)), `${side}: top`).toBeLessThan(tolerance);
+      expect(Math.abs(bottom - Math.max(...ys)), `${side}: bottom`).toBeLessThan(tolerance);
+    }
+  });
+});
+
+describe('a layer', () => {
+  test('is resized by dragging an end: the numbers follow and the picture changes', async () => {
+    const interval = await openWithOneLayer();
+    const before = await viewer.exactPicture();
+    await viewer.drag(viewer.thumb(interval, 'upper'), 60, 0);
+    const state = await viewer.until('a higher upper end', (s) => (s.intervals[0]?.upper ?? 0) > interval.upper);
+    expect(only().lower).toBe(interval.lower);
+    expect(Number(await viewer.thumb(interval, 'upper').getAttribute('aria-valuenow'))).toBe(state.intervals[0]?.upper);
+    expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.2);
+  });
+
+  test('is moved by dragging its body, and put back by Escape', async () => {
+    const interval = await openWithOneLayer();
+    await viewer.drag(viewer.page.locator('.band'), -50, 0);
+    await viewer.until('a lower place', (s) => (s.intervals[0]?.lower ?? 9) < interval.lower);
+    expect(only().upper - only().lower).toBeCloseTo(interval.upper - interval.lower, 9);
+    const moved = only();
+    const box = (await viewer.page.locator('.band').boundingBox()) as { x: number; y: number; width: number; height: number };
+    await viewer.page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await viewer.page.mouse.down();
+    await viewer.page.mouse.move(box.x + box.width / 2 + 40, box.y + 20, { steps: 4 });
+    await viewer.until('it moving', (s) => s.intervals[0]?.lower !== moved.lower);
+    await viewer.page.keyboard.press('Escape');
+    await viewer.page.mouse.up();
+    await viewer.until('it back', (s) => s.intervals[0]?.lower === moved.lower && s.intervals[0]?.upper === moved.upper);
+  });
+
+  test('is added by drawing on the empty histogram', async () => {
+    const interval = await openWithOneLayer();
+    const plot = (await viewer.page.locator('.plot').boundingBox()) as { x: number; y: number; width: number; height: number };
+    await viewer.dragFrom(plot.x + plot.width * 0.05, plot.y + 60, plot.width * 0.15, 0);
+    const state = await viewer.until('two layers', (s) => s.intervals.length === 2);
+    expect(state.intervals[0]?.id).toBe(interval.id);
+    const added = state.intervals[1] as Interval;
+    expect(added.upper).toBeLessThan(interval.lower);
+    expect(await viewer.page.locator('[data-layer]').count()).toBe(2);
+  });
+
+  test('takes typed numbers exactly, and says beside the field what cannot be taken', async () => {
+    const interval = await openWithOneLayer();
+    const upper = viewer.row(interval).getByRole('textbox', { name: /upper end/ });
+    await upper.fill('0.7123456789');
+    await upper.press('Enter');
+    await viewer.until('the typed number', (s) => s.intervals[0]?.upper === 0.7123456789);
+    await upper.fill('-100');
+    await upper.press('Enter');
+    const alert = viewer.row(interval).getByRole('alert');
+    await expect.poll(() => alert.innerText()).toContain('greater than');
+    expect(await upper.getAttribute('aria-invalid')).toBe('true');
+    expect(only().upper).toBe(0.7123456789);
+    await upper.press('Escape');
+    expect(await alert.count()).toBe(0);
+  });
+
+  test('is moved by keys: arrows, page keys, Home and End on each thumb', async () => {
+    const interval = await openWithOneLayer();
+    const lower = viewer.thumb(interval, 'lower');
+    await lower.focus();
+    await viewer.page.keyboard.press('ArrowRight');
+    const once = await viewer.until('a step up', (s) => (s.intervals[0]?.lower ?? 0) > interval.lower);
+    await viewer.page.keyboard.press('PageDown');
+    await viewer.until('a page down', (s) => (s.intervals[0]?.lower ?? 0) < (once.intervals[0]?.lower ?? 0));
+    await viewer.page.keyboard.press('Home');
+    const least = Number(await lower.getAttribute('aria-valuemin'));
+    await viewer.until('the least value', (s) => s.intervals[0]?.lower === least);
+    expect(only().upper).toBe(interval.upper);
+  });
+
+  test('is recoloured, made thinner, hidden and deleted', async () => {
+    const interval = await openWithOneLayer();
+    const before = await viewer.exactPicture();
+    await viewer.row(interval).locator('input[type=color]').fill('#00ffff');
+    await viewer.until('cyan', (s) => s.intervals[0]?.color[0] === 0 && s.intervals[0].color[2] === 1);
+    const cyan = await viewer.exactPicture();
+    expect(difference(before, cyan)).toBeGreaterThan(0.2);
+
+    await viewer.row(interval).getByRole('slider', { name: /opacity/ }).fill('0.05');
+    await viewer.until('thin', (s) => Math.abs((s.intervals[0]?.opacity ?? 1) - 0.05) < 1e-6);
+    expect(drawnPixels(await viewer.exactPicture())).toBeGreaterThan(0);
+    expect(difference(cyan, await viewer.exactPicture())).toBeGreaterThan(0.2);
+
+    await viewer.row(interval).getByRole('button', { name: /visible/ }).click();
+    await viewer.until('hidden', (s) => s.intervals[0]?.visible === false);
+    expect(drawnPixels(await viewer.exactPicture())).toBe(0);
+
+    await viewer.thumb(interval, 'lower').focus();
+    await viewer.page.keyboard.press('Delete');
+    await viewer.until('no layer', (s) => s.intervals.length === 0);
+    expect(await viewer.page.locator('.band').count()).toBe(0);
+  });
+
+  test('takes its colours from a colour map', async () => {
+    const interval = await openWithOneLayer();
+    const before = await viewer.exactPicture();
+    await viewer.row(interval).getByRole('combobox').selectOption('viridis');
+    await viewer.until('the map', (s) => s.intervals[0]?.colorMap === 'viridis');
+    expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.2);
+  });
+});
+
+describe('priorities', () => {
+  test('are reordered by keyboard, and paint the picture', async () => {
+    await open();
+    await viewer.page.getByRole('radio', { name: 'Priority' }).click();
+    await viewer.until('priority mode', (state) => state.mode === 'prioritized');
+    for (const interval of viewer.state.intervals)
+      await viewer.row(interval).getByRole('slider', { name: /opacity/ }).fill('0.9');
+    await viewer.until('dense layers', (s) => s.intervals.every((i) => Math.abs(i.opacity - 0.9) < 1e-6));
+    const before = await viewer.exactPicture();
+    const rows = () => viewer.page.locator('[data-layer]').evaluateAll((list) => list.map((row) => (row as HTMLElement).dataset.layer));
+    const order = await rows();
+    expect(order.length).toBeGreaterThan(2);
+
+    // Alt+Arrow: the top layer goes one down, and the focus with it.
+    const grip = viewer.page.locator(`[data-grip="${order[0]}"]`);
+    await grip.focus();
+    await viewer.page.keyboard.press('Alt+ArrowDown');
+    await expect.poll(rows).toEqual([order[1], order[0], ...order.slice(2)]);
+    // Space lifts it, arrows carry it to the bottom, Space puts it down.
+    await expect.poll(() => grip.evaluate((element) => element === document.activeElement)).toBe(true);
+    await viewer.page.keyboard.press('Space');
+    for (let i = 2; i < order.length; i++) {
+      await viewer.page.keyboard.press('ArrowDown');
+      await expect.poll(async () => (await rows()).indexOf(order[0])).toBe(i);
+      await expect.poll(() => grip.evaluate((element) => element === document.activeElement)).toBe(true);
+    }
+    await viewer.page.keyboard.press('Space');
+    const state = await viewer.until('the lowest priority', (s) => {
+      const mine = s.intervals.find((i) => String(i.id) === order[0]);
+      return mine !== undefined && s.intervals.every((i) => i.id === mine.id || i.priority > mine.priority);
+    });
+    expect(state.mode).toBe('prioritized');
+    expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.2);
+  });
+
+  test('are reordered by dragging a grip', async () => {
+    await open();
+    const rows = () => viewer.page.locator('[data-layer]').evaluateAll((list) => list.map((row) => (row as HTMLElement).dataset.layer));
+    const order = await rows();
+    const last = viewer.page.locator(`[data-grip="${order[order.length - 1]}"]`);
+    await last.scrollIntoViewIfNeeded();
+    const first = (await viewer.page.locator(`[data-grip="${order[0]}"]`).boundingBox()) as { y: number };
+    const from = (await last.boundingBox()) as { y: number };
+    await viewer.drag(last, 0, first.y - from.y - 10);
+    await viewer.until('the highest priority', (s) => {
+      const mine = s.intervals.find((i) => String(i.id) === order[order.length - 1]);
+      return mine !== undefined && s.intervals.every((i) => i.id === mine.id || i.priority < mine.priority);
+    });
+    expect(await rows()).toEqual([order[order.length - 1], ...order.slice(0, -1)]);
+  });
+});
+
+describe('the rest of the page', () => {
+  test('changes the background and the unit distance', async () => {
+    await openWithOneLayer();
+    const before = await viewer.exactPicture();
+    await viewer.page.getByRole('button', { name: 'White' }).click();
+    await viewer.until('a white background', (s) => s.background.every((c) => c === 1));
+    const white = await viewer.exactPicture();
+    expect([...white.pixels.subarray(0, 3)]).toEqual([255, 255, 255]);
+    expect(difference(before, white)).toBeGreaterThan(50);
+    await viewer.page.getByLabel('Unit distance', { exact: true }).fill('-2.5');
+    await viewer.until('a unit distance', (s) => s.unitDistance > 0);
+    expect(difference(white, await viewer.exactPicture())).toBeGreaterThan(0.2);
+  });
+
+  test('saves the exact picture as a PNG', async () => {
+    await open();
+    const picture = await viewer.exactPicture();
+    const coming = viewer.page.waitForEvent('download');
+    await viewer.page.getByRole('button', { name: 'Screenshot' }).click();
+    const download = await coming;
+    expect(download.suggestedFilename()).toMatch(/^isostrata-.*\.png$/);
+    const bytes = readFileSync(await download.path());
+    expect(bytes.subarray(1, 4).toString('latin1')).toBe('PNG');
+    expect([bytes.readUInt32BE(16), bytes.readUInt32BE(20)]).toEqual([picture.width, picture.height]);
+  });
+
+  test('keeps its session over a reload', async () => {
+    const interval = await openWithOneLayer();
+    const session = viewer.sessionId;
+    await viewer.page.reload();
+    await expect.poll(() => viewer.events.filter((e) => e.kind === 'welcome').length).toBe(2);
+    expect(viewer.sessionId).toBe(session);
+    await expect.poll(() => viewer.page.locator('[data-layer]').count()).toBe(1);
+    expect(only().id).toBe(interval.id);
+    await viewer.exactPicture();
+  });
+
+  test('fits a narrow window, in light colours, without a sideways scroll', async () => {
+    await open({ width: 390, height: 800, colorScheme: 'light' });
+    const overflow = await viewer.page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+    expect(overflow).toBeLessThanOrEqual(0);
+    const ground = await viewer.page.evaluate(() => getComputedStyle(document.querySelector('header') as Element).backgroundColor);
+    expect(Number(/\d+/.exec(ground)?.[0])).toBeGreaterThan(200);
+    await viewer.photograph('narrow-light.png');
+  });
+
+  test('gives every control a name', async () => {
+    await open();
+    const nameless = await viewer.page.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>('button, input, select, [role=slider]')]
+        .filter((element) => {
+          const labels = (element as HTMLInputElement).labels;
+          return !(element.getAttribute('aria-label') || element.textContent?.trim() || (labels && labels.length > 0));
+        })
+        .map((element) => element.outerHTML.slice(0, 120)),
+    );
+    expect(nameless).toEqual([]);
+    for (const thumb of await viewer.page.getByRole('slider').all()) {
+      const [least, now, most] = await thumb.evaluate((element) =>
+        element instanceof HTMLInputElement
+          ? [element.min, element.value, element.max].map(Number)
+          : ['aria-valuemin', 'aria-valuenow', 'aria-valuemax'].map((name) => Number(element.getAttribute(name))),
+      );
+      expect(least as number).toBeLessThanOrEqual(now as number);
+      expect(now as number).toBeLessThanOrEqual(most as number);
+    }
+  });
+});

@@ -1,0 +1,166 @@
+// One person at the page: a fresh browser profile, what the page and the server say to each other, and the picture as pixels.
+import { chromium, type Browser, type BrowserContext, type Locator, type Page } from 'playwright-core';
+import { mkdirSync } from 'node:fs';
+import { join } from 'node:path';
+import type { Interval, SceneState, ServerEvent } from '../../web/src/lib/model';
+import { decodeEvent } from '../../web/src/lib/protocol';
+import { repository } from './server';
+
+export interface Picture {
+  width: number;
+  height: number;
+  pixels: Uint8Array; // rgba
+}
+
+export function launch(): Promise<Browser> {
+  return chromium.launch({
+    executablePath: process.env.ISOSTRATA_CHROMIUM ?? '/usr/bin/chromium',
+    args: [
+      '--no-sandbox',
+      '--disable-gpu',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+    ],
+  });
+}
+
+/** The mean difference of the colour channels, 0..255. Pictures of different sizes differ as much as can be. */
+export function difference(a: Picture, b: Picture): number {
+  if (a.width !== b.width || a.height !== b.height) return 255;
+  let sum = 0;
+  for (let i = 0; i < a.pixels.length; i += 4)
+    for (let c = 0; c < 3; c++) sum += Math.abs((a.pixels[i + c] as number) - (b.pixels[i + c] as number));
+  return sum / ((a.pixels.length / 4) * 3);
+}
+
+/** How many pixels differ from the top left one: 0 for an empty picture. */
+export function drawnPixels(picture: Picture): number {
+  const { pixels } = picture;
+  let count = 0;
+  for (let i = 0; i < pixels.length; i += 4)
+    if ([0, 1, 2].some((c) => Math.abs((pixels[i + c] as number) - (pixels[c] as number)) > 6)) count++;
+  return count;
+}
+
+export class Viewer {
+  readonly events: ServerEvent[] = [];
+  readonly problems: string[] = [];
+  readonly requests: string[] = [];
+
+  private constructor(
+    readonly page: Page,
+    private readonly context: BrowserContext,
+  ) {}
+
+  static async open(
+    browser: Browser,
+    url: string,
+    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light' } = {},
+  ): Promise<Viewer> {
+    const context = await browser.newContext({
+      viewport: { width: options.width ?? 1100, height: options.height ?? 760 },
+      colorScheme: options.colorScheme ?? 'dark',
+      acceptDownloads: true,
+    });
+    const page = await context.newPage();
+    const viewer = new Viewer(page, context);
+    page.on('console', (message) => message.type() === 'error' && viewer.problems.push(message.text()));
+    page.on('pageerror', (error) => viewer.problems.push(error.message));
+    page.on('request', (request) => viewer.requests.push(request.url()));
+    page.on('websocket', (socket) =>
+      socket.on('framereceived', ({ payload }) => {
+        if (typeof payload !== 'string') viewer.events.push(decodeEvent(payload));
+      }),
+    );
+    await page.goto(url);
+    return viewer;
+  }
+
+  async close(): Promise<void> {
+    await this.context.close();
+  }
+
+  /** The server's newest word, from the wire rather than from the page. */
+  get state(): SceneState {
+    for (const event of [...this.events].reverse()) {
+      if (event.kind === 'state') return event.state;
+      if (event.kind === 'welcome' && event.welcome.state) return event.welcome.state;
+    }
+    throw new Error('the server has not sent a state yet');
+  }
+  get sessionId(): string {
+    const welcomes = this.events.flatMap((event) => (event.kind === 'welcome' ? [event.welcome.session] : []));
+    return welcomes[welcomes.length - 1] ?? '';
+  }
+
+  /** Waits until `what` holds of the server's newest state. */
+  async until(what: string, holds: (state: SceneState) => boolean, timeoutMs = 20_000): Promise<SceneState> {
+    const begun = Date.now();
+    for (;;) {
+      const known = this.events.some((event) => event.kind === 'state' || event.kind === 'welcome');
+      if (known && holds(this.state)) return this.state;
+      if (Date.now() - begun > timeoutMs)
+        throw new Error(`waited ${timeoutMs} ms for: ${what}; the state is ${known ? JSON.stringify(this.state) : 'not there'}`);
+      await this.page.waitForTimeout(30);
+    }
+  }
+
+  /** Waits for a lossless picture of the newest state, and gives its pixels. */
+  async exactPicture(timeoutMs = 60_000): Promise<Picture> {
+    await this.page.waitForFunction(
+      () => {
+        const canvas = document.querySelector('canvas');
+        const viewport = canvas?.parentElement;
+        return canvas?.dataset.phase === 'exact' && canvas.dataset.revision === viewport?.dataset.revision;
+      },
+      undefined,
+      { timeout: timeoutMs, polling: 100 },
+    );
+    return this.picture();
+  }
+  async picture(): Promise<Picture> {
+    const { width, height, base64 } = await this.page.evaluate(() => {
+      const canvas = document.querySelector('canvas') as HTMLCanvasElement;
+      const { data } = (canvas.getContext('2d') as CanvasRenderingContext2D).getImageData(0, 0, canvas.width, canvas.height);
+      let text = '';
+      for (let i = 0; i < data.length; i += 0x8000) text += String.fromCharCode(...data.subarray(i, i + 0x8000));
+      return { width: canvas.width, height: canvas.height, base64: btoa(text) };
+    });
+    return { width, height, pixels: new Uint8Array(Buffer.from(base64, 'base64')) };
+  }
+
+  thumb(interval: Interval, end: 'lower' | 'upper'): Locator {
+    return this.page.locator(`.thumb.${end}[data-interval="${interval.id}"]`);
+  }
+  row(interval: Interval): Locator {
+    return this.page.locator(`[data-layer="${interval.id}"]`);
+  }
+
+  /** Presses the pointer in the middle of an element and moves it by so many pixels, in steps as a hand does. */
+  async drag(target: Locator, dx: number, dy: number): Promise<void> {
+    const box = await target.boundingBox();
+    if (!box) throw new Error('there is nothing to drag');
+    await this.dragFrom(box.x + box.width / 2, box.y + box.height / 2, dx, dy);
+  }
+  async dragFrom(x: number, y: number, dx: number, dy: number): Promise<void> {
+    await this.page.mouse.move(x, y);
+    await this.page.mouse.down();
+    for (let i = 1; i <= 8; i++) {
+      await this.page.mouse.move(x + (dx * i) / 8, y + (dy * i) / 8);
+      await this.page.waitForTimeout(20);
+    }
+    await this.page.mouse.up();
+  }
+
+  /** For looking at: the whole page, as a file below build/. */
+  async photograph(name: string): Promise<string> {
+    const folder = join(repository, 'build', 'e2e');
+    mkdirSync(folder, { recursive: true });
+    const path = join(folder, name);
+    await this.page.screenshot({ path });
+    return path;
+  }
+}
