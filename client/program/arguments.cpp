@@ -115,7 +115,8 @@ void parse_size(const std::string& text, int& width, int& height) {
 }
 
 Client connect(Options options, const SceneArguments& arguments) {
-  parse_size(arguments.size, options.width, options.height);
+  if (arguments.size.empty()) options.width = 0;
+  else parse_size(arguments.size, options.width, options.height);
   if (arguments.session.size() == 16) {
     const auto session = boost::json::parse(http_get(options, "api/v1/sessions/" + arguments.session));
     options.resume_token = std::string(session.at("resumeToken").as_string());

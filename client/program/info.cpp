@@ -13,6 +13,7 @@ void add_info(CLI::App& app, Options& options) {
   const auto arguments = std::make_shared<SceneArguments>();
   command->add_flag("--json", *json, "The server's Welcome as one JSON document");
   command->add_option("--session", arguments->session, "Id or resume token of the session to join; none: a new one");
+  arguments->size.clear();
   command->callback([&options, json, arguments] {
     const Client client = connect(options, *arguments);
     const v1::Welcome& welcome = client.welcome();

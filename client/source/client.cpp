@@ -31,8 +31,10 @@ class Client::Impl {
     v1::Hello& body = *hello.mutable_hello();
     body.set_protocol_major(1);
     body.set_client(options.name);
-    body.mutable_viewport()->set_width(static_cast<std::uint32_t>(options.width));
-    body.mutable_viewport()->set_height(static_cast<std::uint32_t>(options.height));
+    if (options.width > 0) {
+      body.mutable_viewport()->set_width(static_cast<std::uint32_t>(options.width));
+      body.mutable_viewport()->set_height(static_cast<std::uint32_t>(options.height));
+    }
     body.add_still_formats("png");
     body.add_moving_formats("jpeg");
     body.set_resume_token(options.resume_token);

@@ -34,7 +34,7 @@ struct Options {
   std::string token;          // where the url has none
   std::string resume_token;   // of an earlier Welcome: joins that session
   std::string name = "isostrata-client";
-  int width = 800, height = 600;  // of the viewport, pixels
+  int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
   std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own
 };
 
