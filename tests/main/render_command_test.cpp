@@ -16,7 +16,7 @@ TEST(RenderCommand, WritesEveryPictureFormat) {
       {"a.png", "\x89PNG"}, {"a.jpg", "\xff\xd8\xff"}, {"a.webp", "RIFF"}, {"a.tif", "II*"}, {"a.exr", "\x76\x2f\x31\x01"}};
   for (const auto& [name, magic] : formats) {
     const CommandResult result =
-        run_isostrata("render torus:16 --interval 0.1:0.3 --size 64x48 --device surfaceless --out '" + (folder / name).string() + "'");
+        run_isostrata("render tets:8 --interval 0.1:0.3 --size 64x48 --device surfaceless --out '" + (folder / name).string() + "'");
     EXPECT_EQ(result.status, 0) << name << ": " << result.err;
     EXPECT_TRUE(read_text(folder / name).starts_with(magic)) << name;
   }
@@ -46,7 +46,8 @@ TEST(RenderCommand, DividesTheRangeIntoFourWithoutIntervals) {
   const CommandResult result =
       run_isostrata("render sphere:8 --size 32x32 --device surfaceless --json --out '" + (folder / "a.png").string() + "'");
   ASSERT_EQ(result.status, 0) << result.err;
-  const auto& intervals = boost::json::parse(result.out).at("intervals").as_array();
+  const auto document = boost::json::parse(result.out);
+  const auto& intervals = document.at("intervals").as_array();
   ASSERT_EQ(intervals.size(), 4u);
   for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(intervals[i].at("lower"), intervals[i - 1].at("upper"));
 }
@@ -76,7 +77,7 @@ TEST(RenderCommand, RefusesWithOneClearLine) {
       {"--out /nonexistent-folder/a.png", "/nonexistent-folder/a.png: cannot be written"},
   };
   for (const Refusal& refusal : refusals) {
-    const CommandResult result = run_isostrata(std::string("render torus:8 --size 16x16 ") + refusal.arguments);
+    const CommandResult result = run_isostrata(std::string("render tets:6 ") + refusal.arguments);
     EXPECT_EQ(result.status, 1) << refusal.arguments;
     EXPECT_THAT(result.err, HasSubstr(refusal.says)) << refusal.arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
