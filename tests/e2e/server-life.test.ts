@@ -69,6 +69,17 @@ test('a server that is killed and started again gets its picture back', async ()
   expect(difference(before, await viewer.exactPicture())).toBeLessThan(0.01);
 });
 
+test('a server that comes back with another token says so on the page, and the page stops asking', async () => {
+  server = await Server.start({ data: ['sphere:16'], token });
+  viewer = await Viewer.open(browser, server.ready.url);
+  await viewer.until('layers', (state) => state.intervals.length > 0);
+  const { port } = server.ready;
+  await server.stop('SIGKILL');
+  server = await Server.start({ data: ['sphere:16'], token: `${token}-another`, port });
+  await expect.poll(() => viewer?.page.getByRole('alert').allInnerTexts(), { timeout: 30_000 }).toEqual([expect.stringMatching(/Not connected.*token/s)]);
+  await expect.poll(() => viewer?.page.locator('footer').innerText()).toMatch(/Not connected/);
+});
+
 test('work that takes long shows its progress and can be cancelled', async () => {
   server = await Server.start({ data: ['sphere:16', 'torus:400'], token });
   viewer = await Viewer.open(browser, server.ready.url);

@@ -35,9 +35,10 @@ export class Server {
   /** Rejects with the server's own words where it does not come up within a minute. */
   static async start(options: ServerOptions): Promise<Server> {
     if (!existsSync(binary)) throw new Error(`${binary} is not there: build it, or set ISOSTRATA_BIN_DIR`);
+    const webRoot = join(repository, 'web', 'dist');
+    if (!existsSync(join(webRoot, 'index.html'))) throw new Error(`${webRoot} has no page: run npm run build`);
     const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-ready-'));
     const readyFile = join(folder, 'ready.json');
-    const webRoot = join(repository, 'web', 'dist');
     const port = String(options.port ?? 0);
     const more = options.more ?? [];
     const args = ['serve', ...options.data, '--port', port, '--ready-file', readyFile, '--web-root', webRoot, ...more];

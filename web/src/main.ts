@@ -53,6 +53,7 @@ const session = new Session({
 });
 
 mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });
+if (document.hidden) session.setHidden(true); // opened in a background tab
 session.start();
 setInterval(() => session.heartbeat(), 2000);
 document.addEventListener('visibilitychange', () => session.setHidden(document.hidden));

@@ -128,6 +128,41 @@ describe('the store', () => {
     expect(session.notices.list).toEqual([]);
   });
 
+  test('lets a chosen view win over a drag that was not answered yet', () => {
+    const { session, says } = harness();
+    says(welcome('s'));
+    session.moveCamera({ eye: [5, 0, 0], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 });
+    session.setView('+z');
+    says({ case: 'state', value: { ...state(3), camera: { ...camera, eye: { z: 7 } } } });
+    expect(session.camera?.eye).toEqual([0, 0, 7]);
+  });
+
+  test('comes back to the server’s value by itself when the State that it waits for was merged away', () => {
+    const { session, says, clock } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    session.patchInterval(1, { upper: 2 });
+    says({ case: 'state', value: state(3, interval(1, 0, 3)) });
+    expect(session.view.intervals[0]?.upper).toBe(2);
+    clock.now = 4000;
+    session.heartbeat();
+    expect(session.view.intervals[0]?.upper).toBe(3);
+  });
+
+  test('keeps a chosen dataset chosen while it is being opened, until it is refused or cancelled', () => {
+    const { session, says, clock, find } = harness();
+    says(welcome('s'));
+    session.openDataset('big');
+    clock.now = 60_000;
+    session.heartbeat();
+    expect(session.view.dataset).toBe('big');
+    says({ case: 'error', value: { inReplyTo: BigInt(find('openDataset')?.seq ?? 0), code: 'bad_data', message: 'big: truncated' } });
+    expect(session.view.dataset).toBe('fin');
+    expect(session.notices.list).toMatchObject([{ place: 'dataset', text: 'big: truncated' }]);
+    session.openDataset('big');
+    says({ case: 'done', value: { operation: 1n, cancelled: true } });
+    expect(session.view.dataset).toBe('fin');
+  });
+
   test('tells begin and end of overlapping interactions once', () => {
     const { session, says, sent } = harness();
     says(welcome('s'));

@@ -27,6 +27,10 @@ export class OptimisticState {
   set(overlay: Overlay, nowMs: number): void {
     for (const [key, value] of Object.entries(overlay)) this.whole.set(key as keyof Overlay, { value, sinceMs: nowMs });
   }
+  /** The server is asked to choose this itself. */
+  forget(key: keyof Overlay): void {
+    this.whole.delete(key);
+  }
   remove(id: number, nowMs: number): void {
     this.removed.set(id, nowMs);
     this.fields.delete(id);
@@ -64,7 +68,9 @@ export class OptimisticState {
         if (same(interval[field], pending.value) || over(pending)) fields.delete(field);
       if (fields.size === 0) this.fields.delete(id);
     }
-    for (const [key, pending] of this.whole) if (same(state[key], pending.value) || over(pending)) this.whole.delete(key);
+    // Opening a dataset may take minutes: it ends with a State, a refusal or a cancellation, not with time.
+    for (const [key, pending] of this.whole)
+      if (same(state[key], pending.value) || (key !== 'dataset' && over(pending))) this.whole.delete(key);
     for (const [id, sinceMs] of this.removed)
       if (!state.intervals.some((i) => i.id === id) || nowMs - sinceMs > this.patienceMs) this.removed.delete(id);
     if (this.order && (over(this.order) || this.matches(state, this.order.value))) this.order = null;

@@ -117,6 +117,9 @@ export class Session {
   heartbeat(): void {
     this.connection.send(command.ping(this.doors.now()));
     this.connection.checkAlive();
+    // States that come quickly after each other are merged by the server, so the one that an edit waits for may never come.
+    this.optimistic.settle(this.server, this.doors.now());
+    this.refresh();
   }
 
   // ---- what the person does ------------------------------------------------------------------------------------------------
@@ -192,6 +195,7 @@ export class Session {
     this.outbox.putCamera(camera);
   }
   setView(side: string): void {
+    this.optimistic.forget('camera');
     this.sendInOrder(command.setView(side));
   }
   beginInteraction(): void {
@@ -273,7 +277,11 @@ export class Session {
       }
       case 'done':
         this.progress = this.progress.filter((p) => p.operation !== event.operation);
-        if (event.cancelled) this.say('Cancelled. The picture shows the last finished state.', 'note');
+        if (event.cancelled) {
+          this.optimistic.forget('dataset');
+          this.refresh();
+          this.say('Cancelled. The picture shows the last finished state.', 'note');
+        }
         return;
       case 'error':
         return this.onError(event.error);
@@ -353,10 +361,10 @@ export class Session {
 
   private onError(error: { inReplyTo: number; code: string; message: string; field: string }): void {
     if (error.code === 'unsupported_version') this.connection.refuse(error.message);
-    if (error.code === 'cancelled') return; // Done says so too
     const about = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null };
-    this.notices.add({ text: error.message || error.code, ...about, field: error.field, tone: 'error' });
     if (error.inReplyTo) this.optimistic.refuse(about.interval ?? undefined);
+    // Of what was cancelled, Done speaks.
+    if (error.code !== 'cancelled') this.notices.add({ text: error.message || error.code, ...about, field: error.field, tone: 'error' });
     if (about.place === 'histogram') this.askedHistogram = '';
     this.refresh();
   }
