@@ -51,23 +51,26 @@ class Client::Impl {
 
   void close() {
     if (!socket_.is_open()) return;
-    socket_.async_close(websocket::close_code::normal, [](beast::error_code) {});
+    bool closed = false;
+    if (!failure_) socket_.async_close(websocket::close_code::normal, [&](beast::error_code) { closed = true; });
     io_.restart();
-    io_.run_for(std::chrono::milliseconds(500));
+    const auto deadline = Steady::now() + std::chrono::milliseconds(500);
+    while (!failure_ && !closed && Steady::now() < deadline) io_.run_one_for(deadline - Steady::now());
     beast::get_lowest_layer(socket_).close();
     io_.restart();
-    io_.poll();
+    io_.poll();  // what was pending ends while `closed` is still there
   }
 
   std::uint64_t send(v1::ClientMessage message) {
-    message.set_seq(++last_seq_);
+    const std::uint64_t seq = ++last_seq_;  // acknowledgements sent below take numbers of their own
+    message.set_seq(seq);
     std::string bytes;
     message.SerializeToString(&bytes);
     outgoing_.push_back(std::move(bytes));
     if (outgoing_.size() == 1) write();
     io_.restart();
     io_.poll();
-    return last_seq_;
+    return seq;
   }
 
   std::optional<v1::ServerMessage> receive_until(Steady::time_point deadline) {
