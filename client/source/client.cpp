@@ -143,6 +143,13 @@ class Client::Impl {
   v1::DatasetInfo dataset_;
 
  private:
+  // Not io_.run(): Beast's own timers keep it busy for half a minute after what was waited for.
+  void run_until(const bool& done) {
+    io_.restart();
+    while (!done && io_.run_one() > 0) {
+    }
+  }
+
   void connect(const ServerAddress& address) {
     beast::error_code error;
     asio::ip::tcp::resolver resolver(io_);
@@ -152,8 +159,12 @@ class Client::Impl {
     auto& tcp = beast::get_lowest_layer(socket_);
     tcp.expires_after(timeout_);
     error = asio::error::would_block;
-    tcp.async_connect(found, [&](beast::error_code e, const asio::ip::tcp::endpoint&) { error = e; });
-    io_.run();
+    bool done = false;
+    tcp.async_connect(found, [&](beast::error_code e, const asio::ip::tcp::endpoint&) {
+      error = e;
+      done = true;
+    });
+    run_until(done);
     if (error) throw ClientError("connection", where + ": " + error.message());
     tcp.socket().set_option(asio::ip::tcp::no_delay(true));
     tcp.expires_never();
@@ -168,9 +179,12 @@ class Client::Impl {
     socket_.read_message_max(kMaxServerMessage);
     websocket::response_type response;
     error = asio::error::would_block;
-    socket_.async_handshake(response, where, address.base_path + "ws", [&](beast::error_code e) { error = e; });
-    io_.restart();
-    io_.run();
+    done = false;
+    socket_.async_handshake(response, where, address.base_path + "ws", [&](beast::error_code e) {
+      error = e;
+      done = true;
+    });
+    run_until(done);
     if (error == websocket::error::upgrade_declined) {
       const auto status = response.result_int();
       throw ClientError(status == 401 ? "unauthorized" : "connection",

@@ -77,9 +77,9 @@ class ServeCommand : public ::testing::Test {
   bool serve(std::vector<std::string> arguments, const std::string& port = "0") {
     fs::remove(ready());
     arguments.insert(arguments.begin(), "serve");
-    for (const std::string argument : {"--port", port.c_str(), "--ready-file", ready().c_str()}) arguments.push_back(argument);
+    arguments.insert(arguments.end(), {"--port", port, "--ready-file", ready().string()});
     server_ = start("isostrata", std::move(arguments));
-    for (int i = 0; i < 3000 && !fs::exists(ready()); ++i) {
+    for (int i = 0; i < 2000 && !fs::exists(ready()); ++i) {
       int status = 0;
       if (waitpid(server_, &status, WNOHANG) == server_) {
         server_ = -1;
