@@ -65,7 +65,8 @@ TEST(Analytic, FieldsHaveTheGridsSymmetriesToTheLastBit) {
 }
 
 TEST(Analytic, MarschnerLobbStaysWithinZeroAndOne) {
-  const PointArray& rho = make("marschner-lobb:41")->array("rho");
+  const auto data = make("marschner-lobb:41");
+  const PointArray& rho = data->array("rho");
   EXPECT_GE(rho.lower, 0.0);
   EXPECT_LE(rho.upper, 1.0);
   EXPECT_GT(rho.upper - rho.lower, 0.8);
