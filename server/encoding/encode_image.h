@@ -18,7 +18,7 @@ Bytes encode_jpeg(const Image& image, int quality);
 /// Lossless, fast deflate; RGB where every pixel is opaque, else RGBA. For frames at rest; any thread.
 Bytes encode_png(const Image& image);
 
-/// Writes .png, .jpg, .webp, .tif from 8 bits and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth).
+/// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg and .webp lossy, at quality 95 and 100: OpenImageIO 2.4 has no other WebP) and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth).
 /// Throws invalid_argument for an unknown extension (naming those that are known) and unavailable where the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image);
 void write_image(const std::filesystem::path& path, const FloatImage& image);

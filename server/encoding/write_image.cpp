@@ -77,7 +77,7 @@ void write_image(const std::filesystem::path& path, const Image& image) {
   OIIO::ImageSpec spec(image.width, image.height, 4, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("oiio:UnassociatedAlpha", 1);
-  spec.attribute("compression", extension == ".webp" ? "lossless" : "zip");
+  spec.attribute("compression", extension == ".webp" ? "webp:100" : "zip");
   write_by_oiio(path, spec, OIIO::TypeDesc::UINT8, image.rgba.data());
 }
 

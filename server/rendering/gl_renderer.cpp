@@ -219,7 +219,10 @@ void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projecti
                         std::span<const std::uint32_t> order, bool linear, bool nearest) {
   set_target(tile.width, tile.height, nearest);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.accumulate.name());
-  gl_.Viewport(0, 0, tile.width, tile.height);
+  // The viewport is the guard's square about the middle of the picture; the framebuffer cuts the tile out of it.
+  const int guard = projection.guard();
+  const int viewport_x = input.width / 2 - guard - tile.x, viewport_y = input.height / 2 - guard - tile.y;
+  gl_.Viewport(viewport_x, viewport_y, 2 * guard, 2 * guard);
   const float zero[4] = {0, 0, 0, 0};
   gl_.ClearNamedFramebufferfv(target_.accumulate.name(), GL_COLOR, 0, zero);
   if (nearest) gl_.ClearNamedFramebufferfv(target_.accumulate.name(), GL_COLOR, 1, zero);
@@ -228,9 +231,9 @@ void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projecti
   gl_.UseProgram(program);
   const double half_width = 0.5 * input.width, half_height = 0.5 * input.height;
   // Fragment (0.5, 0.5) of the tile is the middle of the picture's pixel (tile.x, tile.y).
-  gl_.ProgramUniform4f(program, UNIFORM_CLIP_FROM_PIXELS, static_cast<float>(2.0 / tile.width), static_cast<float>(2.0 / tile.height),
-                       static_cast<float>((half_width - tile.x) * 2.0 / tile.width - 1),
-                       static_cast<float>((half_height - tile.y) * 2.0 / tile.height - 1));
+  gl_.ProgramUniform4f(program, UNIFORM_CLIP_FROM_PIXELS, static_cast<float>(1.0 / guard), static_cast<float>(1.0 / guard),
+                       static_cast<float>((half_width - tile.x - viewport_x) / guard - 1),
+                       static_cast<float>((half_height - tile.y - viewport_y) / guard - 1));
   gl_.ProgramUniform4f(program, UNIFORM_RAY_FROM_FRAGMENT, static_cast<float>(1 / projection.focal), static_cast<float>(1 / projection.focal),
                        static_cast<float>((tile.x - half_width) / projection.focal),
                        static_cast<float>((tile.y - half_height) / projection.focal));
@@ -327,6 +330,7 @@ DrawResult GlState::draw(const DrawInput& input) {
       }
       if (!input.float_image) {
         gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.resolve.name());
+        gl_.Viewport(0, 0, tile.width, tile.height);
         gl_.UseProgram(resolve_program_.name());
         gl_.ProgramUniform4f(resolve_program_.name(), UNIFORM_BACKGROUND, input.background[0], input.background[1], input.background[2],
                              input.transparent ? 1.0f : 0.0f);

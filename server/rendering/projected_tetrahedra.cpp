@@ -22,6 +22,8 @@ constexpr double kSnap = 1.0 / 128;        // pixels: rasterizers move vertices 
 // regular grids) gets the full length from whichever tetrahedron the rasterizer's edge rule gives it to.
 constexpr double kWallShare = 1e-6;
 
+constexpr double kDepthRatio = 8;  // of the farthest and the nearest vertex of a tetrahedron; beyond it is sliced
+
 /// Whether [low, high] holds a pixel centre. Pixel centres lie at whole numbers plus `phase`.
 bool holds_center(double low, double high, double phase) { return std::floor(high + kSnap - phase) >= std::ceil(low - kSnap - phase); }
 
@@ -134,7 +136,22 @@ Corner corner_of(const ClipVertex& v, const Projection& projection) {
   return {v.position.x * projection.focal * q, v.position.y * projection.focal * q, q, v.scalar * q};
 }
 
-/// Tetrahedra that reach too near the eye or far beyond the picture are cut there, in view space.
+void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
+  std::vector<ClipTetrahedron> slices;
+  double farthest = 0;
+  for (const ClipTetrahedron& piece : pieces)
+    for (const ClipVertex& v : piece) farthest = std::max(farthest, v.position.z);
+  for (double z = near_depth; z < farthest; z *= kDepthRatio) {
+    std::vector<ClipTetrahedron> slice = pieces;
+    clip_tetrahedra(slice, {0, 0, 1}, z);
+    clip_tetrahedra(slice, {0, 0, -1}, -z * kDepthRatio);
+    slices.insert(slices.end(), slice.begin(), slice.end());
+  }
+  pieces.swap(slices);
+}
+
+/// Tetrahedra that reach too near the eye or far beyond the picture are cut there, in view space. Those that reach over a wide range of
+/// depths are sliced, because the difference of two inverse depths loses the digits by which they differ in size.
 template <class Vertex>
 void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_t style, const Emitter& emitter, std::vector<Vertex>& out) {
   const Projection& projection = *source.projection;
@@ -153,6 +170,7 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
     clip_tetrahedra(pieces, {sign, 0, slope}, 0);
     clip_tetrahedra(pieces, {0, sign, slope}, 0);
   }
+  slice_by_depth(pieces, projection.near_depth);
   const auto distance = [](const ClipTetrahedron& t) {
     return length(t[0].position + t[1].position + t[2].position + t[3].position);
   };
@@ -180,12 +198,17 @@ void emit_all(const TetrahedraSource& source, std::span<const std::uint32_t> tet
       if constexpr (std::is_same_v<Vertex, LinearVertex>) corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * p.q;
     }
     if (all & (kTooNear | kLeft | kRight | kBelow | kAbove)) continue;  // wholly on the far side of one plane of the pyramid of view
-    if (any & (kTooNear | kBeyondGuard)) emit_clipped(source, id, style, emitter, out);
+    const auto [q_low, q_high] = std::minmax({corner[0].q, corner[1].q, corner[2].q, corner[3].q});
+    if (any & (kTooNear | kBeyondGuard) || q_high > kDepthRatio * q_low) emit_clipped(source, id, style, emitter, out);
     else emit(corner, style, emitter, out);
   }
 }
 
 }  // namespace
+
+// The viewport is as large as the guard, so that OpenGL itself has nothing to clip: Mesa 22.3 interpolates noperspective values across its
+// clipped edges with errors of 1e-3 (seen in the law of the slab), and a viewport may be 16384 pixels wide everywhere.
+int Projection::guard() const { return std::min(2 * std::max(width, height), 8192); }
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height) {
   Projection projection;

@@ -30,16 +30,15 @@ struct Projection {
   double focal = 1;       // pixels
   double near_depth = 1e-4;  // in units of scale; what is nearer to the eye is cut off
   int width = 1, height = 1;
-
-  double guard() const { return 2.0 * (width > height ? width : height); }  // pixels; what reaches beyond is clipped there
+  int guard() const;      // pixels from the middle of the picture; what reaches beyond is clipped there
 };
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height);
 
 /// A point of the mesh on the screen.
 struct ScreenPoint {
-  double x = 0, y = 0;      // pixels right of and above the middle of the picture
-  double q = 0;             // inverse depth, in units of 1/scale; 0 where the point is nearer than near_depth
+  double x = 0, y = 0;        // pixels right of and above the middle of the picture
+  double q = 0;               // inverse depth, in units of 1/scale; 0 where the point is nearer than near_depth
   std::uint32_t outside = 0;  // bits: near, left, right, below, above the picture; kBeyondGuard
 };
 inline constexpr std::uint32_t kTooNear = 1, kLeft = 2, kRight = 4, kBelow = 8, kAbove = 16, kBeyondGuard = 32;

@@ -99,7 +99,8 @@ inline std::array<double, 4> oracle_pixel(const DrawInput& input, int x, int y) 
 struct OracleError {
   double max = 0, mean = 0;
   int max_x = 0, max_y = 0;
-  double covered = 0;  // the share of pixels with some opacity
+  double covered = 0;          // the share of pixels with some opacity
+  double above_a_percent = 0;  // the share of channel values that differ by more than 0.01
 };
 
 /// The picture's error against the oracle, over all pixels and channels.
@@ -113,12 +114,14 @@ inline OracleError compare_with_oracle(const DrawInput& input, const FloatImage&
         const double d = std::abs(static_cast<double>(image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) + c]) - expected[c]);
         const double e = std::isnan(d) ? 1e9 : d;
         error.mean += e;
+        error.above_a_percent += e > 0.01 ? 1 : 0;
         if (e > error.max) error.max = e, error.max_x = x, error.max_y = y;
       }
     }
   const double pixels = static_cast<double>(input.width) * input.height;
   error.mean /= 4 * pixels;
   error.covered /= pixels;
+  error.above_a_percent /= 4 * pixels;
   return error;
 }
 

@@ -1,0 +1,194 @@
+#include "encoding/encode_image.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <turbojpeg.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "base/error.h"
+#include "support/temporary_folder.h"
+
+namespace isostrata {
+namespace {
+
+using testing::TemporaryFolder;
+using ::testing::HasSubstr;
+
+/// What OpenImageIO, somebody else's decoder, reads: channels as floats in the file's own meaning.
+struct ReadImage {
+  int width = 0, height = 0, channels = 0;
+  std::vector<float> values;
+  std::vector<std::string> names;
+};
+
+ReadImage read(const std::filesystem::path& path) {
+  OIIO::ImageSpec wanted;
+  wanted.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(path.string(), &wanted);
+  if (!input) throw std::runtime_error(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  ReadImage image{spec.width, spec.height, spec.nchannels, {}, spec.channelnames};
+  image.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) * static_cast<std::size_t>(spec.nchannels));
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data())) throw std::runtime_error(input->geterror());
+  return image;
+}
+
+ReadImage read_png(const Bytes& bytes) {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.png";
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return read(path);
+}
+
+Image noise(int width, int height, bool opaque, unsigned seed) {
+  Image image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4)};
+  std::mt19937 random(seed);
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = opaque && i % 4 == 3 ? 255 : static_cast<std::uint8_t>(random());
+  return image;
+}
+
+Image gradient(int width, int height) {
+  Image image{width, height, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (const int v : {x * 255 / width, y * 255 / height, (x + y) & 255, 255}) image.rgba.push_back(static_cast<std::uint8_t>(v));
+  return image;
+}
+
+void expect_same(const Image& image, const ReadImage& back, const std::string& what) {
+  ASSERT_EQ(back.width, image.width) << what;
+  ASSERT_EQ(back.height, image.height) << what;
+  const auto channels = static_cast<std::size_t>(back.channels);
+  for (std::size_t p = 0; p < image.rgba.size() / 4; ++p)
+    for (std::size_t c = 0; c < channels; ++c)
+      ASSERT_EQ(static_cast<int>(std::lround(back.values[p * channels + c] * 255)), image.rgba[4 * p + c]) << what << ", pixel " << p;
+}
+
+TEST(EncodePng, EveryPixelComesBack) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {1, 700}, {3000, 1}, {257, 129}, {800, 600}, {1500, 400}}) {
+    const std::string size = std::to_string(width) + "x" + std::to_string(height);
+    const Image opaque = noise(width, height, true, 1), clear = noise(width, height, false, 2), smooth = gradient(width, height);
+    const ReadImage back = read_png(encode_png(opaque));
+    EXPECT_EQ(back.channels, 3) << size;
+    expect_same(opaque, back, size + " opaque, seed 1");
+    const ReadImage with_alpha = read_png(encode_png(clear));
+    EXPECT_EQ(with_alpha.channels, 4) << size;
+    expect_same(clear, with_alpha, size + " with alpha, seed 2");
+    expect_same(smooth, read_png(encode_png(smooth)), size + " smooth");
+  }
+}
+
+TEST(EncodePng, SmoothPicturesGetSmall) {
+  const Image image = gradient(800, 600);
+  EXPECT_LT(encode_png(image).size(), image.rgba.size() / 8);
+}
+
+struct Decoded {
+  int subsampling = -1;
+  Image image;
+};
+
+Decoded decode_jpeg(const Bytes& bytes) {
+  Decoded out;
+  const tjhandle handle = tjInitDecompress();
+  int space = 0;
+  EXPECT_EQ(tjDecompressHeader3(handle, bytes.data(), bytes.size(), &out.image.width, &out.image.height, &out.subsampling, &space), 0);
+  out.image.rgba.resize(static_cast<std::size_t>(out.image.width) * static_cast<std::size_t>(out.image.height) * 4);
+  EXPECT_EQ(tjDecompress2(handle, bytes.data(), bytes.size(), out.image.rgba.data(), out.image.width, 0, out.image.height, TJPF_RGBA, 0), 0);
+  tjDestroy(handle);
+  return out;
+}
+
+TEST(EncodeJpeg, KeepsColourAtFullResolution) {
+  Image stripes{64, 64, {}};  // red and blue columns of equal brightness, one pixel wide: 4:2:0 would make them one violet
+  for (int i = 0; i < 64 * 64; ++i)
+    for (const int v : {i % 2 ? 255 : 0, 0, i % 2 ? 0 : 255, 255}) stripes.rgba.push_back(static_cast<std::uint8_t>(v));
+  const Decoded back = decode_jpeg(encode_jpeg(stripes, 95));
+  EXPECT_EQ(back.subsampling, TJSAMP_444);
+  for (std::size_t i = 0; i < stripes.rgba.size(); ++i) ASSERT_NEAR(back.image.rgba[i], stripes.rgba[i], 24) << i;
+}
+
+TEST(EncodeJpeg, QualityBuysExactnessWithBytes) {
+  const Image image = gradient(320, 200);
+  EXPECT_LT(encode_jpeg(image, 20).size(), encode_jpeg(image, 95).size());
+  for (const int quality : {1, 100}) EXPECT_EQ(decode_jpeg(encode_jpeg(image, quality)).image.width, 320);
+  for (const int quality : {-1, 0, 101}) EXPECT_THROW(encode_jpeg(image, quality), Error);
+}
+
+TEST(Encode, RefusesPicturesWhosePixelsDoNotMatchTheirSize) {
+  for (const Image& image : {Image{}, Image{2, 2, std::vector<std::uint8_t>(15)}, Image{-1, 4, std::vector<std::uint8_t>(16)},
+                             Image{0, 0, {}}, Image{4, 4, std::vector<std::uint8_t>(16)}}) {
+    EXPECT_THROW(encode_png(image), Error);
+    EXPECT_THROW(encode_jpeg(image, 90), Error);
+    EXPECT_THROW(write_image("a.tif", image), Error);
+  }
+}
+
+TEST(WriteImage, LosslessFormatsKeepEveryPixelAndAlpha) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.tif", "A.TIFF"}) {
+    const Image image = noise(37, 21, false, 3);
+    write_image(folder / name, image);
+    expect_same(image, read(folder / name), std::string(name) + ", seed 3");
+  }
+}
+
+TEST(WriteImage, WebpIsNear) {
+  const TemporaryFolder folder;
+  Image image = gradient(64, 48);
+  for (std::size_t i = 2; i < image.rgba.size(); i += 4) image.rgba[i] = 90;  // smooth: 4:2:0 chroma, quality 100
+  write_image(folder / "a.webp", image);
+  const ReadImage back = read(folder / "a.webp");
+  ASSERT_EQ(back.width, 64);
+  const auto channels = static_cast<std::size_t>(back.channels);
+  for (std::size_t p = 0; p < image.rgba.size() / 4; ++p)
+    for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(255 * back.values[p * channels + c], image.rgba[4 * p + c], 12) << "pixel " << p;
+}
+
+TEST(WriteImage, ExrIsLinearPremultipliedAndHasDepth) {
+  const TemporaryFolder folder;
+  FloatImage image{2, 1, {0.25f, 0.1f, 0.0f, 0.5f, 0, 0, 0, 0}, {3.5f, std::numeric_limits<float>::infinity()}};
+  write_image(folder / "a.exr", image);
+  const ReadImage back = read(folder / "a.exr");
+  ASSERT_EQ(back.names, (std::vector<std::string>{"R", "G", "B", "A", "Z"}));
+  EXPECT_NEAR(back.values[0], 0.5 * std::pow((0.5 + 0.055) / 1.055, 2.4), 1e-6);  // 0.5 straight, in light, times alpha
+  EXPECT_NEAR(back.values[1], 0.5 * std::pow((0.2 + 0.055) / 1.055, 2.4), 1e-6);
+  EXPECT_EQ(back.values[3], 0.5f);
+  EXPECT_EQ(back.values[4], 3.5f);
+  EXPECT_EQ(back.values[8], 0.0f);
+  EXPECT_TRUE(std::isinf(back.values[9]));
+  image.depth.clear();
+  write_image(folder / "b.exr", image);
+  EXPECT_EQ(read(folder / "b.exr").channels, 4);
+}
+
+TEST(WriteImage, SaysWhatItCannotWrite) {
+  const Image image = noise(2, 2, true, 5);
+  const auto message = [&](const std::filesystem::path& path) -> std::string {
+    try {
+      write_image(path, image);
+      return "";
+    } catch (const Error& error) {
+      return std::string(to_string(error.code())) + ": " + error.what();
+    }
+  };
+  EXPECT_THAT(message("picture.gif"), AllOf(HasSubstr("invalid_argument"), HasSubstr("'.gif'"), HasSubstr(".webp")));
+  EXPECT_THAT(message("picture"), HasSubstr("invalid_argument"));
+  for (const char* path : {"/nonexistent-folder/a.png", "/nonexistent-folder/a.exr", "/nonexistent-folder/a.tif"})
+    EXPECT_THAT(message(path), AllOf(HasSubstr("unavailable"), HasSubstr(path)));
+  EXPECT_THROW(check_image_path("a.bmp"), Error);
+  check_image_path("a.EXR");
+}
+
+TEST(ProbeCodecs, EveryCodecOfThisBuildWorks) {
+  const auto probes = probe_codecs();
+  EXPECT_GE(probes.size(), 5u);
+  for (const CodecProbe& probe : probes) EXPECT_TRUE(probe.ok) << probe.name << ": " << probe.detail;
+}
+
+}  // namespace
+}  // namespace isostrata

@@ -1,0 +1,58 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+#include "support/run_isostrata.h"
+
+namespace {
+
+using namespace isostrata::testing;
+using ::testing::HasSubstr;
+
+TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
+  const CommandResult result = run_isostrata("doctor --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto document = boost::json::parse(result.out);
+  EXPECT_TRUE(document.at("can_draw").as_bool());
+  EXPECT_FALSE(document.at("device").as_string().empty());
+  bool surfaceless = false, osmesa = false;
+  for (const auto& device : document.at("devices").as_array()) {
+    surfaceless = surfaceless || device.at("name").as_string() == "EGL surfaceless";
+    osmesa = osmesa || device.at("name").as_string() == "OSMesa";
+    EXPECT_FALSE(device.at("detail").as_string().empty());
+  }
+  EXPECT_TRUE(surfaceless);
+  EXPECT_TRUE(osmesa);
+  for (const auto& codec : document.at("codecs").as_array()) EXPECT_TRUE(codec.at("ok").as_bool()) << codec.at("name");
+  EXPECT_GE(document.at("limits").at("cores").to_number<int>(), 1);
+  EXPECT_GT(document.at("limits").at("memory_bytes").to_number<long long>(), 1ll << 20);
+}
+
+TEST(DoctorCommand, IsLoudAboutSoftware) {
+  const CommandResult result = run_isostrata("doctor --device surfaceless");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("*** SOFTWARE rendering"));
+}
+
+// With EGL's vendor list empty and a driver that does not exist, neither EGL nor OSMesa makes a context.
+TEST(DoctorCommand, ExitsWithOneAndTheReasonsWhereNothingCanDraw) {
+  const std::string no_driver = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json MESA_GL_VERSION_OVERRIDE=3.0";
+  const CommandResult result = run_isostrata("doctor --json", no_driver);
+  EXPECT_EQ(result.status, 1);
+  const auto document = boost::json::parse(result.out);
+  EXPECT_FALSE(document.at("can_draw").as_bool());
+  EXPECT_TRUE(document.at("device").is_null());
+  EXPECT_THAT(std::string(document.at("reason").as_string()), HasSubstr("OSMesa"));
+  EXPECT_THAT(result.err, HasSubstr("no OpenGL 4.5 device for 'auto'"));
+  EXPECT_EQ(run_isostrata("render torus:8 --out a.png", no_driver).status, 1);
+}
+
+// Where EGL has no driver at all, OSMesa takes over by itself.
+TEST(DoctorCommand, FallsBackToOsmesaWithoutEgl) {
+  const CommandResult result = run_isostrata("doctor --json", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(std::string(boost::json::parse(result.out).at("device").as_string()), HasSubstr("OSMesa"));
+}
+
+}  // namespace
