@@ -1,14 +1,15 @@
 import { fileURLToPath } from 'node:url';
 import { defineConfig } from 'vitest/config';
 
-// The browser tests live beside the other tests, outside this folder; their imports are resolved from this one.
+// The browser tests live beside the other tests, outside this folder; what they import is resolved from this one.
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 
 export default defineConfig({
-  root: here('..'),
-  resolve: { alias: { 'playwright-core': here('./node_modules/playwright-core'), vitest: here('./node_modules/vitest') } },
+  resolve: { alias: { 'playwright-core': here('./node_modules/playwright-core/index.mjs') } },
+  server: { fs: { allow: [here('..')] } },
   test: {
-    include: ['tests/e2e/**/*.test.ts'],
+    dir: here('../tests/e2e'),
+    include: ['**/*.test.ts'],
     environment: 'node',
     fileParallelism: false,
     testTimeout: 120_000,

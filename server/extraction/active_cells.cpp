@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "base/parallel.h"
+#include "extraction/memory_budget.h"
 
 namespace isostrata {
 namespace {
@@ -44,16 +45,33 @@ void classify(const Grid& grid, const IsoRules& rules, std::int64_t cell, std::s
   });
 }
 
-/// Runs find(begin, end, out) over blocks of [0, count) and joins their lists in order.
+/// What every find shares.
+struct Search {
+  const Grid& grid;
+  const IsoRules& rules;
+  std::uint64_t max_bytes;
+  const Task& task;
+};
+
+/// Runs find(begin, end, check, out) over blocks of [0, count) and joins their lists in order. find calls check(out) often.
 template <class Find>
-std::vector<CellCase> join_blocks(std::int64_t count, std::int64_t block, const Task& task, const Find& find) {
+std::vector<CellCase> join_blocks(const Search& search, std::int64_t count, std::int64_t block, const Find& find) {
+  const Task& task = search.task;
   const std::int64_t blocks = (count + block - 1) / block;
   std::vector<std::vector<CellCase>> found(blocks);
+  std::atomic<std::uint64_t> listed{0};
+  const auto check = [&](const std::vector<CellCase>& out) {
+    task.check();
+    // The list is held twice while it is joined.
+    check_budget("the list of active cells", 2 * (listed.load(std::memory_order_relaxed) + out.size()) * sizeof(CellCase), search.max_bytes);
+  };
   StageProgress progress(task, "searching", 0.0, 0.3, count);
   parallel_for(blocks, 1, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t b = first; b < last; ++b) {
       const std::int64_t begin = b * block, end = std::min(count, begin + block);
-      find(begin, end, found[b]);
+      find(begin, end, check, found[b]);
+      check(found[b]);
+      listed.fetch_add(found[b].size(), std::memory_order_relaxed);
       progress.done(end - begin);
     }
   });
@@ -106,7 +124,9 @@ auto threshold(double bound) {
 }
 
 template <class T>
-std::vector<CellCase> find_structured(const Grid& grid, std::span<const T> values, const IsoRules& rules, const Task& task) {
+std::vector<CellCase> find_structured(const Search& search, std::span<const T> values) {
+  const Grid& grid = search.grid;
+  const IsoRules& rules = search.rules;
   const auto dims = grid.dims();
   const std::int64_t ni = dims[0], nj = dims[1];
   const std::int64_t ci = ni - 1, cj = nj - 1, ck = dims[2] - 1;
@@ -116,7 +136,7 @@ std::vector<CellCase> find_structured(const Grid& grid, std::span<const T> value
 
   const std::int64_t rows = cj * ck;
   const std::int64_t block = std::max<std::int64_t>(1, 32768 / std::max<std::int64_t>(ci, 1));
-  return join_blocks(rows, block, task, [&](std::int64_t begin, std::int64_t end, std::vector<CellCase>& out) {
+  return join_blocks(search, rows, block, [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
     RowExtremes<T> row;
     std::vector<std::uint8_t> candidate((ci + 7) / 8 * 8);
     for (std::int64_t r = begin; r < end; ++r) {
@@ -135,6 +155,7 @@ std::vector<CellCase> find_structured(const Grid& grid, std::span<const T> value
         std::uint64_t eight;
         std::memcpy(&eight, candidate.data() + i8, 8);
         if (eight == 0) continue;
+        check(out);
         for (std::int64_t i = i8; i < std::min(ci, i8 + 8); ++i) {
           if (!candidate[i]) continue;
           const std::int64_t q = first + i;
@@ -150,28 +171,31 @@ std::vector<CellCase> find_structured(const Grid& grid, std::span<const T> value
 }
 
 template <class T>
-std::vector<CellCase> find_unstructured(const Grid& grid, std::span<const T> values, const IsoRules& rules, const Task& task) {
+std::vector<CellCase> find_unstructured(const Search& search, std::span<const T> values) {
+  const Grid& grid = search.grid;
   const auto& shape = std::get<UnstructuredGrid>(grid.shape);
-  return join_blocks(grid.cell_count(), 8192, task, [&](std::int64_t begin, std::int64_t end, std::vector<CellCase>& out) {
+  constexpr std::int64_t kCellsPerBlock = 8192;
+  return join_blocks(search, grid.cell_count(), kCellsPerBlock, [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
     std::array<double, kMaxCellVertices> f;
     for (std::int64_t cell = begin; cell < end; ++cell) {
       const std::int64_t first = shape.offsets[cell];
       const auto n = static_cast<std::size_t>(shape.offsets[cell + 1] - first);
       const auto ids = shape.connectivity.subspan(static_cast<std::size_t>(first), n);
       for (std::size_t v = 0; v < n; ++v) f[v] = static_cast<double>(values[ids[v]]);
-      classify(grid, rules, cell, ids, f.data(), out);
+      classify(grid, search.rules, cell, ids, f.data(), out);
+      if (cell % 16 == 0) check(out);
     }
   });
 }
 
 }  // namespace
 
-std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, const Task& task) {
+std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
+                                        const Task& task) {
   if (grid.cell_count() == 0) return {};
+  const Search search{grid, rules, max_bytes, task};
   return std::visit(
-      [&](auto values) {
-        return grid.structured() ? find_structured(grid, values, rules, task) : find_unstructured(grid, values, rules, task);
-      },
+      [&](auto values) { return grid.structured() ? find_structured(search, values) : find_unstructured(search, values); },
       array.values);
 }
 

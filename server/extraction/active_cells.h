@@ -22,8 +22,9 @@ struct CellCase {
 
 /// Every (active cell, interval), by cell, then by the intervals' lower ends. A cell is *absent* where it is hidden or one of its vertices has
 /// a value or a position that is not finite: interpolation means nothing there, so such a cell holds no part of any interval and its faces
-/// bound the domain. One read of the array on structured grids. Throws cancelled.
-std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, const Task& task);
+/// bound the domain. One read of the array on structured grids. Throws too_large where the list would need more than max_bytes, cancelled.
+std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
+                                        const Task& task);
 
 /// Whether the cell holds no part of any interval, see above.
 bool cell_is_absent(const Grid& grid, const PointArray& array, std::int64_t cell);

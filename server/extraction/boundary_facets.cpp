@@ -207,7 +207,8 @@ std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) 
       for (std::size_t i = 0; i < list.size();) {
         std::size_t next = i + 1;
         while (next < list.size() && same(list[next], list[i])) ++next;
-        const bool bounds = next == i + 1 && list[i].boundary;
+        // Boundary facets may coincide where the grid itself does not conform (a tetrahedron standing on half of a hexahedron's face).
+        const bool bounds = std::all_of(list.begin() + i, list.begin() + next, [](const FacetUse& use) { return use.boundary; });
         const bool meets = next == i + 2 && !list[i].boundary && !list[i + 1].boundary && list[i].odd != list[i + 1].odd;
         if (!bounds && !meets) own += static_cast<std::int64_t>(next - i);
         i = next;

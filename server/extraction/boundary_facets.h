@@ -29,9 +29,9 @@ FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d);
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task);
 
-/// Facets of all tetrahedra that are not in mesh.facets and do not meet exactly one partner of the same interval with opposite orientation,
-/// and those in mesh.facets that meet any. 0 for a conforming mesh. Precondition: the mesh was extracted with facets.
-/// O(tetrahedra), by facets sorted within lists by smallest point. Throws cancelled.
+/// Facets of tetrahedra that are not in mesh.facets and do not meet exactly one other such facet of the same interval, with opposite
+/// orientation; where such facets meet facets of mesh.facets all of them count. 0 for a conforming mesh. Precondition: the mesh was
+/// extracted with facets. O(tetrahedra), by facets sorted within lists by smallest point. Throws cancelled.
 std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task);
 
 }  // namespace isostrata

@@ -15,19 +15,22 @@ namespace isostrata {
 /// order of global point ids, so that any mix of cell types conforms. One object per thread.
 class CellTriangulation {
  public:
-  explicit CellTriangulation(const Grid& grid) : grid_(grid), structured_(grid.structured()) {}
+  explicit CellTriangulation(const Grid& grid) : grid_(grid), structured_(grid.structured()) {
+    if (!structured_) return;
+    dims_ = grid.dims();
+    topology_ = &topology(CellType::hexahedron);
+    table_ = &hexahedron_table();
+    masks_ = table_->masks;
+    count_ = 8;
+  }
 
   /// Turns to a cell: reads its type and points.
   void begin_cell(std::int64_t cell) {
-    count_ = grid_.cell_points(cell, ids_);
     if (structured_) {
-      if (!topology_) {
-        topology_ = &topology(CellType::hexahedron);
-        table_ = &hexahedron_table();
-        masks_ = table_->masks;
-      }
+      begin_structured(cell);
       return;
     }
+    count_ = grid_.cell_points(cell, ids_);
     const CellType type = grid_.cell_type(cell);
     if (!topology_ || topology_->type != type) {
       topology_ = &topology(type);
@@ -60,7 +63,21 @@ class CellTriangulation {
   }
 
  private:
+  /// Cells come in increasing order, mostly several of a row: the divisions are done once a row.
+  void begin_structured(std::int64_t cell) {
+    const std::int64_t ci = dims_[0] - 1, cj = dims_[1] - 1;
+    if (row_cell_ < 0 || cell < row_cell_ || cell >= row_cell_ + ci) {
+      const std::int64_t row = cell / ci, k = row / cj, j = row - k * cj;
+      row_cell_ = row * ci;
+      row_point_ = dims_[0] * (j + dims_[1] * k);
+    }
+    const std::int64_t p = row_point_ + (cell - row_cell_), ni = dims_[0], layer = dims_[0] * dims_[1];
+    ids_ = {p, p + 1, p + ni + 1, p + ni, p + layer, p + layer + 1, p + layer + ni + 1, p + layer + ni};
+  }
+
   const Grid& grid_;
+  std::array<std::int64_t, 3> dims_{};
+  std::int64_t row_cell_ = -1, row_point_ = 0;  // the first of the row that the last cell was in
   bool structured_;
   const CellTopology* topology_ = nullptr;
   const HexahedronTable* table_ = nullptr;

@@ -1,6 +1,7 @@
 #include "extraction/extract_intervals.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <limits>
 #include <map>
@@ -14,6 +15,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/structured_points.h"
 
 namespace isostrata {
 namespace {
@@ -65,12 +67,12 @@ class Extraction {
 
   IntervalMesh run() {
     mesh_.cells = grid_.cell_count();
-    cases_ = find_active_cells(grid_, array_, rules_, task_);
+    cases_ = find_active_cells(grid_, array_, rules_, options_.max_bytes, task_);
     starts_ = block_starts(cases_);
-    const MeshPoints points(grid_, cases_, rules_, options_.max_bytes, task_);
-    points.locate(grid_, array_, rules_, mesh_, task_);
-    count_tetrahedra(points);
-    write_tetrahedra(points);
+    if (grid_.structured() && rules_.isovalues().size() <= StructuredPoints::kMaxIsovalues)
+      build_mesh(StructuredPoints(grid_, cases_, rules_, options_.max_bytes, task_));
+    else
+      build_mesh(MeshPoints(grid_, cases_, rules_, options_.max_bytes, task_));
     summarise();
     if (options_.facets) mesh_.facets = boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_);
     task_.report(1.0, "extracted");
@@ -78,27 +80,34 @@ class Extraction {
   }
 
  private:
+  /// Points: MeshPoints or StructuredPoints.
+  template <class Points>
+  void build_mesh(const Points& points) {
+    points.locate(grid_, array_, rules_, mesh_, task_);
+    count_tetrahedra(points);
+    measure_cells();
+    write_tetrahedra(points);
+  }
+
   std::int64_t blocks() const { return static_cast<std::int64_t>(starts_.size()) - 1; }
 
   /// Calls visit(case, is the cell's first) for the cases of a block, with the triangulation turned to their cells and points_ filled with
   /// the numbers of the isovertices in use.
-  template <class Visit>
-  void visit_block(std::int64_t block, const MeshPoints& points, CellTriangulation& triangulation,
+  template <class Points, class Visit>
+  void visit_block(std::int64_t block, const Points& points, CellTriangulation& triangulation,
                    std::array<std::uint32_t, kMaxIsoVertices>& numbers, const Visit& visit) const {
     for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
       const CellCase& at = cases_[i];
       const bool first = i == starts_[block] || cases_[i - 1].cell != at.cell;
       if (first) triangulation.begin_cell(at.cell);
-      const IsoRule& rule = rules_.rules()[at.interval];
-      for (std::uint32_t rest = triangulation.isovertices(at.case_index); rest; rest &= rest - 1) {
-        const int v = std::countr_zero(rest);
-        numbers[v] = points.find(point_key(triangulation.cell(), triangulation.ids(), rule, v));
-      }
+      points.number(triangulation.cell(), triangulation.ids(), rules_.rules()[at.interval], triangulation.isovertices(at.case_index),
+                    numbers);
       visit(at, first);
     }
   }
 
-  void count_tetrahedra(const MeshPoints& points) {
+  template <class Points>
+  void count_tetrahedra(const Points& points) {
     tetrahedra_before_.assign(blocks() + 1, 0);
     cells_before_.assign(blocks() + 1, 0);
     StageProgress progress(task_, "counting", 0.5, 0.6, blocks());
@@ -107,7 +116,12 @@ class Extraction {
       std::array<std::uint32_t, kMaxIsoVertices> numbers;
       for (std::int64_t block = begin; block < end; ++block) {
         std::uint64_t tetrahedra = 0, cells = 0;
-        visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
+        if (grid_.structured()) {  // the points of a cell are distinct: the table has the count
+          for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
+            cells += i == starts_[block] || cases_[i - 1].cell != cases_[i].cell;
+            tetrahedra += hexahedron_table().of(cases_[i].case_index).size();
+          }
+        } else visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
           cells += first;
           for (const auto& t : triangulation.tetrahedra(at.case_index))
             tetrahedra += !repeats_a_point({numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]});
@@ -124,7 +138,7 @@ class Extraction {
     const std::uint64_t tetrahedra = tetrahedra_before_.back();
     const std::uint64_t bytes = tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + (options_.facets ? 4 : 0)) +
                                 static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
-                                cases_.size() * sizeof(CellCase) + cells_before_.back() * sizeof(CellRun);
+                                cases_.size() * sizeof(CellCase) + cells_before_.back() * (sizeof(CellRun) + sizeof(CellHandedness));
     check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points.size()) + " points", bytes,
                  options_.max_bytes);
     if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
@@ -132,7 +146,38 @@ class Extraction {
                   "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
   }
 
-  void write_tetrahedra(const MeshPoints& points) {
+  /// Which way the active cells are turned; a cell without volume is taken to be turned as most others are.
+  void measure_cells() {
+    handedness_.resize(cells_before_.back());
+    std::atomic<std::int64_t> balance{0};
+    parallel_for(blocks(), 1, [&](std::int64_t begin, std::int64_t end) {
+      CellTriangulation triangulation(grid_);
+      std::array<Vec3d, kMaxCellVertices> p;
+      for (std::int64_t block = begin; block < end; ++block) {
+        task_.check();
+        std::uint64_t run = cells_before_[block];
+        std::int64_t own = 0;
+        for (std::size_t i = starts_[block]; i < starts_[block + 1]; ++i) {
+          if (i > starts_[block] && cases_[i - 1].cell == cases_[i].cell) continue;
+          triangulation.begin_cell(cases_[i].cell);
+          const auto ids = triangulation.ids();
+          CellHandedness& hand = handedness_[run++];
+          if (grid_.rectilinear()) {
+            hand = box_handedness(grid_.point(ids[0]), grid_.point(ids[6]));
+          } else {
+            for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
+            hand = cell_handedness(triangulation.cell(), std::span(p).first(ids.size()));
+          }
+          own += hand.sign;
+        }
+        balance.fetch_add(own, std::memory_order_relaxed);
+      }
+    });
+    usual_sign_ = balance.load() < 0 ? -1 : 1;
+  }
+
+  template <class Points>
+  void write_tetrahedra(const Points& points) {
     mesh_.tetrahedra.resize(tetrahedra_before_.back());
     mesh_.tetrahedron_interval.resize(tetrahedra_before_.back());
     mesh_.cell_runs.resize(cells_before_.back());
@@ -150,25 +195,26 @@ class Extraction {
     });
   }
 
-  void write_block(std::int64_t block, const MeshPoints& points, CellTriangulation& triangulation,
+  template <class Points>
+  void write_block(std::int64_t block, const Points& points, CellTriangulation& triangulation,
                    std::array<std::uint32_t, kMaxIsoVertices>& numbers) {
     std::uint64_t to = tetrahedra_before_[block];
     std::uint64_t run = cells_before_[block];
     std::map<std::uint16_t, Sums>& sums = sums_[block];
-    double cell_volume = 0;
+    CellHandedness hand;
+    std::uint16_t summed = 0;
+    Sums* own = nullptr;
     bool collapsed = false;
     std::array<FaceMask, kMaxIsoVertices> merged_masks;
     visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
       if (first) {
-        cell_volume = volume_of(triangulation);
+        hand = handedness_[run];
         collapsed = !grid_.structured() && triangulation.collapsed();
         mesh_.cell_runs[run++] = {at.cell, static_cast<std::uint32_t>(to)};
       }
-      const bool left_handed = cell_volume < 0;
-      // Flat tetrahedra come out as rounding of either sign; only what is more than that is inverted.
-      const double rounding = -1e-13 * std::abs(cell_volume);
-      Sums& own = sums[at.interval];
-      ++own.active_cells;
+      const bool left_handed = (hand.sign != 0 ? hand.sign : usual_sign_) < 0;
+      if (!own || summed != at.interval) own = &sums[summed = at.interval];
+      ++own->active_cells;
       std::span<const FaceMask> masks = triangulation.masks();
       if (options_.facets && collapsed) {
         std::copy(masks.begin(), masks.end(), merged_masks.begin());
@@ -181,22 +227,15 @@ class Extraction {
         if (repeats_a_point(p)) continue;
         const auto& x = mesh_.positions;
         const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-        ++own.tetrahedra;
-        own.volume += std::abs(volume);
-        own.signed_volume += volume;
-        own.inverted += volume < rounding;
+        ++own->tetrahedra;
+        own->volume += std::abs(volume);
+        own->signed_volume += volume;
+        own->inverted += volume < -hand.tolerance;  // flat ones come out as rounding of either sign
         if (options_.facets) labels_[to] = label_facets(masks[t[0]], masks[t[1]], masks[t[2]], masks[t[3]]);
         mesh_.tetrahedron_interval[to] = at.interval;
         mesh_.tetrahedra[to++] = p;
       }
     });
-  }
-
-  double volume_of(const CellTriangulation& triangulation) const {
-    std::array<Vec3d, kMaxCellVertices> p;
-    const auto ids = triangulation.ids();
-    for (std::size_t v = 0; v < ids.size(); ++v) p[v] = grid_.point(ids[v]);
-    return signed_cell_volume(triangulation.cell(), p.data());
   }
 
   void summarise() {
@@ -221,6 +260,8 @@ class Extraction {
   std::vector<std::size_t> starts_;               // [blocks + 1] into cases_
   std::vector<std::uint64_t> tetrahedra_before_;  // [blocks + 1]
   std::vector<std::uint64_t> cells_before_;       // [blocks + 1]
+  std::vector<CellHandedness> handedness_;        // [active cells]
+  int usual_sign_ = 1;
   std::vector<FacetLabels> labels_;               // [nt] where facets are wanted
   std::vector<std::map<std::uint16_t, Sums>> sums_;  // [blocks] by interval
 };

@@ -64,43 +64,31 @@ MeshPoints::MeshPoints(const Grid& grid, std::span<const CellCase> cases, const 
   });
 }
 
-double crossing_weight(double fa, double fb, double isovalue) {
-  double numerator = isovalue - fa, denominator = fb - fa;
-  if (!std::isfinite(numerator) || !std::isfinite(denominator)) {  // values near the ends of the range of double
-    numerator = isovalue / 2 - fa / 2;
-    denominator = fb / 2 - fa / 2;
-  }
-  return std::clamp(numerator / denominator, 0.0, 1.0);
-}
-
 void MeshPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const {
   mesh.positions.resize(keys_.size());
   mesh.origins.resize(keys_.size());
   mesh.values.resize(keys_.size());
-  const std::int64_t np = grid.point_count();
-  parallel_for(np, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
-    task.check();
-    for (std::int64_t a = begin; a < end; ++a) {
-      if (first_[a] == first_[a + 1]) continue;
-      const Vec3d at = grid.point(a);
-      const double fa = array.at(static_cast<std::size_t>(a));
-      for (std::uint32_t i = first_[a]; i < first_[a + 1]; ++i) {
-        const auto b = static_cast<std::int64_t>(keys_[i] >> kIsovalueBits);
-        if (b == a) {
-          mesh.positions[i] = at;
-          mesh.origins[i] = {a, a, 0.0};
-          mesh.values[i] = fa;
-          continue;
-        }
-        const double isovalue = rules.isovalues()[keys_[i] & ((1u << kIsovalueBits) - 1)];
-        const double weight = crossing_weight(fa, array.at(static_cast<std::size_t>(b)), isovalue);
-        const Vec3d to = grid.point(b);
-        mesh.positions[i] = at * (1 - weight) + to * weight;
-        mesh.origins[i] = {a, b, weight};
-        mesh.values[i] = isovalue;
-      }
-    }
-  });
+  std::visit(
+      [&](auto values) {
+        parallel_for(grid.point_count(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+          task.check();
+          for (std::int64_t a = begin; a < end; ++a) {
+            if (first_[a] == first_[a + 1]) continue;
+            const Vec3d at = grid.point(a);
+            const auto fa = static_cast<double>(values[a]);
+            for (std::uint32_t i = first_[a]; i < first_[a + 1]; ++i) {
+              const auto b = static_cast<std::int64_t>(keys_[i] >> kIsovalueBits);
+              if (b == a) {
+                set_kept_point(mesh, i, a, at, fa);
+                continue;
+              }
+              const double isovalue = rules.isovalues()[keys_[i] & ((1u << kIsovalueBits) - 1)];
+              set_crossing(mesh, i, a, at, fa, b, grid.point(b), static_cast<double>(values[b]), isovalue);
+            }
+          }
+        });
+      },
+      array.values);
 }
 
 }  // namespace isostrata

@@ -1,6 +1,10 @@
 // Numbering the points of an interval mesh, each once.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +15,7 @@
 #include "extraction/active_cells.h"
 #include "extraction/interval_mesh.h"
 #include "extraction/iso_rules.h"
+#include "tables/interval_complex.h"
 
 namespace isostrata {
 
@@ -41,12 +46,25 @@ class MeshPoints {
   MeshPoints(const Grid& grid, std::span<const CellCase> cases, const IsoRules& rules, std::uint64_t max_bytes, const Task& task);
 
   std::int64_t size() const { return static_cast<std::int64_t>(keys_.size()); }
+  /// The numbers of the isovertices (a set of bits) of a cell with the given points.
+  void number(const CellTopology& cell, std::span<const std::int64_t> ids, const IsoRule& rule, std::uint32_t isovertices,
+              std::array<std::uint32_t, kMaxIsoVertices>& numbers) const {
+    for (std::uint32_t rest = isovertices; rest; rest &= rest - 1) {
+      const int v = std::countr_zero(rest);
+      numbers[v] = find(point_key(cell, ids, rule, v));
+    }
+  }
   /// The number of a point that is there.
   std::uint32_t find(const PointKey& key) const {
     const std::uint64_t packed = pack(key);
-    std::uint32_t at = first_[key.a];
-    while (keys_[at] != packed) ++at;
-    return at;
+    const std::uint64_t* const begin = keys_.data() + first_[key.a];
+    const std::uint64_t* const end = keys_.data() + first_[key.a + 1];
+    const std::uint64_t* at = begin;
+    if (end - begin > 16)  // many isovalues
+      at = std::lower_bound(begin, end, packed);
+    else
+      while (*at != packed) ++at;
+    return static_cast<std::uint32_t>(at - keys_.data());
   }
   /// Fills the mesh's positions, origins and values: [size()].
   void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const;
@@ -60,6 +78,30 @@ class MeshPoints {
 };
 
 /// Where the isovalue lies between a and b, in [0, 1]. fa and fb are on different sides of it.
-double crossing_weight(double fa, double fb, double isovalue);
+inline double crossing_weight(double fa, double fb, double isovalue) {
+  double numerator = isovalue - fa, denominator = fb - fa;
+  if (!std::isfinite(numerator) || !std::isfinite(denominator)) {  // values near the ends of the range of double
+    numerator = isovalue / 2 - fa / 2;
+    denominator = fb / 2 - fa / 2;
+  }
+  return std::clamp(numerator / denominator, 0.0, 1.0);
+}
+
+/// Writes point `to` of the mesh: the grid point a.
+inline void set_kept_point(IntervalMesh& mesh, std::uint32_t to, std::int64_t a, const Vec3d& at, double fa) {
+  mesh.positions[to] = at;
+  mesh.origins[to] = {a, a, 0.0};
+  mesh.values[to] = fa;
+}
+
+/// Writes point `to` of the mesh: where the edge from a to b crosses the isovalue. A coordinate that both ends share stays as it is to the
+/// last bit, so plane faces of the domain stay plane.
+inline void set_crossing(IntervalMesh& mesh, std::uint32_t to, std::int64_t a, const Vec3d& at_a, double fa, std::int64_t b,
+                         const Vec3d& at_b, double fb, double isovalue) {
+  const double weight = crossing_weight(fa, fb, isovalue);
+  mesh.positions[to] = weight == 1 ? at_b : at_a + (at_b - at_a) * weight;
+  mesh.origins[to] = {a, b, weight};
+  mesh.values[to] = isovalue;
+}
 
 }  // namespace isostrata

@@ -34,7 +34,7 @@ void allow_below(int ruleset, const std::filesystem::path& directory, std::uint6
   close(rule.parent_fd);
 }
 
-void confine_files(const std::filesystem::path& readable, const std::filesystem::path& output) {
+void confine_files(const std::filesystem::path& directory, const std::filesystem::path& file, const std::filesystem::path& output) {
   constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
   constexpr std::uint64_t kWrite = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
   landlock_ruleset_attr attributes{};
@@ -43,7 +43,8 @@ void confine_files(const std::filesystem::path& readable, const std::filesystem:
                                  LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK | LANDLOCK_ACCESS_FS_MAKE_SYM;
   const auto ruleset = static_cast<int>(syscall(SYS_landlock_create_ruleset, &attributes, sizeof attributes, 0));
   if (ruleset < 0) return;  // an older kernel, or Landlock is switched off
-  allow_below(ruleset, readable, kRead);
+  allow_below(ruleset, directory, kRead);
+  allow_below(ruleset, file, LANDLOCK_ACCESS_FS_READ_FILE);  // a link may lead out of its directory
   allow_below(ruleset, output, kRead | kWrite);
   syscall(SYS_landlock_restrict_self, ruleset, 0);
   close(ruleset);
@@ -80,8 +81,8 @@ void refuse_network_and_programs() {
 
 }  // namespace
 
-void confine(const std::filesystem::path& readable, const std::filesystem::path& output, std::uint64_t memory_bytes,
-             std::uint64_t cpu_seconds) {
+void confine(const std::filesystem::path& directory, const std::filesystem::path& file, const std::filesystem::path& output,
+             std::uint64_t memory_bytes, std::uint64_t cpu_seconds) {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, cpu_seconds);
   limit(RLIMIT_NOFILE, 256);
@@ -91,7 +92,7 @@ void confine(const std::filesystem::path& readable, const std::filesystem::path&
   limit(RLIMIT_AS, memory_bytes);  // sanitizers reserve terabytes of address space
 #endif
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;  // what follows needs it
-  confine_files(readable, output);
+  confine_files(directory, file, output);
   refuse_network_and_programs();
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -25,12 +26,18 @@ namespace {
 using isostrata::Error;
 using isostrata::ErrorCode;
 
-int fail(ErrorCode code, const std::string& message) {
+/// Readers that met damage were seen to crash in their destructors, so nothing is destroyed at the end: everything is on disk, or said.
+[[noreturn]] void end(int status) {
+  std::fflush(nullptr);
+  std::_Exit(status);
+}
+
+[[noreturn]] void fail(ErrorCode code, const std::string& message) {
   std::string line = message;
   for (char& c : line)
     if (c == '\n' || c == '\r') c = ' ';
   std::fprintf(stderr, "error %s %s\n", to_string(code), line.c_str());
-  return 1;
+  end(1);
 }
 
 std::uint64_t number(const char* text) {
@@ -64,7 +71,7 @@ void run(char** argv) {
   };
   isostrata::set_thread_count(1);
   isostrata::collect_vtk_messages();
-  isostrata::confine(std::filesystem::weakly_canonical(request.file).parent_path(), output, memory_limit(request.max_bytes), number(argv[5]));
+  isostrata::confine(request.file.parent_path(), request.file, output, memory_limit(request.max_bytes), number(argv[5]));
   write_dataset(read_file(request), request, output);
 }
 
@@ -79,15 +86,13 @@ int main(int argc, char** argv) {
   try {
     run(argv);
   } catch (const Error& error) {
-    return fail(error.code(), error.what());
+    fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::too_large, name + ": needs more memory than the import is allowed");
+    fail(ErrorCode::too_large, name + ": needs more memory than the import is allowed");
   } catch (const std::length_error&) {
-    return fail(ErrorCode::bad_data, name + ": declares an absurd size");
+    fail(ErrorCode::bad_data, name + ": declares an absurd size");
   } catch (const std::exception& error) {
-    return fail(ErrorCode::bad_data, name + ": " + error.what());
+    fail(ErrorCode::bad_data, name + ": " + error.what());
   }
-  std::fflush(stdout);
-  // Readers that met damage were seen to crash in their destructors; everything is on disk.
-  std::_Exit(0);
+  end(0);
 }

@@ -24,7 +24,7 @@ void check_step(const ReadRequest& request, std::size_t steps) {
 
 std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name) {
   namespace fs = std::filesystem;
-  const fs::path directory = fs::weakly_canonical(from).parent_path();
+  const fs::path directory = fs::weakly_canonical(from.parent_path());
   const fs::path wanted(name);
   const std::string refusal = from.filename().string() + ": refers to '" + name + "'";
   if (name.empty()) throw Error(ErrorCode::bad_data, from.filename().string() + ": refers to a file without a name");

@@ -15,12 +15,16 @@ std::string lower(std::string text) {
   return text;
 }
 
+std::string upper_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
 /// `name` with the last `from` (any case) replaced by `to`, in upper case where `from` stood in upper case; empty where there is none.
 std::string replaced(const std::string& name, const std::string& from, std::string to) {
   const auto at = lower(name).rfind(from);
   if (at == std::string::npos) return {};
-  if (std::isupper(static_cast<unsigned char>(name[at])))
-    std::transform(to.begin(), to.end(), to.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  if (std::isupper(static_cast<unsigned char>(name[at]))) to = upper_case(to);
   return name.substr(0, at) + to + name.substr(at + from.size());
 }
 
@@ -36,8 +40,8 @@ std::optional<fs::path> beside(const fs::path& file, const std::vector<std::stri
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& name : names)
-    if (!name.empty() && text.find(name) == std::string::npos) text += (text.empty() ? "" : ", ") + name;
+  for (auto name = names.begin(); name != names.end(); ++name)
+    if (!name->empty() && std::find(names.begin(), name, *name) == name) text += (text.empty() ? "" : ", ") + *name;
   return text;
 }
 
@@ -54,11 +58,13 @@ std::vector<std::string> solution_names(const fs::path& grid) {
 
 std::vector<std::string> grid_names(const fs::path& solution) {
   std::string stem = solution.stem().string();
+  const std::string extension = solution.extension().string();
   std::vector<std::string> names;
   if (lower(solution.extension().string()) != ".q" && lower(solution.extension().string()) != ".f" && !stem.empty())
     names.push_back(stem.substr(0, stem.size() - 1) + "xyz" + solution.extension().string());
   for (;;) {  // "multi-bin-oflow.q" belongs to "multi-bin.xyz"
-    for (const char* extension : {".xyz", ".x", ".g", ".grd", ".p3d"}) names.push_back(stem + extension);
+    const bool upper = extension.size() > 1 && std::isupper(static_cast<unsigned char>(extension[1]));
+    for (const char* known : {".xyz", ".x", ".g", ".grd", ".p3d"}) names.push_back(stem + (upper ? upper_case(known) : known));
     const auto cut = stem.find_last_of("-_.");
     if (cut == std::string::npos || cut == 0) return names;
     stem.resize(cut);

@@ -30,6 +30,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
@@ -120,6 +121,26 @@ void check_pieces(vtkXMLDataElement* element, const ReadRequest& request) {
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) check_pieces(element->GetNestedElement(i), request);
 }
 
+/// VTK takes the default where these do not parse. They stand in the first element, long before any data.
+void check_image_placement(const ReadRequest& request) {
+  std::ifstream in(request.file, std::ios::binary);
+  std::string head(8192, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  for (const std::string attribute : {"Origin", "Spacing"}) {
+    const auto at = head.find(" " + attribute + "=");
+    if (at == std::string::npos) continue;
+    const auto quote = at + attribute.size() + 2;
+    const auto close = quote < head.size() ? head.find(head[quote], quote + 1) : std::string::npos;
+    if (close == std::string::npos) continue;
+    std::istringstream numbers(head.substr(quote + 1, close - quote - 1));
+    double value = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(numbers >> value) || !std::isfinite(value))
+        throw Error(ErrorCode::bad_data, request.file.filename().string() + ": " + attribute + " is not three finite numbers");
+  }
+}
+
 vtkSmartPointer<vtkXMLDataElement> parse_small_xml(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   constexpr std::uintmax_t kMost = 64u << 20;
@@ -154,6 +175,7 @@ Imported read_vtk_legacy(const ReadRequest& request) {
 
 Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   const std::string name = request.file.filename().string();
+  if (type == "ImageData" || type == "PImageData") check_image_placement(request);
   if (type == "ImageData") return run_named<vtkXMLImageDataReader>(request);
   if (type == "RectilinearGrid") return run_named<vtkXMLRectilinearGridReader>(request);
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);

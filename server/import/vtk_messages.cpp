@@ -5,6 +5,7 @@
 #include <vtkSmartPointer.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/error.h"
 
@@ -31,12 +32,17 @@ class Messages : public vtkOutputWindow {
 
   void DisplayText(const char*) override {}
   void DisplayErrorText(const char* text) override { keep(errors, text); }
-  void DisplayWarningText(const char* text) override { keep(warnings, text); }
-  void DisplayGenericWarningText(const char* text) override { keep(warnings, text); }
+  void DisplayWarningText(const char* text) override { keep_warning(text); }
+  void DisplayGenericWarningText(const char* text) override { keep_warning(text); }
 
   std::vector<std::string> errors, warnings;
 
  private:
+  /// The legacy readers only warn of "Error reading ascii data" where a file ends within its numbers, and go on with zeros.
+  void keep_warning(const char* text) {
+    const bool lost_data = text && (std::strstr(text, "Error reading") || std::strstr(text, "rror parsing") || std::strstr(text, "ismatch"));
+    keep(lost_data ? errors : warnings, text);
+  }
   static void keep(std::vector<std::string>& messages, const char* text) {
     if (text && messages.size() < kMostMessages) messages.push_back(plain(text));
   }

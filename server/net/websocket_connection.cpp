@@ -61,12 +61,14 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   }
 
   void send(v1::ServerMessage message) override {
-    if (ended_ || closing_) return;
-    waiting_bytes_ += message.ByteSizeLong();
-    if (waiting_bytes_ > kMaxWaitingBytes) return end();  // it has stopped reading and goes on asking
-    greeted_ = true;
-    control_.push_back(std::move(message));
-    wake_writer_.cancel();
+    if (state_) {
+      // What is said after a state is heard after it: an answer never overtakes the change that it answers.
+      v1::ServerMessage earlier;
+      *earlier.mutable_state() = std::move(*state_);
+      state_.reset();
+      queue(std::move(earlier));
+    }
+    queue(std::move(message));
   }
   void send_state(v1::State state) override {
     if (ended_ || closing_) return;
@@ -113,6 +115,15 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       }
       connections_.wake();
     }
+  }
+
+  void queue(v1::ServerMessage message) {
+    if (ended_ || closing_) return;
+    waiting_bytes_ += message.ByteSizeLong();
+    if (waiting_bytes_ > kMaxWaitingBytes) return end();  // it has stopped reading and goes on asking
+    greeted_ = true;
+    control_.push_back(std::move(message));
+    wake_writer_.cancel();
   }
 
   // Whatever waits, the most urgent first.

@@ -340,7 +340,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
   const auto first = std::find_if(dataset.arrays.begin(), dataset.arrays.end(), [](const ArrayFacts& a) { return a.lower < a.upper; });
   if (first != dataset.arrays.end()) {
     scene.array = first->name;
-    constexpr std::array kOpacities = {0.05, 0.1, 0.2, 0.4};
+    constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};
     const auto layers = static_cast<double>(kOpacities.size());
     for (std::size_t i = 0; i < kOpacities.size(); ++i) {
       SceneInterval interval;

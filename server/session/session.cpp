@@ -168,6 +168,23 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
 void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply) {
   last_use_ = now;
   if (id.empty() || id.size() > kMaxNameBytes) return reply(wire_error("invalid_argument", "a dataset's id is expected", "id"));
+  if (opening_ && opening_->dataset == id) {
+    opening_->viewer = viewer ? viewer->key : opening_->viewer;
+    opening_->seq = viewer ? viewer->last_seq : opening_->seq;
+    opening_->reply = [first = std::move(opening_->reply), second = std::move(reply)](std::optional<v1::Error> error) {
+      first(error);
+      second(std::move(error));
+    };
+    return;
+  }
+  if (!opening_ && dataset_ && state_.scene.dataset == id) {
+    if (viewer) {
+      viewer->note_input(viewer->last_seq, state_.scene.revision);
+      viewer->outbox->send(dataset_message(*dataset_));
+      viewer->outbox->send_state(wire_state());
+    }
+    return reply(std::nullopt);
+  }
   if (opening_) {
     engine_.post(CancelRequest{key_, 0, opening_->request});
     engine_.forget(opening_->request);
@@ -177,7 +194,7 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     // What was said in between was meant for a dataset that never came; it is judged by the one that is open now.
     run_deferred(now);
   }
-  Opening opening{0, viewer ? viewer->key : 0, viewer ? viewer->last_seq : 0, std::move(reply)};
+  Opening opening{0, id, viewer ? viewer->key : 0, viewer ? viewer->last_seq : 0, std::move(reply)};
   opening.request = engine_.ask(OpenRequest{key_, 0, id}, [this](const EngineEvent& event, TimePoint then) { opened(event, then); });
   opening_ = std::move(opening);
 }

@@ -58,7 +58,7 @@ class Session {
   /// A scene command from anywhere; `viewer` is whose input it is, or null. While a dataset is being opened it waits its turn, so that commands
   /// take effect in the order they were given.
   void command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply);
-  /// Opens a dataset; one that is still being opened is given up.
+  /// Opens a dataset; another one that is still being opened is given up. What is open already stays as it is and is described again.
   void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply);
   /// Makes the scene what the state says, opening its dataset first where it is another one.
   void set_state(const v1::State& wanted, TimePoint now, Reply reply);
@@ -79,6 +79,7 @@ class Session {
  private:
   struct Opening {
     RequestId request = 0;
+    std::string dataset;
     ViewerKey viewer = 0;
     std::uint64_t seq = 0;
     Reply reply;

@@ -125,6 +125,14 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   welcome.mutable_limits()->set_max_height(kMaxSide);
   welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
   viewer.outbox->send(std::move(answer));
+  // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of their own to bring back.
+  if (hello.resume_token().empty() && hello.has_viewport() && !options_.datasets.empty())
+    session->open(options_.datasets.front().id(), nullptr, now, [session](std::optional<v1::Error> error) {
+      if (!error || error->code() == "cancelled") return;
+      v1::ServerMessage message;
+      *message.mutable_error() = std::move(*error);
+      session->broadcast(message);
+    });
   session->pump(now);
 }
 

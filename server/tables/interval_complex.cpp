@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
+#include "tables/cell_symmetry.h"
 
 namespace isostrata {
 namespace {
@@ -89,22 +90,67 @@ std::vector<IsoVertex> encode_case(const std::vector<IsoSimplex>& simplices, con
   return code;
 }
 
+/// Calls face(vertices, size) for every face of every polytope of a case.
+template <class Code, class Face>
+void visit_faces(Code& code, const Face& face) {
+  for (std::size_t at = 0; at < code.size();) {
+    const int faces = code[at++];
+    for (int f = 0; f < faces; ++f) {
+      const int size = code[at++];
+      face(code.data() + at, size);
+      at += static_cast<std::size_t>(size);
+    }
+  }
+}
+
+std::vector<IsoVertex> image_of(std::vector<IsoVertex> code, const CellSymmetry& symmetry) {
+  visit_faces(code, [&](IsoVertex* cycle, int size) {
+    for (int i = 0; i < size; ++i) cycle[i] = symmetry.isovertex[cycle[i]];
+    if (symmetry.reverses) std::reverse(cycle, cycle + size);
+  });
+  return code;
+}
+
+std::uint32_t isovertices_of(const std::vector<IsoVertex>& code) {
+  std::uint32_t set = 0;
+  visit_faces(code, [&](const IsoVertex* cycle, int size) {
+    for (int i = 0; i < size; ++i) set |= 1u << cycle[i];
+  });
+  return set;
+}
+
 IntervalComplex build(CellType type) {
   const LatticeCell cell = lattice_cell(type);
   IntervalComplex complex;
   complex.type = type;
   complex.masks = face_masks(cell);
   const int cases = case_count(cell.vertex_count());
-  std::vector<std::vector<IsoVertex>> codes(cases);
-  complex.isovertices.resize(cases);
-  parallel_for(cases, 32, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      const std::vector<IsoSimplex> simplices = interval_case(cell, static_cast<int>(i));
-      codes[i] = encode_case(simplices, complex.masks);
-      for (const IsoSimplex& simplex : simplices)
-        for (int k = 0; k < 4; ++k) complex.isovertices[i] |= 1u << simplex.vertex[k];
+  const std::vector<CellSymmetry> symmetries = cell_symmetries(topology(type));
+
+  // One hull for all cases that a symmetry of the cell maps to each other: 267 instead of 6561 for the hexahedron.
+  std::vector<int> model(cases, -1);           // the case that this one is an image of
+  std::vector<const CellSymmetry*> by(cases);  // and the symmetry that maps it here
+  std::vector<int> models;
+  for (int i = 0; i < cases; ++i) {
+    if (model[i] >= 0) continue;
+    models.push_back(i);
+    for (const CellSymmetry& symmetry : symmetries) {
+      const int image = symmetry.map_case(i);
+      model[image] = i;
+      by[image] = &symmetry;
     }
+  }
+  std::vector<std::vector<IsoVertex>> codes(cases);
+  parallel_for(static_cast<std::int64_t>(models.size()), 4, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) codes[models[i]] = encode_case(interval_case(cell, models[i]), complex.masks);
   });
+  // The identity is not the only symmetry that maps a symmetric case to itself: images are made from copies of the models.
+  const std::vector<std::vector<IsoVertex>> originals = codes;
+  complex.isovertices.resize(cases);
+  for (int i = 0; i < cases; ++i) {
+    codes[i] = image_of(originals[model[i]], *by[i]);
+    complex.isovertices[i] = isovertices_of(codes[i]);
+  }
   complex.first.push_back(0);
   for (const auto& code : codes) {
     complex.code.insert(complex.code.end(), code.begin(), code.end());

@@ -31,6 +31,15 @@ test('a wrong token is said clearly', async () => {
   expect(viewer.events).toEqual([]);
 });
 
+test('the page works below a prefix, as behind a proxy', async () => {
+  server = await Server.start({ data: ['sphere:16'], token, more: ['--base-url', '/user/me/proxy/'] });
+  expect(new URL(server.ready.url).pathname).toBe('/user/me/proxy/');
+  viewer = await Viewer.open(browser, server.ready.url);
+  await viewer.until('layers', (state) => state.intervals.length > 0);
+  await viewer.exactPicture();
+  expect(viewer.problems).toEqual([]);
+});
+
 test('a server that is killed and started again gets its picture back', async () => {
   server = await Server.start({ data: ['torus:40'], token });
   viewer = await Viewer.open(browser, server.ready.url);

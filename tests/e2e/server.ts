@@ -20,6 +20,7 @@ export interface ServerOptions {
   data: string[];
   token?: string;
   port?: number;
+  more?: string[]; // further arguments
 }
 
 export class Server {
@@ -36,9 +37,12 @@ export class Server {
     if (!existsSync(binary)) throw new Error(`${binary} is not there: build it, or set ISOSTRATA_BIN_DIR`);
     const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-ready-'));
     const readyFile = join(folder, 'ready.json');
-    const args = ['serve', ...options.data, '--port', String(options.port ?? 0), '--ready-file', readyFile];
-    if (options.token) args.push('--token', options.token);
-    const child = spawn(binary, args, { cwd: repository, stdio: ['ignore', 'pipe', 'pipe'] });
+    const webRoot = join(repository, 'web', 'dist');
+    const port = String(options.port ?? 0);
+    const more = options.more ?? [];
+    const args = ['serve', ...options.data, '--port', port, '--ready-file', readyFile, '--web-root', webRoot, ...more];
+    const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}) };
+    const child = spawn(binary, args, { cwd: repository, env, stdio: ['ignore', 'pipe', 'pipe'] });
     const server = new Server(child, options);
     for (const stream of [child.stdout, child.stderr]) stream?.on('data', (text) => (server.log += String(text)));
     const begun = Date.now();
@@ -60,6 +64,13 @@ export class Server {
 
   get alive(): boolean {
     return this.child.exitCode === null && this.child.signalCode === null;
+  }
+
+  /** Throws with the server's last words where it has died on its own. */
+  checkAlive(): void {
+    if (this.alive) return;
+    const how = this.child.signalCode ?? `status ${this.child.exitCode}`;
+    throw new Error(`isostrata serve died (${how}):\n${this.log.slice(-4000)}`);
   }
 
   async stop(signal: 'SIGTERM' | 'SIGKILL' = 'SIGTERM'): Promise<void> {

@@ -108,18 +108,24 @@ export class Viewer {
     }
   }
 
-  /** Waits for a lossless picture of the newest state, and gives its pixels. */
+  /** Waits for a lossless picture of the newest state in the viewport's size, and gives its pixels. */
   async exactPicture(timeoutMs = 60_000): Promise<Picture> {
-    await this.page.waitForFunction(
-      () => {
-        const canvas = document.querySelector('canvas');
-        const viewport = canvas?.parentElement;
-        return canvas?.dataset.phase === 'exact' && canvas.dataset.revision === viewport?.dataset.revision;
-      },
-      undefined,
-      { timeout: timeoutMs, polling: 100 },
-    );
-    return this.picture();
+    const begun = Date.now();
+    for (;;) {
+      // Not waitForFunction: it needs eval, which the page's policy forbids.
+      const { there, what } = await this.page.evaluate(() => {
+        const canvas = document.querySelector('canvas') as HTMLCanvasElement;
+        const viewport = canvas.parentElement as HTMLElement;
+        const { phase, revision } = canvas.dataset;
+        const size = [canvas.width, canvas.height].join('x');
+        const wanted = [viewport.clientWidth, viewport.clientHeight].map((n) => Math.floor(n * devicePixelRatio)).join('x');
+        const there = phase === 'exact' && revision === viewport.dataset.revision && size === wanted;
+        return { there, what: `${phase} ${size} of revision ${revision}; expected exact ${wanted} of ${viewport.dataset.revision}` };
+      });
+      if (there) return this.picture();
+      if (Date.now() - begun > timeoutMs) throw new Error(`no exact picture after ${timeoutMs} ms: it is ${what}`);
+      await this.page.waitForTimeout(50);
+    }
   }
   async picture(): Promise<Picture> {
     const { width, height, base64 } = await this.page.evaluate(() => {

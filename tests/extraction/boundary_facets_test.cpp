@@ -94,5 +94,15 @@ TEST(CountUnmatchedFacets, SeesAFaceSharedByThreeCells) {
   EXPECT_EQ(unmatched(extract(unstructured_grid(parts), point_array(std::vector<double>(6, 0.5)), {{0, 1}})), 3);
 }
 
+TEST(CountUnmatchedFacets, TakesATriangleOnAQuadrilateralForTwoBoundaries) {
+  UnstructuredParts parts;
+  parts.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0.7, 0.3, 2}};
+  parts.add(CellType::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7});
+  parts.add(CellType::tetrahedron, {4, 5, 6, 8});  // on half of the face 4 5 6 7: no face is shared
+  const IntervalMesh mesh = extract(unstructured_grid(parts), point_array(std::vector<double>(9, 0.5)), {{0, 1}});
+  EXPECT_EQ(unmatched(mesh), 0);
+  EXPECT_EQ(count_label(mesh, FacetLabel::domain), 12 + 4);
+}
+
 }  // namespace
 }  // namespace isostrata

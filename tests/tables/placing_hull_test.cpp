@@ -55,7 +55,7 @@ std::vector<LatticePoint> shuffled_cube(int d, std::mt19937_64& random) {
 
 TEST(PlacingHull, SupportsEveryPointAndItsFacetsFillTheCube) {
   for (int d = 2; d <= 6; ++d)
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (std::uint64_t seed = 1; seed <= (d < 6 ? 5 : 1); ++seed) {
       SCOPED_TRACE("dimension " + std::to_string(d) + ", seed " + std::to_string(seed));
       std::mt19937_64 random(seed);
       const auto points = shuffled_cube(d, random);

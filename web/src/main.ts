@@ -2,7 +2,7 @@
 import { mount } from 'svelte';
 import App from './App.svelte';
 import './style.css';
-import { Connection, type Socket } from './lib/connection';
+import { Connection, type NotOpened, type Socket } from './lib/connection';
 import { SavedTab } from './lib/saved';
 import { Session } from './lib/session.svelte';
 import { ThemeChoice } from './lib/theme.svelte';
@@ -16,15 +16,23 @@ const token = takeToken({
 });
 
 /** A refused handshake looks like a dead server to a page; plain HTTP tells the two apart. */
-async function askWhy(): Promise<'refused' | 'unreachable' | 'unknown'> {
+async function askWhy(): Promise<NotOpened> {
   const url = new URL('api/v1/datasets', document.baseURI);
   if (token) url.searchParams.set('token', token);
   try {
-    const { status } = await fetch(url, { cache: 'no-store', signal: AbortSignal.timeout(5000) });
-    if (status === 401 || status === 403) return 'refused';
-    return status >= 502 && status <= 504 ? 'unreachable' : 'unknown';
+    const response = await fetch(url, { cache: 'no-store', signal: AbortSignal.timeout(5000) });
+    if (response.status === 401)
+      return {
+        kind: 'refused',
+        reason: 'The server does not accept this access token. Open the address that the server printed when it was started: it carries the right one.',
+      };
+    if (response.status === 403) {
+      const problem = (await response.json().catch(() => ({}))) as { detail?: string; title?: string };
+      return { kind: 'refused', reason: problem.detail ?? problem.title ?? 'The server does not let this page in.' };
+    }
+    return { kind: response.status >= 502 && response.status <= 504 ? 'unreachable' : 'unknown' };
   } catch {
-    return 'unreachable';
+    return { kind: 'unreachable' };
   }
 }
 

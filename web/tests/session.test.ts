@@ -173,6 +173,18 @@ describe('the store', () => {
     expect(find('setCamera')?.body.value.camera?.eye).toMatchObject({ z: 9 });
   });
 
+  test('opens the first dataset of a session that has just begun, and leaves a resumed one as it is', () => {
+    const empty = (session: string): Body => ({
+      case: 'welcome',
+      value: { protocolMajor: 1, session, resumeToken: session, datasets: [{ id: 'fin', name: 'fin.bin' }], state: {} },
+    });
+    const first = harness();
+    first.says(empty('s'));
+    expect(first.find('openDataset')?.body.value.id).toBe('fin');
+    first.says(empty('s'));
+    expect(first.cases().filter((c) => c === 'openDataset')).toHaveLength(1);
+  });
+
   test('refuses a server of another major version in words', () => {
     const { session, says } = harness();
     says({ case: 'welcome', value: { protocolMajor: 2 } });

@@ -1,100 +1,88 @@
-// A thin C++ client of an Isostrata server: one WebSocket, the messages of protocol/isostrata/v1/isostrata.proto, blocking calls.
+// A thin client of an Isostrata server: connect, send commands, receive state and frames. Messages are those of the protocol
+// (isostrata/v1/isostrata.pb.h); nothing of the server is needed.
 //
-//   auto connection = isostrata::client::Connection::open("http://127.0.0.1:8080/?token=...", {.width = 800, .height = 600});
-//   isostrata::v1::ClientMessage open;
-//   open.mutable_open_dataset()->set_id(connection.welcome().datasets(0).id());
-//   const auto seq = connection.send(open);
-//   isostrata::v1::ClientMessage still;
-//   still.mutable_request_still();
-//   connection.send(still);
-//   const auto frame = connection.wait_for_frame(seq, /*lossless=*/true, std::chrono::seconds(30));   // frame.payload() is a PNG
-//
-// A Connection belongs to one thread at a time. Everything that can fail throws client::Error.
+//   isostrata::client::Client client({.url = "http://127.0.0.1:8080/?token=..."});
+//   client.open_dataset(client.welcome().datasets(0).id());
+//   const auto frame = client.lossless_frame();             // PNG bytes in frame.payload()
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "isostrata/v1/isostrata.pb.h"
 
 namespace isostrata::client {
 
-/// code: one of the server's codes ("not_found", ...), or "connection", "timeout", "address", "refused" (HTTP status in the message).
-class Error : public std::runtime_error {
+/// What went wrong: code is the server's ("not_found", "invalid_argument", ...) or one of ours: "bad_url", "connection", "unauthorized",
+/// "timeout", "closed", "protocol", "bad_image".
+class ClientError : public std::runtime_error {
  public:
-  Error(std::string code, const std::string& message) : std::runtime_error(message), code_(std::move(code)) {}
+  ClientError(std::string code, const std::string& message) : std::runtime_error(message), code_(std::move(code)) {}
   const std::string& code() const { return code_; }
 
  private:
   std::string code_;
 };
 
-/// What a server prints: http://HOST:PORT/BASE/?token=TOKEN.
-struct Address {
-  std::string host;
-  std::string port;
-  std::string base = "/";  // begins and ends with a slash
-  std::string token;       // empty: none
-};
-Address parse_address(std::string_view url);
-
 struct Options {
-  std::uint32_t width = 800, height = 600;  // of the frames, in pixels
-  std::string resume_token;                 // of an earlier welcome(); empty: a new session
-  std::chrono::milliseconds connect_timeout{10'000};
+  std::string url;            // as the server prints it, http://HOST:PORT/BASE/?token=TOKEN
+  std::string token;          // where the url has none
+  std::string resume_token;   // of an earlier Welcome: joins that session
+  std::string name = "isostrata-client";
+  int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
+  std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own
 };
 
-class Connection {
+/// One connection. Not thread-safe: everything happens on the caller's thread, inside the calls.
+class Client {
  public:
-  /// Connects, says Hello and waits for Welcome.
-  static Connection open(std::string_view url, const Options& options);
-  Connection(Connection&&) noexcept;
-  Connection& operator=(Connection&&) noexcept;
-  ~Connection();  // closes without waiting
+  /// Connects, says Hello and waits for Welcome. Throws ClientError.
+  explicit Client(const Options& options);
+  ~Client();
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
 
   const v1::Welcome& welcome() const;
-
-  /// Sends a command; seq is filled in and returned.
-  std::uint64_t send(v1::ClientMessage message);
-
-  /// The next message from the server, or nothing after the timeout. A Frame must be acknowledged, or no more follow.
-  std::optional<v1::ServerMessage> receive(std::chrono::milliseconds timeout);
-
-  /// Tells the server that a frame was decoded; it sends the next only then. decode_ms is for the server's statistics.
-  void acknowledge(const v1::Frame& frame, double decode_ms);
-
-  /// Receives until a Frame contains the state-changing command `seq` (its input_seq is at least that), acknowledging every frame on the way. Throws the
-  /// server's Error where it answers one to a command of this connection, and "timeout".
-  v1::Frame wait_for_frame(std::uint64_t seq, bool lossless, std::chrono::milliseconds timeout);
-
-  /// Receives until the dataset with this id is open and described. Throws like wait_for_frame.
-  v1::DatasetInfo wait_for_dataset(std::string_view id, std::chrono::milliseconds timeout);
-
-  /// The newest State and DatasetInfo received so far.
+  /// The newest that the server has told.
   const v1::State& state() const;
-  const v1::DatasetInfo& dataset_info() const;
+  /// Of state().dataset(); empty where none is open.
+  const v1::DatasetInfo& dataset() const;
+
+  /// Sends a command; its seq is filled in and returned. Does not wait for an answer.
+  std::uint64_t send(v1::ClientMessage message);
+  /// The next message of the server, or nothing after the timeout. Frames are acknowledged here, at once. Throws ClientError "closed".
+  std::optional<v1::ServerMessage> receive(std::chrono::milliseconds timeout);
+  /// Sends and waits until the server has surely done it or refused it. Throws ClientError with the server's code.
+  void command(v1::ClientMessage message);
+
+  /// Waits until the dataset is open. Throws ClientError.
+  void open_dataset(const std::string& id);
+  /// The next lossless frame of at least the newest revision known here. Throws ClientError.
+  v1::Frame lossless_frame();
+
+  void close();
 
  private:
-  struct Socket;
-  explicit Connection(std::unique_ptr<Socket> socket);
-  std::unique_ptr<Socket> socket_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
-/// GET BASE + path over HTTP with the token. Throws "refused" with the server's explanation where the status is not 200.
-std::string http_get(const Address& address, std::string_view path, std::chrono::milliseconds timeout);
-
-/// Width, height and RGB of a JPEG frame.
-struct DecodedImage {
+/// A decoded picture, 8 bits a channel, row 0 at the top.
+struct Picture {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;  // [height][width][3], row 0 on top
+  std::vector<std::uint8_t> rgb;  // [height][width][3]
 };
-DecodedImage decode_jpeg(std::string_view bytes);
+
+/// JPEG, or PNG of 8-bit RGB or RGBA without interlacing, which is what servers send. Throws ClientError "bad_image".
+Picture decode(const std::string& bytes);
+
+/// GET below the server's base URL ("api/v1/sessions"), with its token; the body. Throws ClientError, for a status of 400 or more with the
+/// problem document's code and detail.
+std::string http_get(const Options& options, const std::string& path);
 
 }  // namespace isostrata::client

@@ -119,7 +119,9 @@ function label(
     if (view[2] >= 0) continue;
     const [x, y] = screenFromView(camera, width, height, view);
     result.ticks.push({ x1: x, y1: y, x2: x + out[0] * 5, y2: y + out[1] * 5 });
-    result.labels.push({ x: x + out[0] * 16, y: y + out[1] * 13, text: formatNumber(value, 4), kind: 'tick' });
+    const label: AxisLabel = { x: x + out[0] * 16, y: y + out[1] * 13, text: formatNumber(value, 4), kind: 'tick' };
+    // Where two axes meet, one number is enough.
+    if (result.labels.every((other) => Math.hypot(other.x - label.x, other.y - label.y) > 18)) result.labels.push(label);
   }
   result.labels.push({ x: mx + out[0] * 36, y: my + out[1] * 30, text: names[axis], kind: 'name' });
 }

@@ -8,6 +8,9 @@ export type ConnectionStatus =
   | { kind: 'waiting'; attempt: number; retryAtMs: number; reason: string }
   | { kind: 'refused'; reason: string }; // trying again by itself would not help
 
+/** Why a socket did not open; a refusal with its reason in words. */
+export type NotOpened = { kind: 'refused'; reason: string } | { kind: 'unreachable' } | { kind: 'unknown' };
+
 /** What a browser's WebSocket offers and this needs. */
 export type Socket = Pick<WebSocket, 'binaryType' | 'readyState' | 'send' | 'close'> & {
   onopen: ((event: Event) => void) | null;
@@ -21,7 +24,7 @@ export interface ConnectionDoors {
   onStatus(status: ConnectionStatus): void;
   onEvent(event: ServerEvent): void;
   /** Asks over HTTP why the socket did not open: a browser hides the status of a refused handshake. */
-  askWhy(): Promise<'refused' | 'unreachable' | 'unknown'>;
+  askWhy(): Promise<NotOpened>;
   now(): number;
   setTimeout(callback: () => void, ms: number): number;
   clearTimeout(id: number): void;
@@ -125,10 +128,8 @@ export class Connection {
   private async explain(): Promise<void> {
     const why = await this.doors.askWhy();
     if (this.socket || this.stopped || this.timer !== null) return;
-    if (why === 'refused') {
-      const reason = 'The server does not accept this access token. Open the address that `isostrata serve` printed, with its token.';
-      this.doors.onStatus({ kind: 'refused', reason });
-    } else this.wait(why === 'unreachable' ? 'The server cannot be reached.' : 'The server did not open the connection.');
+    if (why.kind === 'refused') this.doors.onStatus(why);
+    else this.wait(why.kind === 'unreachable' ? 'The server cannot be reached.' : 'The server did not open the connection.');
   }
 
   private wait(reason: string): void {

@@ -222,7 +222,8 @@ export class Session {
   /** The newest lossless frame, asked for where the picture on the screen is not one. Null where none comes within ten seconds. */
   still(): Promise<Frame | null> {
     const newest = this.lossless;
-    if (newest && newest.revision >= this.server.revision && this.frame?.lossless) return Promise.resolve(newest);
+    const fits = newest?.width === this.viewport.width && newest.height === this.viewport.height;
+    if (newest && fits && newest.revision >= this.server.revision) return Promise.resolve(newest);
     return new Promise((resolve) => {
       const timer = setTimeout(() => resolve(null), 10_000);
       this.wantStill.push((frame) => {
@@ -312,8 +313,9 @@ export class Session {
     this.outbox.drop();
     this.send(command.viewport(this.viewport));
     this.send(command.ping(this.doors.now()));
-    if (welcome.state) this.onState(welcome.state);
-    else this.onState(emptyState);
+    this.onState(welcome.state ?? emptyState);
+    // A session that has just begun shows something at once; one that was resumed is left as it was.
+    if (!resumed) this.openFirst();
   }
 
   private onState(state: SceneState): void {
@@ -393,6 +395,11 @@ export class Session {
     this.send(command.requestHistogram(array, histogramBins));
   }
 
+  private openFirst(): void {
+    const first = this.welcome?.datasets[0];
+    if (first && !this.restoring && !this.server.dataset) this.openDataset(first.id);
+  }
+
   private continueRestore(): void {
     const restoring = this.restoring;
     if (!restoring) return;
@@ -401,7 +408,7 @@ export class Session {
     if (step.kind === 'impossible') {
       this.restoring = null;
       if (!restoring.quiet) this.say(step.reason);
-      return;
+      return this.openFirst();
     }
     restoring.opened = true;
     if (step.done) this.restoring = null;

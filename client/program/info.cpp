@@ -1,0 +1,38 @@
+// info: what a server offers and what the session shows.
+#include <google/protobuf/util/json_util.h>
+
+#include <cstdio>
+
+#include "arguments.h"
+
+namespace isostrata::client {
+
+void add_info(CLI::App& app, Options& options) {
+  CLI::App* command = app.add_subcommand("info", "What the server offers");
+  const auto json = std::make_shared<bool>(false);
+  const auto arguments = std::make_shared<SceneArguments>();
+  command->add_flag("--json", *json, "The server's Welcome as one JSON document");
+  command->add_option("--session", arguments->session, "Id or resume token of the session to join; none: a new one");
+  arguments->size.clear();
+  command->callback([&options, json, arguments] {
+    const Client client = connect(options, *arguments);
+    const v1::Welcome& welcome = client.welcome();
+    if (*json) {
+      google::protobuf::util::JsonPrintOptions print;
+      print.always_print_primitive_fields = true;
+      std::string text;
+      if (!google::protobuf::util::MessageToJsonString(welcome, &text, print).ok()) throw ClientError("protocol", "the server's Welcome is no JSON");
+      std::printf("%s\n", text.c_str());
+      return;
+    }
+    std::printf("server   %s\ndevice   %s\nsession  %s\n", welcome.server().c_str(), welcome.device().c_str(), welcome.session().c_str());
+    for (const v1::DatasetEntry& entry : welcome.datasets()) std::printf("dataset  %s  (%s)\n", entry.id().c_str(), entry.name().c_str());
+    const v1::State& state = welcome.state();
+    if (state.dataset().empty()) return;
+    std::printf("shows    %s, array %s, step %d, revision %llu\n", state.dataset().c_str(), state.array().c_str(), state.step(), static_cast<unsigned long long>(state.revision()));
+    for (const v1::Interval& i : state.intervals())
+      std::printf("interval %u  %.9g:%.9g  opacity %g%s\n", i.id(), i.lower(), i.upper(), i.opacity(), i.visible() ? "" : "  hidden");
+  });
+}
+
+}  // namespace isostrata::client

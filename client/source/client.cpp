@@ -1,0 +1,266 @@
+#include "isostrata/client.h"
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+
+#include "server_address.h"
+
+namespace isostrata::client {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using Steady = std::chrono::steady_clock;
+
+constexpr std::size_t kMaxServerMessage = 512u << 20;  // a lossless frame of the largest size
+
+}  // namespace
+
+class Client::Impl {
+ public:
+  explicit Impl(const Options& options) : timeout_(options.timeout), socket_(io_) {
+    const ServerAddress address = parse_address(options);
+    connect(address);
+    v1::ClientMessage hello;
+    v1::Hello& body = *hello.mutable_hello();
+    body.set_protocol_major(1);
+    body.set_client(options.name);
+    if (options.width > 0) {
+      body.mutable_viewport()->set_width(static_cast<std::uint32_t>(options.width));
+      body.mutable_viewport()->set_height(static_cast<std::uint32_t>(options.height));
+    }
+    body.add_still_formats("png");
+    body.add_moving_formats("jpeg");
+    body.set_resume_token(options.resume_token);
+    send(std::move(hello));
+    const auto deadline = Steady::now() + timeout_;
+    while (!welcomed_) {
+      const auto message = receive_until(deadline);
+      if (!message) throw ClientError("timeout", "the server did not answer Hello");
+      if (message->has_error()) throw ClientError(message->error().code(), message->error().message());
+    }
+  }
+
+  ~Impl() { close(); }
+
+  void close() {
+    if (!socket_.is_open()) return;
+    socket_.async_close(websocket::close_code::normal, [](beast::error_code) {});
+    io_.restart();
+    io_.run_for(std::chrono::milliseconds(500));
+    beast::get_lowest_layer(socket_).close();
+    io_.restart();
+    io_.poll();
+  }
+
+  std::uint64_t send(v1::ClientMessage message) {
+    message.set_seq(++last_seq_);
+    std::string bytes;
+    message.SerializeToString(&bytes);
+    outgoing_.push_back(std::move(bytes));
+    if (outgoing_.size() == 1) write();
+    io_.restart();
+    io_.poll();
+    return last_seq_;
+  }
+
+  std::optional<v1::ServerMessage> receive_until(Steady::time_point deadline) {
+    while (incoming_.empty()) {
+      if (failure_) throw ClientError("closed", "the server ended the connection: " + why_closed());
+      const auto now = Steady::now();
+      io_.restart();
+      if (now >= deadline) {
+        io_.poll();
+        if (incoming_.empty() && !failure_) return std::nullopt;
+        continue;
+      }
+      io_.run_one_for(deadline - now);
+    }
+    v1::ServerMessage message = std::move(incoming_.front());
+    incoming_.pop_front();
+    note(message);
+    return message;
+  }
+
+  void command(v1::ClientMessage message) {
+    const std::uint64_t seq = send(std::move(message));
+    // Messages are answered in order: when the ping is answered, the command has been judged.
+    v1::ClientMessage ping;
+    const double mark = static_cast<double>(++pings_);
+    ping.mutable_ping()->set_client_time_ms(mark);
+    send(std::move(ping));
+    const auto deadline = Steady::now() + timeout_;
+    for (;;) {
+      const auto answer = receive_until(deadline);
+      if (!answer) throw ClientError("timeout", "the server did not answer a command");
+      if (answer->has_error() && answer->error().in_reply_to() == seq) throw ClientError(answer->error().code(), answer->error().message());
+      if (answer->has_pong() && answer->pong().client_time_ms() == mark) return;
+    }
+  }
+
+  void open_dataset(const std::string& id) {
+    v1::ClientMessage message;
+    message.mutable_open_dataset()->set_id(id);
+    const std::uint64_t seq = send(std::move(message));
+    const auto deadline = Steady::now() + timeout_;
+    bool described = false;
+    for (;;) {
+      const auto answer = receive_until(deadline);
+      if (!answer) throw ClientError("timeout", "dataset '" + id + "' was not open in time");
+      if (answer->has_error() && answer->error().in_reply_to() == seq) throw ClientError(answer->error().code(), answer->error().message());
+      described = described || (answer->has_dataset_info() && answer->dataset_info().id() == id);
+      if (described && answer->has_state() && state_.dataset() == id) return;
+    }
+  }
+
+  v1::Frame lossless_frame() {
+    v1::ClientMessage still;
+    still.mutable_request_still();
+    const std::uint64_t seq = send(std::move(still));
+    const auto deadline = Steady::now() + timeout_;
+    for (;;) {
+      auto message = receive_until(deadline);
+      if (!message) throw ClientError("timeout", "no lossless frame came in time");
+      if (message->has_error() && (message->error().in_reply_to() == seq || message->error().in_reply_to() == 0))
+        throw ClientError(message->error().code(), message->error().message());
+      if (message->has_frame() && message->frame().phase() == v1::FRAME_PHASE_LOSSLESS && message->frame().revision() >= state_.revision())
+        return std::move(*message->mutable_frame());
+    }
+  }
+
+  const std::chrono::milliseconds timeout_;
+  v1::Welcome welcome_;
+  v1::State state_;
+  v1::DatasetInfo dataset_;
+
+ private:
+  void connect(const ServerAddress& address) {
+    beast::error_code error;
+    asio::ip::tcp::resolver resolver(io_);
+    const auto found = resolver.resolve(address.connect_to, address.port, error);
+    const std::string where = address.host + ":" + address.port;
+    if (error) throw ClientError("connection", where + ": " + error.message());
+    auto& tcp = beast::get_lowest_layer(socket_);
+    tcp.expires_after(timeout_);
+    error = asio::error::would_block;
+    tcp.async_connect(found, [&](beast::error_code e, const asio::ip::tcp::endpoint&) { error = e; });
+    io_.run();
+    if (error) throw ClientError("connection", where + ": " + error.message());
+    tcp.socket().set_option(asio::ip::tcp::no_delay(true));
+    tcp.expires_never();
+    socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::client));
+    socket_.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
+      request.set(beast::http::field::sec_websocket_protocol, "isostrata.v1");
+      request.set(beast::http::field::user_agent, "isostrata-client");
+      if (!address.token.empty()) request.set(beast::http::field::authorization, "Bearer " + address.token);
+    }));
+    socket_.binary(true);
+    socket_.auto_fragment(false);
+    socket_.read_message_max(kMaxServerMessage);
+    websocket::response_type response;
+    error = asio::error::would_block;
+    socket_.async_handshake(response, where, address.base_path + "ws", [&](beast::error_code e) { error = e; });
+    io_.restart();
+    io_.run();
+    if (error == websocket::error::upgrade_declined) {
+      const auto status = response.result_int();
+      throw ClientError(status == 401 ? "unauthorized" : "connection",
+                        where + ": the server refused the WebSocket with status " + std::to_string(status) +
+                            (status == 401 ? "; use the address it printed, with its token" : ""));
+    }
+    if (error) throw ClientError("connection", where + ": " + error.message());
+    read();
+  }
+
+  void read() {
+    socket_.async_read(buffer_, [this](beast::error_code error, std::size_t) {
+      if (error) {
+        failure_ = error;
+        return;
+      }
+      v1::ServerMessage message;
+      if (message.ParseFromArray(buffer_.data().data(), static_cast<int>(buffer_.size()))) {
+        // The picture has arrived: that is what the acknowledgement is to prove, so it is not kept back until someone looks.
+        if (message.has_frame()) {
+          v1::ClientMessage ack;
+          ack.mutable_frame_ack()->set_frame_id(message.frame().frame_id());
+          ack.set_seq(++last_seq_);
+          std::string bytes;
+          ack.SerializeToString(&bytes);
+          outgoing_.push_back(std::move(bytes));
+          if (outgoing_.size() == 1) write();
+        }
+        incoming_.push_back(std::move(message));
+      }
+      buffer_.clear();
+      read();
+    });
+  }
+
+  void write() {
+    socket_.async_write(asio::buffer(outgoing_.front()), [this](beast::error_code error, std::size_t) {
+      if (error) {
+        if (!failure_) failure_ = error;
+        return;
+      }
+      outgoing_.pop_front();
+      if (!outgoing_.empty()) write();
+    });
+  }
+
+  void note(const v1::ServerMessage& message) {
+    if (message.has_welcome()) {
+      welcome_ = message.welcome();
+      state_ = welcome_.state();
+      dataset_ = welcome_.dataset_info();
+      welcomed_ = true;
+    } else if (message.has_state()) {
+      state_ = message.state();
+    } else if (message.has_dataset_info()) {
+      dataset_ = message.dataset_info();
+    } else if (message.has_shutdown()) {
+      last_words_ = message.shutdown().reason();
+    } else if (message.has_error()) {
+      last_words_ = message.error().message();
+    }
+  }
+
+  std::string why_closed() const {
+    if (!last_words_.empty()) return last_words_;
+    if (failure_ == websocket::error::closed && !socket_.reason().reason.empty()) return socket_.reason().reason.c_str();
+    return failure_.message();
+  }
+
+  asio::io_context io_{1};
+  websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer buffer_;
+  std::deque<std::string> outgoing_;
+  std::deque<v1::ServerMessage> incoming_;
+  beast::error_code failure_;
+  std::string last_words_;
+  std::uint64_t last_seq_ = 0;
+  std::uint64_t pings_ = 0;
+  bool welcomed_ = false;
+};
+
+Client::Client(const Options& options) : impl_(std::make_unique<Impl>(options)) {}
+Client::~Client() = default;
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+const v1::Welcome& Client::welcome() const { return impl_->welcome_; }
+const v1::State& Client::state() const { return impl_->state_; }
+const v1::DatasetInfo& Client::dataset() const { return impl_->dataset_; }
+std::uint64_t Client::send(v1::ClientMessage message) { return impl_->send(std::move(message)); }
+std::optional<v1::ServerMessage> Client::receive(std::chrono::milliseconds timeout) { return impl_->receive_until(Steady::now() + timeout); }
+void Client::command(v1::ClientMessage message) { impl_->command(std::move(message)); }
+void Client::open_dataset(const std::string& id) { impl_->open_dataset(id); }
+v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
+void Client::close() { impl_->close(); }
+
+}  // namespace isostrata::client

@@ -1,0 +1,239 @@
+// Broken and hostile files: one clear error each; the parent never crashes, hangs or leaves anything behind.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "data/files.h"
+#include "data/import_door.h"
+
+namespace isostrata {
+namespace {
+
+using test::refusal;
+using test::Scratch;
+
+const char* const kImageHeader =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" "
+    "Spacing=\"1 1 1\">\n<Piece Extent=\"0 1 0 1 0 1\"><PointData Scalars=\"a\"><DataArray type=\"Float32\" Name=\"a\" format=\"ascii\">0 1 2 3 4 5 6 7"
+    "</DataArray></PointData></Piece></ImageData></VTKFile>\n";
+
+const char* const kUnstructured =
+    "# vtk DataFile Version 3.0\nmade by a test\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\n"
+    "CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10\n10\nPOINT_DATA 5\nSCALARS f double 1\nLOOKUP_TABLE default\n0 1 2 3 4\n"
+    "VECTORS v float\n1 0 0 0 1 0 0 0 1 1 1 1 2 2 2\nCELL_DATA 2\nSCALARS c float 1\nLOOKUP_TABLE default\n5 6\n";
+
+const char* const kStructured =
+    "# vtk DataFile Version 3.0\nmade by a test\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS 2 2 2\nPOINTS 8 float\n"
+    "0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1\nPOINT_DATA 8\nSCALARS f int 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error("no '" + from + "' to replace");
+  return text.replace(at, from.size(), to);
+}
+
+std::vector<std::filesystem::path> left_behind() {
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
+    if (entry.path().filename().string().starts_with("isostrata-import-")) found.push_back(entry.path());
+  return found;
+}
+
+TEST(ImportDamage, WhatIsNotAFileIsSaid) {
+  const Scratch scratch;
+  EXPECT_EQ(refusal(scratch / "absent.vtk").code(), ErrorCode::not_found);
+  EXPECT_EQ(refusal("").code(), ErrorCode::not_found);
+  EXPECT_EQ(refusal(scratch.path()).code(), ErrorCode::bad_data);
+  EXPECT_EQ(refusal("/dev/null").code(), ErrorCode::bad_data);
+  for (const char* name : {"a.vtk", "a.vti", "a.vtu", "a.nrrd", "a.xyz", "a.e", "a.pvd", "a.mhd", "a.slc", "a"})
+    EXPECT_EQ(refusal(scratch.write(name, "")).code(), ErrorCode::bad_data) << name;
+  for (const char* name : {"b.vtk", "b.vti", "b.vtu", "b.nrrd", "b.e", "b.pvd", "b.mhd"})
+    EXPECT_EQ(refusal(scratch.write(name, "this is not it")).code(), ErrorCode::bad_data) << name;
+  EXPECT_EQ(refusal(scratch.write("b.txt", "this is not it")).code(), ErrorCode::unsupported);
+}
+
+TEST(ImportDamage, NamesWithShellCharactersAreOnlyNames) {
+  const Scratch scratch;
+  for (const char* name : {"a b.vti", "$(touch hacked).vti", "-x.vti", "a;b'\"\n.vti"})
+    EXPECT_EQ(test::open(scratch.write(name, kImageHeader))->grid.point_count(), 8) << name;
+  EXPECT_FALSE(std::filesystem::exists("hacked"));
+}
+
+// A legacy file that ends between two of its sections is a whole, shorter file: only cuts within sections can be seen.
+TEST(ImportDamage, TruncatedFilesAreRefused) {
+  const Scratch scratch;
+  const auto cut = [&](const std::string& name, const std::string& text, double part) {
+    const Error error = refusal(scratch.write(name, text.substr(0, static_cast<std::size_t>(static_cast<double>(text.size()) * part))));
+    EXPECT_EQ(error.code(), ErrorCode::bad_data) << name << " at " << part << ": " << error.what();
+    EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+  };
+  for (const double part : {0.29, 0.5, 0.75}) {
+    cut("t.vti", kImageHeader, part);
+    cut("t.vtk", kUnstructured, part);
+    cut("s.vtk", kStructured, part);
+  }
+}
+
+TEST(ImportDamage, HostileHeadersAreRefused) {
+  const Scratch scratch;
+  const auto refused = [&](const std::string& name, const std::string& text) {
+    const Error error = refusal(scratch.write(name, text));
+    EXPECT_TRUE(error.code() == ErrorCode::bad_data || error.code() == ErrorCode::too_large) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+  };
+  refused("x.vti", replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 2000000000 0 2000000000 0 2000000000"), "0 1 0 1 0 1", "0 2000000000 0 2000000000 0 2000000000"));
+  refused("x.vti", replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 99999 0 99999 0 99999"), "0 1 0 1 0 1", "0 99999 0 99999 0 99999"));
+  refused("x.vti", replaced(kImageHeader, "Spacing=\"1 1 1\"", "Spacing=\"1 0 1\""));
+  refused("x.vti", replaced(kImageHeader, "Spacing=\"1 1 1\"", "Spacing=\"1 nan 1\""));
+  refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "4 1 2 3 400000000"));
+  refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "4 1 2 3 -1"));
+  refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "400 1 2 3 4"));
+  refused("x.vtk", replaced(kUnstructured, "10\n10", "10\n12"));
+  refused("x.vtk", replaced(kUnstructured, "POINTS 5", "POINTS 2000000000000"));
+  refused("x.vtk", replaced(kUnstructured, "CELLS 2 10", "CELLS 2000000000 10000000000"));
+  refused("x.vtk", replaced(kStructured, "DIMENSIONS 2 2 2", "DIMENSIONS 2 2 200"));
+  refused("x.vtk", replaced(kStructured, "DIMENSIONS 2 2 2", "DIMENSIONS 46341 46341 2"));
+  refused("x.vtk", replaced(kStructured, "0 0 0 1", "0 0 nan 1"));
+}
+
+TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
+  const Scratch scratch;
+  scratch.write("secret.vti", kImageHeader);
+  scratch.write("in/ok.vti", kImageHeader);
+  const auto pvd = [&](const std::string& file) {
+    return scratch.write("in/x.pvd", "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection><DataSet timestep=\"0\" file=\"" + file +
+                                         "\"/></Collection></VTKFile>");
+  };
+  EXPECT_EQ(test::open(pvd("ok.vti"))->grid.point_count(), 8);
+  EXPECT_EQ(refusal(pvd("../secret.vti")).code(), ErrorCode::bad_data);
+  EXPECT_EQ(refusal(pvd((scratch / "secret.vti").string())).code(), ErrorCode::bad_data);
+  EXPECT_EQ(refusal(pvd("absent.vti")).code(), ErrorCode::not_found);
+  EXPECT_EQ(refusal(pvd("x.pvd")).code(), ErrorCode::bad_data);
+  const auto pvti = [&](const std::string& file) {
+    return scratch.write("in/x.pvti",
+                         "<?xml version=\"1.0\"?><VTKFile type=\"PImageData\" version=\"0.1\"><PImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">"
+                         "<PPointData><PDataArray type=\"Float32\" Name=\"a\"/></PPointData><Piece Extent=\"0 1 0 1 0 1\" Source=\"" +
+                             file + "\"/></PImageData></VTKFile>");
+  };
+  EXPECT_EQ(test::open(pvti("ok.vti"))->array("a").upper, 7);
+  EXPECT_EQ(refusal(pvti("../secret.vti")).code(), ErrorCode::bad_data);
+  scratch.write("secret.raw", std::string(8, 'x'));
+  EXPECT_EQ(refusal(scratch.write("in/x.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = ../secret.raw\n")).code(),
+            ErrorCode::bad_data);
+}
+
+TEST(ImportDamage, ALinkIsReadUnderItsOwnName) {
+  const Scratch scratch;
+  scratch.write("store/4f2a", kImageHeader);
+  std::filesystem::create_directory(scratch / "in");
+  std::filesystem::create_symlink("../store/4f2a", scratch / "in/x.vti");
+  EXPECT_EQ(test::open(scratch / "in/x.vti")->grid.point_count(), 8);
+}
+
+TEST(ImportDamage, MemoryBudgetIsKept) {
+  const Scratch scratch;
+  OpenOptions options;
+  options.max_bytes = 60;
+  EXPECT_EQ(refusal(scratch.write("x.vti", kImageHeader), options).code(), ErrorCode::too_large);
+}
+
+TEST(ImportDamage, ACrashOfTheReaderIsAnErrorOfItsFile) {
+  const Scratch scratch;
+  const auto fake = [&](const std::string& script) {
+    const auto program = scratch.write("reader", "#!/bin/sh\n" + script + "\n");
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    OpenOptions options;
+    options.importer = program;
+    options.timeout_s = 2;
+    return refusal(scratch.write("x.vti", kImageHeader), options);
+  };
+  EXPECT_STREQ(fake("kill -SEGV $$").what(), "x.vti: the reader crashed (signal 11)");
+  EXPECT_STREQ(fake("echo noise >&2; echo error unsupported x.vti: too odd >&2; exit 1").what(), "x.vti: too odd");
+  EXPECT_EQ(fake("echo error unsupported x >&2; exit 1").code(), ErrorCode::unsupported);
+  EXPECT_EQ(fake("exit 7").code(), ErrorCode::bad_data);
+  EXPECT_EQ(fake("exit 0").code(), ErrorCode::bad_data);
+  EXPECT_EQ(fake("sleep 100").code(), ErrorCode::bad_data);
+  OpenOptions absent;
+  absent.importer = scratch / "absent";
+  EXPECT_EQ(refusal(scratch.write("x.vti", kImageHeader), absent).code(), ErrorCode::unavailable);
+}
+
+TEST(ImportDamage, LeavesNothingInTheTemporaryDirectory) {
+  const Scratch scratch;
+  setenv("TMPDIR", scratch.path().c_str(), 1);
+  const auto file = scratch.write("x.vti", kImageHeader);
+  const auto data = test::open(file);
+  EXPECT_TRUE(left_behind().empty());
+  EXPECT_EQ(data->array("a").at(5), 5);  // still mapped
+  refusal(scratch.write("y.vti", std::string(kImageHeader).substr(0, 200)));
+  Task cancelled;
+  cancelled.cancel();
+  EXPECT_THROW(open_import(file, {}, cancelled), Error);
+  EXPECT_TRUE(left_behind().empty());
+  unsetenv("TMPDIR");
+}
+
+/// Flips, cuts, repeats and overwrites, most of the time in the first kilobyte, where headers are.
+std::string mutated(std::string bytes, std::mt19937& random) {
+  const auto pick = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+  const int changes = 1 + static_cast<int>(pick(4));
+  for (int c = 0; c < changes && !bytes.empty(); ++c) {
+    const std::size_t at = pick(2) ? pick(std::min<std::size_t>(bytes.size(), 1024)) : pick(bytes.size());
+    switch (pick(6)) {
+      case 0: bytes[at] = static_cast<char>(pick(256)); break;
+      case 1: bytes[at] = static_cast<char>(bytes[at] ^ (1 << pick(8))); break;
+      case 2: bytes.resize(at); break;
+      case 3: bytes.insert(at, bytes.substr(at, 1 + pick(16))); break;
+      case 4: bytes.erase(at, 1 + pick(16)); break;
+      default: bytes[at] = "0123456789-9"[pick(12)]; break;
+    }
+  }
+  return bytes;
+}
+
+TEST(ImportDamage, MutatedFilesEndInADatasetOrAnError) {
+  const char* wished = std::getenv("ISOSTRATA_MUTATIONS");
+  const int rounds = wished ? std::atoi(wished) : 100;
+  const char* wished_seed = std::getenv("ISOSTRATA_MUTATION_SEED");
+  const unsigned seed = wished_seed ? static_cast<unsigned>(std::atoi(wished_seed)) : 20040717;
+  std::vector<std::pair<std::string, std::string>> files{{"m.vti", kImageHeader}, {"m.vtk", kUnstructured}, {"s.vtk", kStructured}};
+  if (std::filesystem::is_directory(test::shared_data()))
+    for (const char* name : {"fmt_vtk_variants/hexahedron_inline_binary.vtu", "fmt_vtk_variants/hexahedron_zlib.vtu", "fmt_vtk_variants/hexahedron_binary.vtu",
+                             "fmt_vtk_variants/hexahedron_lz4.vtu", "fmt_vtk_variants/hexahedron_lzma_inline_binary.vtu", "fmt_vtk_variants/RectilinearGridRawBinary.vtr",
+                             "fmt_vtk_variants/RectilinearGridCompressed.vtr", "fmt_vtk_variants/volume_complex.vti", "fmt_vtk_variants/para_test.vtk",
+                             "fmt_vtk_variants/unstructured_grid_complex.vtk", "fmt_nrrd_variants/BallBinary30x30x30_gz.nrrd", "fmt_nrrd_variants/io/small_time.nrrd",
+                             "vtk_cells/Wedge.vtu", "vtk_cells/tensors.vtk", "vtk_cells/polyhedron2pieces.vtu", "vtk_rectgrid/HeadMRVolume.mhd", "ts_tornado/tornado.pvd"})
+      files.emplace_back(std::filesystem::path(name).filename().string(), test::read_bytes(test::shared_data() / name));
+  int opened = 0, refused = 0, crashed = 0;
+  for (int round = 0; round < rounds; ++round) {
+    std::mt19937 random(seed + static_cast<unsigned>(round));
+    const auto& [name, bytes] = files[static_cast<std::size_t>(round) % files.size()];
+    const Scratch scratch;
+    OpenOptions options;
+    options.max_bytes = 256u << 20;
+    options.timeout_s = 20;
+    try {
+      const auto data = open_dataset(scratch.write(name, mutated(bytes, random)).string(), options, Task());
+      // Everything that other rooms will touch can be touched.
+      std::array<std::int64_t, kMaxCellVertices> ids{};
+      for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell) {
+        const int n = data->grid.cell_points(cell, ids);
+        for (int v = 0; v < n; ++v) data->grid.point(ids[static_cast<std::size_t>(v)]);
+      }
+      ++opened;
+    } catch (const Error& error) {
+      EXPECT_NE(error.code(), ErrorCode::internal) << name << ", seed " << seed << ", round " << round << ": " << error.what();
+      EXPECT_EQ(std::string(error.what()).find("ended after"), std::string::npos) << name << ", seed " << seed << ", round " << round << ": " << error.what();
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      ++refused;
+      crashed += std::string(error.what()).find("crashed") != std::string::npos;
+    }
+  }
+  std::printf("  %d mutated files: %d opened, %d refused, in %d of these the reader crashed\n", rounds, opened, refused, crashed);
+  EXPECT_EQ(opened + refused, rounds);
+}
+
+}  // namespace
+}  // namespace isostrata

@@ -1,0 +1,65 @@
+#include "engine/catalogue.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <set>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CatalogueFiles : public ::testing::Test {
+ protected:
+  CatalogueFiles() {
+    std::string name = (fs::temp_directory_path() / "isostrata-catalogue-XXXXXX").string();
+    root_ = mkdtemp(name.data());
+    for (const char* file : {"data/a.vtk", "data/deep/a.vtk", "data/finxyz.bin", "data/finq.bin", "data/notes.txt", "data/.hidden.vtk", "outside.vtk"}) {
+      fs::create_directories((root_ / file).parent_path());
+      std::ofstream(root_ / file) << "x";
+    }
+    fs::create_symlink(root_ / "outside.vtk", root_ / "data" / "link.vtk");
+  }
+  ~CatalogueFiles() override { fs::remove_all(root_); }
+  fs::path root_;
+};
+
+TEST_F(CatalogueFiles, ADirectoryOffersWhatCanBeReadInsideItself) {
+  const auto catalogue = Catalogue::from_sources({(root_ / "data").string()});
+  std::set<std::string> names, ids;
+  for (const auto& entry : catalogue.entries()) {
+    names.insert(entry.name);
+    ids.insert(entry.id);
+    EXPECT_EQ(entry.id.find('/'), std::string::npos) << entry.id;
+    EXPECT_EQ(catalogue.find(entry.id), &entry);
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"a.vtk", "deep/a.vtk", "finxyz.bin"}));
+  EXPECT_EQ(ids.size(), 3u);
+}
+
+TEST_F(CatalogueFiles, IdsAreTheSameInTheNextServer) {
+  const auto one = Catalogue::from_sources({(root_ / "data").string()});
+  const auto two = Catalogue::from_sources({"torus:8", (root_ / "data" / "deep" / "a.vtk").string()});
+  EXPECT_EQ(two.find("torus-8")->source, "torus:8");
+  EXPECT_EQ(two.entries()[1].name, "a.vtk");
+  EXPECT_EQ(one.entries().size(), 3u);
+  EXPECT_EQ(Catalogue::from_sources({(root_ / "data").string()}).entries()[1].id, one.entries()[1].id);
+}
+
+TEST_F(CatalogueFiles, WhatIsNotThereIsNamed) {
+  try {
+    Catalogue::from_sources({(root_ / "nosuch.vtk").string()});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::not_found);
+    EXPECT_NE(std::string(error.what()).find("nosuch.vtk"), std::string::npos);
+  }
+  EXPECT_EQ(Catalogue::analytic().find("nosuch"), nullptr);
+}
+
+}  // namespace
+}  // namespace isostrata

@@ -1,0 +1,252 @@
+#include "engine/engine.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include "support/plain_renderer.h"
+
+namespace isostrata {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// An engine with a renderer that needs no OpenGL, and everything it has said.
+class EngineTest : public ::testing::Test {
+ protected:
+  EngineTest() {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"torus:12", "torus:24", "torus:96"});
+    options.renderer = [control = control_] { return std::make_unique<PlainRenderer>(control); };
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) {
+      std::lock_guard lock(mutex_);
+      events_.push_back(std::move(event));
+      changed_.notify_all();
+    });
+  }
+  ~EngineTest() override { engine_.reset(); }
+
+  Scene scene(std::uint64_t revision, double upper = 0.5) {
+    Scene scene;
+    scene.revision = revision;
+    scene.dataset = "torus-12";
+    scene.array = "distance";
+    scene.camera = Camera{{3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 30};
+    scene.intervals.push_back({1, 0.2, upper, {1, 0, 0}, "", 0.5, 0, true});
+    return scene;
+  }
+  FrameRequest frame(SessionKey session, RequestId request, bool lossless = false) {
+    FrameRequest wanted;
+    wanted.session = session;
+    wanted.request = request;
+    wanted.width = 16;
+    wanted.height = 12;
+    wanted.lossless = lossless;
+    wanted.jpeg = !lossless;
+    return wanted;
+  }
+  /// The first event that fits; fails the test where none comes in ten seconds.
+  template <class Event>
+  Event wait_for(const std::function<bool(const Event&)>& fits) {
+    std::unique_lock lock(mutex_);
+    std::optional<Event> found;
+    changed_.wait_for(lock, 10s, [&] {
+      for (const EngineEvent& event : events_)
+        if (const auto* e = std::get_if<Event>(&event); e && fits(*e)) {
+          found = *e;
+          return true;
+        }
+      return false;
+    });
+    EXPECT_TRUE(found) << "no such event among " << events_.size();
+    return found.value_or(Event{});
+  }
+  FrameReady frame_of(RequestId request) {
+    return wait_for<FrameReady>([=](const FrameReady& f) { return f.request == request; });
+  }
+  RequestFailed failure_of(RequestId request) {
+    return wait_for<RequestFailed>([=](const RequestFailed& f) { return f.request == request; });
+  }
+  std::vector<SessionKey> order_of_frames() {
+    std::lock_guard lock(mutex_);
+    std::vector<SessionKey> order;
+    for (const EngineEvent& event : events_)
+      if (const auto* f = std::get_if<FrameStarted>(&event)) order.push_back(f->session);
+    return order;
+  }
+
+  std::shared_ptr<PlainRendererControl> control_ = std::make_shared<PlainRendererControl>();
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<EngineEvent> events_;
+  std::unique_ptr<Engine> engine_;
+};
+
+TEST_F(EngineTest, OpeningTellsWhatThereIsAndNamesWhatThereIsNot) {
+  engine_->post(OpenRequest{1, 5, "torus-12"});
+  const auto ready = wait_for<DatasetReady>([](const DatasetReady& r) { return r.request == 5; });
+  EXPECT_EQ(ready.facts.points, 12 * 12 * 12);
+  EXPECT_EQ(ready.facts.name, "torus:12");
+  ASSERT_NE(ready.facts.find_array("distance"), nullptr);
+  engine_->post(OpenRequest{1, 6, "/etc/passwd"});
+  EXPECT_EQ(failure_of(6).code, ErrorCode::not_found);
+}
+
+TEST_F(EngineTest, AFrameShowsTheNewestSceneAndSaysSo) {
+  engine_->post(SceneUpdate{1, scene(7)});
+  engine_->post(frame(1, 1));
+  const auto ready = frame_of(1);
+  EXPECT_EQ(ready.revision, 7u);
+  EXPECT_EQ(ready.width, 16);
+  ASSERT_EQ(ready.intervals.size(), 1u);
+  EXPECT_EQ(ready.intervals[0].id, 1u);
+  EXPECT_GT(ready.intervals[0].tetrahedra, 0);
+  EXPECT_GT(ready.stages.extract_ms, 0);
+  EXPECT_GE(ready.stages.total_ms, ready.stages.extract_ms);
+  ASSERT_TRUE(ready.bytes && ready.bytes->size() > 4);
+  EXPECT_EQ((*ready.bytes)[0], 0xff);
+
+  auto turned = scene(8);
+  turned.camera->eye.x = 5;
+  engine_->post(SceneUpdate{1, turned});
+  engine_->post(frame(1, 2, true));
+  const auto second = frame_of(2);
+  EXPECT_EQ(second.revision, 8u);
+  EXPECT_EQ(second.camera.eye.x, 5);
+  EXPECT_EQ(second.stages.extract_ms, 0) << "the same ends are not extracted again";
+  EXPECT_EQ((*second.bytes)[1], 'P');
+}
+
+TEST_F(EngineTest, ADragIsNeverBlindAndEndsAtTheNewestScene) {
+  engine_->post(SceneUpdate{1, scene(1)});
+  RequestId request = 0;
+  std::uint64_t shown = 0;
+  for (std::uint64_t revision = 2; revision <= 60; ++revision) {
+    engine_->post(SceneUpdate{1, scene(revision, 0.4 + 0.01 * static_cast<double>(revision))});
+    if (revision % 10 != 0) continue;
+    engine_->post(frame(1, ++request));
+    const auto ready = frame_of(request);
+    EXPECT_GE(ready.revision, shown);
+    EXPECT_LE(ready.revision, revision);
+    shown = ready.revision;
+  }
+  engine_->post(frame(1, ++request, true));
+  EXPECT_EQ(frame_of(request).revision, 60u);
+}
+
+TEST_F(EngineTest, SessionsTakeTurns) {
+  for (SessionKey session = 1; session <= 3; ++session) engine_->post(SceneUpdate{session, scene(1)});
+  for (SessionKey session = 1; session <= 3; ++session) {
+    engine_->post(frame(session, session));
+    frame_of(session);
+  }
+  control_->delay_ms = 20;
+  engine_->post(frame(1, 100));  // keeps the render thread busy while the others line up
+  for (RequestId n = 0; n < 4; ++n)
+    for (SessionKey session = 1; session <= 3; ++session) engine_->post(frame(session, 1000 + n * 10 + session));
+  for (RequestId n = 0; n < 4; ++n)
+    for (SessionKey session = 1; session <= 3; ++session) frame_of(1000 + n * 10 + session);
+  const auto order = order_of_frames();
+  // After the first four (one each, and the busy one) everyone is drawn once in every three.
+  for (std::size_t i = 4; i + 3 <= order.size(); i += 3) {
+    const std::set<SessionKey> turn(order.begin() + static_cast<std::ptrdiff_t>(i), order.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+    EXPECT_EQ(turn.size(), 3u) << "turn at " << i;
+  }
+}
+
+TEST_F(EngineTest, ABadSceneFailsItsFramesOnceAndTheNextSceneWorks) {
+  auto bad = scene(1);
+  bad.array = "nosuch";
+  engine_->post(SceneUpdate{1, bad});
+  engine_->post(frame(1, 1, true));
+  EXPECT_EQ(failure_of(1).code, ErrorCode::not_found);
+  engine_->post(frame(1, 2));
+  EXPECT_EQ(failure_of(2).code, ErrorCode::not_found);
+  engine_->post(SceneUpdate{1, scene(2)});
+  engine_->post(frame(1, 3));
+  EXPECT_EQ(frame_of(3).revision, 2u);
+}
+
+TEST_F(EngineTest, AFailingRendererIsAnAnswerAndNotTheEnd) {
+  engine_->post(SceneUpdate{1, scene(1)});
+  control_->fail = true;
+  engine_->post(frame(1, 1));
+  EXPECT_EQ(failure_of(1).code, ErrorCode::unavailable);
+  control_->fail = false;
+  engine_->post(frame(1, 2));
+  EXPECT_EQ(frame_of(2).revision, 1u);
+}
+
+TEST_F(EngineTest, NothingOpenIsNothingToDraw) {
+  engine_->post(frame(9, 1));
+  EXPECT_EQ(failure_of(1).code, ErrorCode::not_found);
+  engine_->post(SceneUpdate{9, Scene{}});
+  engine_->post(frame(9, 2));
+  EXPECT_EQ(failure_of(2).code, ErrorCode::not_found);
+}
+
+TEST_F(EngineTest, ASceneWithoutIntervalsIsAnEmptyPicture) {
+  auto empty = scene(1);
+  empty.intervals.clear();
+  engine_->post(SceneUpdate{1, empty});
+  engine_->post(frame(1, 1));
+  EXPECT_EQ(frame_of(1).tetrahedra, 0);
+}
+
+TEST_F(EngineTest, AHistogramCountsEveryFiniteValue) {
+  engine_->post(HistogramRequest{1, 4, "torus-24", 0, "distance", 10});
+  const auto ready = wait_for<HistogramReady>([](const HistogramReady& h) { return h.request == 4; });
+  std::uint64_t sum = 0;
+  for (const auto count : ready.counts) sum += count;
+  EXPECT_EQ(sum, 24u * 24 * 24);
+}
+
+TEST_F(EngineTest, EndsCleanlyInTheMiddleOfWork) {
+  for (SessionKey session = 1; session <= 4; ++session) {
+    auto big = scene(1);
+    big.dataset = "torus-96";
+    engine_->post(SceneUpdate{session, big});
+    engine_->post(frame(session, session));
+    engine_->post(OpenRequest{session, 100 + session, "torus-96"});
+    if (session % 2) engine_->post(CloseSession{session});
+  }
+  engine_.reset();
+  const std::size_t said = events_.size();
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(events_.size(), said) << "no event comes after the end";
+}
+
+TEST(Engine, ADeviceThatCannotBeHadIsSaid) {
+  EngineOptions options;
+  options.catalogue = Catalogue::analytic();
+  options.renderer = []() -> std::unique_ptr<Renderer> { throw Error(ErrorCode::unavailable, "no device"); };
+  EXPECT_THROW(Engine(std::move(options), [](EngineEvent) {}), Error);
+}
+
+TEST(SameExtraction, DependsOnEndsAndArraysOnly) {
+  Scene a;
+  a.dataset = "d";
+  a.array = "f";
+  a.intervals.push_back({1, 0, 1, {1, 0, 0}, "", 0.5, 0, true});
+  Scene b = a;
+  b.intervals[0].opacity = 0.1;
+  b.intervals[0].visible = false;
+  b.camera = Camera{};
+  b.revision = 9;
+  b.color_by = "g";
+  EXPECT_TRUE(same_extraction(a, b)) << "no colour map is used, so color_by does not matter";
+  b.intervals[0].color_map = "viridis";
+  EXPECT_FALSE(same_extraction(a, b));
+  b = a;
+  b.intervals[0].upper = 2;
+  EXPECT_FALSE(same_extraction(a, b));
+}
+
+}  // namespace
+}  // namespace isostrata

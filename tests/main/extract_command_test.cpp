@@ -1,0 +1,170 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "support/run_isostrata.h"
+
+namespace {
+
+using namespace isostrata::testing;
+using ::testing::HasSubstr;
+namespace json = boost::json;
+
+std::filesystem::path test_data() {
+  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
+  return given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / "../shared/data";
+}
+
+json::value extract_json(const std::string& arguments) {
+  const CommandResult result = run_isostrata("extract " + arguments + " --json");
+  EXPECT_EQ(result.status, 0) << arguments << ": " << result.err;
+  return result.status == 0 ? json::parse(result.out) : json::value();
+}
+
+double number(const json::value& value) { return value.to_number<double>(); }
+
+double signed_volume(const json::value& document) {
+  double sum = 0;
+  for (const auto& interval : document.at("intervals").as_array()) sum += number(interval.at("signed_volume"));
+  return sum;
+}
+
+TEST(ExtractCommand, PrintsWhatItExtracted) {
+  const json::value document = extract_json("torus:24 --array distance --interval 0.1:0.2 --interval 0.2:0.4 --threads 1");
+  ASSERT_TRUE(document.is_object());
+  EXPECT_EQ(number(document.at("cells")), 23 * 23 * 23);
+  EXPECT_EQ(number(document.at("unmatched_facets")), 0);
+  EXPECT_EQ(number(document.at("threads")), 1);
+  EXPECT_GT(number(document.at("points")), 0);
+  EXPECT_GT(number(document.at("boundary_facets").at("lower")), 0);
+  EXPECT_GT(number(document.at("boundary_facets").at("upper")), 0);
+  EXPECT_EQ(number(document.at("boundary_facets").at("domain")), 0);
+  for (const char* stage : {"load", "index", "extract", "total"}) EXPECT_GE(number(document.at("ms").at(stage)), 0) << stage;
+  const auto& intervals = document.at("intervals").as_array();
+  ASSERT_EQ(intervals.size(), 2u);
+  double tetrahedra = 0;
+  for (const auto& interval : intervals) {
+    tetrahedra += number(interval.at("tetrahedra"));
+    EXPECT_GT(number(interval.at("active_cells")), 0);
+    EXPECT_NEAR(number(interval.at("volume")), number(interval.at("signed_volume")), 1e-3);
+  }
+  EXPECT_EQ(tetrahedra, number(document.at("tetrahedra")));
+  EXPECT_EQ(number(intervals[1].at("lower")), 0.2);
+}
+
+TEST(ExtractCommand, TakesTheFirstArrayAndNegativeEnds) {
+  const json::value document = extract_json("tets:6 --interval -1:3");
+  ASSERT_TRUE(document.is_object());
+  EXPECT_NEAR(signed_volume(document), 8, 1e-12);
+}
+
+TEST(ExtractCommand, WritesFilesByTheirEnding) {
+  const TemporaryFolder folder;
+  const std::pair<const char*, const char*> formats[] = {{"a.vtu", "<?xml"}, {"a.ply", "ply\n"}, {"a.stl", "interval boundary"}};
+  for (const auto& [name, magic] : formats) {
+    const CommandResult result =
+        run_isostrata("extract cylinder:12x10x8 --interval 0.99:1 --color-by Energy --out '" + (folder / name).string() + "'");
+    ASSERT_EQ(result.status, 0) << result.err;
+    const std::string text = read_text(folder / name);
+    EXPECT_TRUE(text.starts_with(magic)) << name;
+    EXPECT_EQ(text.find("Name=\"Energy\"") != std::string::npos, std::string(name) == "a.vtu");
+  }
+}
+
+TEST(ExtractCommand, RefusesWithOneClearLine) {
+  struct Refusal {
+    const char* arguments;
+    int status;
+    const char* says;
+  };
+  const Refusal refusals[] = {
+      {"torus:8 --interval 2:1", 1, "lower must be less than upper"},
+      {"torus:8 --interval 1:1", 1, "lower must be less than upper"},
+      {"torus:8 --interval nan:1", 1, "lower must be less than upper"},
+      {"torus:8 --interval 0:inf", 1, "finite"},
+      {"torus:8 --interval half:1", 1, "'half' is not a number"},
+      {"torus:8 --interval 0:1 --array missing", 1, "no array 'missing'; it has distance"},
+      {"torus:8 --interval 0:1 --color-by missing", 1, "no array 'missing'; it has distance"},
+      {"torus:8 --interval 0:1 --out mesh.obj", 1, "expected .vtu, .ply or .stl"},
+      {"torus:8 --interval 0:1 --out /no/such/folder/mesh.vtu", 1, "cannot create"},
+      {"torus:8 --interval 0:1 --step 3", 1, "step"},
+      {"no-such-file.vtk --interval 0:1", 1, "no-such-file.vtk"},
+      {"torus:8", 2, "--interval is required"},
+      {"torus:8 --interval 0:1 --threads -1", 2, "--threads"},
+  };
+  for (const Refusal& refusal : refusals) {
+    const CommandResult result = run_isostrata(std::string("extract ") + refusal.arguments);
+    EXPECT_EQ(result.status, refusal.status) << refusal.arguments << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr(refusal.says)) << refusal.arguments;
+    EXPECT_EQ(result.out, "") << refusal.arguments;
+  }
+}
+
+TEST(ExtractCommand, BenchReportsTheFloorBesideTheTimes) {
+  const CommandResult result = run_isostrata("bench extract --data torus:24 --data mixed:8 --repeat 3 --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json::value document = json::parse(result.out);
+  const auto& runs = document.at("runs").as_array();
+  ASSERT_EQ(runs.size(), 2u);
+  for (const auto& run : runs) {
+    EXPECT_GT(number(run.at("tetrahedra")), 0);
+    EXPECT_GT(number(run.at("read_floor_ms")), 0);
+    EXPECT_LE(number(run.at("ms").at("min")), number(run.at("ms").at("median")));
+    EXPECT_LE(number(run.at("ms").at("median")), number(run.at("ms").at("max")));
+  }
+  EXPECT_GT(document.at("cpu").as_string().size(), 0u);
+}
+
+/// A partition of the array's range, by the printed range of `info`.
+TEST(ExtractCommand, BluntfinHasThePapersKindOfLayer) {
+  const auto grid = test_data() / "plot3d_bluntfin" / "bluntfinxyz.bin";
+  if (!std::filesystem::exists(grid)) GTEST_SKIP() << "no test data: " << grid << " is absent";
+  const json::value layer = extract_json("'" + grid.string() + "' --array Density --interval 1.0:1.309");
+  ASSERT_TRUE(layer.is_object());
+  EXPECT_EQ(number(layer.at("cells")), 37479);
+  EXPECT_EQ(number(layer.at("active_cells")), 9479);
+  EXPECT_EQ(number(layer.at("unmatched_facets")), 0);
+
+  const json::value halves = extract_json("'" + grid.string() + "' --array Density --interval 0:1 --interval 1:6");
+  const json::value parts = extract_json("'" + grid.string() + "' --array Density --interval 0:0.7 --interval 0.7:1.1 --interval 1.1:2 --interval 2:6");
+  ASSERT_TRUE(halves.is_object() && parts.is_object());
+  EXPECT_NEAR(signed_volume(halves), signed_volume(parts), 1e-9 * signed_volume(parts)) << "every partition has the grid's volume";
+  EXPECT_EQ(number(parts.at("unmatched_facets")), 0);
+}
+
+TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
+  // Where cell faces are curved two triangulations of a face differ by its own ambiguity: a looser bound, and why.
+  struct Example {
+    const char* file;
+    const char* split;  // an isovalue inside the first array's range; the ends go far beyond it
+    double tolerance;
+  };
+  const Example examples[] = {
+      {"ug_aneurysm_fem/output_fem.vtu", "0.01", 1e-9},      // tetrahedra and wedges of mixed handedness
+      {"ug_fire/fire_ug.vtu", "400", 1e-9},                  // left-handed hexahedra
+      {"ug_post_tets/post.vtk", "1", 1e-9},                  // tetrahedra
+      {"vtk_ironprot/ironProt.vtk", "128", 1e-9},            // 8-bit values that equal the isovalue
+      {"plot3d_comb/combxyz.bin", "0.4", 1e-5},              // curved faces
+  };
+  int found = 0;
+  for (const Example& example : examples) {
+    const auto file = test_data() / example.file;
+    if (!std::filesystem::exists(file)) continue;
+    ++found;
+    const std::string name = "'" + file.string() + "'";
+    const json::value whole = extract_json(name + " --interval -1e6:1e6");
+    const json::value split = extract_json(name + " --interval -1e6:" + example.split + " --interval " + example.split + ":1e6");
+    ASSERT_TRUE(whole.is_object() && split.is_object());
+    EXPECT_EQ(number(split.at("unmatched_facets")), 0) << example.file;
+    EXPECT_GT(number(split.at("intervals").as_array()[0].at("tetrahedra")), 0) << example.file;
+    EXPECT_GT(number(split.at("intervals").as_array()[1].at("tetrahedra")), 0) << example.file;
+    EXPECT_NEAR(signed_volume(split), signed_volume(whole), example.tolerance * signed_volume(whole)) << example.file;
+  }
+  if (found == 0) GTEST_SKIP() << "no test data in " << test_data();
+}
+
+}  // namespace

@@ -1,0 +1,101 @@
+// `isostrata info`, as scripts use it.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace {
+
+namespace json = boost::json;
+
+struct Ran {
+  int status = -1;
+  std::string out;
+};
+
+/// Standard error goes to standard output where `both`.
+Ran info(const std::string& arguments, bool both = false) {
+  const std::string command = std::string(ISOSTRATA_BIN_DIR) + "/isostrata info " + arguments + (both ? " 2>&1" : " 2>/dev/null");
+  Ran ran;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return ran;
+  char buffer[4096];
+  while (const std::size_t got = std::fread(buffer, 1, sizeof buffer, pipe)) ran.out.append(buffer, got);
+  const int status = pclose(pipe);
+  ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return ran;
+}
+
+std::filesystem::path shared_data() {
+  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
+  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+TEST(InfoCommand, DescribesAnalyticDataAsJson) {
+  const Ran ran = info("torus:16 --json");
+  ASSERT_EQ(ran.status, 0);
+  const json::value document = json::parse(ran.out);
+  EXPECT_EQ(document.at("grid").as_string(), "uniform");
+  EXPECT_EQ(document.at("points").as_int64(), 4096);
+  EXPECT_EQ(document.at("cells").as_int64(), 3375);
+  EXPECT_EQ(document.at("cell_types").at("hexahedron").as_int64(), 3375);
+  EXPECT_EQ(document.at("bounds"), json::parse("[[-1.0,1.0],[-1.0,1.0],[-1.0,1.0]]"));
+  const json::value& array = document.at("arrays").as_array().at(0);
+  EXPECT_EQ(array.at("name").as_string(), "distance");
+  EXPECT_EQ(array.at("association").as_string(), "point");
+  EXPECT_EQ(array.at("type").as_string(), "float32");
+  EXPECT_EQ(array.at("components").as_int64(), 1);
+  EXPECT_EQ(array.at("nan_count").as_int64(), 0);
+  EXPECT_LT(array.at("range").at(0).as_double(), array.at("range").at(1).as_double());
+  EXPECT_EQ(document.at("times"), json::parse("[0.0]"));
+}
+
+TEST(InfoCommand, CountsCellsOfEveryType) {
+  const json::value types = json::parse(info("mixed:9 --json").out).at("cell_types");
+  for (const char* type : {"tetrahedron", "pyramid", "wedge", "hexahedron"}) EXPECT_GT(types.at(type).as_int64(), 0) << type;
+}
+
+TEST(InfoCommand, ListsTimesAndTakesAStep) {
+  const json::value document = json::parse(info("cylinder:8x8x4x5 --step 3 --json").out);
+  EXPECT_EQ(document.at("times").as_array().size(), 5u);
+  EXPECT_EQ(document.at("step").as_int64(), 3);
+}
+
+TEST(InfoCommand, IsReadableWithoutJson) {
+  const Ran ran = info("tets:5");
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_NE(ran.out.find("tetrahedron 384"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("distance"), std::string::npos) << ran.out;
+}
+
+TEST(InfoCommand, FailsWithOneLineAndStatusOne) {
+  for (const char* arguments : {"/no/such/file.vtk", "torus:0", "torus:8 --step 5", "/tmp"}) {
+    const Ran ran = info(arguments, true);
+    EXPECT_EQ(ran.status, 1) << arguments;
+    EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 1) << ran.out;
+    EXPECT_TRUE(info(arguments).out.empty()) << arguments;
+  }
+}
+
+TEST(InfoCommand, WrongUsageIsStatusTwo) {
+  EXPECT_EQ(info("").status, 2);
+  EXPECT_EQ(info("torus --nonsense").status, 2);
+}
+
+TEST(InfoCommand, ReadsTheBluntFin) {
+  const auto file = shared_data() / "plot3d_bluntfin" / "bluntfinxyz.bin";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data at " << shared_data() << "; set ISOSTRATA_TEST_DATA";
+  const json::value document = json::parse(info("'" + file.string() + "' --json").out);
+  EXPECT_EQ(document.at("grid").as_string(), "curvilinear");
+  EXPECT_EQ(document.at("cells").as_int64(), 37479);
+  const json::value& density = document.at("arrays").as_array().at(0);
+  EXPECT_EQ(density.at("name").as_string(), "Density");
+  EXPECT_NEAR(density.at("range").at(1).as_double(), 4.9775, 1e-5);
+}
+
+}  // namespace

@@ -1,0 +1,43 @@
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <map>
+
+#include "support/run_isostrata.h"
+
+namespace {
+
+using namespace isostrata::testing;
+
+TEST(TablesCommand, PrintsThePapersWholeNumbers) {
+  const CommandResult result = run_isostrata("tables --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const boost::json::value document = boost::json::parse(result.out);
+  std::map<std::string, boost::json::object> rows;
+  for (const auto& row : document.at("tables").as_array()) rows[std::string(row.at("cell").as_string())] = row.as_object();
+  const auto expect = [&](const char* cell, int dimension, int vertices, int cases, int total, int max) {
+    ASSERT_TRUE(rows.contains(cell)) << result.out;
+    const auto& row = rows[cell];
+    EXPECT_EQ(row.at("dimension"), dimension) << cell;
+    EXPECT_EQ(row.at("vertices"), vertices) << cell;
+    EXPECT_EQ(row.at("cases"), cases) << cell;
+    EXPECT_EQ(row.at("total_simplices"), total) << cell;
+    EXPECT_EQ(row.at("max"), max) << cell;
+    EXPECT_DOUBLE_EQ(row.at("average").as_double(), double(total) / cases) << cell;
+  };
+  expect("tetrahedron", 3, 4, 81, 321, 6);
+  expect("hexahedron", 3, 8, 6561, 78336, 18);
+  expect("4-simplex", 4, 5, 243, 2031, 14);
+  expect("5-simplex", 5, 6, 729, 12593, 30);
+  EXPECT_TRUE(rows.contains("pyramid"));
+  EXPECT_TRUE(rows.contains("wedge"));
+}
+
+TEST(TablesCommand, PrintsATableForPeople) {
+  const CommandResult result = run_isostrata("tables");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("hexahedron"), std::string::npos);
+  EXPECT_NE(result.out.find("78336"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,104 @@
+// A client with bad manners: bytes exactly as a test wants them, HTTP or WebSocket, over a plain socket.
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace isostrata {
+
+class RawSocket {
+ public:
+  explicit RawSocket(unsigned short port, int receive_buffer = 0) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    if (receive_buffer > 0) setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) throw std::runtime_error("the server does not accept");
+  }
+  ~RawSocket() { ::close(fd_); }
+  RawSocket(const RawSocket&) = delete;
+  RawSocket& operator=(const RawSocket&) = delete;
+
+  /// False once the server has closed, or where it takes nothing for the time.
+  bool send(const std::string& bytes, int timeout_ms = 5000) {
+    for (std::size_t at = 0; at < bytes.size();) {
+      pollfd poll_fd{fd_, POLLOUT, 0};
+      if (poll(&poll_fd, 1, timeout_ms) != 1) return false;
+      const auto n = ::send(fd_, bytes.data() + at, bytes.size() - at, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (n <= 0) return false;
+      at += static_cast<std::size_t>(n);
+    }
+    return true;
+  }
+  /// Everything until the server closes; `closed` tells whether it did within the time.
+  std::string read_all(bool* closed = nullptr, int timeout_ms = 8000) {
+    std::string all;
+    while (const int n = read_some(all, timeout_ms)) {
+      if (n < 0) {
+        if (closed) *closed = true;
+        return all;
+      }
+    }
+    if (closed) *closed = false;
+    return all;
+  }
+  /// A whole HTTP response with a Content-Length, or what came before the end.
+  std::string read_response() {
+    std::string all;
+    for (;;) {
+      const auto head = all.find("\r\n\r\n");
+      if (head != std::string::npos) {
+        const auto at = all.find("Content-Length: ");
+        const std::size_t length = at < head ? std::stoul(all.substr(at + 16)) : 0;
+        if (all.size() >= head + 4 + length) return all;
+      }
+      if (read_some(all, 8000) <= 0) return all;
+    }
+  }
+
+  /// Upgrades; the response's head.
+  std::string open_websocket(const std::string& target, const std::string& headers = "", const std::string& host = "localhost",
+                             const std::string& protocol = "isostrata.v1") {
+    send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n" +
+         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " + protocol + "\r\n" + headers + "\r\n");
+    std::string head;
+    while (head.find("\r\n\r\n") == std::string::npos)
+      if (read_some(head, 8000) <= 0) break;
+    return head;
+  }
+  /// One masked frame with the mask 0, so its payload goes as it is.
+  bool send_frame(const std::string& payload, int opcode = 2) {
+    std::string frame(1, static_cast<char>(0x80 | opcode));
+    if (payload.size() < 126) {
+      frame += static_cast<char>(0x80 | payload.size());
+    } else {
+      frame += static_cast<char>(0x80 | 127);
+      for (int shift = 56; shift >= 0; shift -= 8) frame += static_cast<char>(static_cast<std::uint64_t>(payload.size()) >> shift);
+    }
+    return send(frame + std::string(4, '\0') + payload);
+  }
+
+ private:
+  // 1: some came; 0: nothing for the time; -1: closed.
+  int read_some(std::string& to, int timeout_ms) {
+    pollfd poll_fd{fd_, POLLIN, 0};
+    if (poll(&poll_fd, 1, timeout_ms) != 1) return 0;
+    char buffer[65536];
+    const auto n = recv(fd_, buffer, sizeof buffer, 0);
+    if (n <= 0) return -1;
+    to.append(buffer, static_cast<std::size_t>(n));
+    return 1;
+  }
+  const int fd_;
+};
+
+}  // namespace isostrata

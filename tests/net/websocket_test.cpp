@@ -1,0 +1,249 @@
+#include <gtest/gtest.h>
+
+#include "net/running_server.h"
+
+namespace isostrata {
+namespace {
+
+using client::Client;
+using client::ClientError;
+
+std::string ws_target() { return std::string("/ws?token=") + RunningServer::kToken; }
+
+std::string hello(std::uint64_t seq, std::uint32_t major = 1) {
+  v1::ClientMessage message;
+  message.set_seq(seq);
+  message.mutable_hello()->set_protocol_major(major);
+  return message.SerializeAsString();
+}
+
+class WebSocket : public ::testing::Test {
+ protected:
+  void expect_still_serving() {
+    Client client(server_.client_options());
+    client.open_dataset("torus-12");
+    EXPECT_EQ(client.lossless_frame().width(), 64u);
+  }
+  RunningServer server_;
+};
+
+TEST_F(WebSocket, AFirstVisitSeesTheFirstDatasetMovingThenLossless) {
+  Client client(server_.client_options());
+  std::vector<v1::FramePhase> phases;
+  for (int i = 0; i < 100 && (phases.empty() || phases.back() != v1::FRAME_PHASE_LOSSLESS); ++i)
+    if (const auto message = client.receive(std::chrono::milliseconds(200)); message && message->has_frame()) phases.push_back(message->frame().phase());
+  ASSERT_GE(phases.size(), 2u);
+  EXPECT_EQ(phases.front(), v1::FRAME_PHASE_MOVING);
+  EXPECT_EQ(phases.back(), v1::FRAME_PHASE_LOSSLESS);
+  EXPECT_EQ(client.dataset().id(), "torus-12");
+}
+
+TEST_F(WebSocket, AFrameNamesTheInputAndTheRevisionThatItContains) {
+  Client client(server_.client_options());
+  client.open_dataset("torus-12");
+  v1::ClientMessage move;
+  move.mutable_patch_interval()->set_id(client.state().intervals(0).id());
+  move.mutable_patch_interval()->set_lower(0.21);
+  const auto seq = client.send(std::move(move));
+  for (int i = 0; i < 100; ++i) {
+    const auto message = client.receive(std::chrono::milliseconds(200));
+    if (!message || !message->has_frame() || message->frame().input_seq() < seq) continue;
+    EXPECT_EQ(message->frame().revision(), client.state().revision());
+    EXPECT_EQ(client.state().intervals(0).lower(), 0.21);
+    EXPECT_GT(message->frame().stages().total_ms(), 0);
+    return;
+  }
+  FAIL() << "no frame contains the input";
+}
+
+TEST_F(WebSocket, CommandsSentWhileADatasetOpensTakeEffectOnIt) {
+  Client client(server_.client_options());
+  v1::ClientMessage open, set;
+  open.mutable_open_dataset()->set_id("tets-6");
+  auto* interval = set.mutable_set_intervals()->add_intervals();
+  interval->set_lower(0.2);
+  interval->set_upper(0.9);
+  interval->set_visible(true);
+  client.send(std::move(open));
+  client.send(std::move(set));
+  for (int i = 0; i < 100 && !(client.state().dataset() == "tets-6" && client.state().intervals_size() == 1); ++i)
+    client.receive(std::chrono::milliseconds(100));
+  EXPECT_EQ(client.state().dataset(), "tets-6");
+  EXPECT_EQ(client.state().intervals_size(), 1);
+}
+
+TEST_F(WebSocket, ASessionOutlivesItsSocket) {
+  auto options = server_.client_options();
+  std::string session;
+  {
+    Client first(options);
+    first.open_dataset("tets-6");
+    options.resume_token = first.welcome().resume_token();
+    session = first.welcome().session();
+  }
+  Client second(options);
+  EXPECT_EQ(second.welcome().session(), session);
+  EXPECT_EQ(second.state().dataset(), "tets-6");
+  EXPECT_EQ(second.dataset().id(), "tets-6");
+}
+
+TEST_F(WebSocket, AnUnknownResumeTokenGetsAFreshAndEmptySession) {
+  auto options = server_.client_options();
+  options.resume_token = std::string(48, 'f');
+  Client client(options);
+  EXPECT_NE(client.welcome().resume_token(), options.resume_token);
+  EXPECT_TRUE(client.state().dataset().empty());
+}
+
+TEST_F(WebSocket, TheDoorIsAsNarrowAsThePages) {
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket(ws_target())), 101);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket("/ws")), 401);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket("/ws?token=x")), 401);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket("/elsewhere?token=x")), 404);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket(ws_target(), "", "evil.example")), 403);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket(ws_target(), "Origin: http://evil.example\r\n")), 403);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket(ws_target(), "Origin: http://localhost\r\n")), 101);
+  EXPECT_EQ(status_of(RawSocket(server_.port()).open_websocket(ws_target(), "", "localhost", "isostrata.v2")), 400);
+}
+
+struct BadMessage {
+  const char* what;
+  std::string bytes;
+  int opcode;
+  const char* code;
+};
+
+class BadMessages : public WebSocket, public ::testing::WithParamInterface<BadMessage> {};
+
+TEST_P(BadMessages, GetATypedErrorAndTheEnd) {
+  RawSocket socket(server_.port());
+  ASSERT_EQ(status_of(socket.open_websocket(ws_target())), 101);
+  socket.send_frame(GetParam().bytes, GetParam().opcode);
+  bool closed = false;
+  std::string answer;
+  // The close is answered, as a client must, so that the server need not wait for it.
+  socket.send_frame(std::string("\x03\xe8", 2), 8);
+  answer = socket.read_all(&closed);
+  EXPECT_TRUE(closed) << GetParam().what;
+  EXPECT_TRUE(has(answer, GetParam().code)) << GetParam().what;
+  expect_still_serving();
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, BadMessages,
+                         ::testing::Values(BadMessage{"garbage", std::string("\xff\xff\xff\xff\x00garbage", 12), 2, "malformed"},
+                                           BadMessage{"text", "hello", 1, "malformed"}, BadMessage{"another version", hello(1, 2), 2, "unsupported_version"},
+                                           BadMessage{"seq zero", hello(0), 2, "malformed"}, BadMessage{"not hello", std::string("\x08\x01\x9a\x01\x00", 5), 2, "malformed"},
+                                           BadMessage{"too large", std::string((1 << 20) + 1, 'x'), 2, ""}, BadMessage{"a reserved opcode", "x", 5, ""},
+                                           BadMessage{"nothing", "", 2, "malformed"}),
+                         [](const auto& info) {
+                           std::string name = info.param.what;
+                           for (char& c : name)
+                             if (c == ' ') c = '_';
+                           return name;
+                         });
+
+TEST_F(WebSocket, WhoFloodsAndNeverReadsIsCutOffAndOthersAreServed) {
+  RawSocket rude(server_.port(), 4096);
+  ASSERT_EQ(status_of(rude.open_websocket(ws_target())), 101);
+  ASSERT_TRUE(rude.send_frame(hello(1)));
+  Client polite(server_.client_options());
+  polite.open_dataset("torus-12");
+  bool cut_off = false;
+  std::uint64_t seq = 1;
+  for (int round = 0; round < 400 && !cut_off; ++round) {
+    std::string burst;
+    for (int i = 0; i < 2000; ++i) {
+      v1::ClientMessage message;
+      message.set_seq(++seq);
+      // Each is refused with a sentence that is longer than the message.
+      message.mutable_set_view()->set_view("no such view at all");
+      burst += std::string("\x82", 1) + static_cast<char>(0x80 | message.ByteSizeLong()) + std::string(4, '\0') + message.SerializeAsString();
+    }
+    cut_off = cut_off || !rude.send(burst, 15000);
+    if (round == 3) {
+      EXPECT_EQ(polite.lossless_frame().width(), 64u);
+    }
+  }
+  EXPECT_TRUE(cut_off) << "the server has kept " << seq << " answers for someone who does not read";
+  expect_still_serving();
+}
+
+TEST_F(WebSocket, VanishingClientsLeaveNothingBehind) {
+  for (int i = 0; i < 20; ++i) {
+    RawSocket socket(server_.port());
+    socket.open_websocket(ws_target());
+    socket.send_frame(hello(1));
+  }
+  expect_still_serving();
+  std::string health;
+  for (int i = 0; i < 100 && !has(health, "\"viewers\":0"); ++i) {
+    health = server_.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_TRUE(has(health, "\"viewers\":0")) << health;
+}
+
+TEST_F(WebSocket, ARendererThatFailsIsAnErrorAndNotTheEnd) {
+  Client client(server_.client_options());
+  client.open_dataset("torus-12");
+  server_.control->fail = true;
+  EXPECT_THROW(client.lossless_frame(), ClientError);
+  server_.control->fail = false;
+  v1::ClientMessage view;
+  view.mutable_set_view()->set_view("+x");
+  client.command(std::move(view));
+  EXPECT_GE(client.lossless_frame().revision(), client.state().revision());
+}
+
+TEST_F(WebSocket, RefusedCommandsNameTheMessage) {
+  Client client(server_.client_options());
+  client.open_dataset("torus-12");
+  for (const std::string id : {"nosuch", ""}) {
+    v1::ClientMessage message;
+    message.mutable_open_dataset()->set_id(id);
+    const auto seq = client.send(std::move(message));
+    bool refused = false;
+    for (int i = 0; i < 50 && !refused; ++i)
+      if (const auto answer = client.receive(std::chrono::milliseconds(200)); answer && answer->has_error())
+        refused = answer->error().in_reply_to() == seq;
+    EXPECT_TRUE(refused) << id;
+  }
+  EXPECT_EQ(client.state().dataset(), "torus-12");
+}
+
+TEST(WebSocketLimits, ASessionIsRefusedOnlyWhereAllAreWatched) {
+  ServerOptions options;
+  options.max_sessions = 2;
+  RunningServer server(std::move(options));
+  Client first(server.client_options());
+  {
+    Client second(server.client_options());
+    try {
+      Client third(server.client_options());
+      FAIL() << "three sessions where two are allowed";
+    } catch (const ClientError& error) {
+      EXPECT_EQ(error.code(), "unavailable");
+    }
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  Client third(server.client_options());
+  EXPECT_FALSE(third.welcome().session().empty());
+}
+
+TEST(WebSocketShutdown, ClientsAreToldWhy) {
+  RunningServer server;
+  Client client(server.client_options());
+  std::thread ending([&] { server.end(); });
+  std::string reason;
+  try {
+    for (int i = 0; i < 100; ++i)
+      if (const auto message = client.receive(std::chrono::milliseconds(100)); message && message->has_shutdown()) reason = message->shutdown().reason();
+  } catch (const ClientError& error) {
+    EXPECT_EQ(error.code(), "closed");
+  }
+  ending.join();
+  EXPECT_EQ(reason, "the test ends");
+}
+
+}  // namespace
+}  // namespace isostrata

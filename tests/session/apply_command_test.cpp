@@ -1,0 +1,277 @@
+#include "session/apply_command.h"
+
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "session/limits.h"
+#include "session/wire.h"
+
+namespace isostrata {
+namespace {
+
+DatasetFacts facts() {
+  DatasetFacts facts;
+  facts.id = "fin";
+  facts.name = "fin";
+  facts.bounds.include({-1, -1, -1});
+  facts.bounds.include({1, 2, 3});
+  facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5}, {"Density", "point", "float32", 1, 0, 8, 0}, {"Energy", "point", "float64", 1, -100, 300, 0}};
+  facts.times = {0, 1, 2};
+  return facts;
+}
+
+class ApplyCommand : public ::testing::Test {
+ protected:
+  ApplyCommand() { open_in_scene(state_, facts_); }
+
+  v1::ClientMessage from_json(const std::string& json) {
+    v1::ClientMessage message;
+    const auto done = google::protobuf::util::JsonStringToMessage(json, &message);
+    EXPECT_TRUE(done.ok()) << json << ": " << done.ToString();
+    return message;
+  }
+  CommandOutcome apply(const std::string& json) { return apply_command(state_, from_json(json), {&facts_}); }
+
+  DatasetFacts facts_ = facts();
+  SceneState state_;
+};
+
+TEST_F(ApplyCommand, OpeningShowsFourTouchingLayersOfTheFirstArrayThatHasARange) {
+  const Scene& scene = state_.scene;
+  EXPECT_EQ(scene.array, "Density");
+  ASSERT_EQ(scene.intervals.size(), 4u);
+  EXPECT_EQ(scene.intervals.front().lower, 0);
+  EXPECT_EQ(scene.intervals.back().upper, 8);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_EQ(scene.intervals[i].lower, scene.intervals[i - 1].upper);
+    EXPECT_GT(scene.intervals[i].opacity, scene.intervals[i - 1].opacity);
+  }
+  EXPECT_TRUE(scene.camera.has_value());
+}
+
+TEST_F(ApplyCommand, AnAcceptedChangeMakesOneRevisionAndNoChangeMakesNone) {
+  const auto before = state_.scene.revision;
+  EXPECT_TRUE(apply(R"({"patchInterval":{"id":1,"lower":0.5}})").changed);
+  EXPECT_EQ(state_.scene.revision, before + 1);
+  EXPECT_EQ(state_.scene.intervals[0].lower, 0.5);
+  const auto again = apply(R"({"patchInterval":{"id":1,"lower":0.5}})");
+  EXPECT_FALSE(again.error || again.changed);
+  EXPECT_EQ(state_.scene.revision, before + 1);
+}
+
+struct Refusal {
+  const char* json;
+  const char* code;
+  const char* field;
+};
+
+class Refusals : public ApplyCommand, public ::testing::WithParamInterface<Refusal> {};
+
+TEST_P(Refusals, NameCodeAndFieldAndChangeNothing) {
+  const v1::State before = to_wire(state_.scene);
+  const CommandOutcome outcome = apply(GetParam().json);
+  ASSERT_TRUE(outcome.error) << GetParam().json;
+  EXPECT_EQ(outcome.error->code(), GetParam().code) << outcome.error->message();
+  EXPECT_EQ(outcome.error->field(), GetParam().field) << outcome.error->message();
+  EXPECT_FALSE(outcome.error->message().empty());
+  EXPECT_FALSE(outcome.changed);
+  EXPECT_EQ(to_wire(state_.scene).SerializeAsString(), before.SerializeAsString());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Table, Refusals,
+    ::testing::Values(
+        Refusal{R"({"patchInterval":{"id":1,"lower":3,"upper":3}})", "invalid_argument", "lower"},
+        Refusal{R"({"patchInterval":{"id":1,"lower":5}})", "invalid_argument", "lower"},
+        Refusal{R"({"patchInterval":{"id":1,"upper":"NaN"}})", "invalid_argument", "upper"},
+        Refusal{R"({"patchInterval":{"id":1,"lower":"-Infinity"}})", "invalid_argument", "lower"},
+        Refusal{R"({"patchInterval":{"id":1,"opacity":1.01}})", "invalid_argument", "opacity"},
+        Refusal{R"({"patchInterval":{"id":1,"opacity":"NaN"}})", "invalid_argument", "opacity"},
+        Refusal{R"({"patchInterval":{"id":1,"color":{"r":2}}})", "invalid_argument", "color.r"},
+        Refusal{R"({"patchInterval":{"id":1,"colorMap":"nosuch"}})", "not_found", "color_map"},
+        Refusal{R"({"patchInterval":{"id":99,"lower":1}})", "not_found", "id"},
+        Refusal{R"({"removeInterval":{"id":99}})", "not_found", "id"},
+        Refusal{R"({"setIntervals":{"intervals":[{"lower":1,"upper":2},{"lower":2,"upper":1}]}})", "invalid_argument", "intervals[1].lower"},
+        Refusal{R"({"setIntervals":{"intervals":[{"id":77,"lower":1,"upper":2}]}})", "not_found", "intervals[0].id"},
+        Refusal{R"({"setIntervals":{"intervals":[{"id":1,"lower":1,"upper":2},{"id":1,"lower":3,"upper":4}]}})", "invalid_argument", "intervals[1].id"},
+        Refusal{R"({"reorderPriorities":{"ids":[1,2,3]}})", "invalid_argument", "ids"},
+        Refusal{R"({"reorderPriorities":{"ids":[1,2,3,3]}})", "invalid_argument", "ids"},
+        Refusal{R"({"reorderPriorities":{"ids":[1,2,3,9]}})", "not_found", "id"},
+        Refusal{R"({"selectArrays":{"array":"Nosuch"}})", "not_found", "array"},
+        Refusal{R"({"selectArrays":{"colorBy":"Nosuch"}})", "not_found", "color_by"},
+        Refusal{R"({"setTimeStep":{"step":3}})", "not_found", "step"},
+        Refusal{R"({"setTimeStep":{"step":-1}})", "not_found", "step"},
+        Refusal{R"({"setView":{"view":"sideways"}})", "invalid_argument", "view"},
+        Refusal{R"({"setCamera":{}})", "invalid_argument", "camera"},
+        Refusal{R"({"setCamera":{"camera":{"eye":{"x":1},"at":{"x":1},"up":{"y":1},"fovDeg":30}}})", "invalid_argument", "camera"},
+        Refusal{R"({"setCamera":{"camera":{"eye":{"z":5},"at":{},"up":{"z":1},"fovDeg":30}}})", "invalid_argument", "camera"},
+        Refusal{R"({"setCamera":{"camera":{"eye":{"z":5},"at":{},"up":{"y":1},"fovDeg":180}}})", "invalid_argument", "camera"},
+        Refusal{R"({"setCamera":{"camera":{"eye":{"z":"Infinity"},"at":{},"up":{"y":1},"fovDeg":30}}})", "invalid_argument", "camera.eye.z"},
+        Refusal{R"({"setAppearance":{"mode":9}})", "unsupported", "mode"},
+        Refusal{R"({"setAppearance":{"background":{"g":-0.1}}})", "invalid_argument", "background.g"},
+        Refusal{R"({"setAppearance":{"unitDistance":-1}})", "invalid_argument", "unit_distance"}));
+
+TEST_F(ApplyCommand, TakesAsManyIntervalsAsItSaysAndNotOneMore) {
+  v1::ClientMessage message;
+  for (int i = 0; i < kMaxIntervals; ++i) {
+    auto* interval = message.mutable_set_intervals()->add_intervals();
+    interval->set_lower(i);
+    interval->set_upper(i + 1);
+  }
+  EXPECT_FALSE(apply_command(state_, message, {&facts_}).error);
+  EXPECT_EQ(state_.scene.intervals.size(), static_cast<std::size_t>(kMaxIntervals));
+  *message.mutable_set_intervals()->add_intervals() = message.set_intervals().intervals(0);
+  EXPECT_EQ(apply_command(state_, message, {&facts_}).error->code(), "too_large");
+}
+
+TEST_F(ApplyCommand, AnIdIsNeverUsedAgain) {
+  std::set<std::uint32_t> seen;
+  for (const auto& interval : state_.scene.intervals) seen.insert(interval.id);
+  for (int round = 0; round < 10; ++round) {
+    ASSERT_FALSE(apply(R"({"setIntervals":{"intervals":[{"lower":1,"upper":2}]}})").error);
+    EXPECT_TRUE(seen.insert(state_.scene.intervals[0].id).second);
+    ASSERT_FALSE(apply("{\"removeInterval\":{\"id\":" + std::to_string(state_.scene.intervals[0].id) + "}}").error);
+  }
+}
+
+TEST_F(ApplyCommand, ReorderingGivesTheFirstTheHighestPriority) {
+  ASSERT_FALSE(apply(R"({"reorderPriorities":{"ids":[2,4,1,3]}})").error);
+  std::vector<int> priorities;
+  for (const auto& interval : state_.scene.intervals) priorities.push_back(interval.priority);
+  EXPECT_EQ(priorities, (std::vector<int>{1, 3, 0, 2}));
+}
+
+TEST_F(ApplyCommand, AnotherArrayKeepsTheLayersPlacesInItsRange) {
+  ASSERT_FALSE(apply(R"({"selectArrays":{"array":"Energy"}})").error);
+  EXPECT_EQ(state_.scene.intervals.front().lower, -100);
+  EXPECT_EQ(state_.scene.intervals.back().upper, 300);
+  EXPECT_DOUBLE_EQ(state_.scene.intervals[1].lower, 0);
+}
+
+TEST_F(ApplyCommand, AWholeStateIsOneChangeOrNone) {
+  v1::State wanted = to_wire(state_.scene);
+  wanted.set_step(2);
+  wanted.mutable_intervals(0)->set_opacity(0.7);
+  const auto revision = state_.scene.revision;
+  ASSERT_FALSE(apply_state(state_, wanted, {&facts_}).error);
+  EXPECT_EQ(state_.scene.revision, revision + 1);
+  const std::string before = to_wire(state_.scene).SerializeAsString();
+  wanted.set_step(1);
+  wanted.mutable_camera()->set_fov_deg(0);
+  ASSERT_TRUE(apply_state(state_, wanted, {&facts_}).error);
+  EXPECT_EQ(to_wire(state_.scene).SerializeAsString(), before);
+}
+
+TEST_F(ApplyCommand, ItsOwnStateIsTakenBackAsItIs) {
+  ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_PRIORITIZED","background":{"r":0.25},"unitDistance":0.5}})").error);
+  const auto outcome = apply_state(state_, to_wire(state_.scene), {&facts_});
+  EXPECT_FALSE(outcome.error);
+  EXPECT_FALSE(outcome.changed);
+}
+
+TEST(ApplyCommandWithoutDataset, SaysThatNoneIsOpen) {
+  SceneState state;
+  v1::ClientMessage message;
+  message.mutable_remove_interval()->set_id(1);
+  EXPECT_EQ(apply_command(state, message, {}).error->code(), "not_found");
+}
+
+TEST(CheckSize, TakesOneToTheLargestSideAndBoundsThePixels) {
+  EXPECT_FALSE(check_size(1, 1));
+  EXPECT_FALSE(check_size(kMaxSide, 1));
+  EXPECT_EQ(check_size(0, 1)->field(), "width");
+  EXPECT_EQ(check_size(1, kMaxSide + 1)->field(), "height");
+  EXPECT_EQ(check_size(kMaxSide, kMaxSide)->code(), "too_large");
+}
+
+// ---- random messages: whatever comes, the scene stays one that can be drawn -----------------------------------------------------
+
+double wild(std::mt19937_64& random) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::array<double, 14> special = {0, -0.0, 1, -1, 0.5, 2, kInfinity, -kInfinity, NAN, 1e308, -1e308, 5e-324, 8, 300};
+  if (random() % 3 == 0) return std::uniform_real_distribution<double>(-10, 310)(random);
+  return special[random() % special.size()];
+}
+
+// Fills every kind of field, following the message's own description, so that new fields are tried too.
+void scramble(google::protobuf::Message& message, std::mt19937_64& random, int depth) {
+  using Field = google::protobuf::FieldDescriptor;
+  const auto* reflection = message.GetReflection();
+  const auto* descriptor = message.GetDescriptor();
+  for (int i = 0; i < descriptor->field_count(); ++i) {
+    const Field* field = descriptor->field(i);
+    if (random() % 3 == 0) continue;
+    if (field->is_repeated()) {
+      for (std::uint64_t n = random() % 5; n > 0; --n) {
+        if (field->cpp_type() == Field::CPPTYPE_MESSAGE) scramble(*reflection->AddMessage(&message, field), random, depth + 1);
+        if (field->cpp_type() == Field::CPPTYPE_UINT32) reflection->AddUInt32(&message, field, static_cast<std::uint32_t>(random() % 7));
+      }
+      continue;
+    }
+    switch (field->cpp_type()) {
+      case Field::CPPTYPE_DOUBLE: reflection->SetDouble(&message, field, wild(random)); break;
+      case Field::CPPTYPE_FLOAT: reflection->SetFloat(&message, field, static_cast<float>(wild(random))); break;
+      case Field::CPPTYPE_UINT32: reflection->SetUInt32(&message, field, static_cast<std::uint32_t>(random() % 7)); break;
+      case Field::CPPTYPE_INT32: reflection->SetInt32(&message, field, static_cast<std::int32_t>(random() % 9) - 4); break;
+      case Field::CPPTYPE_BOOL: reflection->SetBool(&message, field, random() % 2 == 0); break;
+      case Field::CPPTYPE_ENUM: reflection->SetEnumValue(&message, field, static_cast<int>(random() % 5)); break;
+      case Field::CPPTYPE_STRING: {
+        const std::array<std::string, 8> texts = {"", "Density", "Energy", "viridis", "+x", "reset", std::string(3000, 'x'), "\xf0\x9f\xa6\x80"};
+        reflection->SetString(&message, field, texts[random() % texts.size()]);
+        break;
+      }
+      case Field::CPPTYPE_MESSAGE: scramble(*reflection->MutableMessage(&message, field), random, depth + 1); break;
+      default: break;
+    }
+  }
+}
+
+void expect_drawable(const Scene& scene, const DatasetFacts& dataset, const std::string& trace) {
+  ASSERT_NE(dataset.find_array(scene.array), nullptr) << trace;
+  ASSERT_TRUE(scene.color_by.empty() || dataset.find_array(scene.color_by)) << trace;
+  ASSERT_LT(static_cast<std::size_t>(scene.step), dataset.times.size()) << trace;
+  ASSERT_LE(scene.intervals.size(), static_cast<std::size_t>(kMaxIntervals)) << trace;
+  std::set<std::uint32_t> ids;
+  for (const SceneInterval& i : scene.intervals) {
+    ASSERT_TRUE(std::isfinite(i.lower) && std::isfinite(i.upper) && i.lower < i.upper) << trace;
+    ASSERT_TRUE(i.opacity >= 0 && i.opacity <= 1) << trace;
+    for (const float c : i.color) ASSERT_TRUE(c >= 0 && c <= 1) << trace;
+    ASSERT_TRUE(i.id != 0 && ids.insert(i.id).second) << trace;
+  }
+  ASSERT_TRUE(scene.camera) << trace;
+  ASSERT_NO_THROW(check(*scene.camera)) << trace;
+  ASSERT_TRUE(std::isfinite(scene.unit_distance) && scene.unit_distance >= 0) << trace;
+}
+
+TEST(ApplyCommandRandom, NoMessageLeavesASceneThatCannotBeDrawn) {
+  const auto seed = static_cast<std::uint64_t>(::testing::UnitTest::GetInstance()->random_seed()) + 20040101;
+  std::mt19937_64 random(seed);
+  const DatasetFacts dataset = facts();
+  SceneState state;
+  open_in_scene(state, dataset);
+  int accepted = 0;
+  for (int n = 0; n < 20000; ++n) {
+    v1::ClientMessage message;
+    // One field of the oneof, scrambled.
+    const auto* descriptor = v1::ClientMessage::descriptor()->oneof_decl(0);
+    const auto* field = descriptor->field(static_cast<int>(random() % static_cast<std::uint64_t>(descriptor->field_count())));
+    scramble(*message.GetReflection()->MutableMessage(&message, field), random, 0);
+    const std::uint64_t revision = state.scene.revision;
+    const CommandOutcome outcome = apply_command(state, message, {&dataset});
+    const std::string trace = "seed " + std::to_string(seed) + ", message " + std::to_string(n) + ": " + message.ShortDebugString();
+    ASSERT_EQ(outcome.error.has_value() && outcome.changed, false) << trace;
+    ASSERT_EQ(state.scene.revision, revision + (outcome.changed ? 1 : 0)) << trace;
+    accepted += outcome.changed;
+    expect_drawable(state.scene, dataset, trace);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_GT(accepted, 100) << "seed " << seed << ": the messages were too wild to test anything";
+}
+
+}  // namespace
+}  // namespace isostrata

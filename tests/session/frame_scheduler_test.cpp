@@ -1,0 +1,171 @@
+#include "session/frame_scheduler.h"
+
+#include <gtest/gtest.h>
+
+namespace isostrata {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A viewer on a ticked clock whose engine answers at once.
+class Scheduler : public ::testing::Test {
+ protected:
+  Scheduler() {
+    frames_.set_viewport(640, 480, false, now_);
+    change();
+  }
+  void tick(Duration time) { now_ += time; }
+  void change() { frames_.scene_changed(++revision_, true, now_); }
+  std::uint64_t deliver(const FrameOrder& order) {
+    frames_.started();
+    return frames_.sent(revision_, order.lossless, now_);
+  }
+  void deliver_and_acknowledge(const FrameOrder& order) { frames_.acknowledged(deliver(order), now_); }
+
+  FrameScheduler frames_;
+  TimePoint now_ = TimePoint{} + std::chrono::hours(1);
+  std::uint64_t revision_ = 0;
+};
+
+TEST_F(Scheduler, AChangeGivesAMovingFrameAndRestALosslessOneOfTheSameState) {
+  auto order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_FALSE(order->lossless);
+  EXPECT_EQ(order->width, 640);
+  deliver_and_acknowledge(*order);
+  EXPECT_FALSE(frames_.next(now_));
+  const auto wake = frames_.wake_at(now_);
+  ASSERT_TRUE(wake);
+  now_ = *wake;
+  order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_TRUE(order->lossless);
+  deliver_and_acknowledge(*order);
+  tick(seconds(10));
+  EXPECT_FALSE(frames_.next(now_));
+  EXPECT_FALSE(frames_.wake_at(now_));
+}
+
+TEST_F(Scheduler, NothingIsLosslessWhileSomeoneInteracts) {
+  frames_.set_interaction(true, now_);
+  deliver_and_acknowledge(*frames_.next(now_));
+  tick(seconds(60));
+  EXPECT_FALSE(frames_.next(now_));
+  change();
+  EXPECT_FALSE(frames_.next(now_)->lossless);
+  frames_.started();
+  frames_.acknowledged(frames_.sent(revision_, false, now_), now_);
+  frames_.set_interaction(false, now_);
+  EXPECT_FALSE(frames_.next(now_));
+  tick(FrameScheduler::kSettle);
+  EXPECT_TRUE(frames_.next(now_)->lossless);
+}
+
+TEST_F(Scheduler, OneOrderAtATimeAndCreditsBoundWhatIsUnderWay) {
+  ASSERT_TRUE(frames_.next(now_));
+  change();
+  EXPECT_FALSE(frames_.next(now_));
+  frames_.started();
+  int given = 1;
+  for (int i = 0; i < 20; ++i, change())
+    if (frames_.next(now_)) {
+      frames_.started();
+      ++given;
+    }
+  EXPECT_EQ(given, frames_.window());
+}
+
+TEST_F(Scheduler, NoAcknowledgementForFourSecondsStopsDrawingUntilOneComes) {
+  const auto id = deliver(*frames_.next(now_));
+  tick(FrameScheduler::kStall - milliseconds(1));
+  change();
+  EXPECT_TRUE(frames_.next(now_));
+  frames_.failed(false);
+  tick(milliseconds(1));
+  change();
+  EXPECT_FALSE(frames_.next(now_));
+  frames_.acknowledged(id, now_);
+  EXPECT_TRUE(frames_.next(now_));
+}
+
+TEST_F(Scheduler, AHiddenPageGetsNothingAndTheNewestStateWhenItShowsAgain) {
+  frames_.set_viewport(640, 480, true, now_);
+  change();
+  EXPECT_FALSE(frames_.next(now_));
+  tick(seconds(5));
+  EXPECT_FALSE(frames_.next(now_));
+  frames_.set_viewport(640, 480, false, now_);
+  EXPECT_TRUE(frames_.next(now_));
+}
+
+TEST_F(Scheduler, AFrameOfAnOlderStateIsFollowedByTheNewest) {
+  frames_.next(now_);
+  change();
+  frames_.next(now_);
+  frames_.started();
+  frames_.acknowledged(frames_.sent(revision_ - 1, false, now_), now_);
+  EXPECT_TRUE(frames_.next(now_)) << "the newest state has not been shown";
+}
+
+TEST_F(Scheduler, AnUnstartedLosslessOrderGivesWayToAChange) {
+  deliver_and_acknowledge(*frames_.next(now_));
+  tick(FrameScheduler::kSettle);
+  ASSERT_TRUE(frames_.next(now_)->lossless);
+  EXPECT_FALSE(frames_.withdraw_order());
+  change();
+  EXPECT_TRUE(frames_.withdraw_order());
+  const auto order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_FALSE(order->lossless);
+  deliver_and_acknowledge(*order);
+  tick(FrameScheduler::kSettle);
+  EXPECT_TRUE(frames_.next(now_)->lossless);
+}
+
+TEST_F(Scheduler, AStillOfItsOwnSizeComesNowAndDoesNotReplaceTheViewports) {
+  deliver_and_acknowledge(*frames_.next(now_));
+  frames_.request_still(100, 50);
+  const auto still = frames_.next(now_);
+  ASSERT_TRUE(still);
+  EXPECT_TRUE(still->lossless && still->width == 100 && still->height == 50);
+  deliver_and_acknowledge(*still);
+  tick(FrameScheduler::kSettle);
+  const auto order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_TRUE(order->lossless && order->width == 640);
+}
+
+TEST_F(Scheduler, CreditsFollowTheShortestRoundTrip) {
+  const auto trip = [&](milliseconds time) {
+    change();
+    const auto id = deliver(*frames_.next(now_));
+    tick(time);
+    frames_.acknowledged(id, now_);
+  };
+  trip(milliseconds(5));
+  EXPECT_EQ(frames_.window(), 2);
+  tick(seconds(11));
+  trip(milliseconds(100));
+  EXPECT_EQ(frames_.window(), 4);
+  tick(seconds(11));
+  trip(seconds(2));
+  EXPECT_EQ(frames_.window(), FrameScheduler::kMaxWindow);
+}
+
+TEST_F(Scheduler, AcknowledgingWhatWasNeverSentDoesNothing) {
+  deliver(*frames_.next(now_));
+  frames_.acknowledged(1000000, now_);
+  EXPECT_EQ(frames_.in_flight(), 1);
+}
+
+TEST_F(Scheduler, AFailedFrameIsNotAskedForAgainUntilSomethingChanges) {
+  ASSERT_TRUE(frames_.next(now_));
+  frames_.failed(false);
+  EXPECT_FALSE(frames_.next(now_));
+  change();
+  EXPECT_TRUE(frames_.next(now_));
+}
+
+}  // namespace
+}  // namespace isostrata
