@@ -51,23 +51,26 @@ class Client::Impl {
 
   void close() {
     if (!socket_.is_open()) return;
-    socket_.async_close(websocket::close_code::normal, [](beast::error_code) {});
+    bool closed = false;
+    if (!failure_) socket_.async_close(websocket::close_code::normal, [&](beast::error_code) { closed = true; });
     io_.restart();
-    io_.run_for(std::chrono::milliseconds(500));
+    const auto deadline = Steady::now() + std::chrono::milliseconds(500);
+    while (!failure_ && !closed && Steady::now() < deadline) io_.run_one_for(deadline - Steady::now());
     beast::get_lowest_layer(socket_).close();
     io_.restart();
-    io_.poll();
+    io_.poll();  // what was pending ends while `closed` is still there
   }
 
   std::uint64_t send(v1::ClientMessage message) {
-    message.set_seq(++last_seq_);
+    const std::uint64_t seq = ++last_seq_;  // acknowledgements sent below take numbers of their own
+    message.set_seq(seq);
     std::string bytes;
     message.SerializeToString(&bytes);
     outgoing_.push_back(std::move(bytes));
     if (outgoing_.size() == 1) write();
     io_.restart();
     io_.poll();
-    return last_seq_;
+    return seq;
   }
 
   std::optional<v1::ServerMessage> receive_until(Steady::time_point deadline) {
@@ -140,6 +143,13 @@ class Client::Impl {
   v1::DatasetInfo dataset_;
 
  private:
+  // Not io_.run(): Beast's own timers keep it busy for half a minute after what was waited for.
+  void run_until(const bool& done) {
+    io_.restart();
+    while (!done && io_.run_one() > 0) {
+    }
+  }
+
   void connect(const ServerAddress& address) {
     beast::error_code error;
     asio::ip::tcp::resolver resolver(io_);
@@ -149,8 +159,12 @@ class Client::Impl {
     auto& tcp = beast::get_lowest_layer(socket_);
     tcp.expires_after(timeout_);
     error = asio::error::would_block;
-    tcp.async_connect(found, [&](beast::error_code e, const asio::ip::tcp::endpoint&) { error = e; });
-    io_.run();
+    bool done = false;
+    tcp.async_connect(found, [&](beast::error_code e, const asio::ip::tcp::endpoint&) {
+      error = e;
+      done = true;
+    });
+    run_until(done);
     if (error) throw ClientError("connection", where + ": " + error.message());
     tcp.socket().set_option(asio::ip::tcp::no_delay(true));
     tcp.expires_never();
@@ -165,9 +179,12 @@ class Client::Impl {
     socket_.read_message_max(kMaxServerMessage);
     websocket::response_type response;
     error = asio::error::would_block;
-    socket_.async_handshake(response, where, address.base_path + "ws", [&](beast::error_code e) { error = e; });
-    io_.restart();
-    io_.run();
+    done = false;
+    socket_.async_handshake(response, where, address.base_path + "ws", [&](beast::error_code e) {
+      error = e;
+      done = true;
+    });
+    run_until(done);
     if (error == websocket::error::upgrade_declined) {
       const auto status = response.result_int();
       throw ClientError(status == 401 ? "unauthorized" : "connection",

@@ -15,9 +15,9 @@ namespace isostrata {
 namespace {
 
 struct Request {
-  std::string_view name;                // whole, for messages
-  std::string_view kind;                // before ':'
-  std::vector<std::int64_t> sizes;      // between 'x' after ':', empty where there is no ':'
+  std::string_view name;            // whole, for messages
+  std::string_view kind;            // before ':'
+  std::vector<std::int64_t> sizes;  // between 'x' after ':', empty where there is no ':'
 };
 
 [[noreturn]] void refuse(const Request& request, const std::string& expected) {
@@ -43,7 +43,8 @@ Request parse(std::string_view name, const char* expected) {
 
 /// The one size of a request, within [least, most].
 std::int64_t side(const Request& request, std::int64_t fallback, std::int64_t least, std::int64_t most) {
-  const std::string expected = std::string(request.kind) + "[:N] with N from " + std::to_string(least) + " to " + std::to_string(most);
+  const std::string expected =
+      std::string(request.kind) + "[:N] with N from " + std::to_string(least) + " to " + std::to_string(most);
   if (request.sizes.empty()) return fallback;
   if (request.sizes.size() != 1 || request.sizes[0] < least) refuse(request, expected);
   if (request.sizes[0] > most)
@@ -129,11 +130,13 @@ std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOp
     fill_mixed(*dataset, n, torus_distance, task);
   } else if (request.kind == "cylinder") {
     CylinderSize size;
-    const std::string expected = "cylinder[:NIxNJxNK[xNT]] with NI from 4 to " + std::to_string(kMostAround) + ", NJ and NK from 2 to " +
-                                 std::to_string(kMostAround) + ", NT from 1 to " + std::to_string(kMostSteps);
+    const std::string expected = "cylinder[:NIxNJxNK[xNT]] with NI from 4 to " + std::to_string(kMostAround) +
+                                 ", NJ and NK from 2 to " + std::to_string(kMostAround) + ", NT from 1 to " +
+                                 std::to_string(kMostSteps);
     if (!request.sizes.empty()) {
       const auto& s = request.sizes;
-      if (s.size() < 3 || s.size() > 4 || s[0] < 4 || s[1] < 2 || s[2] < 2 || (s.size() == 4 && s[3] < 1)) refuse(request, expected);
+      if (s.size() < 3 || s.size() > 4 || s[0] < 4 || s[1] < 2 || s[2] < 2 || (s.size() == 4 && s[3] < 1))
+        refuse(request, expected);
       if (s[0] > kMostAround || s[1] > kMostAround || s[2] > kMostAround || (s.size() == 4 && s[3] > kMostSteps))
         throw Error(ErrorCode::too_large, std::string(name) + ": a size is above the limit; expected " + expected);
       size = {s[0], s[1], s[2], s.size() == 4 ? s[3] : 1};

@@ -1,14 +1,18 @@
 // Data without files: scalar fields with known answers, by name wherever a file may stand.
 //
-//   torus[:N]            N^3 float32 points on [-1,1]^3 (default 256); "distance" is the distance to the circle of radius 0.6 about the z axis in
+//   torus[:N]            N^3 float32 points on [-1,1]^3 (default 256); "distance" is the distance to the circle of radius 0.6
+//   about the z axis in
 //                        the plane z = 0, so distance = 0.25 is a torus and an interval a hollow ring
 //   sphere[:N]           the same points; "distance" to the origin
-//   marschner-lobb[:N]   the same points (default 64); "rho" of S. Marschner, R. Lobb, "An Evaluation of Reconstruction Filters for Volume
+//   marschner-lobb[:N]   the same points (default 64); "rho" of S. Marschner, R. Lobb, "An Evaluation of Reconstruction Filters
+//   for Volume
 //                        Rendering", 1994, with their alpha = 0.25 and f = 6
-//   cylinder[:NIxNJxNK[xNT]]  flow around a tapered cylinder on a curvilinear O-grid (default 64x64x32, one step); see cylinder_flow.h
-//   tets[:N]             N^3 points (default 32) on [-1,1]^3, every cube split into six tetrahedra about its main diagonal (H. W. Kuhn);
+//   cylinder[:NIxNJxNK[xNT]]  flow around a tapered cylinder on a curvilinear O-grid (default 64x64x32, one step); see
+//   cylinder_flow.h tets[:N]             N^3 points (default 32) on [-1,1]^3, every cube split into six tetrahedra about its main
+//   diagonal (H. W. Kuhn);
 //                        "distance" as of torus
-//   mixed[:N]            N points along each side (default 17, at least 5) and the middles of some cubes: quarters of hexahedra, wedges,
+//   mixed[:N]            N points along each side (default 17, at least 5) and the middles of some cubes: quarters of hexahedra,
+//   wedges,
 //                        pyramids and tetrahedra along x, conforming; "distance" as of torus
 //
 // A file whose name looks like one of these is reached with its directory: "./torus".

@@ -55,16 +55,26 @@ Range range_of(std::span<const T> values) {
 
 const char* to_string(ScalarType type) {
   switch (type) {
-    case ScalarType::int8: return "int8";
-    case ScalarType::uint8: return "uint8";
-    case ScalarType::int16: return "int16";
-    case ScalarType::uint16: return "uint16";
-    case ScalarType::int32: return "int32";
-    case ScalarType::uint32: return "uint32";
-    case ScalarType::int64: return "int64";
-    case ScalarType::uint64: return "uint64";
-    case ScalarType::float32: return "float32";
-    case ScalarType::float64: return "float64";
+    case ScalarType::int8:
+      return "int8";
+    case ScalarType::uint8:
+      return "uint8";
+    case ScalarType::int16:
+      return "int16";
+    case ScalarType::uint16:
+      return "uint16";
+    case ScalarType::int32:
+      return "int32";
+    case ScalarType::uint32:
+      return "uint32";
+    case ScalarType::int64:
+      return "int64";
+    case ScalarType::uint64:
+      return "uint64";
+    case ScalarType::float32:
+      return "float32";
+    case ScalarType::float64:
+      return "float64";
   }
   return "unknown";
 }
@@ -72,15 +82,19 @@ const char* to_string(ScalarType type) {
 std::size_t size_of(ScalarType type) {
   switch (type) {
     case ScalarType::int8:
-    case ScalarType::uint8: return 1;
+    case ScalarType::uint8:
+      return 1;
     case ScalarType::int16:
-    case ScalarType::uint16: return 2;
+    case ScalarType::uint16:
+      return 2;
     case ScalarType::int32:
     case ScalarType::uint32:
-    case ScalarType::float32: return 4;
+    case ScalarType::float32:
+      return 4;
     case ScalarType::int64:
     case ScalarType::uint64:
-    case ScalarType::float64: return 8;
+    case ScalarType::float64:
+      return 8;
   }
   return 0;
 }
@@ -88,19 +102,29 @@ std::size_t size_of(ScalarType type) {
 ScalarSpan scalar_span(ScalarType type, std::span<const std::byte> bytes) {
   const std::size_t size = size_of(type);
   if (size == 0 || bytes.size() % size != 0 || reinterpret_cast<std::uintptr_t>(bytes.data()) % size != 0)
-    throw Error(ErrorCode::internal, "scalar_span: " + std::to_string(bytes.size()) + " bytes do not hold whole, aligned values of " +
-                                         to_string(type));
+    throw Error(ErrorCode::internal, "scalar_span: " + std::to_string(bytes.size()) +
+                                         " bytes do not hold whole, aligned values of " + to_string(type));
   switch (type) {
-    case ScalarType::int8: return typed<std::int8_t>(bytes);
-    case ScalarType::uint8: return typed<std::uint8_t>(bytes);
-    case ScalarType::int16: return typed<std::int16_t>(bytes);
-    case ScalarType::uint16: return typed<std::uint16_t>(bytes);
-    case ScalarType::int32: return typed<std::int32_t>(bytes);
-    case ScalarType::uint32: return typed<std::uint32_t>(bytes);
-    case ScalarType::int64: return typed<std::int64_t>(bytes);
-    case ScalarType::uint64: return typed<std::uint64_t>(bytes);
-    case ScalarType::float32: return typed<float>(bytes);
-    case ScalarType::float64: break;
+    case ScalarType::int8:
+      return typed<std::int8_t>(bytes);
+    case ScalarType::uint8:
+      return typed<std::uint8_t>(bytes);
+    case ScalarType::int16:
+      return typed<std::int16_t>(bytes);
+    case ScalarType::uint16:
+      return typed<std::uint16_t>(bytes);
+    case ScalarType::int32:
+      return typed<std::int32_t>(bytes);
+    case ScalarType::uint32:
+      return typed<std::uint32_t>(bytes);
+    case ScalarType::int64:
+      return typed<std::int64_t>(bytes);
+    case ScalarType::uint64:
+      return typed<std::uint64_t>(bytes);
+    case ScalarType::float32:
+      return typed<float>(bytes);
+    case ScalarType::float64:
+      break;
   }
   return typed<double>(bytes);
 }

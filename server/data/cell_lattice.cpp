@@ -23,8 +23,8 @@ struct Cells {
   }
 };
 
-/// Corner (a,b,c) of a cube is number a + 2b + 4c. The six paths from corner 0 to corner 7, each with its middle two ordered so that the
-/// tetrahedron is right-handed.
+/// Corner (a,b,c) of a cube is number a + 2b + 4c. The six paths from corner 0 to corner 7, each with its middle two ordered so
+/// that the tetrahedron is right-handed.
 constexpr std::array<std::array<std::size_t, 4>, 6> kKuhn{
     {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
 

@@ -13,8 +13,9 @@ namespace isostrata {
 void fill_tets(Dataset& dataset, std::int64_t n, double (*field)(Vec3d), const Task& task);
 std::uint64_t tets_bytes(std::int64_t n);  // what points, cells and the array take
 
-/// Four slabs along x: cubes as hexahedra; cubes as two wedges each; cubes as six pyramids about a point in their middle; cubes as six
-/// tetrahedra. The pyramids that would meet tetrahedra with a quadrilateral are two tetrahedra instead, so the whole is conforming. n >= 5.
+/// Four slabs along x: cubes as hexahedra; cubes as two wedges each; cubes as six pyramids about a point in their middle; cubes
+/// as six tetrahedra. The pyramids that would meet tetrahedra with a quadrilateral are two tetrahedra instead, so the whole is
+/// conforming. n >= 5.
 void fill_mixed(Dataset& dataset, std::int64_t n, double (*field)(Vec3d), const Task& task);
 std::uint64_t mixed_bytes(std::int64_t n);  // an upper bound of the same
 

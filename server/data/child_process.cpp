@@ -28,7 +28,8 @@ struct Pipe {
 
   Pipe() {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::unavailable, std::string("cannot make a pipe: ") + std::strerror(errno));
+    if (pipe2(ends, O_CLOEXEC) != 0)
+      throw Error(ErrorCode::unavailable, std::string("cannot make a pipe: ") + std::strerror(errno));
     read = ends[0];
     write = ends[1];
   }
@@ -123,8 +124,8 @@ class Lines {
 
 }  // namespace
 
-ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, double timeout_s, const Task& task,
-                      const std::function<void(std::string_view)>& on_line) {
+ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, double timeout_s,
+                      const Task& task, const std::function<void(std::string_view)>& on_line) {
   const Stopwatch clock;
   Pipe out, err;
   Child child(start(program, arguments, out.write, err.write));

@@ -11,12 +11,12 @@ namespace isostrata {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSpan = 8;          // lengths in mean radii, speeds in free-stream speeds
+constexpr double kSpan = 8;  // lengths in mean radii, speeds in free-stream speeds
 constexpr double kFarRadius = 10;
 constexpr double kMach = 0.15, kGamma = 1.4;
-constexpr double kSpacing = 4.3;     // between vortices of one row
-constexpr double kHalfWidth = 0.6;   // of the street: half the rows' distance, 0.281 * spacing for von Karman's stable street
-constexpr double kDrift = 0.85;      // the vortices' speed
+constexpr double kSpacing = 4.3;    // between vortices of one row
+constexpr double kHalfWidth = 0.6;  // of the street: half the rows' distance, 0.281 * spacing for von Karman's stable street
+constexpr double kDrift = 0.85;     // the vortices' speed
 constexpr double kCirculation = 3.0;
 
 double radius_at(double z) { return 1.25 - 0.5 * z / kSpan; }
@@ -36,8 +36,8 @@ std::vector<Vortex> street(double z, double time) {
       const double cycles = n + (phase + 0.5 * row) - std::floor(phase + 0.5 * row);
       const double x = a + cycles * kSpacing * a;
       const double formed = 1 - std::exp(-cycles * 4);  // rolled up within the first quarter of a period
-      vortices.push_back({x, (row == 0 ? 1 : -1) * kHalfWidth * a * (1 + 0.15 * cycles), (row == 0 ? -1 : 1) * kCirculation * a * formed,
-                          a * (0.35 + 0.12 * cycles)});
+      vortices.push_back({x, (row == 0 ? 1 : -1) * kHalfWidth * a * (1 + 0.15 * cycles),
+                          (row == 0 ? -1 : 1) * kCirculation * a * formed, a * (0.35 + 0.12 * cycles)});
     }
   return vortices;
 }
@@ -62,11 +62,13 @@ Flow flow_at(double r, double theta, double z, const std::vector<Vortex>& vortic
     u.x -= swirl * dy;
     u.y += swirl * dx;
     const double speed_at_core = vortex.circulation / (2 * kPi * vortex.core);
-    pressure_drop += speed_at_core * speed_at_core * std::exp(-s);  // a vortex is a low of pressure, which Bernoulli alone would miss
+    pressure_drop +=
+        speed_at_core * speed_at_core * std::exp(-s);  // a vortex is a low of pressure, which Bernoulli alone would miss
   }
   const double layer = 1 - std::exp(-(r - a) / (0.12 * a));  // no slip at the surface
   u = u * layer;
-  u.z = 0.08 * layer * std::exp(-(r - a) / (2 * a)) * std::cos(theta / 2) * std::cos(theta / 2);  // the taper drives some flow along the span
+  u.z = 0.08 * layer * std::exp(-(r - a) / (2 * a)) * std::cos(theta / 2) *
+        std::cos(theta / 2);  // the taper drives some flow along the span
 
   const double m2 = kMach * kMach;
   const double ideal = dot(u, u) / std::max(layer * layer, 1e-3);  // across the layer pressure is that of the flow outside it
@@ -111,7 +113,8 @@ void fill_cylinder(Dataset& dataset, const CylinderSize& size, std::int64_t step
           const bool seam = i == size.around - 1;
           const double theta = seam ? 0.0 : 2 * kPi * static_cast<double>(i) / static_cast<double>(size.around - 1);
           const auto id = static_cast<std::size_t>(i + size.around * (j + size.outward * k));
-          storage->points[id] = {static_cast<float>(r * std::cos(theta)), static_cast<float>(r * std::sin(theta)), static_cast<float>(z)};
+          storage->points[id] = {static_cast<float>(r * std::cos(theta)), static_cast<float>(r * std::sin(theta)),
+                                 static_cast<float>(z)};
           const Flow flow = flow_at(r, theta, z, vortices);
           storage->values[0][id] = static_cast<float>(flow.density);
           storage->values[1][id] = static_cast<float>(length(flow.momentum));

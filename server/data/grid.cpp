@@ -39,10 +39,14 @@ Box3d bounds_of(const PointSpan& points) {
 
 const char* Grid::kind_name() const {
   switch (shape.index()) {
-    case 0: return "uniform";
-    case 1: return "rectilinear";
-    case 2: return "curvilinear";
-    default: return "unstructured";
+    case 0:
+      return "uniform";
+    case 1:
+      return "rectilinear";
+    case 2:
+      return "curvilinear";
+    default:
+      return "unstructured";
   }
 }
 
@@ -60,7 +64,8 @@ std::int64_t Grid::point_count() const {
 }
 
 std::int64_t Grid::cell_count() const {
-  if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape)) return static_cast<std::int64_t>(unstructured->types.size());
+  if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape))
+    return static_cast<std::int64_t>(unstructured->types.size());
   const auto d = dims();
   if (d[0] < 2 || d[1] < 2 || d[2] < 2) return 0;
   return (d[0] - 1) * (d[1] - 1) * (d[2] - 1);
@@ -120,10 +125,14 @@ std::map<std::string, std::int64_t> count_cell_types(const Grid& grid) {
   std::map<std::string, std::int64_t> counts;
   const auto name = [](CellType type) {
     switch (type) {
-      case CellType::tetrahedron: return "tetrahedron";
-      case CellType::pyramid: return "pyramid";
-      case CellType::wedge: return "wedge";
-      case CellType::hexahedron: return "hexahedron";
+      case CellType::tetrahedron:
+        return "tetrahedron";
+      case CellType::pyramid:
+        return "pyramid";
+      case CellType::wedge:
+        return "wedge";
+      case CellType::hexahedron:
+        return "hexahedron";
     }
     return "unknown";
   };

@@ -12,7 +12,8 @@ namespace {
 void check_bins(int bins) {
   constexpr int kMostBins = 1 << 20;
   if (bins < 1 || bins > kMostBins)
-    throw Error(ErrorCode::invalid_argument, "histogram: " + std::to_string(bins) + " bins; expected 1 to " + std::to_string(kMostBins));
+    throw Error(ErrorCode::invalid_argument,
+                "histogram: " + std::to_string(bins) + " bins; expected 1 to " + std::to_string(kMostBins));
 }
 
 }  // namespace
@@ -20,7 +21,8 @@ void check_bins(int bins) {
 std::vector<std::uint64_t> histogram(const PointArray& array, double lower, double upper, int bins) {
   check_bins(bins);
   if (!std::isfinite(lower) || !std::isfinite(upper) || lower > upper)
-    throw Error(ErrorCode::invalid_argument, "histogram: from " + std::to_string(lower) + " to " + std::to_string(upper) + "; expected finite limits, lower first");
+    throw Error(ErrorCode::invalid_argument, "histogram: from " + std::to_string(lower) + " to " + std::to_string(upper) +
+                                                 "; expected finite limits, lower first");
   // Halves first: the width of a range that spans all doubles is still finite.
   const double half_range = upper / 2 - lower / 2;
   std::vector<std::uint64_t> total(static_cast<std::size_t>(bins), 0);

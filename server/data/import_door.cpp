@@ -39,8 +39,8 @@ class TemporaryDirectory {
 };
 
 ErrorCode code_of(std::string_view word) {
-  for (const ErrorCode code : {ErrorCode::invalid_argument, ErrorCode::not_found, ErrorCode::bad_data, ErrorCode::unsupported, ErrorCode::too_large,
-                               ErrorCode::unavailable, ErrorCode::internal})
+  for (const ErrorCode code : {ErrorCode::invalid_argument, ErrorCode::not_found, ErrorCode::bad_data, ErrorCode::unsupported,
+                               ErrorCode::too_large, ErrorCode::unavailable, ErrorCode::internal})
     if (word == to_string(code)) return code;
   return ErrorCode::bad_data;
 }
@@ -48,20 +48,24 @@ ErrorCode code_of(std::string_view word) {
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
   if (const auto newline = text.rfind('\n'); newline != std::string::npos) text.erase(0, newline + 1);
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
   return text.substr(0, 2000);
 }
 
 /// What the child's end means. Its last line is "error CODE MESSAGE" where it could still say so.
 [[noreturn]] void throw_failure(const ChildResult& result, const std::string& name) {
-  if (result.signal == SIGXCPU) throw Error(ErrorCode::bad_data, name + ": the reader was ended because it used too much processor time");
-  if (result.signal != 0) throw Error(ErrorCode::bad_data, name + ": the reader crashed (signal " + std::to_string(result.signal) + ")");
+  if (result.signal == SIGXCPU)
+    throw Error(ErrorCode::bad_data, name + ": the reader was ended because it used too much processor time");
+  if (result.signal != 0)
+    throw Error(ErrorCode::bad_data, name + ": the reader crashed (signal " + std::to_string(result.signal) + ")");
   const std::string line = last_line(result.errors);
   if (line.starts_with("error ")) {
     const auto space = line.find(' ', 6);
     if (space != std::string::npos) throw Error(code_of(std::string_view(line).substr(6, space - 6)), line.substr(space + 1));
   }
-  throw Error(ErrorCode::bad_data, name + ": the reader failed with status " + std::to_string(result.exit_status) + (line.empty() ? "" : ": " + line));
+  throw Error(ErrorCode::bad_data,
+              name + ": the reader failed with status " + std::to_string(result.exit_status) + (line.empty() ? "" : ": " + line));
 }
 
 }  // namespace
@@ -80,7 +84,8 @@ std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptio
   const fs::file_status status = fs::status(file, error);
   if (file.empty() || !fs::exists(status)) throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
   if (fs::is_directory(status)) throw Error(ErrorCode::bad_data, file.string() + ": is a directory; expected a file");
-  if (options.step < 0) throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
+  if (options.step < 0)
+    throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
   const std::string name = file.filename().string();
 
   task.report(0, "reading");
@@ -89,8 +94,8 @@ std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptio
   ChildResult result;
   try {
     result = run_child(options.importer.empty() ? default_importer() : options.importer,
-                       {fs::absolute(file).string(), directory.path().string(), std::to_string(options.step), std::to_string(options.max_bytes),
-                        std::to_string(cpu_seconds)},
+                       {fs::absolute(file).string(), directory.path().string(), std::to_string(options.step),
+                        std::to_string(options.max_bytes), std::to_string(cpu_seconds)},
                        options.timeout_s, task, [&](std::string_view line) {
                          if (!line.starts_with("progress ")) return;
                          double fraction = 0;

@@ -1,13 +1,13 @@
-// The door to isostrata-import, the child process that parses foreign files. A broken or hostile file can end the child and nothing else: whatever
-// it writes is checked before any other code reads it.
+// The door to isostrata-import, the child process that parses foreign files. A broken or hostile file can end the child and
+// nothing else: whatever it writes is checked before any other code reads it.
 //
-// The child gets: FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS. DIRECTORY is new, private (0700), below $TMPDIR or /tmp, and removed before
-// open_import returns or throws. Into it the child writes raw little-endian files and, last, manifest.json:
+// The child gets: FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS. DIRECTORY is new, private (0700), below $TMPDIR or /tmp, and removed
+// before open_import returns or throws. Into it the child writes raw little-endian files and, last, manifest.json:
 //
 //   {"format":1, "grid":"uniform"|"rectilinear"|"curvilinear"|"unstructured", "dims":[ni,nj,nk] (structured grids),
 //    "points":["float32"|"float64", count] (curvilinear, unstructured), "cells":n, "connectivity":n (unstructured),
-//    "hidden_cells":bool, "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":..., "type":...}],
-//    "times":n, "step":n, "notes":[...]}
+//    "hidden_cells":bool, "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":...,
+//    "type":...}], "times":n, "step":n, "notes":[...]}
 //
 //   placement.bin       float64[6]: origin, spacing (uniform)
 //   axis_x.bin, ...     float64[dims] each (rectilinear)
@@ -17,7 +17,8 @@
 //   array_N.bin         [points] of the N-th array's type
 //   times.bin           float64[times]
 //
-// File names are fixed, so the manifest cannot name anything. Files are mapped read-only and unlinked; they live as long as the Dataset.
+// File names are fixed, so the manifest cannot name anything. Files are mapped read-only and unlinked; they live as long as the
+// Dataset.
 #pragma once
 
 #include <filesystem>
@@ -27,12 +28,12 @@
 
 namespace isostrata {
 
-/// Runs the child on `file`. Throws not_found, bad_data (also where the child crashed, ran out of time, or wrote something inconsistent),
-/// unsupported, too_large, cancelled, unavailable (no isostrata-import, no room for temporary files). Any thread.
+/// Runs the child on `file`. Throws not_found, bad_data (also where the child crashed, ran out of time, or wrote something
+/// inconsistent), unsupported, too_large, cancelled, unavailable (no isostrata-import, no room for temporary files). Any thread.
 std::shared_ptr<const Dataset> open_import(const std::filesystem::path& file, const OpenOptions& options, const Task& task);
 
-/// The second half on its own: checks and maps a directory that a child wrote. `name` is for messages. The directory's files may be unlinked
-/// afterwards. Throws bad_data, too_large.
+/// The second half on its own: checks and maps a directory that a child wrote. `name` is for messages. The directory's files may
+/// be unlinked afterwards. Throws bad_data, too_large.
 std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, const std::string& name, const OpenOptions& options);
 
 /// isostrata-import beside this executable. Throws unavailable where it is not there.

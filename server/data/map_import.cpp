@@ -1,4 +1,5 @@
-// Checks what the import child wrote. Nothing in it is believed: every size, index and number that other code relies on is looked at here.
+// Checks what the import child wrote. Nothing in it is believed: every size, index and number that other code relies on is looked
+// at here.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -31,7 +32,8 @@ class Mapping {
     const bool regular = descriptor >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
     if (!regular || static_cast<std::uint64_t>(status.st_size) != expected_bytes) {
       if (descriptor >= 0) close(descriptor);
-      throw Error(ErrorCode::bad_data, name + ": the reader's " + file + (regular ? " has " + std::to_string(status.st_size) + " bytes" : " is missing") +
+      throw Error(ErrorCode::bad_data, name + ": the reader's " + file +
+                                           (regular ? " has " + std::to_string(status.st_size) + " bytes" : " is missing") +
                                            "; expected " + std::to_string(expected_bytes) + " bytes");
     }
     size_ = expected_bytes;
@@ -57,12 +59,14 @@ class Mapping {
 
 class Manifest {
  public:
-  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options) : directory_(directory), name_(name), options_(options) {
+  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options)
+      : directory_(directory), name_(name), options_(options) {
     const fs::path path = directory / "manifest.json";
     std::error_code error;
     const auto size = fs::file_size(path, error);
     if (error) refuse("wrote no manifest");
-    if (size > kMostManifest) refuse("wrote a manifest of " + std::to_string(size) + " bytes; expected at most " + std::to_string(kMostManifest));
+    if (size > kMostManifest)
+      refuse("wrote a manifest of " + std::to_string(size) + " bytes; expected at most " + std::to_string(kMostManifest));
     const Mapping mapping(path, size, name);
     try {
       json::parse_options strict;
@@ -85,24 +89,27 @@ class Manifest {
   std::int64_t integer(const json::value& value, const char* what, std::int64_t least, std::int64_t most) const {
     const auto number = value.is_int64() ? std::optional(value.get_int64()) : std::nullopt;
     if (!number || *number < least || *number > most)
-      refuse(std::string("wrote ") + json::serialize(value).substr(0, 60) + " for " + what + "; expected an integer from " + std::to_string(least) + " to " +
-             std::to_string(most));
+      refuse(std::string("wrote ") + json::serialize(value).substr(0, 60) + " for " + what + "; expected an integer from " +
+             std::to_string(least) + " to " + std::to_string(most));
     return *number;
   }
   std::string text(const json::value& value, const char* what) const {
-    if (!value.is_string() || value.get_string().size() > kLongestName) refuse(std::string("wrote no text of at most 1000 bytes for ") + what);
+    if (!value.is_string() || value.get_string().size() > kLongestName)
+      refuse(std::string("wrote no text of at most 1000 bytes for ") + what);
     return std::string(value.get_string());
   }
   const json::object& root() const { return root_; }
 
   /// Maps `count` elements; counts towards the memory budget.
-  std::span<const std::byte> map(const std::string& file, std::int64_t count, std::size_t element, std::shared_ptr<const void>& storage) {
+  std::span<const std::byte> map(const std::string& file, std::int64_t count, std::size_t element,
+                                 std::shared_ptr<const void>& storage) {
     std::uint64_t bytes = 0;
     if (__builtin_mul_overflow(static_cast<std::uint64_t>(count), element, &bytes) || bytes > (std::uint64_t{1} << 60))
       refuse("declares " + std::to_string(count) + " elements in " + file);
     total_ += bytes;
     if (total_ > options_.max_bytes)
-      throw Error(ErrorCode::too_large, name_ + ": needs more than the limit of " + std::to_string(options_.max_bytes) + " bytes");
+      throw Error(ErrorCode::too_large,
+                  name_ + ": needs more than the limit of " + std::to_string(options_.max_bytes) + " bytes");
     const auto mapping = std::make_shared<const Mapping>(directory_ / file, bytes, name_);
     storage = mapping;
     return mapping->bytes();
@@ -133,7 +140,8 @@ std::array<std::int64_t, 3> read_dims(const Manifest& manifest) {
   std::int64_t points = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     dims[a] = manifest.integer(value.get_array()[a], "a dimension", 1, kMostPoints);
-    if (__builtin_mul_overflow(points, dims[a], &points) || points > kMostPoints) manifest.refuse("wrote dimensions whose product is absurd");
+    if (__builtin_mul_overflow(points, dims[a], &points) || points > kMostPoints)
+      manifest.refuse("wrote dimensions whose product is absurd");
   }
   return dims;
 }
@@ -143,7 +151,8 @@ PointSpan map_points(Manifest& manifest, Storages& keep, std::optional<std::int6
   if (!value.is_array() || value.get_array().size() != 2) manifest.refuse("wrote no type and count of points");
   const std::string type = manifest.text(value.get_array()[0], "the points' type");
   const std::int64_t count = manifest.integer(value.get_array()[1], "the number of points", 0, kMostPoints);
-  if (expected && count != *expected) manifest.refuse("wrote " + std::to_string(count) + " points; expected " + std::to_string(*expected));
+  if (expected && count != *expected)
+    manifest.refuse("wrote " + std::to_string(count) + " points; expected " + std::to_string(*expected));
   PointSpan points;
   if (type == "float32")
     points = manifest.map<Vec3f>("points.bin", count, keep);
@@ -170,7 +179,8 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
   UnstructuredGrid grid;
   grid.points = map_points(manifest, keep, std::nullopt);
   const std::int64_t cells = manifest.integer(manifest.need(manifest.root(), "cells"), "the number of cells", 0, kMostPoints);
-  const std::int64_t ids = manifest.integer(manifest.need(manifest.root(), "connectivity"), "the length of the connectivity", 0, kMostPoints);
+  const std::int64_t ids =
+      manifest.integer(manifest.need(manifest.root(), "connectivity"), "the length of the connectivity", 0, kMostPoints);
   grid.types = manifest.map<std::uint8_t>("types.bin", cells, keep);
   grid.offsets = manifest.map<std::int64_t>("offsets.bin", cells + 1, keep);
   grid.connectivity = manifest.map<std::int64_t>("connectivity.bin", ids, keep);
@@ -182,17 +192,27 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
       std::int64_t vertices = 0;
       switch (static_cast<CellType>(grid.types[c])) {
-        case CellType::tetrahedron: vertices = 4; break;
-        case CellType::pyramid: vertices = 5; break;
-        case CellType::wedge: vertices = 6; break;
-        case CellType::hexahedron: vertices = 8; break;
+        case CellType::tetrahedron:
+          vertices = 4;
+          break;
+        case CellType::pyramid:
+          vertices = 5;
+          break;
+        case CellType::wedge:
+          vertices = 6;
+          break;
+        case CellType::hexahedron:
+          vertices = 8;
+          break;
       }
       // Subtraction cannot overflow once both offsets lie within [0, ids].
       const std::int64_t from = grid.offsets[c], to = grid.offsets[c + 1];
       if (vertices == 0 || from < 0 || to > ids || to < from || to - from != vertices) bad_cell = static_cast<std::int64_t>(c);
     }
   });
-  if (bad_cell >= 0) manifest.refuse("wrote cell " + std::to_string(bad_cell) + " with an unknown type, or a number of points that is not its type's");
+  if (bad_cell >= 0)
+    manifest.refuse("wrote cell " + std::to_string(bad_cell) +
+                    " with an unknown type, or a number of points that is not its type's");
   parallel_for(ids, 1 << 17, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const std::int64_t id = grid.connectivity[static_cast<std::size_t>(i)];
@@ -260,8 +280,9 @@ Grid map_grid(Manifest& manifest) {
 
 ScalarType read_type(const Manifest& manifest, const json::value& value) {
   const std::string name = manifest.text(value, "an array's type");
-  for (const ScalarType type : {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16, ScalarType::int32, ScalarType::uint32,
-                                ScalarType::int64, ScalarType::uint64, ScalarType::float32, ScalarType::float64})
+  for (const ScalarType type :
+       {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16, ScalarType::int32, ScalarType::uint32,
+        ScalarType::int64, ScalarType::uint64, ScalarType::float32, ScalarType::float64})
     if (name == to_string(type)) return type;
   manifest.refuse("wrote an array of type '" + name + "'");
 }
@@ -282,10 +303,12 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
     const std::string association = manifest.text(manifest.need(fields, "association"), "an array's association");
     if (association != "point" && association != "cell_averaged") manifest.refuse("wrote an array on '" + association + "'");
     array.association = association == "point" ? Association::point : Association::cell_averaged;
-    array.components = static_cast<int>(manifest.integer(manifest.need(fields, "components"), "an array's components", 1, 1 << 20));
+    array.components =
+        static_cast<int>(manifest.integer(manifest.need(fields, "components"), "an array's components", 1, 1 << 20));
     array.component = manifest.text(manifest.need(fields, "component"), "an array's component");
     array.type = read_type(manifest, manifest.need(fields, "type"));
-    array.values = scalar_span(array.type, manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
+    array.values =
+        scalar_span(array.type, manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
     measure_range(array);
     arrays.push_back(std::move(array));
   }
@@ -296,7 +319,8 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
 
 std::shared_ptr<Dataset> map_import(const fs::path& directory, const std::string& name, const OpenOptions& options) {
   Manifest manifest(directory, name, options);
-  if (manifest.integer(manifest.need(manifest.root(), "format"), "format", 0, 1 << 20) != 1) manifest.refuse("is of another version than this server");
+  if (manifest.integer(manifest.need(manifest.root(), "format"), "format", 0, 1 << 20) != 1)
+    manifest.refuse("is of another version than this server");
   auto dataset = std::make_shared<Dataset>();
   dataset->name = name;
   dataset->grid = map_grid(manifest);

@@ -18,8 +18,9 @@ Bytes encode_jpeg(const Image& image, int quality);
 /// Lossless, fast deflate; RGB where every pixel is opaque, else RGBA. For frames at rest; any thread.
 Bytes encode_png(const Image& image);
 
-/// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg and .webp lossy, at quality 95 and 100: OpenImageIO 2.4 has no other WebP) and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth).
-/// Throws invalid_argument for an unknown extension (naming those that are known) and unavailable where the file cannot be written.
+/// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg and .webp lossy, at quality 95 and 100: OpenImageIO 2.4 has no other WebP)
+/// and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth). Throws invalid_argument for an unknown
+/// extension (naming those that are known) and unavailable where the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image);
 void write_image(const std::filesystem::path& path, const FloatImage& image);
 bool is_float_format(const std::filesystem::path& path);  // .exr
@@ -29,7 +30,7 @@ void check_image_path(const std::filesystem::path& path);
 
 /// What this build can write, each tried on a small picture, for `isostrata doctor`.
 struct CodecProbe {
-  std::string name;    // "jpeg", "png", "webp", "tiff", "openexr"
+  std::string name;  // "jpeg", "png", "webp", "tiff", "openexr"
   bool ok = false;
   std::string detail;  // by what library, or why it failed
 };

@@ -1,5 +1,6 @@
-// PNG (ISO/IEC 15948) by hand: rows filtered, bands of rows deflated at the same time, the bands joined into one zlib stream. The bands are
-// raw deflate ended by a full flush, so their bytes may be concatenated; the Adler-32 sums are combined (the method of Mark Adler's pigz).
+// PNG (ISO/IEC 15948) by hand: rows filtered, bands of rows deflated at the same time, the bands joined into one zlib stream. The
+// bands are raw deflate ended by a full flush, so their bytes may be concatenated; the Adler-32 sums are combined (the method of
+// Mark Adler's pigz).
 #include <zlib.h>
 
 #include <array>
@@ -125,8 +126,8 @@ Bytes encode_png(const Image& image) {
   std::array<std::uint8_t, 13> header{};
   put_u32(&header[0], static_cast<std::uint32_t>(image.width));
   put_u32(&header[4], static_cast<std::uint32_t>(image.height));
-  header[8] = 8;                                                  // bits a channel
-  header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);   // RGBA, RGB
+  header[8] = 8;                                                 // bits a channel
+  header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);  // RGBA, RGB
   put_chunk(out, "IHDR", header);
   put_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
   uLong adler = 1;

@@ -18,13 +18,14 @@ constexpr int kStillQuality = 95;
 
 std::string extension_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
 }
 
 [[noreturn]] void unknown_extension(const std::filesystem::path& path) {
-  throw Error(ErrorCode::invalid_argument,
-              path.string() + ": extension '" + extension_of(path) + "' is not a picture; expected .png, .jpg, .webp, .tif or .exr");
+  throw Error(ErrorCode::invalid_argument, path.string() + ": extension '" + extension_of(path) +
+                                               "' is not a picture; expected .png, .jpg, .webp, .tif or .exr");
 }
 
 [[noreturn]] void cannot_write(const std::filesystem::path& path, const std::string& why) {
@@ -45,9 +46,7 @@ void write_by_oiio(const std::filesystem::path& path, const OIIO::ImageSpec& spe
     cannot_write(path, output->geterror());
 }
 
-float linear_from_srgb(float v) {
-  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-}
+float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 }  // namespace
 

@@ -21,8 +21,8 @@ bool same_ends(const IntervalMesh& mesh, const std::vector<SceneInterval>& inter
                     });
 }
 
-std::shared_ptr<const IntervalMesh> extract(const Dataset& dataset, const PointArray& array, const std::vector<SceneInterval>& wanted,
-                                            const Task& task) {
+std::shared_ptr<const IntervalMesh> extract(const Dataset& dataset, const PointArray& array,
+                                            const std::vector<SceneInterval>& wanted, const Task& task) {
   auto mesh = std::make_shared<IntervalMesh>();
   if (wanted.empty()) {
     mesh->cells = dataset.grid.cell_count();
@@ -44,7 +44,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Datase
   const bool colored = std::any_of(scene.intervals.begin(), scene.intervals.end(),
                                    [](const SceneInterval& interval) { return !interval.color_map.empty(); });
   // The dataset is immutable and one object per time step, so its identity stands for dataset and step.
-  const bool same_mesh = previous && previous->dataset == dataset && previous->array == array.name && same_ends(*previous->mesh, scene.intervals);
+  const bool same_mesh =
+      previous && previous->dataset == dataset && previous->array == array.name && same_ends(*previous->mesh, scene.intervals);
   const bool same_colors = same_mesh && previous->color_by == color_by.name && (previous->color_values || !colored);
   if (same_mesh && same_colors) {
     if (previous->extract_ms == 0) return previous;

@@ -1,4 +1,5 @@
-// Scene in, picture out: dataset, extraction, style, renderer, in this order, each reused where nothing that it depends on changed.
+// Scene in, picture out: dataset, extraction, style, renderer, in this order, each reused where nothing that it depends on
+// changed.
 #pragma once
 
 #include <memory>
@@ -15,16 +16,16 @@ namespace isostrata {
 /// A mesh and what it was made from. Immutable, shared between threads.
 struct ExtractedScene {
   std::shared_ptr<const Dataset> dataset;
-  std::string array, color_by;                             // the arrays' names, as they were found
+  std::string array, color_by;  // the arrays' names, as they were found
   std::shared_ptr<const IntervalMesh> mesh;
   std::shared_ptr<const std::vector<float>> color_values;  // null where no interval has a colour map
   double color_lower = 0, color_upper = 1;                 // range of the color-by array
   double extract_ms = 0;                                   // 0 where `previous` was reused
 };
 
-/// Extracts the scene's intervals, visible or not, from the dataset; `previous` is reused as far as dataset, step, array, ends and color_by
-/// are the same. A scene without intervals gives an empty mesh. Scene::array empty: the dataset's first. Throws not_found (no such array)
-/// and what extract_intervals throws. Any thread.
+/// Extracts the scene's intervals, visible or not, from the dataset; `previous` is reused as far as dataset, step, array, ends
+/// and color_by are the same. A scene without intervals gives an empty mesh. Scene::array empty: the dataset's first. Throws
+/// not_found (no such array) and what extract_intervals throws. Any thread.
 std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task);
 

@@ -82,7 +82,8 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
     bytes += static_cast<std::uint64_t>(block.grid.cell_count()) * 73 + static_cast<std::uint64_t>(block.grid.point_count()) * 12;
   check_bytes(request, bytes, name + ": its blocks as one unstructured grid");
 
-  const bool doubles = std::any_of(imported.blocks.begin(), imported.blocks.end(), [](const Block& b) { return has_double_points(b.grid); });
+  const bool doubles =
+      std::any_of(imported.blocks.begin(), imported.blocks.end(), [](const Block& b) { return has_double_points(b.grid); });
   const bool shared = share_points(imported.blocks);
   const auto cells = std::make_shared<Cells>();
   bool any_hidden = false;

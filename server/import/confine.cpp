@@ -34,7 +34,8 @@ void allow_below(int ruleset, const std::filesystem::path& directory, std::uint6
   close(rule.parent_fd);
 }
 
-void confine_files(const std::filesystem::path& directory, const std::filesystem::path& file, const std::filesystem::path& output) {
+void confine_files(const std::filesystem::path& directory, const std::filesystem::path& file,
+                   const std::filesystem::path& output) {
   constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
   constexpr std::uint64_t kWrite = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
   landlock_ruleset_attr attributes{};

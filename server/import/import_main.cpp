@@ -1,4 +1,5 @@
-// isostrata-import: reads one time step of one foreign file and writes plain arrays. Started by data/import_door.h only; what it says:
+// isostrata-import: reads one time step of one foreign file and writes plain arrays. Started by data/import_door.h only; what it
+// says:
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
 #include <sys/sysinfo.h>
@@ -26,7 +27,8 @@ namespace {
 using isostrata::Error;
 using isostrata::ErrorCode;
 
-/// Readers that met damage were seen to crash in their destructors, so nothing is destroyed at the end: everything is on disk, or said.
+/// Readers that met damage were seen to crash in their destructors, so nothing is destroyed at the end: everything is on disk, or
+/// said.
 [[noreturn]] void end(int status) {
   std::fflush(nullptr);
   std::_Exit(status);
@@ -52,7 +54,8 @@ std::uint64_t number(const char* text) {
 std::uint64_t memory_limit(std::uint64_t max_bytes) {
   constexpr std::uint64_t kLibraries = std::uint64_t{3} << 30;
   struct sysinfo info {};
-  const std::uint64_t machine = sysinfo(&info) == 0 ? static_cast<std::uint64_t>(info.totalram) * info.mem_unit : ~std::uint64_t{0} >> 2;
+  const std::uint64_t machine =
+      sysinfo(&info) == 0 ? static_cast<std::uint64_t>(info.totalram) * info.mem_unit : ~std::uint64_t{0} >> 2;
   return std::min(3 * std::min(max_bytes, ~std::uint64_t{0} >> 3), machine) + kLibraries;
 }
 
@@ -79,7 +82,8 @@ void run(char** argv) {
 
 int main(int argc, char** argv) {
   if (argc != 6) {
-    std::fprintf(stderr, "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS (started by isostrata, not by people)\n");
+    std::fprintf(stderr,
+                 "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS (started by isostrata, not by people)\n");
     return 2;
   }
   const std::string name = std::filesystem::path(argv[1]).filename().string();

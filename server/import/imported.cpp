@@ -32,7 +32,8 @@ std::filesystem::path referred_file(const std::filesystem::path& from, const std
   std::error_code ignored;
   const fs::path resolved = fs::weakly_canonical(directory / wanted, ignored);
   const auto [end, at] = std::mismatch(directory.begin(), directory.end(), resolved.begin(), resolved.end());
-  if (resolved.empty() || end != directory.end()) throw Error(ErrorCode::bad_data, refusal + "; expected a file below its own directory");
+  if (resolved.empty() || end != directory.end())
+    throw Error(ErrorCode::bad_data, refusal + "; expected a file below its own directory");
   if (!fs::is_regular_file(resolved, ignored)) throw Error(ErrorCode::not_found, refusal + ", which is not there");
   return resolved;
 }

@@ -1,4 +1,5 @@
-// What a reader hands over inside the import child: grids and arrays as the file has them, before cells are averaged and vectors split.
+// What a reader hands over inside the import child: grids and arrays as the file has them, before cells are averaged and vectors
+// split.
 #pragma once
 
 #include <cstdint>
@@ -39,9 +40,9 @@ struct Imported {
 };
 
 struct ReadRequest {
-  std::filesystem::path file;       // absolute
+  std::filesystem::path file;  // absolute
   int step = 0;
-  std::uint64_t max_bytes = 0;      // of all arrays together
+  std::uint64_t max_bytes = 0;  // of all arrays together
   std::function<void(double fraction)> progress = [](double) {};
 };
 

@@ -19,8 +19,8 @@ constexpr std::size_t kMostTrailing = 64u << 20;  // kept behind the data where 
 [[noreturn]] void refuse_short(const std::string& name, const NrrdHeader& header, std::size_t declared, std::size_t present) {
   std::string sizes;
   for (const NrrdAxis& axis : header.axes) sizes += (sizes.empty() ? "" : "x") + std::to_string(axis.size);
-  throw Error(ErrorCode::bad_data, name + ": " + sizes + " " + to_string(header.type) + " declared, which is " + std::to_string(declared) +
-                                       " bytes in this file; " + std::to_string(present) + " present");
+  throw Error(ErrorCode::bad_data, name + ": " + sizes + " " + to_string(header.type) + " declared, which is " +
+                                       std::to_string(declared) + " bytes in this file; " + std::to_string(present) + " present");
 }
 
 /// Calls `more` to fill the next part of the output until it returns false or `most` bytes are there.
@@ -40,7 +40,8 @@ std::vector<std::byte> grow(std::size_t most, const More& more) {
 
 std::vector<std::byte> inflate_gzip(std::span<const std::byte> in, std::size_t most, const std::string& name) {
   z_stream stream{};
-  if (inflateInit2(&stream, 15 + 32) != Z_OK) throw Error(ErrorCode::unavailable, "zlib cannot start");  // 32: gzip or zlib header
+  if (inflateInit2(&stream, 15 + 32) != Z_OK)
+    throw Error(ErrorCode::unavailable, "zlib cannot start");  // 32: gzip or zlib header
   struct End {
     z_stream* stream;
     ~End() { inflateEnd(stream); }
@@ -61,7 +62,8 @@ std::vector<std::byte> inflate_gzip(std::span<const std::byte> in, std::size_t m
       } else if (status == Z_BUF_ERROR && in.empty()) {
         done = true;  // truncated: the caller counts what is there
       } else if (status != Z_OK) {
-        throw Error(ErrorCode::bad_data, name + ": its gzip data are damaged (" + (stream.msg ? stream.msg : "error " + std::to_string(status)) + ")");
+        throw Error(ErrorCode::bad_data,
+                    name + ": its gzip data are damaged (" + (stream.msg ? stream.msg : "error " + std::to_string(status)) + ")");
       }
     }
     return given - stream.avail_out;
@@ -105,7 +107,10 @@ std::vector<std::byte> decode_hex(std::span<const std::byte> in, std::size_t mos
     int digits = 0, value = 0;
     for (; at < in.size() && made < room; ++at) {
       const char c = std::to_integer<char>(in[at]);
-      const int digit = c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+      const int digit = c >= '0' && c <= '9'   ? c - '0'
+                        : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                        : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                               : -1;
       if (digit < 0) {
         if (c != ' ' && c != '\n' && c != '\r' && c != '\t')
           throw Error(ErrorCode::bad_data, name + ": byte " + std::to_string(at) + " of its hex data is no hex digit");
@@ -135,7 +140,8 @@ std::vector<std::byte> decode_text(std::span<const std::byte> in, std::size_t va
     T value{};
     const auto [parsed, error] = std::from_chars(at, stop, value);
     if (error != std::errc{} || parsed != stop)
-      throw Error(ErrorCode::bad_data, name + ": value " + std::to_string(out.size() + 1) + " of its text is not a number that fits the type");
+      throw Error(ErrorCode::bad_data,
+                  name + ": value " + std::to_string(out.size() + 1) + " of its text is not a number that fits the type");
     out.push_back(value);
     at = stop;
   }
@@ -143,18 +149,29 @@ std::vector<std::byte> decode_text(std::span<const std::byte> in, std::size_t va
   return {bytes.begin(), bytes.end()};
 }
 
-std::vector<std::byte> decode_text(std::span<const std::byte> in, const NrrdHeader& header, std::size_t values, const std::string& name) {
+std::vector<std::byte> decode_text(std::span<const std::byte> in, const NrrdHeader& header, std::size_t values,
+                                   const std::string& name) {
   switch (header.type) {
-    case ScalarType::int8: return decode_text<std::int8_t>(in, values, name);
-    case ScalarType::uint8: return decode_text<std::uint8_t>(in, values, name);
-    case ScalarType::int16: return decode_text<std::int16_t>(in, values, name);
-    case ScalarType::uint16: return decode_text<std::uint16_t>(in, values, name);
-    case ScalarType::int32: return decode_text<std::int32_t>(in, values, name);
-    case ScalarType::uint32: return decode_text<std::uint32_t>(in, values, name);
-    case ScalarType::int64: return decode_text<std::int64_t>(in, values, name);
-    case ScalarType::uint64: return decode_text<std::uint64_t>(in, values, name);
-    case ScalarType::float32: return decode_text<float>(in, values, name);
-    case ScalarType::float64: break;
+    case ScalarType::int8:
+      return decode_text<std::int8_t>(in, values, name);
+    case ScalarType::uint8:
+      return decode_text<std::uint8_t>(in, values, name);
+    case ScalarType::int16:
+      return decode_text<std::int16_t>(in, values, name);
+    case ScalarType::uint16:
+      return decode_text<std::uint16_t>(in, values, name);
+    case ScalarType::int32:
+      return decode_text<std::int32_t>(in, values, name);
+    case ScalarType::uint32:
+      return decode_text<std::uint32_t>(in, values, name);
+    case ScalarType::int64:
+      return decode_text<std::int64_t>(in, values, name);
+    case ScalarType::uint64:
+      return decode_text<std::uint64_t>(in, values, name);
+    case ScalarType::float32:
+      return decode_text<float>(in, values, name);
+    case ScalarType::float64:
+      break;
   }
   return decode_text<double>(in, values, name);
 }
@@ -163,7 +180,8 @@ std::span<const std::byte> skip_lines(std::span<const std::byte> in, std::int64_
   for (std::int64_t line = 0; line < lines; ++line) {
     const auto newline = std::find(in.begin(), in.end(), std::byte{'\n'});
     if (newline == in.end())
-      throw Error(ErrorCode::bad_data, name + ": line skip " + std::to_string(lines) + ", but only " + std::to_string(line) + " lines are there");
+      throw Error(ErrorCode::bad_data,
+                  name + ": line skip " + std::to_string(lines) + ", but only " + std::to_string(line) + " lines are there");
     in = in.subspan(static_cast<std::size_t>(newline - in.begin()) + 1);
   }
   return in;
@@ -175,8 +193,8 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t width) {
 
 }  // namespace
 
-std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHeader& header, std::int64_t values, const std::string& name,
-                                   std::vector<std::string>& notes) {
+std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHeader& header, std::int64_t values,
+                                   const std::string& name, std::vector<std::string>& notes) {
   const std::size_t needed = static_cast<std::size_t>(values) * size_of(header.type);
   const auto in = skip_lines(file, header.line_skip, name);
   if (header.encoding == NrrdEncoding::text) {
@@ -196,7 +214,8 @@ std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHe
   std::size_t from = 0;
   if (header.byte_skip >= 0) {
     from = static_cast<std::size_t>(header.byte_skip);
-    if (from > bytes.size() || bytes.size() - from < needed) refuse_short(name, header, needed, bytes.size() - std::min(from, bytes.size()));
+    if (from > bytes.size() || bytes.size() - from < needed)
+      refuse_short(name, header, needed, bytes.size() - std::min(from, bytes.size()));
   } else {
     if (bytes.size() < needed) refuse_short(name, header, needed, bytes.size());
     const auto behind = static_cast<std::uint64_t>(-(header.byte_skip + 1));
@@ -204,7 +223,8 @@ std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHe
     if (behind <= from)
       from -= static_cast<std::size_t>(behind);
     else
-      notes.push_back("byte skip " + std::to_string(header.byte_skip) + " leaves too few bytes; the values are the file's last " + std::to_string(needed));
+      notes.push_back("byte skip " + std::to_string(header.byte_skip) + " leaves too few bytes; the values are the file's last " +
+                      std::to_string(needed));
   }
   std::vector<std::byte> out;
   if (from == 0 && bytes.size() == needed && !unpacked.empty())

@@ -61,8 +61,9 @@ class Fields {
 
   [[noreturn]] void refuse(const std::string& field, const std::string& expected) const {
     const auto at = values.find(field);
-    throw Error(ErrorCode::bad_data, name_ + ": " + (at == values.end() ? "no field '" + field + "'" : field + " '" + at->second.substr(0, 80) + "'") +
-                                         "; expected " + expected);
+    throw Error(ErrorCode::bad_data,
+                name_ + ": " + (at == values.end() ? "no field '" + field + "'" : field + " '" + at->second.substr(0, 80) + "'") +
+                    "; expected " + expected);
   }
   const std::string* find(const std::string& field) const {
     const auto at = values.find(field);
@@ -119,7 +120,8 @@ ScalarType parse_type(const Fields& fields) {
     add(ScalarType::uint16, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
     add(ScalarType::int32, {"int", "signed int", "int32", "int32_t"});
     add(ScalarType::uint32, {"uint", "unsigned int", "uint32", "uint32_t"});
-    add(ScalarType::int64, {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"});
+    add(ScalarType::int64,
+        {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"});
     add(ScalarType::uint64, {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"});
     return types;
   }();
@@ -137,7 +139,8 @@ NrrdEncoding parse_encoding(const Fields& fields) {
   if (encoding == "hex") return NrrdEncoding::hex;
   if (encoding == "gz" || encoding == "gzip") return NrrdEncoding::gzip;
   if (encoding == "bz2" || encoding == "bzip2") return NrrdEncoding::bzip2;
-  throw Error(ErrorCode::unsupported, fields.name() + ": encoding '" + encoding.substr(0, 40) + "'; expected raw, text, hex, gzip or bzip2");
+  throw Error(ErrorCode::unsupported,
+              fields.name() + ": encoding '" + encoding.substr(0, 40) + "'; expected raw, text, hex, gzip or bzip2");
 }
 
 /// Splits "none (1,0,0) (0, 1, 0)" where blanks may also stand inside the parentheses.
@@ -145,7 +148,8 @@ std::vector<std::string> split_vectors(const std::string& text) {
   std::vector<std::string> out;
   std::string_view rest = trim(text);
   while (!rest.empty()) {
-    const auto end = rest.front() == '(' ? std::min(rest.find(')'), rest.size() - 1) + 1 : std::min(rest.find_first_of(" \t("), rest.size());
+    const auto end =
+        rest.front() == '(' ? std::min(rest.find(')'), rest.size() - 1) + 1 : std::min(rest.find_first_of(" \t("), rest.size());
     out.emplace_back(rest.substr(0, end));
     rest = trim(rest.substr(end));
   }
@@ -166,8 +170,8 @@ std::vector<std::string> parse_data_files(const Fields& fields, const std::vecto
   const std::string& format = parts[0];
   const auto first = integer(parts[1]), last = integer(parts[2]), step = integer(parts[3]);
   const auto percent = format.find('%'), conversion = format.find_first_not_of("0123456789", percent + 1);
-  if (!first || !last || !step || *step == 0 || conversion == std::string::npos || (format[conversion] != 'd' && format[conversion] != 'u') ||
-      format.find('%', conversion) != std::string::npos)
+  if (!first || !last || !step || *step == 0 || conversion == std::string::npos ||
+      (format[conversion] != 'd' && format[conversion] != 'u') || format.find('%', conversion) != std::string::npos)
     fields.refuse("data file", "FORMAT MIN MAX STEP with one %d");
   const std::string flags = format.substr(percent + 1, conversion - percent - 1);
   const auto width = static_cast<std::size_t>(std::min<std::int64_t>(integer(flags).value_or(0), 20));
@@ -182,8 +186,9 @@ std::vector<std::string> parse_data_files(const Fields& fields, const std::vecto
   return files;
 }
 
-/// Decides which axes are space, which hold components and which is time. Kinds say so; where they do not, an axis without direction among
-/// axes with one is a component if it is the fastest and time if it is the slowest, and a fourth plain axis is time.
+/// Decides which axes are space, which hold components and which is time. Kinds say so; where they do not, an axis without
+/// direction among axes with one is a component if it is the fastest and time if it is the slowest, and a fourth plain axis is
+/// time.
 void assign_roles(std::vector<NrrdAxis>& axes, const Fields& fields) {
   const bool directions = std::any_of(axes.begin(), axes.end(), [](const NrrdAxis& a) { return a.direction.has_value(); });
   for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -200,7 +205,9 @@ void assign_roles(std::vector<NrrdAxis>& axes, const Fields& fields) {
     else
       axis.role = a == 3 ? NrrdRole::time : NrrdRole::space;
   }
-  const auto count = [&](NrrdRole role) { return std::count_if(axes.begin(), axes.end(), [&](const NrrdAxis& a) { return a.role == role; }); };
+  const auto count = [&](NrrdRole role) {
+    return std::count_if(axes.begin(), axes.end(), [&](const NrrdAxis& a) { return a.role == role; });
+  };
   if (count(NrrdRole::space) > 3 || count(NrrdRole::time) > 1)
     throw Error(ErrorCode::unsupported, fields.name() + ": " + std::to_string(count(NrrdRole::space)) + " axes of space and " +
                                             std::to_string(count(NrrdRole::time)) + " of time; expected at most three and one");
@@ -242,8 +249,9 @@ std::vector<NrrdAxis> parse_axes(const Fields& fields) {
 /// Some fields may be written in two ways.
 std::string canonical(std::string field) {
   field = lower(field);
-  static const std::map<std::string, std::string> kAliases{{"centerings", "centers"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"},
-                                                           {"datafile", "data file"}, {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}};
+  static const std::map<std::string, std::string> kAliases{{"centerings", "centers"}, {"lineskip", "line skip"},
+                                                           {"byteskip", "byte skip"}, {"datafile", "data file"},
+                                                           {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}};
   const auto at = kAliases.find(field);
   return at == kAliases.end() ? field : at->second;
 }
@@ -277,7 +285,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
     } else if (line.front() != '#') {
       const auto colon = line.find(':');
       if (colon == std::string_view::npos || line.size() > 65536)
-        throw Error(ErrorCode::bad_data, name + ": header line '" + std::string(line.substr(0, 60)) + "' is neither 'field: value', 'key:=value' nor a comment");
+        throw Error(ErrorCode::bad_data, name + ": header line '" + std::string(line.substr(0, 60)) +
+                                             "' is neither 'field: value', 'key:=value' nor a comment");
       if (colon + 1 < line.size() && line[colon + 1] == '=') continue;  // a key and its value: free text for others
       const std::string field = canonical(std::string(trim(line.substr(0, colon))));
       fields.values[field] = std::string(trim(line.substr(colon + 1)));
@@ -291,7 +300,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
   header.encoding = parse_encoding(fields);
   header.axes = parse_axes(fields);
   header.data_files = parse_data_files(fields, list);
-  if (header.data_files.empty() && !ended) throw Error(ErrorCode::bad_data, name + ": the header does not end with an empty line, and names no data file");
+  if (header.data_files.empty() && !ended)
+    throw Error(ErrorCode::bad_data, name + ": the header does not end with an empty line, and names no data file");
   if (const std::string* origin = fields.find("space origin"); origin && lower(*origin) != "none")
     header.origin = fields.vector("space origin", *origin);
   for (const auto& [field, value] : {std::pair{"line skip", &header.line_skip}, std::pair{"byte skip", &header.byte_skip}})

@@ -20,23 +20,23 @@ enum class NrrdRole { space, component, time };
 struct NrrdAxis {
   std::int64_t size = 1;
   NrrdRole role = NrrdRole::space;
-  std::string kind;                                 // as written, empty where not given
-  std::optional<double> spacing, lower, upper;      // "spacings", "axis mins", "axis maxs"; absent where not given or nan
+  std::string kind;                             // as written, empty where not given
+  std::optional<double> spacing, lower, upper;  // "spacings", "axis mins", "axis maxs"; absent where not given or nan
   bool cell_centered = false;
-  std::optional<std::array<double, 3>> direction;   // "space directions"; absent for none
+  std::optional<std::array<double, 3>> direction;  // "space directions"; absent for none
 };
 
 struct NrrdHeader {
   ScalarType type = ScalarType::uint8;
   NrrdEncoding encoding = NrrdEncoding::raw;
   bool big_endian = false;
-  std::vector<NrrdAxis> axes;                       // fastest first
-  std::optional<std::array<double, 3>> origin;      // "space origin"
+  std::vector<NrrdAxis> axes;                   // fastest first
+  std::optional<std::array<double, 3>> origin;  // "space origin"
   std::int64_t line_skip = 0, byte_skip = 0;
-  std::vector<std::string> data_files;              // empty: the data follow the header
-  std::size_t length = 0;                           // bytes of header, blank line included
+  std::vector<std::string> data_files;  // empty: the data follow the header
+  std::size_t length = 0;               // bytes of header, blank line included
 
-  std::int64_t values() const;                      // product of the sizes; checked when parsed
+  std::int64_t values() const;  // product of the sizes; checked when parsed
 };
 
 /// text: the file's beginning, or all of it. Throws bad_data naming the field, unsupported (block type, an encoding we lack).

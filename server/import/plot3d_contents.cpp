@@ -43,8 +43,10 @@ std::vector<double> parse_text(const std::string& name, const std::vector<std::b
   const auto separator = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == ',' || c == '\f'; };
   const auto refuse = [&](const char* from) {
     std::string word(from, std::find_if(from, std::min(end, from + 40), separator));
-    std::replace_if(word.begin(), word.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
-    throw Error(ErrorCode::bad_data, name + ": word " + std::to_string(numbers.size() + 1) + " is '" + word + "'; expected a number");
+    std::replace_if(
+        word.begin(), word.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
+    throw Error(ErrorCode::bad_data,
+                name + ": word " + std::to_string(numbers.size() + 1) + " is '" + word + "'; expected a number");
   };
   while (at != end) {
     if (separator(*at)) {
@@ -82,7 +84,8 @@ Plot3dContents load_plot3d(const std::filesystem::path& file, std::uint64_t max_
   if (!in) throw Error(ErrorCode::not_found, contents.name + ": cannot be opened for reading");
   const std::uintmax_t size = std::filesystem::file_size(file);
   if (size > max_bytes)
-    throw Error(ErrorCode::too_large, contents.name + ": " + std::to_string(size) + " bytes, the limit is " + std::to_string(max_bytes));
+    throw Error(ErrorCode::too_large,
+                contents.name + ": " + std::to_string(size) + " bytes, the limit is " + std::to_string(max_bytes));
   contents.bytes.resize(size);
   in.read(reinterpret_cast<char*>(contents.bytes.data()), static_cast<std::streamsize>(size));
   contents.bytes.resize(static_cast<std::size_t>(in.gcount()));
@@ -156,7 +159,8 @@ std::optional<std::size_t> Plot3dCursor::skip(std::size_t count, std::size_t byt
 namespace {
 
 template <class T>
-Plot3dReals interleave(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count, std::size_t components) {
+Plot3dReals interleave(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count,
+                       std::size_t components) {
   auto [storage, values] = allocate<T>(count * components);
   for (std::size_t c = 0; c < components; ++c) {
     const std::size_t first = c * count;
@@ -171,13 +175,15 @@ Plot3dReals interleave(const Plot3dContents& contents, const Plot3dFormat& forma
 
 }  // namespace
 
-Plot3dReals read_reals(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count, int components) {
+Plot3dReals read_reals(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count,
+                       int components) {
   const auto c = static_cast<std::size_t>(components);
   return !contents.text && format.real_bytes == 4 ? interleave<float>(contents, format, at, count, c)
                                                   : interleave<double>(contents, format, at, count, c);
 }
 
-std::vector<std::int32_t> read_integers(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count) {
+std::vector<std::int32_t> read_integers(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at,
+                                        std::size_t count) {
   std::vector<std::int32_t> out(count);
   for (std::size_t i = 0; i < count; ++i)
     out[i] = contents.text ? static_cast<std::int32_t>(std::clamp(contents.numbers[at + i], -2147483648.0, 2147483647.0))

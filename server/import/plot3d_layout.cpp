@@ -18,7 +18,8 @@ std::vector<Plot3dFormat> formats(const Plot3dContents& contents) {
 }
 
 /// The header: how many blocks, and `per_block` integers of each. What comes after must be checked against the file's length.
-std::optional<std::vector<std::vector<std::int64_t>>> read_header(Plot3dCursor& cursor, bool multi, int per_block, int extra = 0) {
+std::optional<std::vector<std::vector<std::int64_t>>> read_header(Plot3dCursor& cursor, bool multi, int per_block,
+                                                                  int extra = 0) {
   std::int64_t blocks = 1;
   if (multi) {
     if (!cursor.open_record(4)) return std::nullopt;
@@ -73,8 +74,8 @@ std::string dims_text(const std::array<std::int64_t, 3>& d) {
   return std::to_string(d[0]) + "x" + std::to_string(d[1]) + "x" + std::to_string(d[2]);
 }
 
-std::optional<Plot3dGridLayout> try_grid(const Plot3dContents& contents, const Plot3dFormat& format, bool multi, int dimensions, bool blanked,
-                                         bool padding, Near& near) {
+std::optional<Plot3dGridLayout> try_grid(const Plot3dContents& contents, const Plot3dFormat& format, bool multi, int dimensions,
+                                         bool blanked, bool padding, Near& near) {
   Plot3dCursor cursor(contents, format);
   const auto header = read_header(cursor, multi, dimensions);
   if (!header) return std::nullopt;
@@ -91,8 +92,9 @@ std::optional<Plot3dGridLayout> try_grid(const Plot3dContents& contents, const P
     const auto coordinates = cursor.skip(reals, real);
     const auto blanking = coordinates && blanked ? cursor.skip(points, 4) : std::nullopt;
     if (!coordinates || (blanked && !blanking)) {
-      near.consider(cursor, std::to_string(layout.blocks.size()) + (layout.blocks.size() == 1 ? " block of " : " blocks, one of ") +
-                                dims_text(block.dims) + " points declared (" + format.describe(contents.text) + ")");
+      near.consider(cursor, std::to_string(layout.blocks.size()) +
+                                (layout.blocks.size() == 1 ? " block of " : " blocks, one of ") + dims_text(block.dims) +
+                                " points declared (" + format.describe(contents.text) + ")");
       return std::nullopt;
     }
     if (!cursor.close_record()) return std::nullopt;
@@ -110,8 +112,9 @@ bool same_dims(const Plot3dGridLayout& grid, const std::vector<std::vector<std::
   return true;
 }
 
-std::optional<Plot3dSolutionLayout> try_solution(const Plot3dContents& contents, const Plot3dGridLayout& grid, const Plot3dFormat& format,
-                                                 bool multi, bool overflow, bool padding, Near& near) {
+std::optional<Plot3dSolutionLayout> try_solution(const Plot3dContents& contents, const Plot3dGridLayout& grid,
+                                                 const Plot3dFormat& format, bool multi, bool overflow, bool padding,
+                                                 Near& near) {
   Plot3dCursor cursor(contents, format);
   const auto header = read_header(cursor, multi, grid.dimensions, overflow ? 2 : 0);
   if (!header || header->size() != grid.blocks.size() + (overflow ? 1 : 0)) return std::nullopt;
@@ -119,7 +122,8 @@ std::optional<Plot3dSolutionLayout> try_solution(const Plot3dContents& contents,
   Plot3dSolutionLayout layout{format, grid.dimensions + 2, 0, {}};
   if (overflow) {
     const std::int64_t variables = header->back()[0], species = header->back()[1];
-    if (variables < layout.variables || variables > 1000 || species < 0 || species > variables - layout.variables) return std::nullopt;
+    if (variables < layout.variables || variables > 1000 || species < 0 || species > variables - layout.variables)
+      return std::nullopt;
     layout.variables = static_cast<int>(variables);
     layout.species = static_cast<int>(species);
   }
@@ -135,8 +139,8 @@ std::optional<Plot3dSolutionLayout> try_solution(const Plot3dContents& contents,
     if (!cursor.open_record(reals * real)) return std::nullopt;
     const auto values = cursor.skip(reals, real);
     if (!values) {
-      near.consider(cursor, dims_text(block.dims) + " points with " + std::to_string(layout.variables) + " values each declared (" +
-                                format.describe(contents.text) + ")");
+      near.consider(cursor, dims_text(block.dims) + " points with " + std::to_string(layout.variables) +
+                                " values each declared (" + format.describe(contents.text) + ")");
       return std::nullopt;
     }
     if (!cursor.close_record()) return std::nullopt;
@@ -146,8 +150,8 @@ std::optional<Plot3dSolutionLayout> try_solution(const Plot3dContents& contents,
   return layout;
 }
 
-std::optional<Plot3dSolutionLayout> try_functions(const Plot3dContents& contents, const Plot3dGridLayout& grid, const Plot3dFormat& format,
-                                                  bool multi, bool padding, Near& near) {
+std::optional<Plot3dSolutionLayout> try_functions(const Plot3dContents& contents, const Plot3dGridLayout& grid,
+                                                  const Plot3dFormat& format, bool multi, bool padding, Near& near) {
   Plot3dCursor cursor(contents, format);
   const auto header = read_header(cursor, multi, grid.dimensions + 1);
   if (!header || header->size() != grid.blocks.size() || !same_dims(grid, *header)) return std::nullopt;
@@ -174,7 +178,8 @@ std::optional<Plot3dSolutionLayout> try_functions(const Plot3dContents& contents
   if (!near.what.empty())
     throw Error(ErrorCode::bad_data, contents.name + ": " + near.what + "; " + size_text(contents) + " present, " +
                                          std::to_string(near.missing) + " too few");
-  throw Error(ErrorCode::bad_data, contents.name + ": " + size_text(contents) + " that fit no PLOT3D dialect; expected " + otherwise);
+  throw Error(ErrorCode::bad_data,
+              contents.name + ": " + size_text(contents) + " that fit no PLOT3D dialect; expected " + otherwise);
 }
 
 }  // namespace
@@ -197,8 +202,9 @@ Plot3dSolutionLayout fit_solution(const Plot3dContents& contents, const Plot3dGr
       for (const bool multi : {false, true})
         for (const Plot3dFormat& format : formats(contents))
           if (auto layout = try_solution(contents, grid, format, multi, overflow, padding, near)) return *layout;
-  refuse(contents, near, "a solution for " + std::to_string(grid.blocks.size()) + " block(s), the first of " +
-                             dims_text(grid.blocks.front().dims) + " points, as its grid file has");
+  refuse(contents, near,
+         "a solution for " + std::to_string(grid.blocks.size()) + " block(s), the first of " +
+             dims_text(grid.blocks.front().dims) + " points, as its grid file has");
 }
 
 Plot3dSolutionLayout fit_functions(const Plot3dContents& contents, const Plot3dGridLayout& grid) {
@@ -207,8 +213,9 @@ Plot3dSolutionLayout fit_functions(const Plot3dContents& contents, const Plot3dG
     for (const bool multi : {false, true})
       for (const Plot3dFormat& format : formats(contents))
         if (auto layout = try_functions(contents, grid, format, multi, padding, near)) return *layout;
-  refuse(contents, near, "a function file for " + std::to_string(grid.blocks.size()) + " block(s), the first of " +
-                             dims_text(grid.blocks.front().dims) + " points, as its grid file has");
+  refuse(contents, near,
+         "a function file for " + std::to_string(grid.blocks.size()) + " block(s), the first of " +
+             dims_text(grid.blocks.front().dims) + " points, as its grid file has");
 }
 
 }  // namespace isostrata

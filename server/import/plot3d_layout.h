@@ -1,7 +1,8 @@
-// How a PLOT3D file is laid out. The format (P. Walatka, P. Buning, L. Pierce, P. Elson, "PLOT3D User's Manual", NASA TM 101067, 1990)
-// does not say in the file which of its dialects it is: text or binary, byte order, Fortran record marks, precision, one grid or many, 2-D or
-// 3-D, with or without blanking. But each dialect predicts the file's exact length, so every one is tried and the one that fits to the last
-// byte is right; where none does, a file that was padded to whole disk sectors of 512 bytes may have up to 511 more.
+// How a PLOT3D file is laid out. The format (P. Walatka, P. Buning, L. Pierce, P. Elson, "PLOT3D User's Manual", NASA TM 101067,
+// 1990) does not say in the file which of its dialects it is: text or binary, byte order, Fortran record marks, precision, one
+// grid or many, 2-D or 3-D, with or without blanking. But each dialect predicts the file's exact length, so every one is tried
+// and the one that fits to the last byte is right; where none does, a file that was padded to whole disk sectors of 512 bytes may
+// have up to 511 more.
 #pragma once
 
 #include <array>
@@ -40,14 +41,19 @@ class Plot3dCursor {
  public:
   Plot3dCursor(const Plot3dContents& contents, const Plot3dFormat& format) : contents_(contents), format_(format) {}
 
-  bool open_record(std::size_t payload_bytes);      // where there are marks: the mark must say payload_bytes
-  std::optional<std::size_t> open_any_record();     // only where there are marks: the payload's length
+  bool open_record(std::size_t payload_bytes);   // where there are marks: the mark must say payload_bytes
+  std::optional<std::size_t> open_any_record();  // only where there are marks: the payload's length
   bool close_record();
   std::optional<std::int64_t> integer();
-  std::optional<std::size_t> skip(std::size_t count, std::size_t bytes_each);  // returns where they begin, for reals() and integers()
+  std::optional<std::size_t> skip(std::size_t count,
+                                  std::size_t bytes_each);  // returns where they begin, for reals() and integers()
   /// Nothing follows; or, where padding may, less than a sector of a file of whole sectors.
-  bool at_end(bool padding) const { return at_ == size() || (padding && !contents_.text && size() % 512 == 0 && size() - at_ < 512); }
-  std::size_t missing() const { return missing_; }  // how far the last failed skip reached beyond the end: bytes, or numbers in text
+  bool at_end(bool padding) const {
+    return at_ == size() || (padding && !contents_.text && size() % 512 == 0 && size() - at_ < 512);
+  }
+  std::size_t missing() const {
+    return missing_;
+  }  // how far the last failed skip reached beyond the end: bytes, or numbers in text
 
  private:
   std::size_t size() const { return contents_.text ? contents_.numbers.size() : contents_.bytes.size(); }
@@ -91,7 +97,9 @@ struct Plot3dReals {
   std::shared_ptr<const void> storage;
 };
 /// `components` whole variables, interleaved: [count][components].
-Plot3dReals read_reals(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count, int components);
-std::vector<std::int32_t> read_integers(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count);
+Plot3dReals read_reals(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t count,
+                       int components);
+std::vector<std::int32_t> read_integers(const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at,
+                                        std::size_t count);
 
 }  // namespace isostrata

@@ -23,7 +23,8 @@ class MappedFile {
   explicit MappedFile(const std::filesystem::path& path) {
     const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat status {};
-    if (file < 0 || fstat(file, &status) != 0) throw Error(ErrorCode::not_found, path.filename().string() + ": cannot be opened for reading");
+    if (file < 0 || fstat(file, &status) != 0)
+      throw Error(ErrorCode::not_found, path.filename().string() + ": cannot be opened for reading");
     size_ = static_cast<std::size_t>(status.st_size);
     if (size_ > 0) data_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
     close(file);
@@ -51,25 +52,32 @@ Axes sort_axes(const NrrdHeader& header, const std::string& name) {
   std::int64_t components = 1;
   for (std::size_t a = 0; a < header.axes.size(); ++a) {
     switch (header.axes[a].role) {
-      case NrrdRole::space: axes.space.push_back(a); break;
-      case NrrdRole::time: axes.time = a; break;
+      case NrrdRole::space:
+        axes.space.push_back(a);
+        break;
+      case NrrdRole::time:
+        axes.time = a;
+        break;
       case NrrdRole::component:
         axes.component.push_back(a);
         components = checked_product({components, header.axes[a].size}, name);
     }
   }
   if (components > kMostComponents)
-    throw Error(ErrorCode::unsupported, name + ": " + std::to_string(components) + " components in each point; expected at most " +
-                                            std::to_string(kMostComponents));
+    throw Error(ErrorCode::unsupported, name + ": " + std::to_string(components) +
+                                            " components in each point; expected at most " + std::to_string(kMostComponents));
   return axes;
 }
 
-std::vector<std::byte> load_values(const ReadRequest& request, const NrrdHeader& header, const MappedFile& main, std::vector<std::string>& notes) {
+std::vector<std::byte> load_values(const ReadRequest& request, const NrrdHeader& header, const MappedFile& main,
+                                   std::vector<std::string>& notes) {
   const std::string name = request.file.filename().string();
-  if (header.data_files.empty()) return decode_nrrd(main.bytes().subspan(std::min(header.length, main.bytes().size())), header, header.values(), name, notes);
+  if (header.data_files.empty())
+    return decode_nrrd(main.bytes().subspan(std::min(header.length, main.bytes().size())), header, header.values(), name, notes);
   const auto files = static_cast<std::int64_t>(header.data_files.size());
   if (header.values() % files != 0)
-    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(header.values()) + " values do not divide into " + std::to_string(files) + " data files");
+    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(header.values()) + " values do not divide into " +
+                                         std::to_string(files) + " data files");
   std::vector<std::byte> all;
   for (const std::string& data_file : header.data_files) {
     const auto path = referred_file(request.file, data_file);
@@ -138,7 +146,8 @@ std::pair<double, double> along(const NrrdAxis& axis, double origin, const std::
   } else if (axis.lower) {
     origin = *axis.lower;
   }
-  if (spacing == 0 || !std::isfinite(spacing)) throw Error(ErrorCode::bad_data, name + ": a spacing of " + std::to_string(spacing) + "; expected any finite value but 0");
+  if (spacing == 0 || !std::isfinite(spacing))
+    throw Error(ErrorCode::bad_data, name + ": a spacing of " + std::to_string(spacing) + "; expected any finite value but 0");
   return {origin, spacing};
 }
 
@@ -178,7 +187,8 @@ void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::
     return;
   }
   for (std::size_t i = 0; i < axes.space.size(); ++i)
-    if (step[i][0] == 0 && step[i][1] == 0 && step[i][2] == 0) throw Error(ErrorCode::bad_data, name + ": a space direction of (0,0,0)");
+    if (step[i][0] == 0 && step[i][1] == 0 && step[i][2] == 0)
+      throw Error(ErrorCode::bad_data, name + ": a space direction of (0,0,0)");
   const auto n = static_cast<std::size_t>(checked_product({dims[0], dims[1], dims[2]}, name));
   auto [storage, points] = allocate<Vec3d>(n);
   std::size_t at = 0;
@@ -186,7 +196,8 @@ void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::
     for (std::int64_t j = 0; j < dims[1]; ++j)
       for (std::int64_t i = 0; i < dims[0]; ++i, ++at)
         for (std::size_t a = 0; a < 3; ++a)
-          points[at][static_cast<int>(a)] = origin[a] + static_cast<double>(i) * step[0][a] + static_cast<double>(j) * step[1][a] + static_cast<double>(k) * step[2][a];
+          points[at][static_cast<int>(a)] = origin[a] + static_cast<double>(i) * step[0][a] +
+                                            static_cast<double>(j) * step[1][a] + static_cast<double>(k) * step[2][a];
   block.grid.shape = CurvilinearGrid{dims, std::span<const Vec3d>(points)};
   block.grid.storage = storage;
 }
@@ -202,10 +213,12 @@ Imported read_nrrd(const ReadRequest& request) {
   Imported imported;
   if (axes.time) {
     const NrrdAxis& time = header.axes[*axes.time];
-    if (time.size > 1'000'000) throw Error(ErrorCode::too_large, name + ": " + std::to_string(time.size) + " time steps; expected at most 1000000");
+    if (time.size > 1'000'000)
+      throw Error(ErrorCode::too_large, name + ": " + std::to_string(time.size) + " time steps; expected at most 1000000");
     const double spacing = time.spacing && *time.spacing > 0 ? *time.spacing : 1.0;
     imported.times.clear();
-    for (std::int64_t t = 0; t < time.size; ++t) imported.times.push_back(time.lower.value_or(0.0) + static_cast<double>(t) * spacing);
+    for (std::int64_t t = 0; t < time.size; ++t)
+      imported.times.push_back(time.lower.value_or(0.0) + static_cast<double>(t) * spacing);
   }
   check_step(request, imported.times.size());
   const std::int64_t all = checked_product({header.values(), static_cast<std::int64_t>(size_of(header.type))}, name);

@@ -20,7 +20,8 @@ std::string upper_case(std::string text) {
   return text;
 }
 
-/// `name` with the last `from` (any case) replaced by `to`, in upper case where `from` stood in upper case; empty where there is none.
+/// `name` with the last `from` (any case) replaced by `to`, in upper case where `from` stood in upper case; empty where there is
+/// none.
 std::string replaced(const std::string& name, const std::string& from, std::string to) {
   const auto at = lower(name).rfind(from);
   if (at == std::string::npos) return {};
@@ -52,7 +53,11 @@ struct Files {
 
 std::vector<std::string> solution_names(const fs::path& grid) {
   const std::string name = grid.filename().string(), stem = grid.stem().string();
-  return {replaced(name, "xyz", "q"), stem + ".q", stem + ".Q", replaced(name, "grid", "q"), replaced(name, "grid", "solution"),
+  return {replaced(name, "xyz", "q"),
+          stem + ".q",
+          stem + ".Q",
+          replaced(name, "grid", "q"),
+          replaced(name, "grid", "solution"),
           replaced(stem, "xyz", "q") + grid.extension().string()};
 }
 
@@ -88,12 +93,13 @@ Files find_files(const fs::path& file) {
   files.solution = beside(file, names);
   files.functions = beside(file, {file.stem().string() + ".f", file.stem().string() + ".F"});
   if (!files.solution && !files.functions)
-    throw Error(ErrorCode::not_found, name + ": no PLOT3D solution file beside it; looked for " + listed(names) + ", " + file.stem().string() + ".f");
+    throw Error(ErrorCode::not_found,
+                name + ": no PLOT3D solution file beside it; looked for " + listed(names) + ", " + file.stem().string() + ".f");
   return files;
 }
 
-FileArray reals_array(std::string name, const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at, std::size_t points,
-                      int components) {
+FileArray reals_array(std::string name, const Plot3dContents& contents, const Plot3dFormat& format, std::size_t at,
+                      std::size_t points, int components) {
   const Plot3dReals reals = read_reals(contents, format, at, points, components);
   FileArray array;
   array.name = std::move(name);
@@ -111,7 +117,8 @@ void add_blanking(Block& block, std::vector<std::int32_t> iblank) {
   bool any = false;
   for (std::size_t c = 0; c < cells; ++c) {
     const int n = block.grid.cell_points(static_cast<std::int64_t>(c), ids);
-    hidden[c] = std::any_of(ids.begin(), ids.begin() + n, [&](std::int64_t id) { return iblank[static_cast<std::size_t>(id)] == 0; });
+    hidden[c] =
+        std::any_of(ids.begin(), ids.begin() + n, [&](std::int64_t id) { return iblank[static_cast<std::size_t>(id)] == 0; });
     any = any || hidden[c];
   }
   const auto values = std::make_shared<std::vector<std::int32_t>>(std::move(iblank));
@@ -123,7 +130,8 @@ void add_blanking(Block& block, std::vector<std::int32_t> iblank) {
   block.arrays.push_back(std::move(array));
   if (!any) return;
   block.grid.hidden_cells = hidden;
-  block.grid.storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(block.grid.storage, storage);
+  block.grid.storage =
+      std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(block.grid.storage, storage);
 }
 
 Block grid_block(const Plot3dContents& contents, const Plot3dGridLayout& layout, const Plot3dBlock& placed) {
@@ -134,7 +142,8 @@ Block grid_block(const Plot3dContents& contents, const Plot3dGridLayout& layout,
     const std::size_t scalar = size_of(reals.type);
     auto [storage, bytes] = allocate<std::byte>(3 * scalar * n);
     std::fill(bytes.begin(), bytes.end(), std::byte{0});
-    for (std::size_t p = 0; p < n; ++p) std::copy_n(reals.bytes.data() + 2 * scalar * p, 2 * scalar, bytes.data() + 3 * scalar * p);
+    for (std::size_t p = 0; p < n; ++p)
+      std::copy_n(reals.bytes.data() + 2 * scalar * p, 2 * scalar, bytes.data() + 3 * scalar * p);
     reals = {reals.type, bytes, storage};
   }
   Block block;
@@ -149,11 +158,13 @@ Block grid_block(const Plot3dContents& contents, const Plot3dGridLayout& layout,
   return block;
 }
 
-void add_solution(Block& block, const Plot3dContents& contents, const Plot3dSolutionLayout& layout, std::size_t at, int dimensions) {
+void add_solution(Block& block, const Plot3dContents& contents, const Plot3dSolutionLayout& layout, std::size_t at,
+                  int dimensions) {
   const auto n = static_cast<std::size_t>(block.grid.point_count());
   const std::size_t stride = n * (contents.text ? 1 : static_cast<std::size_t>(layout.format.real_bytes));
   const auto add = [&](const std::string& name, int first, int components) {
-    block.arrays.push_back(reals_array(name, contents, layout.format, at + stride * static_cast<std::size_t>(first), n, components));
+    block.arrays.push_back(
+        reals_array(name, contents, layout.format, at + stride * static_cast<std::size_t>(first), n, components));
   };
   add("Density", 0, 1);
   add("Momentum", 1, dimensions);
@@ -187,8 +198,9 @@ Imported read_plot3d(const ReadRequest& request) {
     const Plot3dSolutionLayout layout = fit_solution(contents, grid);
     for (std::size_t b = 0; b < grid.blocks.size(); ++b)
       add_solution(imported.blocks[b], contents, layout, layout.blocks[b], grid.dimensions);
-    imported.notes.push_back("PLOT3D: grid " + files.grid.filename().string() + " (" + grid.format.describe(grid_contents.text) + "), solution " +
-                             files.solution->filename().string() + " (" + layout.format.describe(contents.text) + ")");
+    imported.notes.push_back("PLOT3D: grid " + files.grid.filename().string() + " (" + grid.format.describe(grid_contents.text) +
+                             "), solution " + files.solution->filename().string() + " (" + layout.format.describe(contents.text) +
+                             ")");
   }
   request.progress(0.4);
   if (files.functions) {

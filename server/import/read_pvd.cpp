@@ -56,7 +56,8 @@ Imported read_pvd(const ReadRequest& request) {
     ReadRequest part = request;
     part.file = referred_file(request.file, file);
     part.step = 0;
-    if (recognise(part.file).kind == FileKind::pvd) throw Error(ErrorCode::bad_data, name + ": lists another list, '" + file + "'");
+    if (recognise(part.file).kind == FileKind::pvd)
+      throw Error(ErrorCode::bad_data, name + ": lists another list, '" + file + "'");
     Imported one = read_file(part);
     for (Block& block : one.blocks) imported.blocks.push_back(std::move(block));
     for (std::string& note : one.notes) imported.notes.push_back(std::move(note));

@@ -1,7 +1,7 @@
 #include "import/read_vtk.h"
 
-#include <vtkCommand.h>
 #include <vtkCallbackCommand.h>
+#include <vtkCommand.h>
 #include <vtkDataArray.h>
 #include <vtkDataObject.h>
 #include <vtkDataReader.h>
@@ -46,7 +46,8 @@ void check_declared_extent(vtkAlgorithm* reader, const ReadRequest& request, con
   information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), e);
   const auto size = [&](int a) { return static_cast<std::int64_t>(e[2 * a + 1]) - e[2 * a] + 1; };
   for (int a = 0; a < 3; ++a)
-    if (size(a) < 1) throw Error(ErrorCode::bad_data, name + ": an extent of " + std::to_string(size(a)) + " points; expected at least 1");
+    if (size(a) < 1)
+      throw Error(ErrorCode::bad_data, name + ": an extent of " + std::to_string(size(a)) + " points; expected at least 1");
   const std::int64_t points = checked_product({size(0), size(1), size(2)}, name);
   check_bytes(request, static_cast<std::uint64_t>(points), name + ": " + std::to_string(points) + " points declared");
 }
@@ -162,11 +163,16 @@ Imported read_vtk_legacy(const ReadRequest& request) {
   throw_on_vtk_error(name);
   switch (type) {
     case VTK_STRUCTURED_POINTS:
-    case VTK_IMAGE_DATA: return run_legacy<vtkStructuredPointsReader>(request);
-    case VTK_RECTILINEAR_GRID: return run_legacy<vtkRectilinearGridReader>(request);
-    case VTK_STRUCTURED_GRID: return run_legacy<vtkStructuredGridReader>(request);
-    case VTK_UNSTRUCTURED_GRID: return run_legacy<vtkUnstructuredGridReader>(request);
-    case VTK_POLY_DATA: throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");
+    case VTK_IMAGE_DATA:
+      return run_legacy<vtkStructuredPointsReader>(request);
+    case VTK_RECTILINEAR_GRID:
+      return run_legacy<vtkRectilinearGridReader>(request);
+    case VTK_STRUCTURED_GRID:
+      return run_legacy<vtkStructuredGridReader>(request);
+    case VTK_UNSTRUCTURED_GRID:
+      return run_legacy<vtkUnstructuredGridReader>(request);
+    case VTK_POLY_DATA:
+      throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");
     default:
       throw Error(type < 0 ? ErrorCode::bad_data : ErrorCode::unsupported,
                   name + ": expected DATASET STRUCTURED_POINTS, RECTILINEAR_GRID, STRUCTURED_GRID or UNSTRUCTURED_GRID");
@@ -189,9 +195,10 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   }
   if (type == "PolyData" || type == "PPolyData")
     throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");
-  throw Error(ErrorCode::unsupported, name + ": VTKFile of type '" + type +
-                                          "'; expected ImageData, RectilinearGrid, StructuredGrid, UnstructuredGrid, one of their parallel "
-                                          "forms, or Collection");
+  throw Error(ErrorCode::unsupported,
+              name + ": VTKFile of type '" + type +
+                  "'; expected ImageData, RectilinearGrid, StructuredGrid, UnstructuredGrid, one of their parallel "
+                  "forms, or Collection");
 }
 
 Imported read_meta_image(const ReadRequest& request) {

@@ -13,7 +13,8 @@ Imported read_vtk_legacy(const ReadRequest& request);
 /// type: the VTKFile element's. A parallel file's pieces must lie below its own directory.
 Imported read_vtk_xml(const ReadRequest& request, const std::string& type);
 
-/// A list of time steps; each entry is a file below the .pvd's directory, read by its own kind. Several parts of one time become blocks.
+/// A list of time steps; each entry is a file below the .pvd's directory, read by its own kind. Several parts of one time become
+/// blocks.
 Imported read_pvd(const ReadRequest& request);
 
 /// Exodus II: all element blocks, nodal and element arrays, undisplaced.

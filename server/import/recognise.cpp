@@ -12,7 +12,8 @@ namespace isostrata {
 namespace {
 
 constexpr const char* kReadable =
-    "legacy .vtk, .vti, .vtr, .vts, .vtu and their parallel forms, .pvd, PLOT3D grids (.xyz, .x, .g, .p3d, NAMExyz.bin), NRRD, Exodus II, "
+    "legacy .vtk, .vti, .vtr, .vts, .vtu and their parallel forms, .pvd, PLOT3D grids (.xyz, .x, .g, .p3d, NAMExyz.bin), NRRD, "
+    "Exodus II, "
     ".mhd, .slc";
 
 std::string lower(std::string text) {
@@ -61,20 +62,23 @@ Recognised recognise(const std::filesystem::path& file) {
     if (type == "Collection") return {FileKind::pvd, {}};
     return {FileKind::vtk_xml, std::move(type)};
   }
-  if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n")) {
-    if (extension == ".e" || extension == ".ex2" || extension == ".exo" || extension == ".g" || extension == ".exii" || extension == ".gen")
+  if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") ||
+      head.starts_with("\x89HDF\r\n")) {
+    if (extension == ".e" || extension == ".ex2" || extension == ".exo" || extension == ".g" || extension == ".exii" ||
+        extension == ".gen")
       return {FileKind::exodus, {}};
     throw Error(ErrorCode::unsupported, name + ": netCDF or HDF5, but not named as an Exodus II file (.e, .ex2, .exo, .g)");
   }
   if (extension == ".mhd" || extension == ".mha") return {FileKind::meta_image, {}};
   if (extension == ".slc") return {FileKind::slc, {}};
   const std::string stem = lower(file.stem().string());
-  if (extension == ".xyz" || extension == ".x" || extension == ".g" || extension == ".grd" || extension == ".p3d" || extension == ".q" ||
-      extension == ".f" || stem.ends_with("xyz") || stem.ends_with("grid") ||
+  if (extension == ".xyz" || extension == ".x" || extension == ".g" || extension == ".grd" || extension == ".p3d" ||
+      extension == ".q" || extension == ".f" || stem.ends_with("xyz") || stem.ends_with("grid") ||
       (stem.ends_with("q") && (extension == ".bin" || extension == ".dat")))
     return {FileKind::plot3d, {}};
   if (extension == ".vtk") throw Error(ErrorCode::bad_data, name + ": expected '# vtk DataFile' at its start");
-  if (extension == ".nrrd" || extension == ".nhdr") throw Error(ErrorCode::bad_data, name + ": expected 'NRRD000' and a digit at its start");
+  if (extension == ".nrrd" || extension == ".nhdr")
+    throw Error(ErrorCode::bad_data, name + ": expected 'NRRD000' and a digit at its start");
   if (extension.size() == 4 && (extension.starts_with(".vt") || extension == ".pvd"))
     throw Error(ErrorCode::bad_data, name + ": expected a <VTKFile> element");
   if (extension == ".e" || extension == ".ex2" || extension == ".exo")

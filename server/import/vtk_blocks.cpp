@@ -30,20 +30,31 @@ namespace {
 std::optional<ScalarType> scalar_type(int vtk_type) {
   switch (vtk_type) {
     case VTK_CHAR:
-    case VTK_SIGNED_CHAR: return ScalarType::int8;
-    case VTK_UNSIGNED_CHAR: return ScalarType::uint8;
-    case VTK_SHORT: return ScalarType::int16;
-    case VTK_UNSIGNED_SHORT: return ScalarType::uint16;
-    case VTK_INT: return ScalarType::int32;
-    case VTK_UNSIGNED_INT: return ScalarType::uint32;
+    case VTK_SIGNED_CHAR:
+      return ScalarType::int8;
+    case VTK_UNSIGNED_CHAR:
+      return ScalarType::uint8;
+    case VTK_SHORT:
+      return ScalarType::int16;
+    case VTK_UNSIGNED_SHORT:
+      return ScalarType::uint16;
+    case VTK_INT:
+      return ScalarType::int32;
+    case VTK_UNSIGNED_INT:
+      return ScalarType::uint32;
     case VTK_LONG:
     case VTK_LONG_LONG:
-    case VTK_ID_TYPE: return ScalarType::int64;
+    case VTK_ID_TYPE:
+      return ScalarType::int64;
     case VTK_UNSIGNED_LONG:
-    case VTK_UNSIGNED_LONG_LONG: return ScalarType::uint64;
-    case VTK_FLOAT: return ScalarType::float32;
-    case VTK_DOUBLE: return ScalarType::float64;
-    default: return std::nullopt;
+    case VTK_UNSIGNED_LONG_LONG:
+      return ScalarType::uint64;
+    case VTK_FLOAT:
+      return ScalarType::float32;
+    case VTK_DOUBLE:
+      return ScalarType::float64;
+    default:
+      return std::nullopt;
   }
 }
 
@@ -84,12 +95,13 @@ FileArray gathered(const FileArray& all, const std::vector<std::int64_t>& source
   return out;
 }
 
-void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuples, const std::vector<std::int64_t>& source, Block& block,
-                const std::string& name, std::vector<std::string>& notes) {
+void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuples, const std::vector<std::int64_t>& source,
+                Block& block, const std::string& name, std::vector<std::string>& notes) {
   for (int i = 0; i < attributes->GetNumberOfArrays(); ++i) {
     vtkAbstractArray* abstract = attributes->GetAbstractArray(i);
     if (!abstract) continue;
-    const std::string array_name = abstract->GetName() && *abstract->GetName() ? abstract->GetName() : "array " + std::to_string(i);
+    const std::string array_name =
+        abstract->GetName() && *abstract->GetName() ? abstract->GetName() : "array " + std::to_string(i);
     if (array_name == vtkDataSetAttributes::GhostArrayName()) continue;  // hidden_cells has it
     vtkDataArray* array = vtkDataArray::SafeDownCast(abstract);
     if (!array || (array->GetDataType() != VTK_BIT && !scalar_type(array->GetDataType()))) {
@@ -109,10 +121,13 @@ void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuple
 
 /// vtkGhostType: duplicated, refined and hidden cells are not part of the volume, nor are cells that use a hidden point.
 void add_hidden_cells(vtkDataSet* data, const std::vector<std::int64_t>& source, Block& block) {
-  constexpr unsigned kCell = vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
+  constexpr unsigned kCell =
+      vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
   constexpr unsigned kPoint = vtkDataSetAttributes::HIDDENPOINT;
-  auto* cell_ghosts = vtkUnsignedCharArray::SafeDownCast(data->GetCellData()->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
-  auto* point_ghosts = vtkUnsignedCharArray::SafeDownCast(data->GetPointData()->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
+  auto* cell_ghosts =
+      vtkUnsignedCharArray::SafeDownCast(data->GetCellData()->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
+  auto* point_ghosts =
+      vtkUnsignedCharArray::SafeDownCast(data->GetPointData()->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
   const std::int64_t cells = block.grid.cell_count();
   const vtkIdType file_cells = source.empty() ? cells : data->GetNumberOfCells();
   if (cell_ghosts && cell_ghosts->GetNumberOfValues() != file_cells) cell_ghosts = nullptr;
@@ -134,7 +149,8 @@ void add_hidden_cells(vtkDataSet* data, const std::vector<std::int64_t>& source,
   }
   if (!any) return;
   block.grid.hidden_cells = hidden;
-  block.grid.storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(block.grid.storage, storage);
+  block.grid.storage =
+      std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(block.grid.storage, storage);
 }
 
 /// Positions in single or double precision; other types become double.
@@ -199,12 +215,14 @@ void set_rectilinear(vtkRectilinearGrid* source, Block& block, const std::string
   for (std::size_t a = 0; a < 3; ++a) {
     const auto n = static_cast<std::size_t>(d[a]);
     if (!axes[a] || axes[a]->GetNumberOfTuples() < d[a])
-      throw Error(ErrorCode::bad_data, name + ": axis " + "xyz"[a] + " has " + std::to_string(axes[a] ? axes[a]->GetNumberOfTuples() : 0) +
+      throw Error(ErrorCode::bad_data, name + ": axis " + "xyz"[a] + " has " +
+                                           std::to_string(axes[a] ? axes[a]->GetNumberOfTuples() : 0) +
                                            " coordinates; expected " + std::to_string(d[a]));
     grid.axes[a].resize(n);
     for (std::size_t i = 0; i < n; ++i) grid.axes[a][i] = axes[a]->GetComponent(static_cast<vtkIdType>(i), 0);
     for (std::size_t i = 1; i < n; ++i)
-      monotone = monotone && (grid.axes[a][1] > grid.axes[a][0] ? grid.axes[a][i] > grid.axes[a][i - 1] : grid.axes[a][i] < grid.axes[a][i - 1]);
+      monotone = monotone && (grid.axes[a][1] > grid.axes[a][0] ? grid.axes[a][i] > grid.axes[a][i - 1]
+                                                                : grid.axes[a][i] < grid.axes[a][i - 1]);
   }
   if (monotone) {
     block.grid.shape = std::move(grid);
@@ -234,8 +252,8 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, std::vector<Bl
     const std::int64_t expected = checked_product({d[0], d[1], d[2]}, name);
     const std::int64_t present = structured->GetPoints() ? structured->GetPoints()->GetNumberOfPoints() : 0;
     if (present != expected)
-      throw Error(ErrorCode::bad_data, name + ": " + std::to_string(d[0]) + "x" + std::to_string(d[1]) + "x" + std::to_string(d[2]) +
-                                           " points declared, " + std::to_string(present) + " present");
+      throw Error(ErrorCode::bad_data, name + ": " + std::to_string(d[0]) + "x" + std::to_string(d[1]) + "x" +
+                                           std::to_string(d[2]) + " points declared, " + std::to_string(present) + " present");
     block.grid.shape = CurvilinearGrid{{d[0], d[1], d[2]}, points};
     block.grid.storage = owner;
   } else if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
@@ -250,7 +268,8 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, std::vector<Bl
   add_hidden_cells(data, source, block);
   add_arrays(data->GetPointData(), false, block.grid.point_count(), {}, block, name, notes);
   if (block.grid.cell_count() > 0)
-    add_arrays(data->GetCellData(), true, source.empty() ? block.grid.cell_count() : data->GetNumberOfCells(), source, block, name, notes);
+    add_arrays(data->GetCellData(), true, source.empty() ? block.grid.cell_count() : data->GetNumberOfCells(), source, block,
+               name, notes);
   else if (data->GetCellData()->GetNumberOfArrays() > 0)
     notes.push_back(std::to_string(data->GetCellData()->GetNumberOfArrays()) + " cell arrays skipped: there are no 3-D cells");
   blocks.push_back(std::move(block));
@@ -258,7 +277,8 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, std::vector<Bl
 
 }  // namespace
 
-void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, std::vector<Block>& blocks, std::vector<std::string>& notes) {
+void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, std::vector<Block>& blocks,
+                       std::vector<std::string>& notes) {
   const std::string name = request.file.filename().string();
   if (auto* composite = vtkCompositeDataSet::SafeDownCast(object)) {
     auto at = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());

@@ -27,29 +27,38 @@ struct Kept {
 /// VTK numbers a cell's corners first, whatever its order.
 Kept kept_as(int vtk_type) {
   switch (vtk_type) {
-    case VTK_TETRA: return {CellType::tetrahedron, 4, false};
+    case VTK_TETRA:
+      return {CellType::tetrahedron, 4, false};
     case VTK_HEXAHEDRON:
-    case VTK_VOXEL: return {CellType::hexahedron, 8, false};
-    case VTK_WEDGE: return {CellType::wedge, 6, false};
-    case VTK_PYRAMID: return {CellType::pyramid, 5, false};
+    case VTK_VOXEL:
+      return {CellType::hexahedron, 8, false};
+    case VTK_WEDGE:
+      return {CellType::wedge, 6, false};
+    case VTK_PYRAMID:
+      return {CellType::pyramid, 5, false};
     case VTK_QUADRATIC_TETRA:
     case VTK_LAGRANGE_TETRAHEDRON:
-    case VTK_BEZIER_TETRAHEDRON: return {CellType::tetrahedron, 4, true};
+    case VTK_BEZIER_TETRAHEDRON:
+      return {CellType::tetrahedron, 4, true};
     case VTK_QUADRATIC_HEXAHEDRON:
     case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
     case VTK_TRIQUADRATIC_HEXAHEDRON:
     case VTK_LAGRANGE_HEXAHEDRON:
-    case VTK_BEZIER_HEXAHEDRON: return {CellType::hexahedron, 8, true};
+    case VTK_BEZIER_HEXAHEDRON:
+      return {CellType::hexahedron, 8, true};
     case VTK_QUADRATIC_WEDGE:
     case VTK_QUADRATIC_LINEAR_WEDGE:
     case VTK_BIQUADRATIC_QUADRATIC_WEDGE:
     case VTK_LAGRANGE_WEDGE:
-    case VTK_BEZIER_WEDGE: return {CellType::wedge, 6, true};
+    case VTK_BEZIER_WEDGE:
+      return {CellType::wedge, 6, true};
     case VTK_QUADRATIC_PYRAMID:
     case VTK_TRIQUADRATIC_PYRAMID:
     case VTK_LAGRANGE_PYRAMID:
-    case VTK_BEZIER_PYRAMID: return {CellType::pyramid, 5, true};
-    default: return {};
+    case VTK_BEZIER_PYRAMID:
+      return {CellType::pyramid, 5, true};
+    default:
+      return {};
   }
 }
 
@@ -114,8 +123,10 @@ KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::ve
     kept.source.push_back(c);
   }
   for (const auto& [type, n] : skipped)
-    notes.push_back(std::to_string(n) + " " + vtk_name(type) + " skipped: only tetrahedra, pyramids, wedges and hexahedra are read");
-  for (const auto& [type, n] : linearised) notes.push_back(std::to_string(n) + " " + vtk_name(type) + " read as linear cells by their corners");
+    notes.push_back(std::to_string(n) + " " + vtk_name(type) +
+                    " skipped: only tetrahedra, pyramids, wedges and hexahedra are read");
+  for (const auto& [type, n] : linearised)
+    notes.push_back(std::to_string(n) + " " + vtk_name(type) + " read as linear cells by their corners");
   if (skipped.empty()) kept.source.clear();
   return kept;
 }

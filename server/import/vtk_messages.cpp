@@ -20,7 +20,8 @@ std::string plain(std::string text) {
     if (const auto end = text.find('\n', header); end != std::string::npos) text.erase(0, end + 1);
   if (text.starts_with("vtk"))
     if (const auto colon = text.find("): "); colon != std::string::npos && colon < 100) text.erase(0, colon + 3);
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, ' ');
   while (!text.empty() && text.back() == ' ') text.pop_back();
   return text.substr(0, 300);
 }
@@ -30,7 +31,7 @@ class Messages : public vtkOutputWindow {
   static Messages* New();
   vtkTypeMacro(Messages, vtkOutputWindow)
 
-  void DisplayText(const char*) override {}
+      void DisplayText(const char*) override {}
   void DisplayErrorText(const char* text) override { keep(errors, text); }
   void DisplayWarningText(const char* text) override { keep_warning(text); }
   void DisplayGenericWarningText(const char* text) override { keep_warning(text); }
@@ -40,7 +41,8 @@ class Messages : public vtkOutputWindow {
  private:
   /// The legacy readers only warn of "Error reading ascii data" where a file ends within its numbers, and go on with zeros.
   void keep_warning(const char* text) {
-    const bool lost_data = text && (std::strstr(text, "Error reading") || std::strstr(text, "rror parsing") || std::strstr(text, "ismatch"));
+    const bool lost_data =
+        text && (std::strstr(text, "Error reading") || std::strstr(text, "rror parsing") || std::strstr(text, "ismatch"));
     keep(lost_data ? errors : warnings, text);
   }
   static void keep(std::vector<std::string>& messages, const char* text) {

@@ -26,8 +26,8 @@ class Writer {
     const bool written = out && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
     const int error = errno;
     if ((out && std::fclose(out) != 0) || !written)
-      throw Error(ErrorCode::unavailable, "cannot write " + std::to_string(bytes.size()) + " bytes to a temporary file: " +
-                                              std::strerror(written ? errno : error));
+      throw Error(ErrorCode::unavailable, "cannot write " + std::to_string(bytes.size()) +
+                                              " bytes to a temporary file: " + std::strerror(written ? errno : error));
   }
   template <class T>
   void values(const std::string& name, std::span<const T> span) {
@@ -45,13 +45,18 @@ std::string printable(const std::string& text, std::size_t most) {
   std::string out;
   for (std::size_t i = 0; i < text.size() && out.size() < most;) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+    const std::size_t length = lead < 0x80                   ? 1
+                               : lead >= 0xC2 && lead < 0xE0 ? 2
+                               : lead >= 0xE0 && lead < 0xF0 ? 3
+                               : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                             : 0;
     bool good = length > 0 && i + length <= text.size() && lead >= 32 && lead != 127;
     for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
     // Overlong forms, surrogates and what is beyond U+10FFFF.
     if (good && length > 2) {
       const auto second = static_cast<unsigned char>(text[i + 1]);
-      good = !((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) || (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F));
+      good = !((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) || (lead == 0xF0 && second < 0x90) ||
+               (lead == 0xF4 && second > 0x8F));
     }
     if (good && out.size() + length > most) break;
     out += good ? text.substr(i, length) : "?";
@@ -62,7 +67,8 @@ std::string printable(const std::string& text, std::size_t most) {
 
 json::array write_points(const PointSpan& points, Writer& writer) {
   std::visit([&](auto span) { writer.values("points.bin", span); }, points);
-  return {points.index() == 0 ? "float32" : "float64", std::visit([](auto span) { return static_cast<std::int64_t>(span.size()); }, points)};
+  return {points.index() == 0 ? "float32" : "float64",
+          std::visit([](auto span) { return static_cast<std::int64_t>(span.size()); }, points)};
 }
 
 void write_grid(const Grid& grid, Writer& writer, json::object& manifest) {
@@ -112,9 +118,11 @@ class ArrayWriter {
           const std::size_t n = values.size() / components;
           // The magnitude keeps single precision for float32 and for integers that it holds exactly.
           if constexpr (sizeof(T) <= 2 || std::is_same_v<T, float>)
-            write(array, base, "magnitude", ScalarType::float32, std::as_bytes(std::span<const float>(magnitude<float>(values, components))));
+            write(array, base, "magnitude", ScalarType::float32,
+                  std::as_bytes(std::span<const float>(magnitude<float>(values, components))));
           else
-            write(array, base, "magnitude", ScalarType::float64, std::as_bytes(std::span<const double>(magnitude<double>(values, components))));
+            write(array, base, "magnitude", ScalarType::float64,
+                  std::as_bytes(std::span<const double>(magnitude<double>(values, components))));
           std::vector<T> one(n);
           for (std::size_t c = 0; c < components; ++c) {
             for (std::size_t p = 0; p < n; ++p) one[p] = values[p * components + c];
@@ -140,7 +148,8 @@ class ArrayWriter {
     return out;
   }
 
-  void write(const FileArray& array, std::string name, const std::string& component, ScalarType type, std::span<const std::byte> bytes) {
+  void write(const FileArray& array, std::string name, const std::string& component, ScalarType type,
+             std::span<const std::byte> bytes) {
     for (int n = 2; !names_.insert(name).second; ++n) name = name.substr(0, name.rfind(" #")) + " #" + std::to_string(n);
     writer_.file("array_" + std::to_string(list_.size()) + ".bin", bytes);
     list_.push_back(json::object{{"name", name},
@@ -171,7 +180,8 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
   ArrayWriter array_writer(writer, arrays);
   std::size_t done = 0;
   for (const FileArray& array : block.arrays) {
-    const std::string name = printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
+    const std::string name =
+        printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
     array_writer.add(array.on_cells ? average_cells(block.grid, array) : array, name);
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }

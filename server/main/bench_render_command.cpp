@@ -64,8 +64,8 @@ void count_fragments(Renderer& renderer, DrawInput input, BenchRun& run) {
   run.depth_complexity = covered > 0 ? fragments / static_cast<double>(covered) : 0;
 }
 
-BenchRun measure(Renderer& renderer, const std::string& data, const std::string& mode, const ExtractedScene& extracted, const Scene& scene,
-                 const BenchArguments& arguments) {
+BenchRun measure(Renderer& renderer, const std::string& data, const std::string& mode, const ExtractedScene& extracted,
+                 const Scene& scene, const BenchArguments& arguments) {
   const auto [width, height] = parse_size(arguments.size);
   DrawInput input = draw_input(extracted, scene, width, height);
   const Camera start = input.camera;
@@ -114,21 +114,25 @@ boost::json::object to_json(const BenchRun& run) {
                                      {"total", boost::json::object{{"min", run.total_ms.min},
                                                                    {"median", run.total_ms.median},
                                                                    {"max", run.total_ms.max}}}}},
-          {"tetrahedra_per_second", run.total_ms.median > 0 ? 1000.0 * static_cast<double>(run.tetrahedra) / run.total_ms.median : 0.0}};
+          {"tetrahedra_per_second",
+           run.total_ms.median > 0 ? 1000.0 * static_cast<double>(run.tetrahedra) / run.total_ms.median : 0.0}};
 }
 
 void print_text(const BenchRun& run) {
-  std::printf("%s, %s, %dx%d: %lld tetrahedra, %.1f fragments each, depth complexity %.1f; order %.1f, draw %.1f, readback %.1f ms; frame "
-              "min %.1f, median %.1f, max %.1f ms; %s; %s\n",
-              run.data.c_str(), run.mode.c_str(), run.width, run.height, static_cast<long long>(run.tetrahedra), run.fragments_per_tetrahedron,
-              run.depth_complexity, run.order_ms, run.draw_ms, run.readback_ms, run.total_ms.min, run.total_ms.median, run.total_ms.max,
-              run.order.c_str(), run.device.c_str());
+  std::printf(
+      "%s, %s, %dx%d: %lld tetrahedra, %.1f fragments each, depth complexity %.1f; order %.1f, draw %.1f, readback %.1f ms; "
+      "frame "
+      "min %.1f, median %.1f, max %.1f ms; %s; %s\n",
+      run.data.c_str(), run.mode.c_str(), run.width, run.height, static_cast<long long>(run.tetrahedra),
+      run.fragments_per_tetrahedron, run.depth_complexity, run.order_ms, run.draw_ms, run.readback_ms, run.total_ms.min,
+      run.total_ms.median, run.total_ms.max, run.order.c_str(), run.device.c_str());
 }
 
 /// A layer of the middle tenth of the range; around the torus, the layer that `bench extract` uses.
 std::string default_interval(const std::string& data, const PointArray& array) {
   const double span = array.upper - array.lower;
-  const Interval interval = data.starts_with("torus") ? Interval{0.24, 0.26} : Interval{array.lower + 0.45 * span, array.lower + 0.55 * span};
+  const Interval interval =
+      data.starts_with("torus") ? Interval{0.24, 0.26} : Interval{array.lower + 0.45 * span, array.lower + 0.55 * span};
   char text[64];
   std::snprintf(text, sizeof text, "%.17g:%.17g", interval.lower, interval.upper);
   return text;
@@ -145,14 +149,17 @@ void run(const BenchArguments& arguments) {
     Scene scene;
     scene.array = array.name;
     const bool given = !arguments.intervals.empty();
-    scene.intervals = parse_intervals(given ? arguments.intervals : std::vector<std::string>{default_interval(data, array)}, *dataset, array);
+    scene.intervals =
+        parse_intervals(given ? arguments.intervals : std::vector<std::string>{default_interval(data, array)}, *dataset, array);
     for (const char* mode : {"constant", "linear"}) {
       if (arguments.mode != "both" && arguments.mode != mode) continue;
       for (SceneInterval& interval : scene.intervals) interval.color_map = mode == std::string("linear") ? "viridis" : "";
       const auto extracted = extract_scene(dataset, scene, nullptr, command_task());
       const BenchRun one = measure(*renderer, data, mode, *extracted, scene, arguments);
-      if (arguments.json) runs.push_back(to_json(one));
-      else print_text(one);
+      if (arguments.json)
+        runs.push_back(to_json(one));
+      else
+        print_text(one);
     }
   }
   if (arguments.json) print_json(boost::json::object{{"runs", std::move(runs)}});
@@ -165,7 +172,8 @@ void add_bench_render_command(CLI::App& bench) {
   auto arguments = std::make_shared<BenchArguments>();
   command->add_option("--data", arguments->data, "Files or names of analytic data; may be repeated")->capture_default_str();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
-  command->add_option("--interval", arguments->intervals, "As in render; may be repeated (default: a thin layer)")->allow_extra_args(false);
+  command->add_option("--interval", arguments->intervals, "As in render; may be repeated (default: a thin layer)")
+      ->allow_extra_args(false);
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command->add_option("--mode", arguments->mode, "Colours: constant, linear (viridis) or both")
       ->check(CLI::IsMember({"constant", "linear", "both"}))

@@ -76,7 +76,8 @@ boost::json::object to_json(const Findings& findings) {
     devices.push_back(boost::json::object{{"name", a.name}, {"ok", a.ok}, {"software", a.software}, {"detail", a.detail}});
   for (const CodecProbe& codec : findings.codecs)
     codecs.push_back(boost::json::object{{"name", codec.name}, {"ok", codec.ok}, {"detail", codec.detail}});
-  boost::json::object out{{"version", ISOSTRATA_VERSION}, {"can_draw", !findings.device.empty()}, {"devices", std::move(devices)}};
+  boost::json::object out{
+      {"version", ISOSTRATA_VERSION}, {"can_draw", !findings.device.empty()}, {"devices", std::move(devices)}};
   if (findings.device.empty()) {
     out["device"] = nullptr;
     out["reason"] = findings.device_detail;
@@ -86,9 +87,8 @@ boost::json::object to_json(const Findings& findings) {
   }
   out["codecs"] = std::move(codecs);
   out["importer"] = boost::json::object{{"found", findings.importer.found}, {"path", findings.importer.path}};
-  out["limits"] = boost::json::object{{"cores", findings.cores},
-                                      {"memory_bytes", findings.memory_bytes},
-                                      {"memory_limit_bytes", findings.memory_limit_bytes}};
+  out["limits"] = boost::json::object{
+      {"cores", findings.cores}, {"memory_bytes", findings.memory_bytes}, {"memory_limit_bytes", findings.memory_limit_bytes}};
   return out;
 }
 
@@ -108,7 +108,8 @@ void print_text(const Findings& findings) {
   if (!findings.importer.found) std::printf("        only analytic data can be opened without it\n");
   constexpr double kGiB = 1024.0 * 1024 * 1024;
   std::printf("\nlimits\n  %d cores, %.1f GiB of memory", findings.cores, static_cast<double>(findings.memory_bytes) / kGiB);
-  if (findings.memory_limit_bytes > 0) std::printf(", limited to %.1f GiB", static_cast<double>(findings.memory_limit_bytes) / kGiB);
+  if (findings.memory_limit_bytes > 0)
+    std::printf(", limited to %.1f GiB", static_cast<double>(findings.memory_limit_bytes) / kGiB);
   std::printf("\n");
 }
 
@@ -122,8 +123,10 @@ void add_doctor_command(CLI::App& app) {
   command->add_flag("--json", *json, "Print one JSON document");
   command->callback([device, json] {
     const Findings findings = examine(*device);
-    if (*json) print_json(to_json(findings));
-    else print_text(findings);
+    if (*json)
+      print_json(to_json(findings));
+    else
+      print_text(findings);
     std::fflush(stdout);
     if (findings.device.empty()) throw Error(ErrorCode::unavailable, findings.device_detail);
   });

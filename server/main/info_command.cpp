@@ -40,9 +40,10 @@ json::object describe(const Dataset& dataset) {
   for (const auto& [name, count] : dataset.cell_types) types[name] = count;
   out["cell_types"] = std::move(types);
   const Box3d& box = dataset.bounds;
-  out["bounds"] = box.empty() ? json::value(nullptr)
-                              : json::value(json::array{json::array{box.lower.x, box.upper.x}, json::array{box.lower.y, box.upper.y},
-                                                        json::array{box.lower.z, box.upper.z}});
+  out["bounds"] = box.empty()
+                      ? json::value(nullptr)
+                      : json::value(json::array{json::array{box.lower.x, box.upper.x}, json::array{box.lower.y, box.upper.y},
+                                                json::array{box.lower.z, box.upper.z}});
   json::array arrays;
   for (const PointArray& array : dataset.arrays)
     arrays.push_back(json::object{{"name", array.name},
@@ -64,16 +65,20 @@ void print_text(const Dataset& dataset) {
   std::printf("  grid    %s", dataset.grid.kind_name());
   if (dataset.grid.structured()) {
     const auto d = dataset.grid.dims();
-    std::printf(", %lld x %lld x %lld points", static_cast<long long>(d[0]), static_cast<long long>(d[1]), static_cast<long long>(d[2]));
+    std::printf(", %lld x %lld x %lld points", static_cast<long long>(d[0]), static_cast<long long>(d[1]),
+                static_cast<long long>(d[2]));
   }
-  std::printf("\n  points  %lld\n  cells   %lld", static_cast<long long>(dataset.grid.point_count()), static_cast<long long>(dataset.grid.cell_count()));
+  std::printf("\n  points  %lld\n  cells   %lld", static_cast<long long>(dataset.grid.point_count()),
+              static_cast<long long>(dataset.grid.cell_count()));
   for (const auto& [name, count] : dataset.cell_types) std::printf(", %s %lld", name.c_str(), static_cast<long long>(count));
   if (const auto hidden = hidden_cells(dataset.grid)) std::printf(", of which %lld hidden", static_cast<long long>(hidden));
   const Box3d& box = dataset.bounds;
   if (!box.empty())
-    std::printf("\n  bounds  x [%g, %g]  y [%g, %g]  z [%g, %g]", box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z, box.upper.z);
+    std::printf("\n  bounds  x [%g, %g]  y [%g, %g]  z [%g, %g]", box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z,
+                box.upper.z);
   if (dataset.times.size() > 1)
-    std::printf("\n  times   %zu steps from %g to %g; this is step %d", dataset.times.size(), dataset.times.front(), dataset.times.back(), dataset.step);
+    std::printf("\n  times   %zu steps from %g to %g; this is step %d", dataset.times.size(), dataset.times.front(),
+                dataset.times.back(), dataset.step);
   else
     std::printf("\n  times   %g", dataset.times.front());
   std::printf("\n  arrays  %zu\n", dataset.arrays.size());

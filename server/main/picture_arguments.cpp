@@ -37,12 +37,14 @@ std::array<int, 2> parse_size(std::string_view text) {
   return size;
 }
 
-std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts, const Dataset& dataset, const PointArray& array) {
+std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts, const Dataset& dataset,
+                                           const PointArray& array) {
   std::vector<SceneInterval> intervals;
   for (std::size_t i = 0; i < texts.size(); ++i) intervals.push_back(scene_interval(parse_interval(texts[i], i), i));
   if (!intervals.empty()) return intervals;
   if (!(array.lower < array.upper))
-    throw Error(ErrorCode::not_found, dataset.name + ": array '" + array.name + "' has no range of values to divide; give --interval");
+    throw Error(ErrorCode::not_found,
+                dataset.name + ": array '" + array.name + "' has no range of values to divide; give --interval");
   const double step = (array.upper - array.lower) / kDefaultIntervals;
   for (int i = 0; i < kDefaultIntervals; ++i) {
     IntervalArgument argument;

@@ -16,7 +16,8 @@ std::array<int, 2> parse_size(std::string_view text);
 
 /// Scene intervals from --interval texts. Without any: four equal parts of the array's range in red, green, blue and yellow (the
 /// paper's Figure 4a). Throws invalid_argument; not_found where the array has no finite value.
-std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts, const Dataset& dataset, const PointArray& array);
+std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts, const Dataset& dataset,
+                                           const PointArray& array);
 
 /// The named array, or the first. Throws not_found.
 const PointArray& array_argument(const Dataset& dataset, const std::string& name);

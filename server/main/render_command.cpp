@@ -112,8 +112,8 @@ void run(const RenderArguments& arguments) {
   std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), width, height,
               static_cast<long long>(result.facts.tetrahedra), result.facts.order.c_str());
   std::printf("drawn by %s\n", result.facts.device.c_str());
-  std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n", ms.load,
-              ms.extract, ms.device, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, ms.write);
+  std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n",
+              ms.load, ms.extract, ms.device, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, ms.write);
 }
 
 }  // namespace
@@ -124,27 +124,34 @@ void add_render_command(CLI::App& app) {
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command
-      ->add_option("--interval", arguments->intervals,
-                   "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]; may be repeated. opacity is that of a layer one unit "
-                   "distance thick. Default: four equal parts of the array's range in red, green, blue and yellow with opacity 0.3")
+      ->add_option(
+          "--interval", arguments->intervals,
+          "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]; may be repeated. opacity is that of a layer one unit "
+          "distance thick. Default: four equal parts of the array's range in red, green, blue and yellow with opacity 0.3")
       ->allow_extra_args(false);
-  command->add_option("--color-by", arguments->color_by, "The array that colour maps run over, over its whole range (default: --array)");
+  command->add_option("--color-by", arguments->color_by,
+                      "The array that colour maps run over, over its whole range (default: --array)");
   command->add_option("--step", arguments->step, "Time step, counted from 0");
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  command->add_option("--camera", arguments->camera, "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees (any of them), or reset, +x, -x, +y, -y, +z, -z")
+  command
+      ->add_option("--camera", arguments->camera,
+                   "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees (any of them), or reset, +x, -x, +y, -y, +z, -z")
       ->capture_default_str();
-  command->add_option("--mode", arguments->mode, "sorted: back to front; prioritized: higher priorities are painted over lower ones")
+  command
+      ->add_option("--mode", arguments->mode, "sorted: back to front; prioritized: higher priorities are painted over lower ones")
       ->check(CLI::IsMember({"sorted", "prioritized"}))
       ->capture_default_str();
   command->add_option("--renderer", arguments->renderer, "raster: projected tetrahedra drawn by OpenGL; auto: the same")
       ->check(CLI::IsMember({"auto", "raster"}))
       ->capture_default_str();
   command->add_option("--background", arguments->background, "#rrggbb or transparent");
-  command->add_option("--unit-distance", arguments->unit_distance,
-                      "The thickness, in world units, that has the given opacity (default: a twentieth of the bounding box's diagonal)");
+  command->add_option(
+      "--unit-distance", arguments->unit_distance,
+      "The thickness, in world units, that has the given opacity (default: a twentieth of the bounding box's diagonal)");
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
-  command->add_option("--out", arguments->out, "The picture: .png, .jpg, .webp, .tif or .exr (float, linear, with depth)")->required();
+  command->add_option("--out", arguments->out, "The picture: .png, .jpg, .webp, .tif or .exr (float, linear, with depth)")
+      ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });
 }

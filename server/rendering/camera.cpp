@@ -41,14 +41,22 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 /// The direction from `at` to the eye, and what is up.
 bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
   up = {0, 1, 0};
-  if (side == "reset") direction = normalized(Vec3d{0.55, 0.45, 1.0});
-  else if (side == "+x") direction = {1, 0, 0};
-  else if (side == "-x") direction = {-1, 0, 0};
-  else if (side == "+y") direction = {0, 1, 0}, up = {0, 0, -1};
-  else if (side == "-y") direction = {0, -1, 0}, up = {0, 0, 1};
-  else if (side == "+z") direction = {0, 0, 1};
-  else if (side == "-z") direction = {0, 0, -1};
-  else return false;
+  if (side == "reset")
+    direction = normalized(Vec3d{0.55, 0.45, 1.0});
+  else if (side == "+x")
+    direction = {1, 0, 0};
+  else if (side == "-x")
+    direction = {-1, 0, 0};
+  else if (side == "+y")
+    direction = {0, 1, 0}, up = {0, 0, -1};
+  else if (side == "-y")
+    direction = {0, -1, 0}, up = {0, 0, 1};
+  else if (side == "+z")
+    direction = {0, 0, 1};
+  else if (side == "-z")
+    direction = {0, 0, -1};
+  else
+    return false;
   return true;
 }
 
@@ -57,7 +65,8 @@ bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
 void check(const Camera& camera) {
   const auto fail = [](const std::string& why) { throw Error(ErrorCode::invalid_argument, "camera: " + why); };
   if (!finite(camera.eye) || !finite(camera.at) || !finite(camera.up)) fail("eye, at and up must be finite numbers");
-  if (!(camera.fov_deg > 0 && camera.fov_deg < 180)) fail("fov must be above 0 and below 180 degrees, not " + std::to_string(camera.fov_deg));
+  if (!(camera.fov_deg > 0 && camera.fov_deg < 180))
+    fail("fov must be above 0 and below 180 degrees, not " + std::to_string(camera.fov_deg));
   const Vec3d forward = camera.at - camera.eye;
   const double distance = length(forward), up_length = length(camera.up);
   if (!(distance > 0) || !std::isfinite(distance)) fail("eye and at must be apart, by a distance that is a finite number");
@@ -127,11 +136,16 @@ Camera parse_camera(std::string_view text, const Camera& base, const Box3d& boun
     const std::string_view key = part.substr(0, equals);
     if (equals == std::string_view::npos) refuse(text, "unknown part '" + std::string(part) + "'");
     const std::string_view value = part.substr(equals + 1);
-    if (key == "eye") camera.eye = parse_vector(value, text);
-    else if (key == "at") camera.at = parse_vector(value, text);
-    else if (key == "up") camera.up = parse_vector(value, text);
-    else if (key == "fov") camera.fov_deg = parse_number(value, text);
-    else refuse(text, "unknown part '" + std::string(part) + "'");
+    if (key == "eye")
+      camera.eye = parse_vector(value, text);
+    else if (key == "at")
+      camera.at = parse_vector(value, text);
+    else if (key == "up")
+      camera.up = parse_vector(value, text);
+    else if (key == "fov")
+      camera.fov_deg = parse_number(value, text);
+    else
+      refuse(text, "unknown part '" + std::string(part) + "'");
   }
   check(camera);
   return camera;

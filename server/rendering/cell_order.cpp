@@ -1,6 +1,6 @@
-// Pairs are ordered by a separating plane: what is on the eye's side of it is in front. A plane of a face separates neighbours; where none
-// does, a plane along one edge of each does (separating axes of convex polytopes). Pairs whose pictures do not meet are not ordered at all,
-// which is what keeps the relation free of cycles in practice.
+// Pairs are ordered by a separating plane: what is on the eye's side of it is in front. A plane of a face separates neighbours;
+// where none does, a plane along one edge of each does (separating axes of convex polytopes). Pairs whose pictures do not meet
+// are not ordered at all, which is what keeps the relation free of cycles in practice.
 #include "rendering/cell_order.h"
 
 #include <algorithm>
@@ -27,8 +27,8 @@ struct Range {
 int CellOrder::sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t> tetrahedra) {
   if (tetrahedra.size() < 2) return 0;
   const std::uint16_t first = mesh.tetrahedron_interval[tetrahedra[0]];
-  if (one_color_[first] && std::all_of(tetrahedra.begin(), tetrahedra.end(),
-                                       [&](std::uint32_t t) { return mesh.tetrahedron_interval[t] == first; }))
+  if (one_color_[first] &&
+      std::all_of(tetrahedra.begin(), tetrahedra.end(), [&](std::uint32_t t) { return mesh.tetrahedron_interval[t] == first; }))
     return 0;
   prepare(mesh, eye, tetrahedra);
   const std::size_t n = items_.size();
@@ -175,8 +175,8 @@ bool CellOrder::silhouettes_meet(const Item& a, const Item& b) const {
   return !apart(a, a, b) && !apart(b, a, b);
 }
 
-/// Repeatedly takes the first item that has nothing left behind it. In a cycle: once relations of pairs whose pictures only seem to
-/// meet (their bounding boxes do) are dropped; if that does not end it, the farthest is taken and the pair counted.
+/// Repeatedly takes the first item that has nothing left behind it. In a cycle: once relations of pairs whose pictures only seem
+/// to meet (their bounding boxes do) are dropped; if that does not end it, the farthest is taken and the pair counted.
 int CellOrder::emit(std::span<std::uint32_t> tetrahedra) {
   const std::size_t n = items_.size();
   left_.assign(words_, 0);

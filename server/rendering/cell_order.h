@@ -12,12 +12,13 @@ namespace isostrata {
 /// Orders small sets of tetrahedra with disjoint interiors by separating planes. Keeps its scratch memory; one per thread.
 class CellOrder {
  public:
-  /// one_color[interval] != 0: the interval has one colour and one opacity everywhere, so that its tetrahedra commute with each other and
-  /// only pairs of different intervals are ordered.
+  /// one_color[interval] != 0: the interval has one colour and one opacity everywhere, so that its tetrahedra commute with each
+  /// other and only pairs of different intervals are ordered.
   explicit CellOrder(std::span<const std::uint8_t> one_color) : one_color_(one_color) {}
 
-  /// Permutes `tetrahedra` (indices into mesh.tetrahedra) back to front as seen from the eye. Returns how many pairs could not be ordered
-  /// exactly: their interiors meet (inverted tetrahedra), or they hide each other in a cycle. 0 means the order is exact. O(n^2).
+  /// Permutes `tetrahedra` (indices into mesh.tetrahedra) back to front as seen from the eye. Returns how many pairs could not be
+  /// ordered exactly: their interiors meet (inverted tetrahedra), or they hide each other in a cycle. 0 means the order is exact.
+  /// O(n^2).
   int sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t> tetrahedra);
 
  private:
@@ -48,8 +49,8 @@ class CellOrder {
   std::vector<std::uint64_t> behind_;       // [items][words] bit j of row i: j must be drawn before i
   std::vector<std::uint64_t> left_;         // [words] not drawn yet
   std::size_t words_ = 0;
-  double tolerance_ = 0;                    // lengths below it do not count
-  bool in_front_ = false;                   // the whole cell is in front of the eye, so that it has a projection
+  double tolerance_ = 0;   // lengths below it do not count
+  bool in_front_ = false;  // the whole cell is in front of the eye, so that it has a projection
 };
 
 }  // namespace isostrata

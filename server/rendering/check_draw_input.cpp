@@ -18,8 +18,8 @@ bool finite(const Rgb& rgb) {
 void check(const DrawInput& input) {
   const auto fail = [](const std::string& why) { throw Error(ErrorCode::invalid_argument, "picture: " + why); };
   if (input.width < 1 || input.width > kMaxImageSize || input.height < 1 || input.height > kMaxImageSize)
-    fail("size " + std::to_string(input.width) + "x" + std::to_string(input.height) + ", expected 1 to " + std::to_string(kMaxImageSize) +
-         " pixels each way");
+    fail("size " + std::to_string(input.width) + "x" + std::to_string(input.height) + ", expected 1 to " +
+         std::to_string(kMaxImageSize) + " pixels each way");
   check(input.camera);
   if (!std::isfinite(input.unit_distance) || input.unit_distance < 0) fail("unit distance must be a finite number, 0 or above");
   if (!finite(input.background)) fail("the background is not a colour");
@@ -33,9 +33,11 @@ void check(const DrawInput& input) {
     if (!(style.opacity >= 0 && style.opacity <= 1)) fail(which + "opacity must be in [0, 1]");
     if (style.color_map.empty()) continue;
     color_map(style.color_map);  // throws where there is no such map
-    if (!std::isfinite(style.color_lower) || !std::isfinite(style.color_upper)) fail(which + "the colour map's range is not finite");
+    if (!std::isfinite(style.color_lower) || !std::isfinite(style.color_upper))
+      fail(which + "the colour map's range is not finite");
     if (!input.color_values || input.color_values->size() != input.mesh->positions.size())
-      fail(which + "a colour map needs one value for each of the mesh's " + std::to_string(input.mesh->positions.size()) + " points");
+      fail(which + "a colour map needs one value for each of the mesh's " + std::to_string(input.mesh->positions.size()) +
+           " points");
   }
 }
 

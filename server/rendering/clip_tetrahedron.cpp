@@ -25,8 +25,10 @@ void clip_tetrahedra(std::vector<ClipTetrahedron>& pieces, Vec3d normal, double 
     int in = 0, out = 0;
     for (int v = 0; v < 4; ++v) {
       d[static_cast<std::size_t>(v)] = dot(normal, piece[static_cast<std::size_t>(v)].position) - offset;
-      if (d[static_cast<std::size_t>(v)] >= 0) inside[static_cast<std::size_t>(in++)] = v;
-      else outside[static_cast<std::size_t>(out++)] = v;
+      if (d[static_cast<std::size_t>(v)] >= 0)
+        inside[static_cast<std::size_t>(in++)] = v;
+      else
+        outside[static_cast<std::size_t>(out++)] = v;
     }
     const auto vertex = [&](int v) { return piece[static_cast<std::size_t>(v)]; };
     const auto between = [&](int a, int b) {

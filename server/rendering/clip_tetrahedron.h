@@ -9,7 +9,7 @@
 namespace isostrata {
 
 struct ClipVertex {
-  Vec3d position;   // view space, depth positive: x right, y up, z away from the eye
+  Vec3d position;  // view space, depth positive: x right, y up, z away from the eye
   double scalar = 0;
 };
 using ClipTetrahedron = std::array<ClipVertex, 4>;

@@ -1,18 +1,19 @@
-// The colour maps that are built in: every fifth entry of the published 256, as packed sRGB bytes. Linear interpolation between them stays
-// within 2.1/255 of the published entries (tested against the published tables where they are at hand).
+// The colour maps that are built in: every fifth entry of the published 256, as packed sRGB bytes. Linear interpolation between
+// them stays within 2.1/255 of the published entries (tested against the published tables where they are at hand).
 //
 // viridis, plasma, inferno, magma: Nathaniel Smith and Stefan van der Walt, mpl-colormaps, CC0 1.0 (public domain).
 //
 // batlow, vik: Fabio Crameri, "Scientific colour maps", 2018 (and "The misuse of colour in science communication", 2020).
 //   MIT License. Copyright (c) 2020 Fabio Crameri
-//   Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated documentation files
-//   (the "Software"), to deal in the Software without restriction, including without limitation the rights to use, copy, modify, merge,
-//   publish, distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the Software is furnished to do
-//   so, subject to the following conditions: The above copyright notice and this permission notice shall be included in all copies or
-//   substantial portions of the Software. THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING
-//   BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
-//   AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR
-//   OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
+//   Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated documentation
+//   files (the "Software"), to deal in the Software without restriction, including without limitation the rights to use, copy,
+//   modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the
+//   Software is furnished to do so, subject to the following conditions: The above copyright notice and this permission notice
+//   shall be included in all copies or substantial portions of the Software. THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY
+//   OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR
+//   PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+//   LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR
+//   THE USE OR OTHER DEALINGS IN THE SOFTWARE.
 //
 // coolwarm: computed, after Kenneth Moreland, "Diverging Color Maps for Scientific Visualization", 2009. gray: computed.
 #include "rendering/style.h"
@@ -122,15 +123,21 @@ ColorMap make_coolwarm() {
     const Msh& end = t < 0.5 ? cool : warm;
     const double to_end = std::abs(2 * t - 1);
     const double hue = turned_hue(end, middle);
-    map.rgb.push_back(rgb_from_msh({middle + (end.magnitude - middle) * to_end, end.saturation * to_end, hue + (end.hue - hue) * to_end}));
+    map.rgb.push_back(
+        rgb_from_msh({middle + (end.magnitude - middle) * to_end, end.saturation * to_end, hue + (end.hue - hue) * to_end}));
   }
   return map;
 }
 
 const std::vector<ColorMap>& all_maps() {
-  static const std::vector<ColorMap> maps{
-      unpack("viridis", kViridis), unpack("plasma", kPlasma), unpack("inferno", kInferno), unpack("magma", kMagma),
-      unpack("batlow", kBatlow),   unpack("vik", kVik),       make_coolwarm(),             ColorMap{"gray", {{0, 0, 0}, {1, 1, 1}}}};
+  static const std::vector<ColorMap> maps{unpack("viridis", kViridis),
+                                          unpack("plasma", kPlasma),
+                                          unpack("inferno", kInferno),
+                                          unpack("magma", kMagma),
+                                          unpack("batlow", kBatlow),
+                                          unpack("vik", kVik),
+                                          make_coolwarm(),
+                                          ColorMap{"gray", {{0, 0, 0}, {1, 1, 1}}}};
   return maps;
 }
 

@@ -32,8 +32,10 @@ VisibilityOrder order_groups(const DrawInput& input) {
     VisibilityOrder group = order_group(input, members);
     all.exact = all.exact && group.exact;
     if (all.method == "none needed" || !group.exact) all.method = group.method;
-    if (all.tetrahedra.empty()) all.tetrahedra = std::move(group.tetrahedra);
-    else all.tetrahedra.insert(all.tetrahedra.end(), group.tetrahedra.begin(), group.tetrahedra.end());
+    if (all.tetrahedra.empty())
+      all.tetrahedra = std::move(group.tetrahedra);
+    else
+      all.tetrahedra.insert(all.tetrahedra.end(), group.tetrahedra.begin(), group.tetrahedra.end());
   }
   if (input.mode == RenderMode::prioritized)
     all.method = all.method == "none needed" ? "priority (none needed)" : "priority, then " + all.method;

@@ -26,7 +26,8 @@ std::string read_uuid(const GlFunctions& gl) {
   gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
   bool known = false;
   for (GLint i = 0; i < count; ++i)
-    known = known || std::string_view(reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)))) == "GL_EXT_memory_object";
+    known = known || std::string_view(reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)))) ==
+                         "GL_EXT_memory_object";
   if (!known) return {};
   GLubyte bytes[16] = {};
   gl.GetUnsignedBytei_vEXT(kDeviceUuid, 0, bytes);
@@ -66,21 +67,24 @@ std::unique_ptr<GlContext> attempt(std::vector<DeviceAttempt>& attempts, const s
   throw Error(ErrorCode::unavailable, text);
 }
 
-std::unique_ptr<GlContext> open_egl_device(std::string_view device, std::string_view which, std::vector<DeviceAttempt>& attempts) {
+std::unique_ptr<GlContext> open_egl_device(std::string_view device, std::string_view which,
+                                           std::vector<DeviceAttempt>& attempts) {
   const std::vector<EglDevice> devices = egl_devices(attempts);
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), index);
   if (error == std::errc{} && end == which.data() + which.size() && which.size() < 10) {
     if (index < devices.size())
       if (auto context = attempt(attempts, devices[index].name, [&] { return open_egl(devices[index]); })) return context;
-    throw Error(ErrorCode::unavailable, "device '" + std::string(device) + "': " +
-                                            (attempts.empty() ? "no such EGL device; there are " + std::to_string(devices.size()) +
-                                                                    ", counted from 0 (isostrata doctor lists them)"
-                                                              : attempts.back().name + ": " + attempts.back().detail));
+    throw Error(ErrorCode::unavailable,
+                "device '" + std::string(device) + "': " +
+                    (attempts.empty() ? "no such EGL device; there are " + std::to_string(devices.size()) +
+                                            ", counted from 0 (isostrata doctor lists them)"
+                                      : attempts.back().name + ": " + attempts.back().detail));
   }
   const std::string wanted = digits_only(which);
   if (wanted.size() != 32)
-    throw Error(ErrorCode::invalid_argument, "device '" + std::string(device) + "': expected egl:INDEX or egl:UUID (32 hexadecimal digits)");
+    throw Error(ErrorCode::invalid_argument,
+                "device '" + std::string(device) + "': expected egl:INDEX or egl:UUID (32 hexadecimal digits)");
   for (const EglDevice& candidate : devices) {
     if (!candidate.uuid.empty() && digits_only(candidate.uuid) != wanted) continue;
     auto context = attempt(attempts, candidate.name, [&] { return open_egl(candidate); });
@@ -106,15 +110,14 @@ void GlContext::release() {
 
 void GlContext::load(void* (*get_function)(const char* name), std::string_view way) {
   std::string missing;
-#define ISOSTRATA_GL_LOAD(type, name)                                   \
-  gl_.name = reinterpret_cast<type>(get_function("gl" #name));          \
+#define ISOSTRATA_GL_LOAD(type, name)                          \
+  gl_.name = reinterpret_cast<type>(get_function("gl" #name)); \
   if (!gl_.name) missing += (missing.empty() ? "gl" : ", gl") + std::string(#name);
   ISOSTRATA_GL_FUNCTIONS(ISOSTRATA_GL_LOAD)
 #undef ISOSTRATA_GL_LOAD
   if (!missing.empty()) throw Error(ErrorCode::unavailable, "the driver has no " + missing);
   gl_.GetGraphicsResetStatus = reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(get_function("glGetGraphicsResetStatus"));
-  gl_.GetUnsignedBytei_vEXT =
-      reinterpret_cast<decltype(gl_.GetUnsignedBytei_vEXT)>(get_function("glGetUnsignedBytei_vEXT"));
+  gl_.GetUnsignedBytei_vEXT = reinterpret_cast<decltype(gl_.GetUnsignedBytei_vEXT)>(get_function("glGetUnsignedBytei_vEXT"));
   const auto text = [&](GLenum name) {
     const GLubyte* string = gl_.GetString(name);
     return std::string(string ? reinterpret_cast<const char*>(string) : "");
@@ -123,7 +126,8 @@ void GlContext::load(void* (*get_function)(const char* name), std::string_view w
   gl_.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl_.GetIntegerv(GL_MINOR_VERSION, &minor);
   if (major * 10 + minor < 45)
-    throw Error(ErrorCode::unavailable, "OpenGL " + std::to_string(major) + "." + std::to_string(minor) + ", expected 4.5 or newer");
+    throw Error(ErrorCode::unavailable,
+                "OpenGL " + std::to_string(major) + "." + std::to_string(minor) + ", expected 4.5 or newer");
   const std::string renderer = text(GL_RENDERER);
   software_ = is_software(renderer);
   device_ = renderer + ", OpenGL " + std::to_string(major) + "." + std::to_string(minor) + ", " + std::string(way) +

@@ -1,5 +1,5 @@
-// Off-screen OpenGL 4.5 core contexts: EGL devices, EGL surfaceless, OSMesa. EGL and OSMesa are loaded when they are first needed, so the
-// program starts, and says what is missing, on a machine that has neither.
+// Off-screen OpenGL 4.5 core contexts: EGL devices, EGL surfaceless, OSMesa. EGL and OSMesa are loaded when they are first
+// needed, so the program starts, and says what is missing, on a machine that has neither.
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ class GlContext {
   const GlFunctions& gl() const { return gl_; }
   const std::string& device() const { return device_; }  // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
   bool software() const { return software_; }
-  const std::string& uuid() const { return uuid_; }      // of the device, lower-case hexadecimal digits; empty where it has none
+  const std::string& uuid() const { return uuid_; }  // of the device, lower-case hexadecimal digits; empty where it has none
 
  protected:
   GlContext() = default;
@@ -43,7 +43,8 @@ class GlContext {
   bool software_ = false;
 };
 
-/// device as make_renderer takes it. Throws unavailable saying what was tried and why each failed, invalid_argument for an unknown name.
+/// device as make_renderer takes it. Throws unavailable saying what was tried and why each failed, invalid_argument for an
+/// unknown name.
 std::unique_ptr<GlContext> open_context(std::string_view device);
 
 }  // namespace isostrata

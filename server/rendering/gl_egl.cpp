@@ -1,5 +1,5 @@
-// EGL 1.5 with EGL_EXT_device_enumeration, EGL_EXT_platform_device, EGL_MESA_platform_surfaceless. libEGL is opened once and its displays are
-// never terminated: a display is one per process and device, and terminating it would end every other context on it.
+// EGL 1.5 with EGL_EXT_device_enumeration, EGL_EXT_platform_device, EGL_MESA_platform_surfaceless. libEGL is opened once and its
+// displays are never terminated: a display is one per process and device, and terminating it would end every other context on it.
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -14,9 +14,9 @@
 namespace isostrata {
 namespace {
 
-constexpr EGLint kDeviceUuidExt = 0x335C;          // EGL_DEVICE_UUID_EXT of EGL_EXT_device_persistent_id
-constexpr EGLint kContextResetStrategy = 0x31BD;   // EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY (EGL 1.5)
-constexpr EGLint kLoseContextOnReset = 0x31BF;     // EGL_LOSE_CONTEXT_ON_RESET
+constexpr EGLint kDeviceUuidExt = 0x335C;         // EGL_DEVICE_UUID_EXT of EGL_EXT_device_persistent_id
+constexpr EGLint kContextResetStrategy = 0x31BD;  // EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY (EGL 1.5)
+constexpr EGLint kLoseContextOnReset = 0x31BF;    // EGL_LOSE_CONTEXT_ON_RESET
 
 using QueryDeviceBinary = EGLBoolean (*)(EGLDeviceEXT device, EGLint name, EGLint max_size, void* value, EGLint* size);
 
@@ -35,7 +35,7 @@ struct Egl {
   PFNEGLQUERYDEVICESEXTPROC QueryDevicesEXT = nullptr;            // may be null
   PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceStringEXT = nullptr;  // may be null
   QueryDeviceBinary QueryDeviceBinaryEXT = nullptr;               // may be null
-  std::string failure;  // why it cannot be used; empty where it can
+  std::string failure;                                            // why it cannot be used; empty where it can
 };
 
 bool has_word(const char* list, std::string_view word) {
@@ -126,10 +126,18 @@ class EglContext : public GlContext {
       if (!egl().ChooseConfig(display_, wanted, &config, 1, &count) || count == 0)
         throw Error(ErrorCode::unavailable, "no configuration with desktop OpenGL");
     }
-    const EGLint plain[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-    const EGLint robust[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, kContextResetStrategy, kLoseContextOnReset, EGL_NONE};
+    const EGLint plain[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLint robust[] = {EGL_CONTEXT_MAJOR_VERSION,
+                             4,
+                             EGL_CONTEXT_MINOR_VERSION,
+                             5,
+                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                             kContextResetStrategy,
+                             kLoseContextOnReset,
+                             EGL_NONE};
     context_ = egl().CreateContext(display_, config, EGL_NO_CONTEXT, robust);  // a lost context is then reported, not undefined
     if (context_ == EGL_NO_CONTEXT) context_ = egl().CreateContext(display_, config, EGL_NO_CONTEXT, plain);
   }
@@ -152,7 +160,8 @@ std::unique_ptr<GlContext> open_display(EGLenum platform, void* native, std::str
   const EGLDisplay display = egl().GetPlatformDisplayEXT(platform, native, nullptr);
   if (display == EGL_NO_DISPLAY) throw Error(ErrorCode::unavailable, "no display: " + error_text());
   EGLint major = 0, minor = 0;
-  if (!egl().Initialize(display, &major, &minor)) throw Error(ErrorCode::unavailable, "the display cannot be initialized: " + error_text());
+  if (!egl().Initialize(display, &major, &minor))
+    throw Error(ErrorCode::unavailable, "the display cannot be initialized: " + error_text());
   return std::make_unique<EglContext>(display, egl().QueryString(display, EGL_EXTENSIONS), way);
 }
 
@@ -177,7 +186,8 @@ std::vector<EglDevice> egl_devices(std::vector<DeviceAttempt>& attempts) {
     return std::vector<EglDevice>{};
   };
   if (!egl().failure.empty()) return give_up(egl().failure);
-  if (!egl().QueryDevicesEXT || !egl().QueryDeviceStringEXT) return give_up("EGL lacks EGL_EXT_device_enumeration or EGL_EXT_device_query");
+  if (!egl().QueryDevicesEXT || !egl().QueryDeviceStringEXT)
+    return give_up("EGL lacks EGL_EXT_device_enumeration or EGL_EXT_device_query");
   EGLDeviceEXT handles[64];
   EGLint count = 0;
   if (!egl().QueryDevicesEXT(64, handles, &count)) return give_up("they cannot be listed: " + error_text());

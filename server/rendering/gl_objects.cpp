@@ -76,7 +76,8 @@ GlObject make_texture_2d(const GlFunctions& gl, GLenum format, int width, int he
   GlObject texture = make_texture(gl, GL_TEXTURE_2D);
   gl.TextureStorage2D(texture.name(), 1, format, width, height);
   if (const GLenum error = gl.GetError(); error != GL_NO_ERROR)
-    throw Error(ErrorCode::too_large, "the device has no room for a texture of " + std::to_string(width) + "x" + std::to_string(height));
+    throw Error(ErrorCode::too_large,
+                "the device has no room for a texture of " + std::to_string(width) + "x" + std::to_string(height));
   gl.TextureParameteri(texture.name(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   gl.TextureParameteri(texture.name(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   gl.TextureParameteri(texture.name(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);

@@ -12,7 +12,8 @@ namespace isostrata {
 class GlObject {
  public:
   GlObject() = default;
-  GlObject(const GlFunctions* gl, GLuint name, void (*remove)(const GlFunctions&, GLuint)) : gl_(gl), name_(name), remove_(remove) {}
+  GlObject(const GlFunctions* gl, GLuint name, void (*remove)(const GlFunctions&, GLuint))
+      : gl_(gl), name_(name), remove_(remove) {}
   GlObject(GlObject&& other) noexcept { swap(other); }
   GlObject& operator=(GlObject&& other) noexcept {
     swap(other);

@@ -1,4 +1,5 @@
-// OSMesa, Mesa's off-screen software renderer, for systems whose EGL does not work. Loaded on demand: newer systems have dropped it.
+// OSMesa, Mesa's off-screen software renderer, for systems whose EGL does not work. Loaded on demand: newer systems have dropped
+// it.
 #include <dlfcn.h>
 
 #include <array>
@@ -11,8 +12,8 @@ namespace {
 
 // The few declarations of GL/osmesa.h (Debian: libosmesa6-dev) that are needed.
 using OsmesaContext = void*;
-constexpr int kOsmesaFormat = 0x22, kOsmesaDepthBits = 0x30, kOsmesaStencilBits = 0x31, kOsmesaAccumBits = 0x32, kOsmesaProfile = 0x33,
-              kOsmesaCoreProfile = 0x34, kOsmesaMajor = 0x36, kOsmesaMinor = 0x37;
+constexpr int kOsmesaFormat = 0x22, kOsmesaDepthBits = 0x30, kOsmesaStencilBits = 0x31, kOsmesaAccumBits = 0x32,
+              kOsmesaProfile = 0x33, kOsmesaCoreProfile = 0x34, kOsmesaMajor = 0x36, kOsmesaMinor = 0x37;
 
 struct Osmesa {
   OsmesaContext (*CreateContextAttribs)(const int* attributes, OsmesaContext share) = nullptr;
@@ -51,8 +52,22 @@ class OsmesaGlContext : public GlContext {
  public:
   OsmesaGlContext() {
     if (!osmesa().failure.empty()) throw Error(ErrorCode::unavailable, osmesa().failure);
-    const int attributes[] = {kOsmesaFormat, GL_RGBA, kOsmesaDepthBits, 0, kOsmesaStencilBits, 0, kOsmesaAccumBits, 0, kOsmesaProfile,
-                              kOsmesaCoreProfile, kOsmesaMajor, 4, kOsmesaMinor, 5, 0, 0};
+    const int attributes[] = {kOsmesaFormat,
+                              GL_RGBA,
+                              kOsmesaDepthBits,
+                              0,
+                              kOsmesaStencilBits,
+                              0,
+                              kOsmesaAccumBits,
+                              0,
+                              kOsmesaProfile,
+                              kOsmesaCoreProfile,
+                              kOsmesaMajor,
+                              4,
+                              kOsmesaMinor,
+                              5,
+                              0,
+                              0};
     context_ = osmesa().CreateContextAttribs(attributes, nullptr);
     if (!context_) throw Error(ErrorCode::unavailable, "OSMesa makes no OpenGL 4.5 core context");
     try {
@@ -75,7 +90,8 @@ class OsmesaGlContext : public GlContext {
   void unbind() override { osmesa().MakeCurrent(nullptr, nullptr, 0, 0, 0); }
 
   OsmesaContext context_ = nullptr;
-  std::array<unsigned char, 4 * 4 * 4> buffer_{};  // the window that OSMesa insists on; pictures are drawn to framebuffers of our own
+  std::array<unsigned char, 4 * 4 * 4>
+      buffer_{};  // the window that OSMesa insists on; pictures are drawn to framebuffers of our own
 };
 
 }  // namespace

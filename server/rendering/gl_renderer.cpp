@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <new>
 #include <optional>
@@ -12,10 +11,12 @@
 #include "base/stopwatch.h"
 #include "rendering/check_draw_input.h"
 #include "rendering/draw_groups.h"
+#include "rendering/draw_target.h"
 #include "rendering/gl_objects.h"
 #include "rendering/projected_tetrahedra.h"
 #include "rendering/shader_sources.h"
 #include "rendering/shaders/layout.h"
+#include "rendering/style_table.h"
 #include "rendering/vertex_stream.h"
 
 namespace isostrata {
@@ -25,20 +26,6 @@ constexpr int kLargestTile = 4096;              // pixels; a float target of 268
 constexpr std::int64_t kBlock = 2048;           // tetrahedra emitted by one piece of work
 constexpr std::int64_t kChunk = 32 * kBlock;    // tetrahedra emitted before they are drawn
 constexpr std::size_t kRegionBytes = 12 << 20;  // of vertices drawn at once
-constexpr float kLargestExtinction = 1e30f;     // keeps extinction times length from being infinity times zero
-
-/// What is drawn into, at the size of a tile.
-struct Target {
-  int width = 0, height = 0;
-  GlObject color, nearest, bytes;  // RGBA32F, R32F (only where depth is wanted), RGBA8
-  GlObject accumulate, resolve;    // framebuffers
-};
-
-/// A picture's part.
-struct Tile {
-  int x = 0, y = 0;  // of its lower left pixel, counted from the picture's lower left
-  int width = 0, height = 0;
-};
 
 /// Everything that lives in one context.
 class GlState {
@@ -57,32 +44,27 @@ class GlState {
 
  private:
   GLuint program(bool linear, bool nearest);
-  void set_target(int width, int height, bool nearest);
-  void set_styles(const DrawInput& input, double scale);
   void draw_tile(const Tile& tile, const DrawInput& input, const Projection& projection, std::span<const ScreenPoint> points,
                  std::span<const std::uint32_t> order, bool linear, bool nearest);
   template <class Vertex>
   void draw_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> order,
                        std::array<std::vector<Vertex>, kChunk / kBlock>& blocks);
-  void read_bytes(const Tile& tile, Image& image);
-  void read_floats(const Tile& tile, double scale, FloatImage& image);
   void check_device();
 
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
   int largest_tile_ = kLargestTile;
   std::map<std::pair<bool, bool>, GlObject> programs_;  // (linear, nearest)
-  GlObject resolve_program_;
-  GlObject vertex_array_, empty_vertex_array_;
+  GlObject vertex_array_;
   std::optional<VertexStream> stream_;
-  GlObject style_buffer_, style_texture_, map_texture_;
-  std::vector<std::string> map_rows_;  // the colour maps in map_texture_
-  Target target_;
+  StyleTable styles_;
+  DrawTarget target_;
   std::array<std::vector<ConstantVertex>, kChunk / kBlock> constant_blocks_;
   std::array<std::vector<LinearVertex>, kChunk / kBlock> linear_blocks_;
 };
 
-GlState::GlState(std::unique_ptr<GlContext> context) : context_(std::move(context)), gl_(context_->gl()) {
+GlState::GlState(std::unique_ptr<GlContext> context)
+    : context_(std::move(context)), gl_(context_->gl()), styles_(gl_), target_(gl_) {
   GLint largest = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   largest_tile_ = std::min(largest_tile_, static_cast<int>(largest));
@@ -90,10 +72,7 @@ GlState::GlState(std::unique_ptr<GlContext> context) : context_(std::move(contex
   gl_.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
   largest_tile_ = std::min({largest_tile_, static_cast<int>(viewport[0]), static_cast<int>(viewport[1])});
 
-  resolve_program_ = make_program(gl_, shaders::resolve_vert, shaders::resolve_frag, "");
   vertex_array_ = make_vertex_array(gl_);
-  empty_vertex_array_ = make_vertex_array(gl_);
-  style_texture_ = make_texture(gl_, GL_TEXTURE_BUFFER);
   stream_.emplace(gl_, kRegionBytes);
 
   const GLuint array = vertex_array_.name();
@@ -126,73 +105,6 @@ GLuint GlState::program(bool linear, bool nearest) {
   return program.name();
 }
 
-void GlState::set_target(int width, int height, bool nearest) {
-  if (target_.width == width && target_.height == height && static_cast<bool>(target_.nearest) == nearest) return;
-  target_ = {};
-  Target made;
-  made.width = width;
-  made.height = height;
-  made.color = make_texture_2d(gl_, GL_RGBA32F, width, height);
-  made.bytes = make_texture_2d(gl_, GL_RGBA8, width, height);
-  made.accumulate = make_framebuffer(gl_);
-  gl_.NamedFramebufferTexture(made.accumulate.name(), GL_COLOR_ATTACHMENT0, made.color.name(), 0);
-  const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  if (nearest) {
-    made.nearest = make_texture_2d(gl_, GL_R32F, width, height);
-    gl_.NamedFramebufferTexture(made.accumulate.name(), GL_COLOR_ATTACHMENT1, made.nearest.name(), 0);
-  }
-  gl_.NamedFramebufferDrawBuffers(made.accumulate.name(), nearest ? 2 : 1, both);
-  made.resolve = make_framebuffer(gl_);
-  gl_.NamedFramebufferTexture(made.resolve.name(), GL_COLOR_ATTACHMENT0, made.bytes.name(), 0);
-  for (const GLuint framebuffer : {made.accumulate.name(), made.resolve.name()})
-    if (gl_.CheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-      throw Error(ErrorCode::unavailable, context_->device() + ": a float target of " + std::to_string(width) + "x" +
-                                              std::to_string(height) + " cannot be drawn to");
-  target_ = std::move(made);
-}
-
-void GlState::set_styles(const DrawInput& input, double scale) {
-  std::vector<std::string> rows;
-  std::vector<float> texels;  // [styles][2][4], shaders/layout.h
-  const double unit = input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal());
-  for (const IntervalStyle& style : input.styles) {
-    const auto sigma = static_cast<float>(std::min(extinction(style.opacity, unit) * scale, static_cast<double>(kLargestExtinction)));
-    texels.insert(texels.end(), {style.color[0], style.color[1], style.color[2], sigma});
-    if (style.color_map.empty()) {
-      texels.insert(texels.end(), {-1, 0, 0, 0});
-      continue;
-    }
-    auto row = std::find(rows.begin(), rows.end(), style.color_map);
-    if (row == rows.end()) row = rows.insert(rows.end(), style.color_map);
-    const double range = style.color_upper - style.color_lower;  // an empty range shows the map's first colour
-    const double factor = range != 0 ? 1 / range : 0;
-    texels.insert(texels.end(), {static_cast<float>(row - rows.begin()), static_cast<float>(factor),
-                                 static_cast<float>(-style.color_lower * factor), 0});
-  }
-  if (texels.empty()) texels.assign(8, 0.0f);
-  style_buffer_ = make_buffer(gl_);
-  gl_.NamedBufferStorage(style_buffer_.name(), static_cast<GLsizeiptr>(texels.size() * sizeof(float)), texels.data(), 0);
-  gl_.TextureBuffer(style_texture_.name(), GL_RGBA32F, style_buffer_.name());
-  gl_.BindTextureUnit(UNIT_STYLES, style_texture_.name());
-  if (rows.empty()) return;
-  if (rows != map_rows_) {
-    constexpr int kSamples = 1024;  // enough that every built-in table's own samples are met within 1/1000 of the range
-    map_texture_ = make_texture_2d(gl_, GL_RGBA32F, kSamples, static_cast<int>(rows.size()));
-    gl_.TextureParameteri(map_texture_.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl_.TextureParameteri(map_texture_.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    std::vector<float> line(4 * kSamples, 1.0f);
-    for (std::size_t row = 0; row < rows.size(); ++row) {
-      for (int i = 0; i < kSamples; ++i) {
-        const Rgb rgb = sample(color_map(rows[row]), static_cast<float>(i) / (kSamples - 1));
-        std::copy(rgb.begin(), rgb.end(), &line[4 * static_cast<std::size_t>(i)]);
-      }
-      gl_.TextureSubImage2D(map_texture_.name(), 0, 0, static_cast<GLint>(row), kSamples, 1, GL_RGBA, GL_FLOAT, line.data());
-    }
-    map_rows_ = rows;
-  }
-  gl_.BindTextureUnit(UNIT_MAPS, map_texture_.name());
-}
-
 template <class Vertex>
 void GlState::draw_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> order,
                               std::array<std::vector<Vertex>, kChunk / kBlock>& blocks) {
@@ -203,30 +115,27 @@ void GlState::draw_tetrahedra(const TetrahedraSource& source, std::span<const st
   for (std::size_t chunk = 0; chunk < order.size(); chunk += kChunk) {
     const auto in_chunk = order.subspan(chunk, std::min<std::size_t>(kChunk, order.size() - chunk));
     for (auto& block : blocks) block.clear();
-    parallel_for(static_cast<std::int64_t>((in_chunk.size() + kBlock - 1) / kBlock), 1, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t b = begin; b < end; ++b) {
-        const auto first = static_cast<std::size_t>(b * kBlock);
-        emit_tetrahedra(source, in_chunk.subspan(first, std::min<std::size_t>(kBlock, in_chunk.size() - first)),
-                        blocks[static_cast<std::size_t>(b)]);
-      }
-    });
+    parallel_for(static_cast<std::int64_t>((in_chunk.size() + kBlock - 1) / kBlock), 1,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t b = begin; b < end; ++b) {
+                     const auto first = static_cast<std::size_t>(b * kBlock);
+                     emit_tetrahedra(source, in_chunk.subspan(first, std::min<std::size_t>(kBlock, in_chunk.size() - first)),
+                                     blocks[static_cast<std::size_t>(b)]);
+                   }
+                 });
     for (const auto& block : blocks) stream_->write(std::as_bytes(std::span(block)), sizeof(Vertex), draw);
   }
   stream_->flush(sizeof(Vertex), draw);
 }
 
-void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projection& projection, std::span<const ScreenPoint> points,
-                        std::span<const std::uint32_t> order, bool linear, bool nearest) {
-  set_target(tile.width, tile.height, nearest);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.accumulate.name());
+void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projection& projection,
+                        std::span<const ScreenPoint> points, std::span<const std::uint32_t> order, bool linear, bool nearest) {
+  target_.begin(tile, nearest);
+  styles_.bind();
   // The viewport is the guard's square about the middle of the picture; the framebuffer cuts the tile out of it.
   const int guard = projection.guard();
   const int viewport_x = input.width / 2 - guard - tile.x, viewport_y = input.height / 2 - guard - tile.y;
   gl_.Viewport(viewport_x, viewport_y, 2 * guard, 2 * guard);
-  const float zero[4] = {0, 0, 0, 0};
-  gl_.ClearNamedFramebufferfv(target_.accumulate.name(), GL_COLOR, 0, zero);
-  if (nearest) gl_.ClearNamedFramebufferfv(target_.accumulate.name(), GL_COLOR, 1, zero);
-
   const GLuint program = this->program(linear, nearest);
   gl_.UseProgram(program);
   const double half_width = 0.5 * input.width, half_height = 0.5 * input.height;
@@ -234,8 +143,8 @@ void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projecti
   gl_.ProgramUniform4f(program, UNIFORM_CLIP_FROM_PIXELS, static_cast<float>(1.0 / guard), static_cast<float>(1.0 / guard),
                        static_cast<float>((half_width - tile.x - viewport_x) / guard - 1),
                        static_cast<float>((half_height - tile.y - viewport_y) / guard - 1));
-  gl_.ProgramUniform4f(program, UNIFORM_RAY_FROM_FRAGMENT, static_cast<float>(1 / projection.focal), static_cast<float>(1 / projection.focal),
-                       static_cast<float>((tile.x - half_width) / projection.focal),
+  gl_.ProgramUniform4f(program, UNIFORM_RAY_FROM_FRAGMENT, static_cast<float>(1 / projection.focal),
+                       static_cast<float>(1 / projection.focal), static_cast<float>((tile.x - half_width) / projection.focal),
                        static_cast<float>((tile.y - half_height) / projection.focal));
   gl_.Enable(GL_BLEND);
   gl_.BlendEquationi(0, GL_FUNC_ADD);
@@ -254,34 +163,6 @@ void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projecti
     draw_tetrahedra(source, order, constant_blocks_);
   }
   gl_.Disable(GL_BLEND);
-}
-
-void GlState::read_bytes(const Tile& tile, Image& image) {
-  gl_.PixelStorei(GL_PACK_ROW_LENGTH, image.width);
-  const std::size_t top_row = static_cast<std::size_t>(image.height - tile.y - tile.height);
-  gl_.ReadPixels(0, 0, tile.width, tile.height, GL_RGBA, GL_UNSIGNED_BYTE,
-                 &image.rgba[4 * (top_row * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(tile.x))]);
-  gl_.PixelStorei(GL_PACK_ROW_LENGTH, 0);
-}
-
-void GlState::read_floats(const Tile& tile, double scale, FloatImage& image) {
-  const auto width = static_cast<std::size_t>(tile.width);
-  std::vector<float> rows(4 * width * static_cast<std::size_t>(tile.height));
-  const auto target_row = [&](int y) {  // GL's rows go up, ours down
-    return static_cast<std::size_t>(image.height - 1 - tile.y - y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(tile.x);
-  };
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.accumulate.name());
-  gl_.NamedFramebufferReadBuffer(target_.accumulate.name(), GL_COLOR_ATTACHMENT0);
-  gl_.ReadPixels(0, 0, tile.width, tile.height, GL_RGBA, GL_FLOAT, rows.data());
-  for (int y = 0; y < tile.height; ++y)
-    std::copy_n(&rows[4 * width * static_cast<std::size_t>(y)], 4 * width, &image.rgba[4 * target_row(y)]);
-  gl_.NamedFramebufferReadBuffer(target_.accumulate.name(), GL_COLOR_ATTACHMENT1);
-  gl_.ReadPixels(0, 0, tile.width, tile.height, GL_RED, GL_FLOAT, rows.data());
-  for (int y = 0; y < tile.height; ++y)
-    for (std::size_t x = 0; x < width; ++x) {
-      const float q = rows[width * static_cast<std::size_t>(y) + x];
-      image.depth[target_row(y) + x] = q > 0 ? static_cast<float>(scale / q) : std::numeric_limits<float>::infinity();
-    }
 }
 
 void GlState::check_device() {
@@ -308,14 +189,17 @@ DrawResult GlState::draw(const DrawInput& input) {
   for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.color_map.empty());
   const Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
   const std::vector<ScreenPoint> points = project_points(*input.mesh, projection);
-  set_styles(input, projection.scale);
+  styles_.set(input.styles, input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal()),
+              projection.scale);
   const GlObject query = input.count_fragments ? make_query(gl_, GL_SAMPLES_PASSED) : GlObject{};
 
   const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
   Image bytes;
   FloatImage floats;
-  if (input.float_image) floats = {input.width, input.height, std::vector<float>(4 * pixels), std::vector<float>(pixels)};
-  else bytes = {input.width, input.height, std::vector<std::uint8_t>(4 * pixels)};
+  if (input.float_image)
+    floats = {input.width, input.height, std::vector<float>(4 * pixels), std::vector<float>(pixels)};
+  else
+    bytes = {input.width, input.height, std::vector<std::uint8_t>(4 * pixels)};
 
   for (int y = 0; y < input.height; y += largest_tile_)
     for (int x = 0; x < input.width; x += largest_tile_) {
@@ -328,27 +212,20 @@ DrawResult GlState::draw(const DrawInput& input) {
         gl_.GetQueryObjectui64v(query.name(), GL_QUERY_RESULT, &passed);
         result.facts.fragments += static_cast<std::int64_t>(passed);
       }
-      if (!input.float_image) {
-        gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.resolve.name());
-        gl_.Viewport(0, 0, tile.width, tile.height);
-        gl_.UseProgram(resolve_program_.name());
-        gl_.ProgramUniform4f(resolve_program_.name(), UNIFORM_BACKGROUND, input.background[0], input.background[1], input.background[2],
-                             input.transparent ? 1.0f : 0.0f);
-        gl_.ProgramUniform2f(resolve_program_.name(), UNIFORM_SIZE, static_cast<float>(tile.width), static_cast<float>(tile.height));
-        gl_.BindTextureUnit(UNIT_ACCUMULATED, target_.color.name());
-        gl_.BindVertexArray(empty_vertex_array_.name());
-        gl_.DrawArrays(GL_TRIANGLES, 0, 3);
-        gl_.BindTextureUnit(UNIT_STYLES, style_texture_.name());
-      }
+      if (!input.float_image) target_.resolve(input.background, input.transparent);
       gl_.Finish();
       result.facts.draw_ms += watch.lap_ms();
-      if (input.float_image) read_floats(tile, projection.scale, floats);
-      else read_bytes(tile, bytes);
+      if (input.float_image)
+        target_.read(tile, projection.scale, floats);
+      else
+        target_.read(tile, bytes);
       result.facts.readback_ms += watch.lap_ms();
     }
   check_device();
-  if (input.float_image) result.image = std::move(floats);
-  else result.image = std::move(bytes);
+  if (input.float_image)
+    result.image = std::move(floats);
+  else
+    result.image = std::move(bytes);
   return result;
 }
 
@@ -366,7 +243,8 @@ class GlRenderer : public Renderer {
       return state_->draw(input);
     } catch (const std::bad_alloc&) {
       state_.reset();
-      throw Error(ErrorCode::too_large, "picture of " + std::to_string(input.width) + "x" + std::to_string(input.height) + ": out of memory");
+      throw Error(ErrorCode::too_large,
+                  "picture of " + std::to_string(input.width) + "x" + std::to_string(input.height) + ": out of memory");
     } catch (...) {
       state_.reset();  // whatever state the context is in, the next draw starts from a fresh one
       throw;
@@ -386,6 +264,8 @@ std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, s
   return std::make_unique<GlRenderer>(std::move(context), std::move(device));
 }
 
-std::unique_ptr<Renderer> make_renderer(std::string_view device) { return make_gl_renderer(open_context(device), std::string(device)); }
+std::unique_ptr<Renderer> make_renderer(std::string_view device) {
+  return make_gl_renderer(open_context(device), std::string(device));
+}
 
 }  // namespace isostrata

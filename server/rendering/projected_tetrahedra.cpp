@@ -16,16 +16,18 @@ struct Corner {
   double scalar_q;  // the scalar times q: linear on the screen over every plane, like q
 };
 
-constexpr double kSnap = 1.0 / 128;        // pixels: rasterizers move vertices to a grid of 1/256
-// Where a corner has less than this share of the thick vertex, the side across from it is a face seen edge-on: the tent does not fall to 0
-// there but ends in a wall. Its function is then D everywhere, so that a pixel whose middle lies on the wall (common: straight views of
-// regular grids) gets the full length from whichever tetrahedron the rasterizer's edge rule gives it to.
+constexpr double kSnap = 1.0 / 128;  // pixels: rasterizers move vertices to a grid of 1/256
+// Where a corner has less than this share of the thick vertex, the side across from it is a face seen edge-on: the tent does not
+// fall to 0 there but ends in a wall. Its function is then D everywhere, so that a pixel whose middle lies on the wall (common:
+// straight views of regular grids) gets the full length from whichever tetrahedron the rasterizer's edge rule gives it to.
 constexpr double kWallShare = 1e-6;
 
 constexpr double kDepthRatio = 8;  // of the farthest and the nearest vertex of a tetrahedron; beyond it is sliced
 
 /// Whether [low, high] holds a pixel centre. Pixel centres lie at whole numbers plus `phase`.
-bool holds_center(double low, double high, double phase) { return std::floor(high + kSnap - phase) >= std::ceil(low - kSnap - phase); }
+bool holds_center(double low, double high, double phase) {
+  return std::floor(high + kSnap - phase) >= std::ceil(low - kSnap - phase);
+}
 
 struct Emitter {
   double phase_x, phase_y;  // of pixel centres, seen from the middle of the picture
@@ -46,7 +48,8 @@ struct Emitter {
 };
 
 template <class Vertex>
-Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent2, double q_min, std::uint32_t style_side, double slope) {
+Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent2, double q_min, std::uint32_t style_side,
+                   double slope) {
   Vertex v;
   v.x = static_cast<float>(corner.x);
   v.y = static_cast<float>(corner.y);
@@ -75,8 +78,10 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
   std::size_t np = 0, nm = 0;
   double weight = 0;
   for (std::size_t v = 0; v < 4; ++v) {
-    if (lambda[v] > 0) plus[np++] = v, weight += lambda[v];
-    else minus[nm++] = v;
+    if (lambda[v] > 0)
+      plus[np++] = v, weight += lambda[v];
+    else
+      minus[nm++] = v;
   }
   if (np == 0 || nm == 0 || !(weight > 0) || !std::isfinite(weight)) return;  // seen edge-on: covers nothing
 
@@ -150,10 +155,11 @@ void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
   pieces.swap(slices);
 }
 
-/// Tetrahedra that reach too near the eye or far beyond the picture are cut there, in view space. Those that reach over a wide range of
-/// depths are sliced, because the difference of two inverse depths loses the digits by which they differ in size.
+/// Tetrahedra that reach too near the eye or far beyond the picture are cut there, in view space. Those that reach over a wide
+/// range of depths are sliced, because the difference of two inverse depths loses the digits by which they differ in size.
 template <class Vertex>
-void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_t style, const Emitter& emitter, std::vector<Vertex>& out) {
+void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_t style, const Emitter& emitter,
+                  std::vector<Vertex>& out) {
   const Projection& projection = *source.projection;
   ClipTetrahedron whole;
   for (std::size_t v = 0; v < 4; ++v) {
@@ -195,19 +201,23 @@ void emit_all(const TetrahedraSource& source, std::span<const std::uint32_t> tet
       all &= p.outside;
       any |= p.outside;
       corner[v] = {p.x, p.y, p.q, 0};
-      if constexpr (std::is_same_v<Vertex, LinearVertex>) corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * p.q;
+      if constexpr (std::is_same_v<Vertex, LinearVertex>)
+        corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * p.q;
     }
-    if (all & (kTooNear | kLeft | kRight | kBelow | kAbove)) continue;  // wholly on the far side of one plane of the pyramid of view
+    if (all & (kTooNear | kLeft | kRight | kBelow | kAbove))
+      continue;  // wholly on the far side of one plane of the pyramid of view
     const auto [q_low, q_high] = std::minmax({corner[0].q, corner[1].q, corner[2].q, corner[3].q});
-    if (any & (kTooNear | kBeyondGuard) || q_high > kDepthRatio * q_low) emit_clipped(source, id, style, emitter, out);
-    else emit(corner, style, emitter, out);
+    if (any & (kTooNear | kBeyondGuard) || q_high > kDepthRatio * q_low)
+      emit_clipped(source, id, style, emitter, out);
+    else
+      emit(corner, style, emitter, out);
   }
 }
 
 }  // namespace
 
-// The viewport is as large as the guard, so that OpenGL itself has nothing to clip: Mesa 22.3 interpolates noperspective values across its
-// clipped edges with errors of 1e-3 (seen in the law of the slab), and a viewport may be 16384 pixels wide everywhere.
+// The viewport is as large as the guard, so that OpenGL itself has nothing to clip: Mesa 22.3 interpolates noperspective values
+// across its clipped edges with errors of 1e-3 (seen in the law of the slab), and a viewport may be 16384 pixels wide everywhere.
 int Projection::guard() const { return std::min(2 * std::max(width, height), 8192); }
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height) {
@@ -233,8 +243,8 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
       const double x = row(0) * projection.focal, y = row(1) * projection.focal, z = -row(2);
       ScreenPoint& p = points[i];
       // Against the pyramid of view, whose sides pass through the eye: right for points behind it too.
-      p.outside = (z < projection.near_depth ? kTooNear : 0) | (x < -half_width * z ? kLeft : 0) | (x > half_width * z ? kRight : 0) |
-                  (y < -half_height * z ? kBelow : 0) | (y > half_height * z ? kAbove : 0);
+      p.outside = (z < projection.near_depth ? kTooNear : 0) | (x < -half_width * z ? kLeft : 0) |
+                  (x > half_width * z ? kRight : 0) | (y < -half_height * z ? kBelow : 0) | (y > half_height * z ? kAbove : 0);
       if (p.outside & kTooNear) continue;
       p.q = 1 / z;
       p.x = x * p.q;
@@ -245,7 +255,8 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
   return points;
 }
 
-void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<ConstantVertex>& out) {
+void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra,
+                     std::vector<ConstantVertex>& out) {
   emit_all(source, tetrahedra, out);
 }
 void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<LinearVertex>& out) {

@@ -1,16 +1,17 @@
 // Projected tetrahedra: each tetrahedron becomes one or two triangles on the screen.
 //
-// Source: P. Shirley, A. Tuchman, "A Polygonal Approximation to Direct Scalar Volume Rendering", 1990: the silhouette of a projected
-// tetrahedron is a triangle (class 1: one vertex projects into the other three) or a quadrilateral (class 2), and the ray is longest at
-// the *thick vertex*, where that vertex lies or where the two diagonals cross; the degenerate classes 3 and 4 are the limits of these
-// two. They draw the fan of three or four triangles around the thick vertex and interpolate the thickness.
+// Source: P. Shirley, A. Tuchman, "A Polygonal Approximation to Direct Scalar Volume Rendering", 1990: the silhouette of a
+// projected tetrahedron is a triangle (class 1: one vertex projects into the other three) or a quadrilateral (class 2), and the
+// ray is longest at the *thick vertex*, where that vertex lies or where the two diagonals cross; the degenerate classes 3 and 4
+// are the limits of these two. They draw the fan of three or four triangles around the thick vertex and interpolate the
+// thickness.
 //
-// What is different here. Inverse depth q = 1/z is linear on the screen over every plane, so the difference d of the inverse depths of
-// entry and exit is linear over each triangle of the fan, 0 on the silhouette and D at the thick vertex: a tent, which is concave and
-// therefore the least of the linear functions of its sides. So the fan need not be drawn. The tetrahedron's own face below the tent (class
-// 1), or the two faces that meet in the nearer diagonal (class 2), are drawn with those linear functions as three numbers per vertex, and
-// the fragment takes their least. That is 1.5 triangles instead of 3.5, and the ray's length d / (q (q -+ d)) * |ray| is exact in
-// perspective, where interpolated thickness is not.
+// What is different here. Inverse depth q = 1/z is linear on the screen over every plane, so the difference d of the inverse
+// depths of entry and exit is linear over each triangle of the fan, 0 on the silhouette and D at the thick vertex: a tent, which
+// is concave and therefore the least of the linear functions of its sides. So the fan need not be drawn. The tetrahedron's own
+// face below the tent (class 1), or the two faces that meet in the nearer diagonal (class 2), are drawn with those linear
+// functions as three numbers per vertex, and the fragment takes their least. That is 1.5 triangles instead of 3.5, and the ray's
+// length d / (q (q -+ d)) * |ray| is exact in perspective, where interpolated thickness is not.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +24,15 @@
 
 namespace isostrata {
 
-/// How the world reaches the screen. Lengths are divided by `scale` first, so that the arithmetic does not depend on the data's units.
+/// How the world reaches the screen. Lengths are divided by `scale` first, so that the arithmetic does not depend on the data's
+/// units.
 struct Projection {
   Mat4d view_from_world;
-  double scale = 1;       // world units
-  double focal = 1;       // pixels
+  double scale = 1;          // world units
+  double focal = 1;          // pixels
   double near_depth = 1e-4;  // in units of scale; what is nearer to the eye is cut off
   int width = 1, height = 1;
-  int guard() const;      // pixels from the middle of the picture; what reaches beyond is clipped there
+  int guard() const;  // pixels from the middle of the picture; what reaches beyond is clipped there
 };
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height);
@@ -50,16 +52,12 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
 struct ConstantVertex {
   float x, y, q;
   float tent[3];
-  float q_min;                 // the least inverse depth of the tetrahedron: bounds the ray's length however thin the sliver
+  float q_min;  // the least inverse depth of the tetrahedron: bounds the ray's length however thin the sliver
   std::uint32_t style_side;
 };
 struct LinearVertex : ConstantVertex {
   float scalar_q, slope;
 };
-
-/// Six vertices at most for a tetrahedron that needs no clipping; one that does becomes up to kMaxClipPieces.
-inline constexpr std::size_t kMaxVerticesPerTetrahedron = 6;
-inline constexpr std::size_t kMaxClipPieces = 243;  // 3 for each of five planes
 
 struct TetrahedraSource {
   const IntervalMesh* mesh = nullptr;
@@ -68,7 +66,8 @@ struct TetrahedraSource {
   const Projection* projection = nullptr;
 };
 
-/// Appends the triangles of these tetrahedra, in this order; those that cover no pixel centre are left out. Any thread.
+/// Appends the triangles of these tetrahedra, in this order: three or six vertices each, none for those that cover no pixel
+/// centre, more for those that must be clipped. Any thread.
 void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<ConstantVertex>& out);
 void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<LinearVertex>& out);
 

@@ -31,11 +31,11 @@ std::string format_rgb(const Rgb& rgb);
 Rgb default_interval_color(std::size_t index);
 
 struct IntervalStyle {
-  Rgb color{1, 0, 0};       // where color_map is empty
-  std::string color_map;    // else colour runs linearly with the color-by array over color_range
+  Rgb color{1, 0, 0};     // where color_map is empty
+  std::string color_map;  // else colour runs linearly with the color-by array over color_range
   double color_lower = 0, color_upper = 1;
-  double opacity = 0.5;     // of a layer one unit distance thick, in [0, 1]: extinction = -ln(1 - opacity) / unit distance
-  int priority = 0;         // with RenderMode::prioritized higher ones are painted over lower ones
+  double opacity = 0.5;  // of a layer one unit distance thick, in [0, 1]: extinction = -ln(1 - opacity) / unit distance
+  int priority = 0;      // with RenderMode::prioritized higher ones are painted over lower ones
   bool visible = true;
 };
 

@@ -21,8 +21,8 @@ class VertexStream {
 
   GLuint buffer() const { return buffer_.name(); }
 
-  /// Copies triangles of vertices of `stride` bytes, calling `draw` for every region that is full. `draw` must be followed by flush() or
-  /// more write() calls with the same stride.
+  /// Copies triangles of vertices of `stride` bytes, calling `draw` for every region that is full. `draw` must be followed by
+  /// flush() or more write() calls with the same stride.
   using Draw = std::function<void(std::size_t offset_bytes, std::int32_t vertices)>;
   void write(std::span<const std::byte> triangles, std::size_t stride, const Draw& draw);
   void flush(std::size_t stride, const Draw& draw);

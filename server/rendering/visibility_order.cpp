@@ -50,11 +50,15 @@ template <class Coordinate>
 std::int64_t cell_index(double x, std::int64_t points, Coordinate coordinate) {
   if (points < 2) return 0;
   const bool rising = coordinate(points - 1) > coordinate(0);
-  std::int64_t low = 0, high = points - 1;  // invariant: x is past coordinate(low), or low is 0; x is before coordinate(high), or high is the last
+  std::int64_t low = 0,
+               high = points -
+                      1;  // invariant: x is past coordinate(low), or low is 0; x is before coordinate(high), or high is the last
   while (high - low > 1) {
     const std::int64_t middle = (low + high) / 2;
-    if (rising ? x >= coordinate(middle) : x <= coordinate(middle)) low = middle;
-    else high = middle;
+    if (rising ? x >= coordinate(middle) : x <= coordinate(middle))
+      low = middle;
+    else
+      high = middle;
   }
   return low;
 }
@@ -64,8 +68,9 @@ std::array<std::int64_t, 3> eye_cell(const Grid& grid, Vec3d eye) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     if (const auto* uniform = std::get_if<UniformGrid>(&grid.shape))
-      cell[a] = cell_index(eye[axis], uniform->dims[a],
-                           [&](std::int64_t i) { return uniform->origin[axis] + static_cast<double>(i) * uniform->spacing[axis]; });
+      cell[a] = cell_index(eye[axis], uniform->dims[a], [&](std::int64_t i) {
+        return uniform->origin[axis] + static_cast<double>(i) * uniform->spacing[axis];
+      });
     else if (const auto* rectilinear = std::get_if<RectilinearGrid>(&grid.shape))
       cell[a] = cell_index(eye[axis], rectilinear->dims[a],
                            [&](std::int64_t i) { return rectilinear->axes[a][static_cast<std::size_t>(i)]; });
@@ -109,7 +114,8 @@ VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& req
       Vec3d sum;
       for (const std::uint32_t p : mesh.tetrahedra[id]) sum = sum + mesh.positions[p];
       const float distance = static_cast<float>(length(sum * 0.25 - eye));
-      items[i] = {~std::bit_cast<std::uint32_t>(distance), id};  // bits of floats that are not negative sort as integers; far first
+      items[i] = {~std::bit_cast<std::uint32_t>(distance),
+                  id};  // bits of floats that are not negative sort as integers; far first
     }
   });
   radix_sort(items);
@@ -121,11 +127,13 @@ VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh,
   const std::vector<std::uint32_t> runs = sort_runs(grid, mesh, eye);
   std::vector<std::uint32_t> first(runs.size() + 1, 0);  // where each run's tetrahedra go
   const auto run_end = [&](std::uint32_t r) {
-    return r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron : static_cast<std::uint32_t>(mesh.tetrahedra.size());
+    return r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron
+                                         : static_cast<std::uint32_t>(mesh.tetrahedra.size());
   };
   for (std::size_t i = 0; i < runs.size(); ++i) {
     std::uint32_t count = 0;
-    for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t) count += is_drawn(mesh, request.drawn, t);
+    for (std::uint32_t t = mesh.cell_runs[runs[i]].first_tetrahedron; t < run_end(runs[i]); ++t)
+      count += is_drawn(mesh, request.drawn, t);
     first[i + 1] = first[i] + count;
   }
   VisibilityOrder order;

@@ -30,9 +30,9 @@ VisibilityOrder mesh_order(const IntervalMesh& mesh, const OrderRequest& request
 /// neighbours. O(n), radix sort.
 VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye);
 
-/// Rectilinear grids. Every step of a ray away from the eye raises the index distance |di| + |dj| + |dk| of its cell from the eye's cell
-/// (clamped into the grid where the eye is outside), and cells of equal distance cannot hide each other: one counting sort is an exact
-/// order of cells. Inside a cell order_in_cell. O(n) in cells; grid.rectilinear() must hold.
+/// Rectilinear grids. Every step of a ray away from the eye raises the index distance |di| + |dj| + |dk| of its cell from the
+/// eye's cell (clamped into the grid where the eye is outside), and cells of equal distance cannot hide each other: one counting
+/// sort is an exact order of cells. Inside a cell order_in_cell. O(n) in cells; grid.rectilinear() must hold.
 VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye);
 
 /// index_distance_order where the grid allows it, else centroid_order. grid may be null.

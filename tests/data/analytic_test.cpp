@@ -33,7 +33,8 @@ TEST(Analytic, SphereIsTheDistanceToTheOrigin) {
   EXPECT_EQ(data->grid.point_count(), 729);
   const PointArray& distance = data->array("distance");
   for (std::int64_t id = 0; id < 729; ++id)
-    EXPECT_FLOAT_EQ(static_cast<float>(distance.at(static_cast<std::size_t>(id))), static_cast<float>(length(data->grid.point(id))));
+    EXPECT_FLOAT_EQ(static_cast<float>(distance.at(static_cast<std::size_t>(id))),
+                    static_cast<float>(length(data->grid.point(id))));
   EXPECT_EQ(distance.lower, 0);
   EXPECT_FLOAT_EQ(static_cast<float>(distance.upper), std::sqrt(3.0f));
 }
@@ -64,7 +65,8 @@ TEST(Analytic, FieldsHaveTheGridsSymmetriesToTheLastBit) {
 }
 
 TEST(Analytic, MarschnerLobbStaysWithinZeroAndOne) {
-  const PointArray& rho = make("marschner-lobb:41")->array("rho");
+  const auto data = make("marschner-lobb:41");
+  const PointArray& rho = data->array("rho");
   EXPECT_GE(rho.lower, 0.0);
   EXPECT_LE(rho.upper, 1.0);
   EXPECT_GT(rho.upper - rho.lower, 0.8);
@@ -98,8 +100,10 @@ void expect_conforming(const Dataset& data, int n) {
     bool outside = false;
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {-1.0, 1.0})
-        outside = outside || std::all_of(corners.begin(), corners.end(), [&](std::int64_t id) { return data.grid.point(id)[axis] == side; });
-    ASSERT_EQ(count, outside ? 1 : 2) << data.name << ", " << n << ": a face of " << corners.size() << " corners at point " << corners[0];
+        outside = outside ||
+                  std::all_of(corners.begin(), corners.end(), [&](std::int64_t id) { return data.grid.point(id)[axis] == side; });
+    ASSERT_EQ(count, outside ? 1 : 2) << data.name << ", " << n << ": a face of " << corners.size() << " corners at point "
+                                      << corners[0];
   }
 }
 
@@ -180,8 +184,8 @@ TEST(Analytic, ComesOutTheSameEveryTime) {
 }
 
 TEST(Analytic, RefusesSizesThatMakeNoSense) {
-  for (const char* name : {"torus:", "torus:x", "torus:1", "torus:-4", "torus:0", "torus:8x8", "torus:8.5", "mixed:4", "tets:1", "cylinder:8x8", "cylinder:3x8x8",
-                           "cylinder:8x8x8x0", "cylinder:8x8x8x8x8", "sphere:12 "})
+  for (const char* name : {"torus:", "torus:x", "torus:1", "torus:-4", "torus:0", "torus:8x8", "torus:8.5", "mixed:4", "tets:1",
+                           "cylinder:8x8", "cylinder:3x8x8", "cylinder:8x8x8x0", "cylinder:8x8x8x8x8", "sphere:12 "})
     EXPECT_EQ(refused(name), ErrorCode::invalid_argument) << name;
   for (const char* name : {"torus:100000", "torus:99999999999999999999", "tets:5000", "cylinder:9000x8x8", "mixed:1025"})
     EXPECT_EQ(refused(name), ErrorCode::too_large) << name;

@@ -56,7 +56,8 @@ TEST(ChildProcess, EndsWhenCancelled) {
 }
 
 TEST(ChildProcess, KeepsOnlyTheEndOfEndlessErrors) {
-  const ChildResult result = shell("i=0; while [ $i -lt 5000 ]; do echo 0123456789012345678901234567890123456789 >&2; i=$((i+1)); done; echo last >&2");
+  const ChildResult result =
+      shell("i=0; while [ $i -lt 5000 ]; do echo 0123456789012345678901234567890123456789 >&2; i=$((i+1)); done; echo last >&2");
   EXPECT_LE(result.errors.size(), 64u << 10);
   EXPECT_TRUE(result.errors.ends_with("last\n"));
 }

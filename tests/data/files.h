@@ -23,8 +23,8 @@ inline std::filesystem::path shared_data() {
   return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
 }
 
-#define ISOSTRATA_NEEDS_SHARED_DATA()                                                              \
-  if (!std::filesystem::is_directory(::isostrata::test::shared_data()))                            \
+#define ISOSTRATA_NEEDS_SHARED_DATA()                                   \
+  if (!std::filesystem::is_directory(::isostrata::test::shared_data())) \
   GTEST_SKIP() << "no test data at " << ::isostrata::test::shared_data() << "; set ISOSTRATA_TEST_DATA"
 
 /// A directory that is gone after the test.
@@ -89,14 +89,19 @@ inline double cell_volume(const Grid& grid, std::int64_t cell) {
   std::array<std::int64_t, kMaxCellVertices> ids{};
   grid.cell_points(cell, ids);
   const auto p = [&](std::size_t v) { return grid.point(ids[v]); };
-  const auto tetrahedron = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) { return orient3d(p(a), p(b), p(c), p(d)) / 6; };
+  const auto tetrahedron = [&](std::size_t a, std::size_t b, std::size_t c, std::size_t d) {
+    return orient3d(p(a), p(b), p(c), p(d)) / 6;
+  };
   switch (grid.cell_type(cell)) {
-    case CellType::tetrahedron: return tetrahedron(0, 1, 2, 3);
-    case CellType::pyramid: return tetrahedron(0, 1, 2, 4) + tetrahedron(0, 2, 3, 4);
-    case CellType::wedge: return -(tetrahedron(0, 1, 2, 3) + tetrahedron(1, 4, 5, 3) + tetrahedron(1, 5, 2, 3));
+    case CellType::tetrahedron:
+      return tetrahedron(0, 1, 2, 3);
+    case CellType::pyramid:
+      return tetrahedron(0, 1, 2, 4) + tetrahedron(0, 2, 3, 4);
+    case CellType::wedge:
+      return -(tetrahedron(0, 1, 2, 3) + tetrahedron(1, 4, 5, 3) + tetrahedron(1, 5, 2, 3));
     case CellType::hexahedron:
-      return tetrahedron(0, 1, 2, 6) + tetrahedron(0, 2, 3, 6) + tetrahedron(0, 3, 7, 6) + tetrahedron(0, 7, 4, 6) + tetrahedron(0, 4, 5, 6) +
-             tetrahedron(0, 5, 1, 6);
+      return tetrahedron(0, 1, 2, 6) + tetrahedron(0, 2, 3, 6) + tetrahedron(0, 3, 7, 6) + tetrahedron(0, 7, 4, 6) +
+             tetrahedron(0, 4, 5, 6) + tetrahedron(0, 5, 1, 6);
   }
   return 0;
 }

@@ -14,12 +14,15 @@ using test::refusal;
 using test::Scratch;
 
 const char* const kImageHeader =
-    "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" "
-    "Spacing=\"1 1 1\">\n<Piece Extent=\"0 1 0 1 0 1\"><PointData Scalars=\"a\"><DataArray type=\"Float32\" Name=\"a\" format=\"ascii\">0 1 2 3 4 5 6 7"
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<ImageData "
+    "WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" "
+    "Spacing=\"1 1 1\">\n<Piece Extent=\"0 1 0 1 0 1\"><PointData Scalars=\"a\"><DataArray type=\"Float32\" Name=\"a\" "
+    "format=\"ascii\">0 1 2 3 4 5 6 7"
     "</DataArray></PointData></Piece></ImageData></VTKFile>\n";
 
 const char* const kUnstructured =
-    "# vtk DataFile Version 3.0\nmade by a test\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1\n"
+    "# vtk DataFile Version 3.0\nmade by a test\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 float\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 "
+    "1\n"
     "CELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10\n10\nPOINT_DATA 5\nSCALARS f double 1\nLOOKUP_TABLE default\n0 1 2 3 4\n"
     "VECTORS v float\n1 0 0 0 1 0 0 0 1 1 1 1 2 2 2\nCELL_DATA 2\nSCALARS c float 1\nLOOKUP_TABLE default\n5 6\n";
 
@@ -64,7 +67,8 @@ TEST(ImportDamage, NamesWithShellCharactersAreOnlyNames) {
 TEST(ImportDamage, TruncatedFilesAreRefused) {
   const Scratch scratch;
   const auto cut = [&](const std::string& name, const std::string& text, double part) {
-    const Error error = refusal(scratch.write(name, text.substr(0, static_cast<std::size_t>(static_cast<double>(text.size()) * part))));
+    const Error error =
+        refusal(scratch.write(name, text.substr(0, static_cast<std::size_t>(static_cast<double>(text.size()) * part))));
     EXPECT_EQ(error.code(), ErrorCode::bad_data) << name << " at " << part << ": " << error.what();
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
@@ -83,8 +87,10 @@ TEST(ImportDamage, HostileHeadersAreRefused) {
     EXPECT_TRUE(error.code() == ErrorCode::bad_data || error.code() == ErrorCode::too_large) << error.what();
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
   };
-  refused("x.vti", replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 2000000000 0 2000000000 0 2000000000"), "0 1 0 1 0 1", "0 2000000000 0 2000000000 0 2000000000"));
-  refused("x.vti", replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 99999 0 99999 0 99999"), "0 1 0 1 0 1", "0 99999 0 99999 0 99999"));
+  refused("x.vti", replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 2000000000 0 2000000000 0 2000000000"), "0 1 0 1 0 1",
+                            "0 2000000000 0 2000000000 0 2000000000"));
+  refused("x.vti",
+          replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 99999 0 99999 0 99999"), "0 1 0 1 0 1", "0 99999 0 99999 0 99999"));
   refused("x.vti", replaced(kImageHeader, "Spacing=\"1 1 1\"", "Spacing=\"1 0 1\""));
   refused("x.vti", replaced(kImageHeader, "Spacing=\"1 1 1\"", "Spacing=\"1 nan 1\""));
   refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "4 1 2 3 400000000"));
@@ -103,8 +109,10 @@ TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
   scratch.write("secret.vti", kImageHeader);
   scratch.write("in/ok.vti", kImageHeader);
   const auto pvd = [&](const std::string& file) {
-    return scratch.write("in/x.pvd", "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection><DataSet timestep=\"0\" file=\"" + file +
-                                         "\"/></Collection></VTKFile>");
+    return scratch.write(
+        "in/x.pvd",
+        "<?xml version=\"1.0\"?><VTKFile type=\"Collection\" version=\"0.1\"><Collection><DataSet timestep=\"0\" file=\"" + file +
+            "\"/></Collection></VTKFile>");
   };
   EXPECT_EQ(test::open(pvd("ok.vti"))->grid.point_count(), 8);
   EXPECT_EQ(refusal(pvd("../secret.vti")).code(), ErrorCode::bad_data);
@@ -112,16 +120,22 @@ TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
   EXPECT_EQ(refusal(pvd("absent.vti")).code(), ErrorCode::not_found);
   EXPECT_EQ(refusal(pvd("x.pvd")).code(), ErrorCode::bad_data);
   const auto pvti = [&](const std::string& file) {
-    return scratch.write("in/x.pvti",
-                         "<?xml version=\"1.0\"?><VTKFile type=\"PImageData\" version=\"0.1\"><PImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">"
-                         "<PPointData><PDataArray type=\"Float32\" Name=\"a\"/></PPointData><Piece Extent=\"0 1 0 1 0 1\" Source=\"" +
-                             file + "\"/></PImageData></VTKFile>");
+    return scratch.write(
+        "in/x.pvti",
+        "<?xml version=\"1.0\"?><VTKFile type=\"PImageData\" version=\"0.1\"><PImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 "
+        "0 0\" Spacing=\"1 1 1\">"
+        "<PPointData><PDataArray type=\"Float32\" Name=\"a\"/></PPointData><Piece Extent=\"0 1 0 1 0 1\" Source=\"" +
+            file + "\"/></PImageData></VTKFile>");
   };
   EXPECT_EQ(test::open(pvti("ok.vti"))->array("a").upper, 7);
   EXPECT_EQ(refusal(pvti("../secret.vti")).code(), ErrorCode::bad_data);
   scratch.write("secret.raw", std::string(8, 'x'));
-  EXPECT_EQ(refusal(scratch.write("in/x.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = ../secret.raw\n")).code(),
-            ErrorCode::bad_data);
+  EXPECT_EQ(
+      refusal(scratch.write(
+                  "in/x.mhd",
+                  "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = ../secret.raw\n"))
+          .code(),
+      ErrorCode::bad_data);
 }
 
 TEST(ImportDamage, ALinkIsReadUnderItsOwnName) {
@@ -182,12 +196,24 @@ std::string mutated(std::string bytes, std::mt19937& random) {
   for (int c = 0; c < changes && !bytes.empty(); ++c) {
     const std::size_t at = pick(2) ? pick(std::min<std::size_t>(bytes.size(), 1024)) : pick(bytes.size());
     switch (pick(6)) {
-      case 0: bytes[at] = static_cast<char>(pick(256)); break;
-      case 1: bytes[at] = static_cast<char>(bytes[at] ^ (1 << pick(8))); break;
-      case 2: bytes.resize(at); break;
-      case 3: bytes.insert(at, bytes.substr(at, 1 + pick(16))); break;
-      case 4: bytes.erase(at, 1 + pick(16)); break;
-      default: bytes[at] = "0123456789-9"[pick(12)]; break;
+      case 0:
+        bytes[at] = static_cast<char>(pick(256));
+        break;
+      case 1:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << pick(8)));
+        break;
+      case 2:
+        bytes.resize(at);
+        break;
+      case 3:
+        bytes.insert(at, bytes.substr(at, 1 + pick(16)));
+        break;
+      case 4:
+        bytes.erase(at, 1 + pick(16));
+        break;
+      default:
+        bytes[at] = "0123456789-9"[pick(12)];
+        break;
     }
   }
   return bytes;
@@ -198,13 +224,17 @@ TEST(ImportDamage, MutatedFilesEndInADatasetOrAnError) {
   const int rounds = wished ? std::atoi(wished) : 100;
   const char* wished_seed = std::getenv("ISOSTRATA_MUTATION_SEED");
   const unsigned seed = wished_seed ? static_cast<unsigned>(std::atoi(wished_seed)) : 20040717;
-  std::vector<std::pair<std::string, std::string>> files{{"m.vti", kImageHeader}, {"m.vtk", kUnstructured}, {"s.vtk", kStructured}};
+  std::vector<std::pair<std::string, std::string>> files{
+      {"m.vti", kImageHeader}, {"m.vtk", kUnstructured}, {"s.vtk", kStructured}};
   if (std::filesystem::is_directory(test::shared_data()))
-    for (const char* name : {"fmt_vtk_variants/hexahedron_inline_binary.vtu", "fmt_vtk_variants/hexahedron_zlib.vtu", "fmt_vtk_variants/hexahedron_binary.vtu",
-                             "fmt_vtk_variants/hexahedron_lz4.vtu", "fmt_vtk_variants/hexahedron_lzma_inline_binary.vtu", "fmt_vtk_variants/RectilinearGridRawBinary.vtr",
-                             "fmt_vtk_variants/RectilinearGridCompressed.vtr", "fmt_vtk_variants/volume_complex.vti", "fmt_vtk_variants/para_test.vtk",
-                             "fmt_vtk_variants/unstructured_grid_complex.vtk", "fmt_nrrd_variants/BallBinary30x30x30_gz.nrrd", "fmt_nrrd_variants/io/small_time.nrrd",
-                             "vtk_cells/Wedge.vtu", "vtk_cells/tensors.vtk", "vtk_cells/polyhedron2pieces.vtu", "vtk_rectgrid/HeadMRVolume.mhd", "ts_tornado/tornado.pvd"})
+    for (const char* name :
+         {"fmt_vtk_variants/hexahedron_inline_binary.vtu", "fmt_vtk_variants/hexahedron_zlib.vtu",
+          "fmt_vtk_variants/hexahedron_binary.vtu", "fmt_vtk_variants/hexahedron_lz4.vtu",
+          "fmt_vtk_variants/hexahedron_lzma_inline_binary.vtu", "fmt_vtk_variants/RectilinearGridRawBinary.vtr",
+          "fmt_vtk_variants/RectilinearGridCompressed.vtr", "fmt_vtk_variants/volume_complex.vti",
+          "fmt_vtk_variants/para_test.vtk", "fmt_vtk_variants/unstructured_grid_complex.vtk",
+          "fmt_nrrd_variants/BallBinary30x30x30_gz.nrrd", "fmt_nrrd_variants/io/small_time.nrrd", "vtk_cells/Wedge.vtu",
+          "vtk_cells/tensors.vtk", "vtk_cells/polyhedron2pieces.vtu", "vtk_rectgrid/HeadMRVolume.mhd", "ts_tornado/tornado.pvd"})
       files.emplace_back(std::filesystem::path(name).filename().string(), test::read_bytes(test::shared_data() / name));
   int opened = 0, refused = 0, crashed = 0;
   for (int round = 0; round < rounds; ++round) {
@@ -225,7 +255,8 @@ TEST(ImportDamage, MutatedFilesEndInADatasetOrAnError) {
       ++opened;
     } catch (const Error& error) {
       EXPECT_NE(error.code(), ErrorCode::internal) << name << ", seed " << seed << ", round " << round << ": " << error.what();
-      EXPECT_EQ(std::string(error.what()).find("ended after"), std::string::npos) << name << ", seed " << seed << ", round " << round << ": " << error.what();
+      EXPECT_EQ(std::string(error.what()).find("ended after"), std::string::npos)
+          << name << ", seed " << seed << ", round " << round << ": " << error.what();
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
       ++refused;
       crashed += std::string(error.what()).find("crashed") != std::string::npos;

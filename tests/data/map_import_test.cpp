@@ -30,9 +30,10 @@ class Unstructured {
     write("connectivity.bin", bytes_of<std::int64_t>({0, 1, 2, 3}));
     write("array_0.bin", bytes_of<float>({1, 2, 3, 4}));
     write("times.bin", bytes_of<double>({0}));
-    write("manifest.json",
-          R"({"format":1,"grid":"unstructured","points":["float32",4],"cells":1,"connectivity":4,"hidden_cells":false,)"
-          R"("arrays":[{"name":"a","association":"point","components":1,"component":"","type":"float32"}],"times":1,"step":0,"notes":[]})");
+    write(
+        "manifest.json",
+        R"({"format":1,"grid":"unstructured","points":["float32",4],"cells":1,"connectivity":4,"hidden_cells":false,)"
+        R"("arrays":[{"name":"a","association":"point","components":1,"component":"","type":"float32"}],"times":1,"step":0,"notes":[]})");
   }
   void write(const std::string& name, const std::string& bytes) { scratch_.write(name, bytes); }
   void replace(const std::string& from, const std::string& to) {
@@ -60,24 +61,53 @@ TEST(MapImport, RefusesEveryInconsistency) {
   using Spoil = std::function<void(Unstructured&)>;
   const float nan = std::nanf("");
   const std::vector<std::pair<const char*, Spoil>> cases{
-      {"point id too large", [](auto& u) { u.write("connectivity.bin", bytes_of<std::int64_t>({0, 1, 2, 4})); }},
-      {"point id negative", [](auto& u) { u.write("connectivity.bin", bytes_of<std::int64_t>({0, -1, 2, 3})); }},
-      {"point id huge", [](auto& u) { u.write("connectivity.bin", bytes_of<std::int64_t>({0, std::numeric_limits<std::int64_t>::max(), 2, 3})); }},
+      {"point id too large",
+       [](auto& u) {
+         u.write("connectivity.bin", bytes_of<std::int64_t>({0, 1, 2, 4}));
+       }},
+      {"point id negative",
+       [](auto& u) {
+         u.write("connectivity.bin", bytes_of<std::int64_t>({0, -1, 2, 3}));
+       }},
+      {"point id huge",
+       [](auto& u) {
+         u.write("connectivity.bin", bytes_of<std::int64_t>({0, std::numeric_limits<std::int64_t>::max(), 2, 3}));
+       }},
       {"unknown type", [](auto& u) { u.write("types.bin", bytes_of<std::uint8_t>({42})); }},
       {"type that needs more points", [](auto& u) { u.write("types.bin", bytes_of<std::uint8_t>({12})); }},
-      {"offsets that begin late", [](auto& u) { u.write("offsets.bin", bytes_of<std::int64_t>({1, 4})); }},
-      {"offsets beyond the connectivity", [](auto& u) { u.write("offsets.bin", bytes_of<std::int64_t>({0, 400})); }},
-      {"offsets that fall", [](auto& u) { u.write("offsets.bin", bytes_of<std::int64_t>({0, -4})); }},
-      {"points truncated", [](auto& u) { u.write("points.bin", bytes_of<float>({0, 0, 0})); }},
+      {"offsets that begin late",
+       [](auto& u) {
+         u.write("offsets.bin", bytes_of<std::int64_t>({1, 4}));
+       }},
+      {"offsets beyond the connectivity",
+       [](auto& u) {
+         u.write("offsets.bin", bytes_of<std::int64_t>({0, 400}));
+       }},
+      {"offsets that fall",
+       [](auto& u) {
+         u.write("offsets.bin", bytes_of<std::int64_t>({0, -4}));
+       }},
+      {"points truncated",
+       [](auto& u) {
+         u.write("points.bin", bytes_of<float>({0, 0, 0}));
+       }},
       {"points too many", [](auto& u) { u.write("points.bin", std::string(100, 'x')); }},
-      {"points not finite", [&](auto& u) { u.write("points.bin", bytes_of<float>({0, 0, 0, 1, 0, 0, 0, nan, 0, 0, 0, 1})); }},
-      {"array truncated", [](auto& u) { u.write("array_0.bin", bytes_of<float>({1, 2})); }},
+      {"points not finite",
+       [&](auto& u) {
+         u.write("points.bin", bytes_of<float>({0, 0, 0, 1, 0, 0, 0, nan, 0, 0, 0, 1}));
+       }},
+      {"array truncated",
+       [](auto& u) {
+         u.write("array_0.bin", bytes_of<float>({1, 2}));
+       }},
       {"array missing", [](auto& u) { std::filesystem::remove(u.scratch() / "array_0.bin"); }},
-      {"array a link", [](auto& u) {
+      {"array a link",
+       [](auto& u) {
          std::filesystem::remove(u.scratch() / "array_0.bin");
          std::filesystem::create_symlink("points.bin", u.scratch() / "array_0.bin");
        }},
-      {"array a directory", [](auto& u) {
+      {"array a directory",
+       [](auto& u) {
          std::filesystem::remove(u.scratch() / "array_0.bin");
          std::filesystem::create_directory(u.scratch() / "array_0.bin");
        }},
@@ -87,8 +117,10 @@ TEST(MapImport, RefusesEveryInconsistency) {
       {"array with a long name", [](auto& u) { u.replace(R"("name":"a")", "\"name\":\"" + std::string(2000, 'a') + "\""); }},
       {"array on nothing", [](auto& u) { u.replace(R"("association":"point")", R"("association":"edge")"); }},
       {"no components", [](auto& u) { u.replace(R"("components":1)", R"("components":0)"); }},
-      {"two arrays of one name", [](auto& u) {
-         u.replace("\"arrays\":[", R"("arrays":[{"name":"a","association":"point","components":1,"component":"","type":"float32"},)");
+      {"two arrays of one name",
+       [](auto& u) {
+         u.replace("\"arrays\":[",
+                   R"("arrays":[{"name":"a","association":"point","components":1,"component":"","type":"float32"},)");
          u.write("array_1.bin", bytes_of<float>({1, 2, 3, 4}));
        }},
       {"hidden cells missing", [](auto& u) { u.replace(R"("hidden_cells":false)", R"("hidden_cells":true)"); }},
@@ -135,7 +167,8 @@ TEST(MapImport, StaysWithinTheBudget) {
   }
 }
 
-ErrorCode structured(const std::string& grid, const std::string& dims, const std::vector<std::pair<std::string, std::string>>& files) {
+ErrorCode structured(const std::string& grid, const std::string& dims,
+                     const std::vector<std::pair<std::string, std::string>>& files) {
   const Scratch scratch;
   for (const auto& [name, bytes] : files) scratch.write(name, bytes);
   scratch.write("times.bin", bytes_of<double>({0}));
@@ -164,7 +197,9 @@ TEST(MapImport, ChecksPlacementAxesAndDimensions) {
   EXPECT_EQ(uniform("[2,3]", {0, 0, 0, 1, 1, 1}), ErrorCode::bad_data);
   EXPECT_EQ(uniform("[4294967296,4294967296,4294967296]", {0, 0, 0, 1, 1, 1}), ErrorCode::bad_data);
   const auto rectilinear = [&](std::initializer_list<double> x) {
-    return structured("rectilinear", "[3,1,2]", {{"axis_x.bin", bytes_of<double>(x)}, {"axis_y.bin", bytes_of<double>({0})}, {"axis_z.bin", bytes_of<double>({0, 1})}});
+    return structured(
+        "rectilinear", "[3,1,2]",
+        {{"axis_x.bin", bytes_of<double>(x)}, {"axis_y.bin", bytes_of<double>({0})}, {"axis_z.bin", bytes_of<double>({0, 1})}});
   };
   EXPECT_EQ(rectilinear({0, 1, 3}), kGood);
   EXPECT_EQ(rectilinear({3, 1, 0}), kGood);

@@ -64,7 +64,8 @@ std::string hex(const std::string& in) {
 }
 
 std::string header(const std::string& more, const std::string& encoding = "raw", const std::string& endian = "little") {
-  return "NRRD0004\n# made by a test\ntype: uint16\ndimension: 3\nsizes: 4 3 5\nencoding: " + encoding + "\nendian: " + endian + "\n" + more;
+  return "NRRD0004\n# made by a test\ntype: uint16\ndimension: 3\nsizes: 4 3 5\nencoding: " + encoding + "\nendian: " + endian +
+         "\n" + more;
 }
 
 void expect_volume(const std::filesystem::path& file) {
@@ -117,8 +118,11 @@ TEST(Nrrd, DetachedDataAgree) {
   const Scratch scratch;
   scratch.write("v.raw", raw());
   scratch.write("deep/v.raw", raw());
-  for (int k = 0; k < kZ; ++k) scratch.write("slice" + std::to_string(k) + ".raw", raw().substr(static_cast<std::size_t>(k) * kX * kY * 2, kX * kY * 2));
-  for (int k = 0; k < kZ; ++k) scratch.write((k == 0 ? "s0" : "s00") + std::to_string(10 - k) + ".raw", raw().substr(static_cast<std::size_t>(k) * kX * kY * 2, kX * kY * 2));
+  for (int k = 0; k < kZ; ++k)
+    scratch.write("slice" + std::to_string(k) + ".raw", raw().substr(static_cast<std::size_t>(k) * kX * kY * 2, kX * kY * 2));
+  for (int k = 0; k < kZ; ++k)
+    scratch.write((k == 0 ? "s0" : "s00") + std::to_string(10 - k) + ".raw",
+                  raw().substr(static_cast<std::size_t>(k) * kX * kY * 2, kX * kY * 2));
   expect_volume(scratch.write("a.nhdr", header("data file: v.raw\n")));
   expect_volume(scratch.write("b.nhdr", header("datafile: ./deep/v.raw\n\n")));
   expect_volume(scratch.write("c.nhdr", header("data file: LIST\nslice0.raw\nslice1.raw\nslice2.raw\nslice3.raw\nslice4.raw\n")));
@@ -129,7 +133,8 @@ TEST(Nrrd, DetachedDataAgree) {
 TEST(Nrrd, DetachedDataStayBelowTheirDirectory) {
   const Scratch scratch;
   const auto outside = scratch.write("secret.raw", raw());
-  for (const std::string& name : std::vector<std::string>{"../secret.raw", outside.string(), "../../../../../../etc/passwd", "in/../../secret.raw"}) {
+  for (const std::string& name :
+       std::vector<std::string>{"../secret.raw", outside.string(), "../../../../../../etc/passwd", "in/../../secret.raw"}) {
     const Error error = refusal(scratch.write("in/x.nhdr", header("data file: " + name + "\n")));
     EXPECT_EQ(error.code(), ErrorCode::bad_data) << name << ": " << error.what();
     EXPECT_NE(std::string(error.what()).find("own directory"), std::string::npos) << error.what();
@@ -149,7 +154,8 @@ TEST(Nrrd, SpacingsAndDirectionsPlaceThePoints) {
   EXPECT_EQ(at("axis mins: 0 0 10\naxis maxs: 3 4 50\n"), (std::pair<std::string, Vec3d>{"uniform", {1, 4, 40}}));
   EXPECT_EQ(at("space: left-posterior-superior\nspace directions: (2,0,0) (0,-1,0) (0,0,4)\nspace origin: (1,1,1)\n"),
             (std::pair<std::string, Vec3d>{"uniform", {3, -1, 13}}));
-  EXPECT_EQ(at("space dimension: 3\nspace directions: (0,2,0) (1, 0, 0) (0,0,4)\n"), (std::pair<std::string, Vec3d>{"curvilinear", {2, 2, 12}}));
+  EXPECT_EQ(at("space dimension: 3\nspace directions: (0,2,0) (1, 0, 0) (0,0,4)\n"),
+            (std::pair<std::string, Vec3d>{"curvilinear", {2, 2, 12}}));
   EXPECT_EQ(at("space dimension: 3\nspace directions: (1,0.5,0) (-0.5,1,0) (0,0,1)\nspace origin: (10,0,0)\n"),
             (std::pair<std::string, Vec3d>{"curvilinear", {10, 2.5, 3}}));
 }
@@ -212,7 +218,8 @@ TEST(Nrrd, RefusesWithOneClearSentence) {
     EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what() << " should say " << part;
     EXPECT_NE(std::string(error.what()).find("bad.nrrd"), std::string::npos) << error.what();
   };
-  said(header("\n") + raw().substr(0, 50), ErrorCode::bad_data, "4x3x5 uint16 declared, which is 120 bytes in this file; 50 present");
+  said(header("\n") + raw().substr(0, 50), ErrorCode::bad_data,
+       "4x3x5 uint16 declared, which is 120 bytes in this file; 50 present");
   said(header("\n", "gzip") + gzip(raw()).substr(0, 30), ErrorCode::bad_data, "present");
   said(header("\n", "gzip") + "no gzip at all", ErrorCode::bad_data, "gzip");
   said(header("\n", "bzip2") + "no bzip2 at all", ErrorCode::bad_data, "bzip2");
@@ -228,11 +235,14 @@ TEST(Nrrd, RefusesWithOneClearSentence) {
   said("NRRD0004\ntype: uint16\ndimension: 3\nsizes: 4 3 5\nencoding: raw\n\n" + raw(), ErrorCode::bad_data, "endian");
   said("NRRD0004\ntype: colour\ndimension: 3\nsizes: 4 3 5\nencoding: raw\n\n", ErrorCode::bad_data, "type 'colour'");
   said("NRRD0004\ntype: block\ndimension: 3\nsizes: 4 3 5\nencoding: raw\n\n", ErrorCode::unsupported, "block");
-  said("NRRD0004\ntype: uint8\ndimension: 5\nsizes: 2 2 2 2 2\nkinds: space space space space space\nencoding: raw\n\n", ErrorCode::unsupported, "axes");
+  said("NRRD0004\ntype: uint8\ndimension: 5\nsizes: 2 2 2 2 2\nkinds: space space space space space\nencoding: raw\n\n",
+       ErrorCode::unsupported, "axes");
   said("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 -3 5\nencoding: raw\n\n", ErrorCode::bad_data, "sizes");
-  said("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\n\n", ErrorCode::bad_data, "sizes");
+  said("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000000000 4000000000 4000000000\nencoding: raw\n\n", ErrorCode::bad_data,
+       "sizes");
   said("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 400000 400000 4\nencoding: raw\n\n", ErrorCode::too_large, "limit");
-  said("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000 4000 10\nencoding: gzip\n\n" + gzip("few"), ErrorCode::bad_data, "3 present");
+  said("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4000 4000 10\nencoding: gzip\n\n" + gzip("few"), ErrorCode::bad_data,
+       "3 present");
   said("NRRD0009\ntype: uint8\n\n", ErrorCode::bad_data, "NRRD000");
   said("NRRD0004\ntype: uint8\n", ErrorCode::bad_data, "");
 }

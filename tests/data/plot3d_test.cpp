@@ -17,7 +17,10 @@ struct Dialect {
   int marker = 0;
 
   std::string name() const {
-    return std::string(text ? "text" : big ? "big" : "little") + (doubles ? "_f64" : "_f32") + (multi ? "_multi" : "_single") + (blanking ? "_iblank" : "") +
+    return std::string(text  ? "text"
+                       : big ? "big"
+                             : "little") +
+           (doubles ? "_f64" : "_f32") + (multi ? "_multi" : "_single") + (blanking ? "_iblank" : "") +
            (marker ? "_records" + std::to_string(marker) : "");
   }
 };
@@ -133,7 +136,8 @@ TEST(Plot3d, EveryDialectIsTheSameFlow) {
     for (int b = 0; b < blocks; ++b)
       for (int p = 0; p < kPoints; ++p) {
         const int at = b * kPoints + p;
-        ASSERT_EQ(data->grid.point(at), (Vec3d{coordinate(0, p, b), coordinate(1, p, b), coordinate(2, p, b)})) << dialect.name() << " " << p;
+        ASSERT_EQ(data->grid.point(at), (Vec3d{coordinate(0, p, b), coordinate(1, p, b), coordinate(2, p, b)}))
+            << dialect.name() << " " << p;
         const auto id = static_cast<std::size_t>(at);
         ASSERT_EQ(data->array("Density").at(id), value(0, p, b)) << dialect.name();
         ASSERT_EQ(data->array("Momentum_x").at(id), value(1, p, b)) << dialect.name();
@@ -166,8 +170,13 @@ TEST(Plot3d, SectorPaddingIsIgnoredAndOtherTrailingBytesAreNot) {
 }
 
 TEST(Plot3d, FindsTheSolutionByName) {
-  for (const auto& [grid, solution] : std::vector<std::pair<std::string, std::string>>{
-           {"axyz.bin", "aq.bin"}, {"A.XYZ", "A.Q"}, {"b.x", "b.q"}, {"c.g", "c.q"}, {"d.p3d", "d.q"}, {"e.grd", "e.q"}, {"xyz_case.xyz", "xyz_case.q"}}) {
+  for (const auto& [grid, solution] : std::vector<std::pair<std::string, std::string>>{{"axyz.bin", "aq.bin"},
+                                                                                       {"A.XYZ", "A.Q"},
+                                                                                       {"b.x", "b.q"},
+                                                                                       {"c.g", "c.q"},
+                                                                                       {"d.p3d", "d.q"},
+                                                                                       {"e.grd", "e.q"},
+                                                                                       {"xyz_case.xyz", "xyz_case.q"}}) {
     const Scratch scratch;
     scratch.write(solution, solution_file({}));
     EXPECT_EQ(open(scratch.write(grid, grid_file({})))->array("Density").at(3), value(0, 3, 0)) << grid;

@@ -15,8 +15,8 @@
 namespace isostrata {
 namespace {
 
-using testing::TemporaryFolder;
 using ::testing::HasSubstr;
+using testing::TemporaryFolder;
 
 /// What OpenImageIO, somebody else's decoder, reads: channels as floats in the file's own meaning.
 struct ReadImage {
@@ -32,22 +32,26 @@ ReadImage read(const std::filesystem::path& path) {
   if (!input) throw std::runtime_error(OIIO::geterror());
   const OIIO::ImageSpec& spec = input->spec();
   ReadImage image{spec.width, spec.height, spec.nchannels, {}, spec.channelnames};
-  image.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) * static_cast<std::size_t>(spec.nchannels));
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data())) throw std::runtime_error(input->geterror());
+  image.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
+                      static_cast<std::size_t>(spec.nchannels));
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data()))
+    throw std::runtime_error(input->geterror());
   return image;
 }
 
 ReadImage read_png(const Bytes& bytes) {
   const TemporaryFolder folder;
   const auto path = folder / "a.png";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   return read(path);
 }
 
 Image noise(int width, int height, bool opaque, unsigned seed) {
   Image image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4)};
   std::mt19937 random(seed);
-  for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = opaque && i % 4 == 3 ? 255 : static_cast<std::uint8_t>(random());
+  for (std::size_t i = 0; i < image.rgba.size(); ++i)
+    image.rgba[i] = opaque && i % 4 == 3 ? 255 : static_cast<std::uint8_t>(random());
   return image;
 }
 
@@ -55,7 +59,8 @@ Image gradient(int width, int height) {
   Image image{width, height, {}};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      for (const int v : {x * 255 / width, y * 255 / height, (x + y) & 255, 255}) image.rgba.push_back(static_cast<std::uint8_t>(v));
+      for (const int v : {x * 255 / width, y * 255 / height, (x + y) & 255, 255})
+        image.rgba.push_back(static_cast<std::uint8_t>(v));
   return image;
 }
 
@@ -65,7 +70,8 @@ void expect_same(const Image& image, const ReadImage& back, const std::string& w
   const auto channels = static_cast<std::size_t>(back.channels);
   for (std::size_t p = 0; p < image.rgba.size() / 4; ++p)
     for (std::size_t c = 0; c < channels; ++c)
-      ASSERT_EQ(static_cast<int>(std::lround(back.values[p * channels + c] * 255)), image.rgba[4 * p + c]) << what << ", pixel " << p;
+      ASSERT_EQ(static_cast<int>(std::lround(back.values[p * channels + c] * 255)), image.rgba[4 * p + c])
+          << what << ", pixel " << p;
 }
 
 TEST(EncodePng, EveryPixelComesBack) {
@@ -96,9 +102,12 @@ Decoded decode_jpeg(const Bytes& bytes) {
   Decoded out;
   const tjhandle handle = tjInitDecompress();
   int space = 0;
-  EXPECT_EQ(tjDecompressHeader3(handle, bytes.data(), bytes.size(), &out.image.width, &out.image.height, &out.subsampling, &space), 0);
+  EXPECT_EQ(
+      tjDecompressHeader3(handle, bytes.data(), bytes.size(), &out.image.width, &out.image.height, &out.subsampling, &space), 0);
   out.image.rgba.resize(static_cast<std::size_t>(out.image.width) * static_cast<std::size_t>(out.image.height) * 4);
-  EXPECT_EQ(tjDecompress2(handle, bytes.data(), bytes.size(), out.image.rgba.data(), out.image.width, 0, out.image.height, TJPF_RGBA, 0), 0);
+  EXPECT_EQ(tjDecompress2(handle, bytes.data(), bytes.size(), out.image.rgba.data(), out.image.width, 0, out.image.height,
+                          TJPF_RGBA, 0),
+            0);
   tjDestroy(handle);
   return out;
 }
@@ -146,7 +155,8 @@ TEST(WriteImage, WebpIsNear) {
   ASSERT_EQ(back.width, 64);
   const auto channels = static_cast<std::size_t>(back.channels);
   for (std::size_t p = 0; p < image.rgba.size() / 4; ++p)
-    for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(255 * back.values[p * channels + c], image.rgba[4 * p + c], 12) << "pixel " << p;
+    for (std::size_t c = 0; c < 3; ++c)
+      ASSERT_NEAR(255 * back.values[p * channels + c], image.rgba[4 * p + c], 12) << "pixel " << p;
 }
 
 TEST(WriteImage, ExrIsLinearPremultipliedAndHasDepth) {

@@ -22,7 +22,8 @@ SceneInterval interval(std::uint32_t id, double lower, double upper, std::string
 
 class DrawScene : public ::testing::Test {
  protected:
-  std::shared_ptr<const ExtractedScene> extract(const Scene& scene, const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
+  std::shared_ptr<const ExtractedScene> extract(const Scene& scene,
+                                                const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
     return extract_scene(dataset_, scene, previous, Task{});
   }
   Scene scene() const {

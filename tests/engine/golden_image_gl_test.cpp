@@ -1,14 +1,14 @@
-// One picture through the whole path, from a scene to pixels. The picture in the repository was looked at; a change that is meant is made by
-// looking at the candidate that a failing test leaves behind and copying it over.
+// One picture through the whole path, from a scene to pixels. The picture in the repository was looked at; a change that is meant
+// is made by looking at the candidate that a failing test leaves behind and copying it over.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>
 
+#include "data/analytic.h"
 #include "encoding/encode_image.h"
 #include "engine/draw_scene.h"
-#include "data/analytic.h"
 
 namespace isostrata {
 namespace {

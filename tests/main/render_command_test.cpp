@@ -15,8 +15,8 @@ TEST(RenderCommand, WritesEveryPictureFormat) {
   const std::pair<const char*, const char*> formats[] = {
       {"a.png", "\x89PNG"}, {"a.jpg", "\xff\xd8\xff"}, {"a.webp", "RIFF"}, {"a.tif", "II*"}, {"a.exr", "\x76\x2f\x31\x01"}};
   for (const auto& [name, magic] : formats) {
-    const CommandResult result =
-        run_isostrata("render tets:8 --interval 0.1:0.3 --size 64x48 --device surfaceless --out '" + (folder / name).string() + "'");
+    const CommandResult result = run_isostrata("render tets:8 --interval 0.1:0.3 --size 64x48 --device surfaceless --out '" +
+                                               (folder / name).string() + "'");
     EXPECT_EQ(result.status, 0) << name << ": " << result.err;
     EXPECT_TRUE(read_text(folder / name).starts_with(magic)) << name;
   }
@@ -26,7 +26,8 @@ TEST(RenderCommand, SaysWhatItDrew) {
   const TemporaryFolder folder;
   const CommandResult result = run_isostrata(
       "render torus:16 --interval 0.1:0.3,color=#ff8000,opacity=0.7,priority=2 --interval 0.5:0.7,color=map:viridis --size 64x48 "
-      "--camera 'eye=3,2,1;up=0,0,1' --device surfaceless --json --out '" + (folder / "a.png").string() + "'");
+      "--camera 'eye=3,2,1;up=0,0,1' --device surfaceless --json --out '" +
+      (folder / "a.png").string() + "'");
   ASSERT_EQ(result.status, 0) << result.err;
   const auto document = boost::json::parse(result.out);
   EXPECT_GT(document.at("tetrahedra").to_number<long>(), 1000);

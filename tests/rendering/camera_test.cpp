@@ -18,7 +18,8 @@ TEST(Camera, ViewIsARigidMotionThatPutsTheEyeAtTheOriginAndLooksDownMinusZ) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> number(-5, 5);
   for (int trial = 0; trial < 50; ++trial) {
-    const Camera camera{{number(random), number(random), number(random)}, {number(random), number(random), number(random)}, {0.1, 1, 0.2}, 40};
+    const Camera camera{
+        {number(random), number(random), number(random)}, {number(random), number(random), number(random)}, {0.1, 1, 0.2}, 40};
     const Mat4d view = view_from_world(camera);
     const auto eye = apply(view, camera.eye), at = apply(view, camera.at), above = apply(view, camera.eye + camera.up);
     EXPECT_NEAR(eye[0], 0, 1e-12);
@@ -71,8 +72,9 @@ TEST(Camera, ParsesEveryPartOverTheBase) {
 
 TEST(Camera, RefusesWhatMakesNoView) {
   const Camera base = view_of(kBox, "+x");
-  for (const char* text : {"", "eye", "eye=1,2", "eye=1,2,3,4", "eye=1,2,x", "eye=1,2,nan", "eye=1,2,inf", "fov=0", "fov=180", "fov=-1", "zoom=2",
-                           "eye=1,1,1;at=1,1,1", "up=0,0,0", "up=-1,0,0", "eye=1e300,0,0;at=-1e300,0,0", "eye=1,2,3;;"})
+  for (const char* text :
+       {"", "eye", "eye=1,2", "eye=1,2,3,4", "eye=1,2,x", "eye=1,2,nan", "eye=1,2,inf", "fov=0", "fov=180", "fov=-1", "zoom=2",
+        "eye=1,1,1;at=1,1,1", "up=0,0,0", "up=-1,0,0", "eye=1e300,0,0;at=-1e300,0,0", "eye=1,2,3;;"})
     EXPECT_THROW(parse_camera(text, base, kBox), Error) << text;
 }
 

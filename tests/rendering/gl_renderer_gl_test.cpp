@@ -148,7 +148,7 @@ TEST(GlRenderer, UpIsUpAndRightIsRight) {
 TEST(GlRenderer, PicturesLargerThanATileHaveNoSeams) {
   DrawInput input = cube(0.6);
   input.camera = {{1.5, 1, 4}, {0, 0, 0}, {0, 1, 0}, 0.5};  // a narrow view: the cube is everywhere
-  input.width = 4100;  // one tile and four pixels
+  input.width = 4100;                                       // one tile and four pixels
   input.height = 3;
   const FloatImage image = draw_floats(input);
   for (const int x : {0, 1, 2049, 4094, 4095, 4096, 4097, 4099})
@@ -186,7 +186,7 @@ TEST(GlRenderer, CountsFragments) {
   const Image image = draw_bytes(input);
   std::int64_t covered = 0;
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) covered += image.rgba[i] > 0;
-  EXPECT_GE(fragments, covered);       // every covered pixel at least once
+  EXPECT_GE(fragments, covered);  // every covered pixel at least once
   EXPECT_LE(fragments, 6 * covered + 200);
 }
 

@@ -28,7 +28,8 @@ DrawInput extracted_input(const char* data, const std::vector<Interval>& interva
 
 double largest_difference(const FloatImage& a, const FloatImage& b) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i) largest = std::max(largest, static_cast<double>(std::abs(a.rgba[i] - b.rgba[i])));
+  for (std::size_t i = 0; i < a.rgba.size(); ++i)
+    largest = std::max(largest, static_cast<double>(std::abs(a.rgba[i] - b.rgba[i])));
   return largest;
 }
 
@@ -40,8 +41,9 @@ void use_map(DrawInput& input, const char* map, double lower, double upper) {
   }
 }
 
-// The oracle decides per pixel what the rasterizer decides on a grid of 1/256 pixel, so single pixels on silhouettes of big tetrahedra may
-// differ by what a sliver of 1/256 pixel lets through; 2e-3 is that for these pictures, and the mean shows that they are few.
+// The oracle decides per pixel what the rasterizer decides on a grid of 1/256 pixel, so single pixels on silhouettes of big
+// tetrahedra may differ by what a sliver of 1/256 pixel lets through; 2e-3 is that for these pictures, and the mean shows that
+// they are few.
 constexpr double kSilhouette = 2e-3;
 constexpr double kMean = 5e-6;
 
@@ -53,7 +55,8 @@ TEST(Light, MeetsTheOracleOnExtractedIntervals) {
     RecordProperty("max", std::to_string(error.max));
     RecordProperty("mean", std::to_string(error.mean));
     EXPECT_GT(error.covered, 0.1);
-    EXPECT_LT(error.max, kSilhouette) << error.max_x << "," << error.max_y << " seen from " << eye.x << "," << eye.y << "," << eye.z;
+    EXPECT_LT(error.max, kSilhouette) << error.max_x << "," << error.max_y << " seen from " << eye.x << "," << eye.y << ","
+                                      << eye.z;
     EXPECT_LT(error.mean, kMean);
   }
 }
@@ -80,12 +83,14 @@ TEST(Light, ColourLinearAlongTheRayMeetsTheOracle) {
       input.unit_distance = unit;
       const OracleError error = compare_with_oracle(input, draw_floats(input));
       EXPECT_GT(error.covered, 0.1);
-      EXPECT_LT(error.max, kSilhouette) << map << ", unit distance " << unit << " at " << error.max_x << "," << error.max_y << ", seed 20";
+      EXPECT_LT(error.max, kSilhouette) << map << ", unit distance " << unit << " at " << error.max_x << "," << error.max_y
+                                        << ", seed 20";
       EXPECT_LT(error.mean, kMean) << map << ", unit distance " << unit << ", seed 20";
     }
 }
 
-// Some cells hold inverted tetrahedra, which overlap their neighbours: there the oracle too has no exact order, and pixels may differ.
+// Some cells hold inverted tetrahedra, which overlap their neighbours: there the oracle too has no exact order, and pixels may
+// differ.
 TEST(Light, ColourMapsOnExtractedIntervalsStayNearTheOracle) {
   DrawInput input = extracted_input("marschner-lobb:10", {{0.2, 0.5}, {0.5, 0.8}}, 0.5);
   use_map(input, "viridis", 0.1, 0.9);
@@ -170,7 +175,8 @@ TEST(Light, SliversAndDegenerateTetrahedraNeverShineOut) {
     const double thickness = std::pow(10.0, -trial % 18);  // down to flat in double precision
     for (int v = 0; v < 3; ++v) add_point(mesh, {number(random), number(random), number(random)});
     const double s = number(random), t = number(random);
-    const Vec3d in_plane = mesh.positions[0] + (mesh.positions[1] - mesh.positions[0]) * s + (mesh.positions[2] - mesh.positions[0]) * t;
+    const Vec3d in_plane =
+        mesh.positions[0] + (mesh.positions[1] - mesh.positions[0]) * s + (mesh.positions[2] - mesh.positions[0]) * t;
     add_point(mesh, in_plane + Vec3d{number(random), number(random), number(random)} * thickness);
     add_tetrahedron(mesh, {0, 1, 2, 3}, 0);
     double longest = 0;
@@ -182,7 +188,8 @@ TEST(Light, SliversAndDegenerateTetrahedraNeverShineOut) {
     input.camera = {{number(random) * 2, number(random) * 2, 5}, mesh.positions[0], {0, 1, 0}, 30};
     const FloatImage image = draw_floats(input);
     const double most = 1 - std::exp(-extinction(0.5, 1) * longest) + 1e-5;
-    for (const float v : image.rgba) ASSERT_TRUE(v >= 0 && v <= most) << v << " above " << most << ", trial " << trial << ", seed 22";
+    for (const float v : image.rgba)
+      ASSERT_TRUE(v >= 0 && v <= most) << v << " above " << most << ", trial " << trial << ", seed 22";
     EXPECT_LT(compare_with_oracle(input, image).mean, 1e-4) << "trial " << trial << ", seed 22";
   }
 }
@@ -195,11 +202,12 @@ TEST(Light, AnEyeInsideSeesWhatIsInFrontOfIt) {
   for (int trial = 0; trial < 12; ++trial) {
     DrawInput input = input_of(box_mesh(shape, [](auto i, auto j, auto k) { return static_cast<int>((i + j + k) % 4); }), 0.5);
     input.grid = &grid;
-    input.camera = {{number(random), number(random), number(random)}, {number(random), number(random), number(random)}, {0.1, 1, 0.3}, 70};
+    input.camera = {
+        {number(random), number(random), number(random)}, {number(random), number(random), number(random)}, {0.1, 1, 0.3}, 70};
     const OracleError error = compare_with_oracle(input, draw_floats(input));
     EXPECT_EQ(error.covered, 1.0);
-    // What is nearer than the near plane is missing: about 1e-4 everywhere. Single pixels may differ by one whole tetrahedron seen through a
-    // crack of 1/256 pixel, where a tetrahedron that was sliced meets one that was not.
+    // What is nearer than the near plane is missing: about 1e-4 everywhere. Single pixels may differ by one whole tetrahedron
+    // seen through a crack of 1/256 pixel, where a tetrahedron that was sliced meets one that was not.
     EXPECT_LT(error.mean, 3e-4) << "trial " << trial << ", seed 23";
     EXPECT_LT(error.above_a_percent, 2e-3) << "trial " << trial << ", seed 23, at " << error.max_x << "," << error.max_y;
   }

@@ -49,10 +49,10 @@ TEST(ProjectedTetrahedra, ASlabLetsThroughTheExponentialOfItsThicknessTilted) {
       const OracleError error = compare_with_oracle(input, image);
       EXPECT_GT(error.covered, 0.05);
       // The worst pixels have their middle within 1/256 of the silhouette, where the rasterizer's grid decides.
-      EXPECT_LT(error.mean, 2e-6) << "unit distance " << unit << ", eye " << eye.x << "," << eye.y << "," << eye.z << " max " << error.max
-                                  << " at " << error.max_x << "," << error.max_y;
-      EXPECT_LT(error.max, 2e-3) << "unit distance " << unit << ", eye " << eye.x << "," << eye.y << "," << eye.z << " at " << error.max_x
-                                 << "," << error.max_y;
+      EXPECT_LT(error.mean, 2e-6) << "unit distance " << unit << ", eye " << eye.x << "," << eye.y << "," << eye.z << " max "
+                                  << error.max << " at " << error.max_x << "," << error.max_y;
+      EXPECT_LT(error.max, 2e-3) << "unit distance " << unit << ", eye " << eye.x << "," << eye.y << "," << eye.z << " at "
+                                 << error.max_x << "," << error.max_y;
     }
 }
 

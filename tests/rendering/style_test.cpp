@@ -31,7 +31,8 @@ TEST(Style, ColoursSurviveTheirText) {
   for (const char* text : {"#000000", "#ffffff", "#0a1b2c", "#e61f1f"}) EXPECT_EQ(format_rgb(parse_rgb(text)), text);
   EXPECT_EQ(parse_rgb("#f80"), parse_rgb("#ff8800"));
   EXPECT_EQ(parse_rgb("#ABCDEF"), parse_rgb("#abcdef"));
-  for (const char* text : {"", "#", "red", "ff0000", "#ff00", "#gg0000", "#ff00000", " #ff0000"}) EXPECT_THROW(parse_rgb(text), Error) << text;
+  for (const char* text : {"", "#", "red", "ff0000", "#ff00", "#gg0000", "#ff00000", " #ff0000"})
+    EXPECT_THROW(parse_rgb(text), Error) << text;
 }
 
 TEST(Style, NewIntervalsGetColoursThatDiffer) {
@@ -84,9 +85,9 @@ TEST(Style, CoolwarmMeetsThePublishedColours) {
 TEST(Style, MapsMeetThePublishedTables) {
   const char* data = std::getenv("ISOSTRATA_TEST_DATA");
   const auto folder = std::filesystem::path(data ? data : ISOSTRATA_SOURCE_DIR "/../shared/data") / "colormaps";
-  const std::pair<const char*, const char*> tables[] = {{"viridis", "matplotlib/viridis.csv"}, {"plasma", "matplotlib/plasma.csv"},
-                                                        {"inferno", "matplotlib/inferno.csv"}, {"magma", "matplotlib/magma.csv"},
-                                                        {"batlow", "crameri/batlow.txt"},      {"vik", "crameri/vik.txt"}};
+  const std::pair<const char*, const char*> tables[] = {
+      {"viridis", "matplotlib/viridis.csv"}, {"plasma", "matplotlib/plasma.csv"}, {"inferno", "matplotlib/inferno.csv"},
+      {"magma", "matplotlib/magma.csv"},     {"batlow", "crameri/batlow.txt"},    {"vik", "crameri/vik.txt"}};
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no published tables at " << folder;
   for (const auto& [name, file] : tables) {
     std::ifstream in(folder / file);

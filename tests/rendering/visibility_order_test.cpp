@@ -16,13 +16,14 @@ namespace {
 using namespace testing;
 
 struct Violations {
-  std::int64_t pairs = 0;      // of tetrahedra that a ray meets one after the other
-  std::int64_t wrong = 0;      // drawn in the wrong order
+  std::int64_t pairs = 0;        // of tetrahedra that a ray meets one after the other
+  std::int64_t wrong = 0;        // drawn in the wrong order
   std::int64_t overlapping = 0;  // whose segments overlap on the ray: inverted tetrahedra
 };
 
 /// Shoots rays from the eye at random points of the mesh and looks whether what they meet is drawn back to front.
-Violations count_violations(const IntervalMesh& mesh, const std::vector<std::uint32_t>& order, Vec3d eye, int rays, unsigned seed) {
+Violations count_violations(const IntervalMesh& mesh, const std::vector<std::uint32_t>& order, Vec3d eye, int rays,
+                            unsigned seed) {
   std::vector<std::int64_t> rank(mesh.tetrahedra.size(), -1);
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<std::int64_t>(i);
   std::mt19937 random(seed);
@@ -71,17 +72,20 @@ TEST(VisibilityOrder, IndexDistanceIsExactFromOutsideInsideAndOnTheWalls) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const RectilinearGrid shape = uneven_grid(seed);
     const Grid grid{shape, {}, {}};
-    IntervalMesh mesh = box_mesh(shape, [](auto i, auto j, auto k) { return (i + j + k) % 3 == 0 ? -1 : static_cast<int>((i * j + k) % 2); });
+    IntervalMesh mesh =
+        box_mesh(shape, [](auto i, auto j, auto k) { return (i + j + k) % 3 == 0 ? -1 : static_cast<int>((i * j + k) % 2); });
     const std::vector<std::uint8_t> drawn(mesh.summaries.size(), 1), mixed(mesh.summaries.size(), 0);
     const Vec3d wall{shape.axes[0][3], shape.axes[1][2], 0.1};
     const Box3d box = bounds_of(mesh);
-    for (const Vec3d eye : {Vec3d{9, 7, 5}, Vec3d{-6, 0.3, 0.1}, Vec3d{0.2, 0.1, -8}, box.center(), wall, box.lower, Vec3d{0.05, 20, 0.07}}) {
+    for (const Vec3d eye :
+         {Vec3d{9, 7, 5}, Vec3d{-6, 0.3, 0.1}, Vec3d{0.2, 0.1, -8}, box.center(), wall, box.lower, Vec3d{0.05, 20, 0.07}}) {
       const VisibilityOrder order = visibility_order(&grid, mesh, {drawn, mixed}, eye);
       EXPECT_TRUE(order.exact) << order.method << ", seed " << seed;
       EXPECT_EQ(order.tetrahedra.size(), mesh.tetrahedra.size());
       const Violations violations = count_violations(mesh, order.tetrahedra, eye, 60, seed);
       EXPECT_GT(violations.pairs, 100);
-      EXPECT_EQ(violations.wrong, 0) << "of " << violations.pairs << ", seed " << seed << ", eye " << eye.x << "," << eye.y << "," << eye.z;
+      EXPECT_EQ(violations.wrong, 0) << "of " << violations.pairs << ", seed " << seed << ", eye " << eye.x << "," << eye.y << ","
+                                     << eye.z;
     }
   }
 }
@@ -121,7 +125,8 @@ TEST(VisibilityOrder, IntervalsOfOneColourNeedNoOrderAmongThemselvesButKeepItAga
     }
     for (const OracleSegment& a : met)
       for (const OracleSegment& b : met) {
-        if (mesh.tetrahedron_interval[a.tetrahedron] == mesh.tetrahedron_interval[b.tetrahedron] || a.leave > b.enter + 1e-7) continue;
+        if (mesh.tetrahedron_interval[a.tetrahedron] == mesh.tetrahedron_interval[b.tetrahedron] || a.leave > b.enter + 1e-7)
+          continue;
         ++pairs;
         wrong += rank[a.tetrahedron] < rank[b.tetrahedron];
       }
@@ -135,8 +140,8 @@ TEST(VisibilityOrder, LeavesOutWhatIsNotDrawn) {
   const Grid grid{shape, {}, {}};
   const IntervalMesh mesh = box_mesh(shape, [](auto i, auto, auto) { return static_cast<int>(i % 2); });
   const std::vector<std::uint8_t> drawn{0, 1}, mixed{0, 0};
-  for (const VisibilityOrder& order : {visibility_order(&grid, mesh, {drawn, mixed}, {3, 3, 3}), centroid_order(mesh, {drawn, mixed}, {3, 3, 3}),
-                                       mesh_order(mesh, {drawn, mixed})}) {
+  for (const VisibilityOrder& order : {visibility_order(&grid, mesh, {drawn, mixed}, {3, 3, 3}),
+                                       centroid_order(mesh, {drawn, mixed}, {3, 3, 3}), mesh_order(mesh, {drawn, mixed})}) {
     EXPECT_EQ(order.tetrahedra.size(), static_cast<std::size_t>(mesh.summaries[1].tetrahedra)) << order.method;
     for (const std::uint32_t t : order.tetrahedra) EXPECT_EQ(mesh.tetrahedron_interval[t], 1);
   }
@@ -155,7 +160,8 @@ TEST(VisibilityOrder, CentroidsComeFarFirst) {
     for (const std::uint32_t p : mesh.tetrahedra[t]) sum = sum + mesh.positions[p] * 0.25;
     return length(sum - eye);
   };
-  for (std::size_t i = 1; i < order.tetrahedra.size(); ++i) EXPECT_LE(distance(order.tetrahedra[i]), distance(order.tetrahedra[i - 1]) + 1e-6);
+  for (std::size_t i = 1; i < order.tetrahedra.size(); ++i)
+    EXPECT_LE(distance(order.tetrahedra[i]), distance(order.tetrahedra[i - 1]) + 1e-6);
 }
 
 TEST(CellOrder, OrdersTheSixTetrahedraOfACubeFromEverywhere) {
@@ -176,7 +182,8 @@ TEST(CellOrder, OrdersTheSixTetrahedraOfACubeFromEverywhere) {
 
 TEST(CellOrder, SaysWhereInteriorsMeet) {
   IntervalMesh mesh;
-  const auto a = add_point(mesh, {0, 0, 0}), b = add_point(mesh, {1, 0, 0}), c = add_point(mesh, {0, 1, 0}), d = add_point(mesh, {0, 0, 1});
+  const auto a = add_point(mesh, {0, 0, 0}), b = add_point(mesh, {1, 0, 0}), c = add_point(mesh, {0, 1, 0}),
+             d = add_point(mesh, {0, 0, 1});
   const auto e = add_point(mesh, {0.1, 0.1, 0.1}), f = add_point(mesh, {1.1, 0.1, 0.1}), g = add_point(mesh, {0.1, 1.1, 0.1}),
              h = add_point(mesh, {0.1, 0.1, 1.1});
   add_tetrahedron(mesh, {a, b, c, d}, 0);

@@ -37,8 +37,10 @@ inline void add_box(IntervalMesh& mesh, Vec3d lower, Vec3d upper, std::uint16_t 
         add_point(mesh, {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z});
   mesh.cell_runs.push_back({cell, static_cast<std::uint32_t>(mesh.tetrahedra.size())});
   for (const auto& t : kKuhn)
-    add_tetrahedron(mesh, {corner[static_cast<std::size_t>(t[0])], corner[static_cast<std::size_t>(t[1])],
-                           corner[static_cast<std::size_t>(t[2])], corner[static_cast<std::size_t>(t[3])]}, interval);
+    add_tetrahedron(mesh,
+                    {corner[static_cast<std::size_t>(t[0])], corner[static_cast<std::size_t>(t[1])],
+                     corner[static_cast<std::size_t>(t[2])], corner[static_cast<std::size_t>(t[3])]},
+                    interval);
   ++mesh.active_cells;
 }
 
@@ -53,7 +55,8 @@ IntervalMesh box_mesh(const RectilinearGrid& grid, IntervalOf interval_of) {
         const int interval = interval_of(i, j, k);
         if (interval < 0) continue;
         const auto at = [&](std::size_t axis, std::int64_t n) { return grid.axes[axis][static_cast<std::size_t>(n)]; };
-        add_box(mesh, {at(0, i), at(1, j), at(2, k)}, {at(0, i + 1), at(1, j + 1), at(2, k + 1)}, static_cast<std::uint16_t>(interval), cell);
+        add_box(mesh, {at(0, i), at(1, j), at(2, k)}, {at(0, i + 1), at(1, j + 1), at(2, k + 1)},
+                static_cast<std::uint16_t>(interval), cell);
       }
   mesh.cells = cell;
   return mesh;
@@ -64,8 +67,9 @@ inline RectilinearGrid even_grid(std::int64_t nx, std::int64_t ny, std::int64_t 
   grid.dims = {nx, ny, nz};
   for (int axis = 0; axis < 3; ++axis)
     for (std::int64_t i = 0; i < grid.dims[static_cast<std::size_t>(axis)]; ++i)
-      grid.axes[static_cast<std::size_t>(axis)].push_back(
-          lower[axis] + (upper[axis] - lower[axis]) * static_cast<double>(i) / static_cast<double>(grid.dims[static_cast<std::size_t>(axis)] - 1));
+      grid.axes[static_cast<std::size_t>(axis)].push_back(lower[axis] +
+                                                          (upper[axis] - lower[axis]) * static_cast<double>(i) /
+                                                              static_cast<double>(grid.dims[static_cast<std::size_t>(axis)] - 1));
   return grid;
 }
 

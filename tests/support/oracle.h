@@ -1,5 +1,5 @@
-// The picture as it should be, slowly: in double precision, each pixel's ray through every tetrahedron, segments in their exact order along
-// the ray, the exact integral of each. The renderers are measured against it.
+// The picture as it should be, slowly: in double precision, each pixel's ray through every tetrahedron, segments in their exact
+// order along the ray, the exact integral of each. The renderers are measured against it.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace isostrata::testing {
 
 struct OracleSegment {
-  double enter, leave;         // along the ray, world units
+  double enter, leave;  // along the ray, world units
   std::size_t tetrahedron;
   double scalar_enter, scalar_leave;
 };
 
 /// Where the ray eye + t * direction (unit length), t >= 0, is inside the tetrahedron. False where it misses or only touches.
-inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* scalars, std::size_t tetrahedron, Vec3d eye, Vec3d direction,
-                           OracleSegment& out) {
+inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* scalars, std::size_t tetrahedron, Vec3d eye,
+                           Vec3d direction, OracleSegment& out) {
   const auto& ids = mesh.tetrahedra[tetrahedron];
   Vec3d p[4];
   for (std::size_t v = 0; v < 4; ++v) p[v] = mesh.positions[ids[v]] - eye;
@@ -34,8 +34,10 @@ inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* s
       continue;
     }
     const double t = at / along;
-    if (along < 0) enter = std::max(enter, t);
-    else leave = std::min(leave, t);
+    if (along < 0)
+      enter = std::max(enter, t);
+    else
+      leave = std::min(leave, t);
   }
   if (!(leave > enter)) return false;
   out = {enter, leave, tetrahedron, 0, 0};
@@ -84,7 +86,8 @@ inline std::array<double, 4> oracle_pixel(const DrawInput& input, int x, int y) 
     Rgb front_color = style.color, back_color = style.color;
     if (!style.color_map.empty()) {
       const auto map = [&](double scalar) {
-        return sample(color_map(style.color_map), static_cast<float>((scalar - style.color_lower) / (style.color_upper - style.color_lower)));
+        return sample(color_map(style.color_map),
+                      static_cast<float>((scalar - style.color_lower) / (style.color_upper - style.color_lower)));
       };
       front_color = map(s.scalar_enter);
       back_color = map(s.scalar_leave);
@@ -111,7 +114,11 @@ inline OracleError compare_with_oracle(const DrawInput& input, const FloatImage&
       const auto expected = oracle_pixel(input, x, y);
       error.covered += expected[3] > 0 ? 1 : 0;
       for (std::size_t c = 0; c < 4; ++c) {
-        const double d = std::abs(static_cast<double>(image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) + c]) - expected[c]);
+        const double d =
+            std::abs(static_cast<double>(image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                                         static_cast<std::size_t>(x)) +
+                                                    c]) -
+                     expected[c]);
         const double e = std::isnan(d) ? 1e9 : d;
         error.mean += e;
         error.above_a_percent += e > 0.01 ? 1 : 0;

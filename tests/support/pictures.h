@@ -19,7 +19,9 @@ inline FloatImage draw_floats(DrawInput input, Renderer& renderer = test_rendere
   return std::get<FloatImage>(renderer.draw(input).image);
 }
 
-inline Image draw_bytes(const DrawInput& input, Renderer& renderer = test_renderer()) { return std::get<Image>(renderer.draw(input).image); }
+inline Image draw_bytes(const DrawInput& input, Renderer& renderer = test_renderer()) {
+  return std::get<Image>(renderer.draw(input).image);
+}
 
 inline std::array<float, 4> pixel(const FloatImage& image, int x, int y) {
   const auto at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
@@ -42,7 +44,8 @@ inline IntervalStyle constant_style(Rgb color, double opacity) {
 inline DrawInput input_of(IntervalMesh mesh, double opacity = 0.5) {
   DrawInput input;
   input.bounds = bounds_of(mesh);
-  for (std::size_t i = 0; i < mesh.summaries.size(); ++i) input.styles.push_back(constant_style(default_interval_color(i), opacity));
+  for (std::size_t i = 0; i < mesh.summaries.size(); ++i)
+    input.styles.push_back(constant_style(default_interval_color(i), opacity));
   input.mesh = std::make_shared<const IntervalMesh>(std::move(mesh));
   input.camera = view_of(input.bounds, "reset");
   input.width = 64;

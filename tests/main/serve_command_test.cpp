@@ -1,0 +1,228 @@
+// The real programs, end to end: isostrata serve, isostrata-client, a kill and a new start.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <boost/json/parse.hpp>
+#include <boost/json/value.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+extern char** environ;
+
+namespace {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+using namespace std::chrono_literals;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+class ServeCommand : public ::testing::Test {
+ protected:
+  ServeCommand() {
+    std::string name = (fs::temp_directory_path() / "isostrata-serve-XXXXXX").string();
+    directory_ = mkdtemp(name.data());
+  }
+  ~ServeCommand() override {
+    if (server_ > 0) {
+      kill(server_, SIGKILL);
+      waitpid(server_, nullptr, 0);
+    }
+    fs::remove_all(directory_);
+  }
+
+  pid_t start(const std::string& program, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), std::string(ISOSTRATA_BIN_DIR) + "/" + program);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, 1, out().c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_addopen(&files, 2, errors().c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    pid_t pid = -1;
+    EXPECT_EQ(posix_spawn(&pid, argv[0], &files, nullptr, argv.data(), environ), 0) << argv[0];
+    posix_spawn_file_actions_destroy(&files);
+    return pid;
+  }
+  static int end_of(pid_t pid) {
+    int status = 0;
+    for (int i = 0; i < 3000; ++i) {
+      if (waitpid(pid, &status, WNOHANG) == pid) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      std::this_thread::sleep_for(10ms);
+    }
+    kill(pid, SIGKILL);
+    waitpid(pid, &status, 0);
+    return -1;
+  }
+  int run(const std::string& program, std::vector<std::string> arguments) { return end_of(start(program, std::move(arguments))); }
+
+  /// Starts a server and reads its ready file; false where no device on this machine can draw.
+  bool serve(std::vector<std::string> arguments, const std::string& port = "0") {
+    fs::remove(ready());
+    arguments.insert(arguments.begin(), "serve");
+    arguments.insert(arguments.end(), {"--port", port, "--ready-file", ready().string()});
+    server_ = start("isostrata", std::move(arguments));
+    for (int i = 0; i < 2000 && !fs::exists(ready()); ++i) {
+      int status = 0;
+      if (waitpid(server_, &status, WNOHANG) == server_) {
+        server_ = -1;
+        return false;
+      }
+      std::this_thread::sleep_for(10ms);
+    }
+    ready_ = json::parse(contents(ready()));
+    url_ = std::string(ready_.at("url").as_string());
+    return true;
+  }
+  int stop(int signal) {
+    kill(server_, signal);
+    const int status = end_of(server_);
+    server_ = -1;
+    return status;
+  }
+
+  fs::path ready() const { return directory_ / "ready.json"; }
+  fs::path out() const { return directory_ / "out.txt"; }
+  fs::path errors() const { return directory_ / "errors.txt"; }
+
+  fs::path directory_;
+  pid_t server_ = -1;
+  json::value ready_;
+  std::string url_;
+};
+
+#define SERVE_OR_SKIP(...) \
+  if (!serve(__VA_ARGS__)) GTEST_SKIP() << "isostrata serve does not start here: " << contents(errors())
+
+TEST_F(ServeCommand, AnnouncesItselfOnceItAnswersAndEndsWhenAsked) {
+  SERVE_OR_SKIP({"torus:12"});
+  EXPECT_EQ(ready_.at("pid").to_number<int>(), server_);
+  EXPECT_FALSE(ready_.at("device").as_string().empty());
+  const std::string port = std::to_string(ready_.at("port").to_number<int>());
+  EXPECT_NE(url_.find("http://127.0.0.1:" + port + "/?token="), std::string::npos) << url_;
+  EXPECT_GE(url_.size() - url_.find('=') - 1, 48u) << "at least 192 bits of token";
+  EXPECT_EQ(fs::status(ready()).permissions() & fs::perms::others_read, fs::perms::none);
+  const std::string printed = contents(out());
+  EXPECT_NE(printed.find(url_), std::string::npos) << printed;
+  EXPECT_NE(printed.find("ssh -L " + port + ":127.0.0.1:" + port), std::string::npos) << printed;
+  EXPECT_EQ(contents(errors()).find(url_.substr(url_.find('=') + 1)), std::string::npos) << "the token is in the log";
+  const fs::path log = errors();
+  EXPECT_EQ(stop(SIGTERM), 0) << contents(log);
+  EXPECT_FALSE(fs::exists(ready()));
+}
+
+TEST_F(ServeCommand, TheClientTakesAPictureAndMeasures) {
+  SERVE_OR_SKIP({"torus:12", "tets:6"});
+  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0) << contents(errors());
+  const auto welcome = json::parse(contents(out()));
+  EXPECT_EQ(welcome.at("datasets").as_array().size(), 2u);
+
+  const std::string picture = (directory_ / "a.png").string();
+  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--dataset", "tets-6", "--interval", "0.2:0.5,color=#ff0000,opacity=0.9", "--size", "120x90", "--camera", "+x",
+                                     "--out", picture}),
+            0)
+      << contents(errors());
+  EXPECT_TRUE(contents(picture).starts_with("\x89PNG"));
+
+  ASSERT_EQ(run("isostrata-client", {url_, "latency", "--seconds", "1", "--size", "120x90", "--dataset", "torus-12", "--interval", "0.2:0.4", "--json"}), 0)
+      << contents(errors());
+  const auto measured = json::parse(contents(out()));
+  EXPECT_GT(measured.at("fps").to_number<double>(), 0);
+  EXPECT_GT(measured.at("bytes_per_frame").to_number<double>(), 0);
+  const auto& latency = measured.at("input_to_decoded_ms");
+  EXPECT_LE(latency.at("p50").to_number<double>(), latency.at("p95").to_number<double>());
+  EXPECT_LE(latency.at("p95").to_number<double>(), latency.at("max").to_number<double>());
+}
+
+TEST_F(ServeCommand, TwoPicturesOfOneStateAreTheSameBytes) {
+  SERVE_OR_SKIP({"torus:12"});
+  std::vector<std::string> pictures;
+  for (const char* name : {"one.png", "two.png"}) {
+    const std::string path = (directory_ / name).string();
+    ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.3", "--size", "160x120", "--out", path}), 0) << contents(errors());
+    pictures.push_back(contents(path));
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+  const std::string other = (directory_ / "three.png").string();
+  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.5", "--size", "160x120", "--out", other}), 0);
+  EXPECT_NE(contents(other), pictures[0]) << "the picture does not show the interval";
+}
+
+TEST_F(ServeCommand, AKilledServerIsReplacedOnTheSamePortWithTheSameToken) {
+  const std::string token = "the-same-token-in-every-life";
+  SERVE_OR_SKIP({"torus:12", "--token", token});
+  const std::string port = std::to_string(ready_.at("port").to_number<int>());
+  const std::string url = url_;
+  ASSERT_EQ(run("isostrata-client", {url, "info", "--json"}), 0);
+  const std::string old = std::string(json::parse(contents(out())).at("resumeToken").as_string());
+  EXPECT_EQ(stop(SIGKILL), 128 + SIGKILL);
+  EXPECT_EQ(run("isostrata-client", {url, "info"}), 1) << "nobody is there";
+  ASSERT_TRUE(serve({"torus:12", "--token", token}, port));
+  EXPECT_EQ(url_, url);
+  EXPECT_EQ(run("isostrata-client", {url, "info"}), 0) << contents(errors());
+  EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 1) << "the old session is gone, and that is said";
+}
+
+TEST_F(ServeCommand, SessionsAreJoinedByIdAndSeeTheSame) {
+  SERVE_OR_SKIP({"torus:12"});
+  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0);
+  const std::string id(json::parse(contents(out())).at("session").as_string());
+  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--session", id, "--interval", "0.2:0.3", "--out", (directory_ / "a.png").string()}), 0) << contents(errors());
+  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json", "--session", id}), 0) << contents(errors());
+  const auto state = json::parse(contents(out())).at("state");
+  EXPECT_EQ(state.at("intervals").as_array().size(), 1u);
+}
+
+TEST_F(ServeCommand, WrongTokensAndWrongUsageAreSaid) {
+  SERVE_OR_SKIP({"torus:12"});
+  const std::string base = url_.substr(0, url_.find('?'));
+  EXPECT_EQ(run("isostrata-client", {base + "?token=wrong", "info"}), 1);
+  EXPECT_NE(contents(errors()).find("401"), std::string::npos) << contents(errors());
+  EXPECT_EQ(run("isostrata-client", {"not-a-url", "info"}), 2);
+  EXPECT_EQ(run("isostrata-client", {url_}), 2);
+  EXPECT_EQ(run("isostrata-client", {url_, "snapshot"}), 2);
+  EXPECT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "2:1", "--out", (directory_ / "a.png").string()}), 1);
+  EXPECT_EQ(run("isostrata-client", {url_, "snapshot", "--dataset", "nosuch", "--out", (directory_ / "a.png").string()}), 1);
+}
+
+TEST_F(ServeCommand, WhatCannotBeServedIsRefusedInOneLine) {
+  struct Case {
+    std::vector<std::string> arguments;
+    int status;
+    const char* says;
+  };
+  const std::vector<Case> cases = {
+      {{"serve", "/no/such/file.vtk"}, 1, "/no/such/file.vtk"},
+      {{"serve", "--host", "256.1.1.1", "torus:12"}, 1, "256.1.1.1"},
+      {{"serve", "--token", "short", "torus:12"}, 1, "token"},
+      {{"serve", "--token-file", "/no/such/token", "torus:12"}, 1, "/no/such/token"},
+      {{"serve", "--base-url", "/a/../b", "torus:12", "--port", "0"}, 1, "base url"},
+      {{"serve", "--device", "nonsense", "torus:12", "--port", "0"}, 1, "nonsense"},
+      {{"serve", "--port", "70000"}, 2, ""},
+      {{"serve", "--no-auth", "--token", "a-long-enough-token"}, 2, ""},
+      {{"serve", "--nonsense"}, 2, ""},
+  };
+  for (const Case& wrong : cases) {
+    EXPECT_EQ(run("isostrata", wrong.arguments), wrong.status) << wrong.arguments[1] << ": " << contents(errors());
+    EXPECT_NE(contents(errors()).find(wrong.says), std::string::npos) << contents(errors());
+  }
+}
+
+}  // namespace
