@@ -20,6 +20,12 @@ const ArrayFacts* DatasetFacts::find_array(std::string_view array) const {
   return nullptr;
 }
 
+const ArrayFacts* DatasetFacts::first_array() const {
+  for (const ArrayFacts& facts : arrays)
+    if (facts.lower < facts.upper) return &facts;
+  return nullptr;
+}
+
 DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset) {
   DatasetFacts facts;
   facts.id = std::move(id);

@@ -9,6 +9,7 @@
 
 #include "base/vec.h"
 #include "data/dataset.h"
+#include "extraction/interval_mesh.h"
 
 namespace isostrata {
 
@@ -33,10 +34,15 @@ struct DatasetFacts {
   std::vector<double> times;
   std::vector<std::string> notes;
 
+  std::vector<Interval> first_layers;  // of first_array(), for the first picture (extraction/first_layers.h)
+
+  /// The first array with two different finite values; null where there is none.
+  const ArrayFacts* first_array() const;
   /// Null where there is none of that name.
   const ArrayFacts* find_array(std::string_view array) const;
 };
 
+/// Everything but first_layers.
 DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset);
 
 /// What the dataset holds in memory or mapped: points, cells and arrays, in bytes.

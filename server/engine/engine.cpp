@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "data/histogram.h"
+#include "extraction/first_layers.h"
 #include "engine/draw_scene.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
@@ -157,7 +158,10 @@ class Engine::Impl {
       run(request.session, request.request, *operation, [&] {
         const CatalogueEntry& source = entry(request.dataset);
         const auto dataset = store_.acquire(source.source, 0, operation->task());
-        send(DatasetReady{request.session, request.request, dataset_facts(source.id, source.name, *dataset)});
+        DatasetFacts facts = dataset_facts(source.id, source.name, *dataset);
+        if (const ArrayFacts* first = facts.first_array())
+          facts.first_layers = first_layers(dataset->grid, dataset->array(first->name), kFirstPictureCells, operation->task());
+        send(DatasetReady{request.session, request.request, std::move(facts)});
       });
     });
   }

@@ -337,21 +337,18 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
   scene.array.clear();
   scene.intervals.clear();
   scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset");
-  const auto first = std::find_if(dataset.arrays.begin(), dataset.arrays.end(), [](const ArrayFacts& a) { return a.lower < a.upper; });
-  if (first != dataset.arrays.end()) {
+  if (const ArrayFacts* first = dataset.first_array()) {
     scene.array = first->name;
-    constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};
-    const auto layers = static_cast<double>(kOpacities.size());
-    for (std::size_t i = 0; i < kOpacities.size(); ++i) {
+    constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range
+    for (std::size_t i = 0; i < std::min(dataset.first_layers.size(), kOpacities.size()); ++i) {
       SceneInterval interval;
-      // Weighted ends instead of a width: upper - lower may overflow where the range is that of all doubles.
-      const auto at = [&](double t) { return first->lower * (1 - t) + first->upper * t; };
-      interval.lower = at(static_cast<double>(i) / layers);
-      interval.upper = i + 1 == kOpacities.size() ? first->upper : at(static_cast<double>(i + 1) / layers);
-      if (!(interval.lower < interval.upper)) continue;
       interval.id = ++state.last_interval_id;
+      interval.lower = dataset.first_layers[i].lower;
+      interval.upper = dataset.first_layers[i].upper;
       interval.color = default_interval_color(i);
-      interval.opacity = kOpacities[i];
+      // A thinner layer is denser by as much, so that it can be seen.
+      const double width = (interval.upper / 2 - interval.lower / 2) / (first->upper / 2 - first->lower / 2);
+      interval.opacity = std::min(0.99, 1 - std::pow(1 - kOpacities[i], std::max(1.0, 0.25 / width)));
       interval.priority = static_cast<int>(i);
       scene.intervals.push_back(std::move(interval));
     }

@@ -39,7 +39,7 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
 /// always taken.
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
 
-/// A first look at a dataset that was just opened: its first array with a range, four equal layers of it in red, green, blue and yellow, the
+/// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow, the
 /// higher the denser, seen from the three-quarter view. Appearance stays as it is.
 void open_in_scene(SceneState& state, const DatasetFacts& dataset);
 

@@ -21,6 +21,7 @@ DatasetFacts facts() {
   facts.bounds.include({-1, -1, -1});
   facts.bounds.include({1, 2, 3});
   facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5}, {"Density", "point", "float32", 1, 0, 8, 0}, {"Energy", "point", "float64", 1, -100, 300, 0}};
+  facts.first_layers = {{0, 2}, {2, 4}, {4, 6}, {6, 8}};
   facts.times = {0, 1, 2};
   return facts;
 }
