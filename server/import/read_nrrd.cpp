@@ -1,14 +1,10 @@
 #include "import/read_nrrd.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "import/mapped_file.h"
 #include "import/nrrd_data.h"
 #include "import/nrrd_header.h"
 
@@ -16,31 +12,6 @@ namespace isostrata {
 namespace {
 
 constexpr std::int64_t kMostComponents = 256;
-
-/// A file mapped for reading. The pages come and go as they are used.
-class MappedFile {
- public:
-  explicit MappedFile(const std::filesystem::path& path) {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status {};
-    if (file < 0 || fstat(file, &status) != 0)
-      throw Error(ErrorCode::not_found, path.filename().string() + ": cannot be opened for reading");
-    size_ = static_cast<std::size_t>(status.st_size);
-    if (size_ > 0) data_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
-    close(file);
-    if (data_ == MAP_FAILED) throw Error(ErrorCode::unavailable, path.filename().string() + ": cannot be mapped");
-  }
-  ~MappedFile() {
-    if (data_) munmap(data_, size_);
-  }
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
-
- private:
-  void* data_ = nullptr;
-  std::size_t size_ = 0;
-};
 
 struct Axes {
   std::vector<std::size_t> space, component;

@@ -32,6 +32,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "import/check_legacy_cells.h"
+#include "import/mapped_file.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
 
@@ -170,6 +172,7 @@ Imported read_vtk_legacy(const ReadRequest& request) {
     case VTK_STRUCTURED_GRID:
       return run_legacy<vtkStructuredGridReader>(request);
     case VTK_UNSTRUCTURED_GRID:
+      check_legacy_cells(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkUnstructuredGridReader>(request);
     case VTK_POLY_DATA:
       throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");

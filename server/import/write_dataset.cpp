@@ -23,7 +23,7 @@ class Writer {
     total_ += bytes.size();
     check_bytes(request_, total_, request_.file.filename().string());
     std::FILE* out = std::fopen((directory_ / name).c_str(), "wb");
-    const bool written = out && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    const bool written = out && (bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size());
     const int error = errno;
     if ((out && std::fclose(out) != 0) || !written)
       throw Error(ErrorCode::unavailable, "cannot write " + std::to_string(bytes.size()) +

@@ -84,7 +84,7 @@ TEST(ImportDamage, HostileHeadersAreRefused) {
   const Scratch scratch;
   const auto refused = [&](const std::string& name, const std::string& text) {
     const Error error = refusal(scratch.write(name, text));
-    EXPECT_TRUE(error.code() == ErrorCode::bad_data || error.code() == ErrorCode::too_large) << error.what();
+    EXPECT_TRUE(error.code() == ErrorCode::bad_data || error.code() == ErrorCode::too_large) << error.what() << "\n" << text;
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
   };
   refused("x.vti", replaced(replaced(kImageHeader, "0 1 0 1 0 1", "0 2000000000 0 2000000000 0 2000000000"), "0 1 0 1 0 1",
@@ -96,6 +96,10 @@ TEST(ImportDamage, HostileHeadersAreRefused) {
   refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "4 1 2 3 400000000"));
   refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "4 1 2 3 -1"));
   refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "400 1 2 3 4"));
+  refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "3 1 2 3 4"));
+  refused("x.vtk", replaced(kUnstructured, "4 1 2 3 4", "-4 1 2 3 4"));
+  refused("x.vtk", replaced(kUnstructured, "CELLS 2 10", "CELLS 2 11"));
+  refused("x.vtk", replaced(kUnstructured, "CELLS 2 10", "CELLS 3 10"));
   refused("x.vtk", replaced(kUnstructured, "10\n10", "10\n12"));
   refused("x.vtk", replaced(kUnstructured, "POINTS 5", "POINTS 2000000000000"));
   refused("x.vtk", replaced(kUnstructured, "CELLS 2 10", "CELLS 2000000000 10000000000"));
