@@ -18,7 +18,8 @@ constexpr int kMaxDepth = 8;
 
 // What isostrata-import opens as a dataset of its own. A PLOT3D solution is found beside its grid, so only grids are listed.
 bool looks_readable(const fs::path& path) {
-  static constexpr std::array kExtensions = {".vtk", ".vti", ".vtr", ".vts", ".vtu", ".nrrd", ".nhdr", ".xyz", ".p3d"};
+  static constexpr std::array kExtensions = {".vtk",  ".vti",  ".vtr", ".vts",  ".vtu", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd",
+                                             ".nrrd", ".nhdr", ".mhd", ".slc",  ".e",   ".ex2",  ".exo",  ".xyz",  ".p3d"};
   std::string name = path.filename().string();
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (name.ends_with("xyz.bin")) return true;

@@ -76,12 +76,19 @@ struct Layer {
   std::int64_t cells = 0;
 };
 
-/// The layer around the middle of a quarter, grown evenly within it while it cuts no more than its share.
-Layer grow(const CellRanges& ranges, int quarter, std::int64_t share) {
+/// One bin thick, in the middle of the quarter.
+Layer thinnest(const CellRanges& ranges, int quarter) {
   constexpr int kQuarter = kBins / kLayers;
   const int middle = quarter * kQuarter + kQuarter / 2;
-  Layer layer{middle, middle, cells_cut(ranges, middle, middle)};
-  for (int reach = 1; reach < kQuarter / 2; ++reach) {
+  return {middle, middle, cells_cut(ranges, middle, middle)};
+}
+
+/// Grown evenly to both sides, at most to its quarter, while it cuts no more than its share. A layer about as thick as a cell costs little
+/// more than the thinnest and is the least that can be seen, so half as many cells again are always allowed.
+Layer grow(const CellRanges& ranges, Layer layer, std::int64_t share) {
+  const int middle = layer.first;
+  share = std::max(share, layer.cells + layer.cells / 2);
+  for (int reach = 1; reach < kBins / kLayers / 2; ++reach) {
     const std::int64_t cells = cells_cut(ranges, middle - reach, middle + reach);
     if (cells > share) break;
     layer = {middle - reach, middle + reach, cells};
@@ -100,7 +107,7 @@ std::vector<Interval> first_layers(const Grid& grid, const PointArray& array, st
     const CellRanges ranges = count_ranges(grid, array, task);
     std::int64_t cells = 0;
     for (int i = 0; i < kLayers; ++i) {
-      layers.push_back(grow(ranges, i, cell_budget / kLayers));
+      layers.push_back(thinnest(ranges, i));
       cells += layers.back().cells;
     }
     while (cells > cell_budget && layers.size() > 1) {
@@ -108,6 +115,7 @@ std::vector<Interval> first_layers(const Grid& grid, const PointArray& array, st
       cells -= costliest->cells;
       layers.erase(costliest);
     }
+    for (Layer& layer : layers) layer = grow(ranges, layer, cell_budget / static_cast<std::int64_t>(layers.size()));
   }
   std::vector<Interval> intervals;
   for (const Layer& layer : layers) {

@@ -340,7 +340,8 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
   if (const ArrayFacts* first = dataset.first_array()) {
     scene.array = first->name;
     constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range
-    for (std::size_t i = 0; i < std::min(dataset.first_layers.size(), kOpacities.size()); ++i) {
+    const std::size_t layers = std::min(dataset.first_layers.size(), kOpacities.size());
+    for (std::size_t i = 0; i < layers; ++i) {
       SceneInterval interval;
       interval.id = ++state.last_interval_id;
       interval.lower = dataset.first_layers[i].lower;
@@ -348,7 +349,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
       interval.color = default_interval_color(i);
       // A thinner layer is denser by as much, so that it can be seen.
       const double width = (interval.upper / 2 - interval.lower / 2) / (first->upper / 2 - first->lower / 2);
-      interval.opacity = std::min(0.99, 1 - std::pow(1 - kOpacities[i], std::max(1.0, 0.25 / width)));
+      interval.opacity = std::min(0.9999, 1 - std::pow(1 - kOpacities[kOpacities.size() - layers + i], std::max(1.0, 0.25 / width)));
       interval.priority = static_cast<int>(i);
       scene.intervals.push_back(std::move(interval));
     }
