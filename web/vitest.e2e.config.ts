@@ -5,6 +5,7 @@ import { defineConfig } from 'vitest/config';
 const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 
 export default defineConfig({
+  cacheDir: here('./node_modules/.vite-e2e'),
   resolve: { alias: { 'playwright-core': here('./node_modules/playwright-core/index.mjs') } },
   server: { fs: { allow: [here('..')] } },
   test: {
