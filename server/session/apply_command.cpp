@@ -349,7 +349,8 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
       interval.color = default_interval_color(i);
       // A thinner layer is denser by as much, so that it can be seen.
       const double width = (interval.upper / 2 - interval.lower / 2) / (first->upper / 2 - first->lower / 2);
-      interval.opacity = std::min(0.9999, 1 - std::pow(1 - kOpacities[kOpacities.size() - layers + i], std::max(1.0, 0.25 / width)));
+      interval.opacity = kOpacities[kOpacities.size() - layers + i];
+      if (width < 0.249) interval.opacity = std::min(0.9999, 1 - std::pow(1 - interval.opacity, 0.25 / width));
       interval.priority = static_cast<int>(i);
       scene.intervals.push_back(std::move(interval));
     }
