@@ -13,7 +13,6 @@ namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMaxEntries = 10000;
 constexpr int kMaxDepth = 8;
 
 // What isostrata-import opens as a dataset of its own. A PLOT3D solution is found beside its grid, so only grids are listed.
@@ -56,20 +55,21 @@ bool inside(const fs::path& path, const fs::path& directory) {
 }  // namespace
 
 void Catalogue::add(std::string name, std::string source) {
-  for (const CatalogueEntry& entry : entries_)
-    if (entry.source == source) return;
+  if (entries_.size() >= kMaxEntries || !sources_.insert(source).second) return;
   std::string id = is_analytic(source) ? source : id_of(name, source);
   std::replace(id.begin(), id.end(), ':', '-');
   const std::string stem = id;
   for (int n = 2; find(id); ++n) id = stem + "-" + std::to_string(n);
-  if (entries_.size() >= kMaxEntries) return;
+  place_of_[id] = entries_.size();
   entries_.push_back({std::move(id), std::move(name), std::move(source)});
 }
 
 void Catalogue::add_directory(const fs::path& directory) {
-  const fs::path root = fs::canonical(directory);
-  std::vector<fs::path> found;
   std::error_code error;
+  const fs::path root = fs::canonical(directory, error);
+  if (!error) fs::directory_iterator(root, error);
+  if (error) throw Error(ErrorCode::not_found, directory.string() + ": this directory cannot be listed: " + error.message());
+  std::vector<fs::path> found;
   fs::recursive_directory_iterator it(root, fs::directory_options::skip_permission_denied, error), end;
   for (; !error && it != end && found.size() < kMaxEntries; it.increment(error)) {
     if (it->path().filename().string().starts_with('.')) {
@@ -110,9 +110,8 @@ Catalogue Catalogue::analytic() {
 }
 
 const CatalogueEntry* Catalogue::find(std::string_view id) const {
-  for (const CatalogueEntry& entry : entries_)
-    if (entry.id == id) return &entry;
-  return nullptr;
+  const auto it = place_of_.find(id);
+  return it == place_of_.end() ? nullptr : &entries_[it->second];
 }
 
 }  // namespace isostrata

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,11 +20,13 @@ struct CatalogueEntry {
 class Catalogue {
  public:
   /// Each source is a file, a directory (its readable files at any depth, at most 10000, sorted; hidden ones and links out of it are left
-  /// out) or the name of analytic data. Throws not_found where a source is none of these.
+  /// out) or the name of analytic data. Throws not_found where a source is none of these, or cannot be listed.
   static Catalogue from_sources(const std::vector<std::string>& sources);
   /// The built-in analytic scenes.
   static Catalogue analytic();
 
+  /// The most entries that one has; what is beyond them is left out.
+  static constexpr std::size_t kMaxEntries = 10000;
   const std::vector<CatalogueEntry>& entries() const { return entries_; }
   /// Null where there is none of that id.
   const CatalogueEntry* find(std::string_view id) const;
@@ -32,6 +36,8 @@ class Catalogue {
   void add_directory(const std::filesystem::path& directory);
 
   std::vector<CatalogueEntry> entries_;
+  std::map<std::string, std::size_t, std::less<>> place_of_;  // of an id, in entries_
+  std::set<std::string> sources_;
 };
 
 }  // namespace isostrata

@@ -149,6 +149,18 @@ class Engine::Impl {
     return *found;
   }
 
+  // Where the file lies is the server's own business: a failure names it as clients know it.
+  std::shared_ptr<const Dataset> acquire(const CatalogueEntry& of, int step, const Task& task) {
+    try {
+      return store_.acquire(of.source, step, task);
+    } catch (const Error& error) {
+      std::string message = error.what();
+      for (auto at = message.find(of.source); at != std::string::npos; at = message.find(of.source, at + of.name.size()))
+        message.replace(at, of.source.size(), of.name);
+      throw Error(error.code(), message);
+    }
+  }
+
   // ---- requests ----
 
   void take(OpenRequest& request) {
@@ -157,7 +169,7 @@ class Engine::Impl {
     loaders_.post([this, request, operation = begin(request.session, request.request)] {
       run(request.session, request.request, *operation, [&] {
         const CatalogueEntry& source = entry(request.dataset);
-        const auto dataset = store_.acquire(source.source, 0, operation->task());
+        const auto dataset = acquire(source, 0, operation->task());
         DatasetFacts facts = dataset_facts(source.id, source.name, *dataset);
         if (const ArrayFacts* first = facts.first_array())
           facts.first_layers = first_layers(dataset->grid, dataset->array(first->name), kFirstPictureCells, operation->task());
@@ -171,7 +183,7 @@ class Engine::Impl {
     if (stopping_) return;
     loaders_.post([this, request, operation = begin(request.session, request.request)] {
       run(request.session, request.request, *operation, [&] {
-        const auto dataset = store_.acquire(entry(request.dataset).source, request.step, operation->task());
+        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
         Histogram counted = histogram(array, request.bins);
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower, counted.upper,
@@ -228,7 +240,7 @@ class Engine::Impl {
     std::exception_ptr failure;
     try {
       operation->task().check();
-      auto dataset = store_.acquire(entry(scene.dataset).source, scene.step, operation->task());
+      auto dataset = acquire(entry(scene.dataset), scene.step, operation->task());
       extracted = extract_scene(std::move(dataset), scene, previous, operation->task());
     } catch (...) {
       failure = std::current_exception();

@@ -7,8 +7,10 @@
 #include <array>
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -31,7 +33,7 @@ struct ServeArguments {
   std::vector<std::string> paths;
   std::vector<std::string> data_roots;
   std::string host = "127.0.0.1";
-  unsigned short port = 8080;
+  int port = 8080;
   std::string base_url = "/";
   std::string token;
   std::string token_file;
@@ -97,6 +99,7 @@ void write_ready_file(const fs::path& path, const Server& server) {
                                {"url", server.url()}, {"port", server.port()}, {"pid", getpid()}, {"device", server.engine().device()}}) + "\n";
   const fs::path beside = path.string() + ".new." + std::to_string(getpid());
   const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const int opening_failed = file >= 0 ? 0 : errno;
   const bool written = file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   const bool closed = file >= 0 && close(file) == 0;
   std::error_code error;
@@ -104,7 +107,8 @@ void write_ready_file(const fs::path& path, const Server& server) {
   if (!written || !closed || error) {
     std::error_code ignored;
     fs::remove(beside, ignored);
-    throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written");
+    throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written" +
+                                            (opening_failed ? std::string(": ") + std::strerror(opening_failed) : error ? ": " + error.message() : ""));
   }
 }
 
@@ -128,11 +132,13 @@ void serve(const ServeArguments& arguments) {
   ServerOptions options;
   options.engine.catalogue = sources.empty() ? Catalogue::analytic() : Catalogue::from_sources(sources);
   if (options.engine.catalogue.entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened");
+  if (options.engine.catalogue.entries().size() >= Catalogue::kMaxEntries)
+    log.warn("too_many_files", "only the first " + std::to_string(Catalogue::kMaxEntries) + " files are offered; name a smaller directory to see others");
   options.engine.device = arguments.device;
   options.engine.store.max_bytes = arguments.max_memory;
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
-  options.port = arguments.port;
+  options.port = static_cast<unsigned short>(arguments.port);
   options.base_url = arguments.base_url;
   options.web_root = find_web_root(arguments.web_root);
   options.token = token_of(arguments);
@@ -171,7 +177,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("path", arguments->paths, "Files, directories of files, or names of analytic data; none: the built-in analytic scenes")->type_name("PATH");
   command->add_option("--data-root", arguments->data_roots, "More directories whose files may be opened")->type_name("DIR");
   command->add_option("--host", arguments->host, "Address to listen on")->capture_default_str();
-  command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")->capture_default_str();
+  command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")->check(CLI::Range(0, 65535))->capture_default_str();
   command->add_option("--base-url", arguments->base_url, "Path, or whole URL, under which a proxy shows the server")->capture_default_str();
   auto* token = command->add_option("--token", arguments->token, "Token to ask for; others on this machine can read it here, so prefer ISOSTRATA_TOKEN or --token-file")
                     ->envname("ISOSTRATA_TOKEN");

@@ -224,7 +224,8 @@ void RestApi::create_session(const HttpRequest& request, HttpReply reply) {
   const auto answer = [this, id = created->id(), reply](std::optional<v1::Error> failed) {
     Session* session = sessions_.find(id);
     if (failed || !session) {
-      if (session) sessions_.end(id);
+      // The session is still in the middle of telling this, so it may not go at once; and whoever has taken it over meanwhile keeps it.
+      if (session && failed->code() != "cancelled") sessions_.end_unwatched_soon(session->key());
       return reply(problem(failed ? *failed : wire_error("not_found", "the session has ended")));
     }
     HttpResponse response = json_response(201, session_object(*session));

@@ -22,6 +22,20 @@ using Steady = std::chrono::steady_clock;
 
 constexpr auto kGoodbye = std::chrono::milliseconds(1500);  // for clients to hear that the server ends
 
+constexpr std::size_t kMoreConnections = 256;  // than two for each session: pages load over several
+
+// Whoever comes when every place is taken is told so, as far as that goes without waiting for them.
+void turn_away(tcp::socket& socket) {
+  static constexpr std::string_view kAnswer =
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nContent-Length: 52\r\nConnection: close\r\n\r\n"
+      "Too many connections are open; try again in a while\n";
+  boost::system::error_code ignored;
+  socket.non_blocking(true, ignored);
+  socket.write_some(asio::buffer(kAnswer), ignored);
+  socket.shutdown(tcp::socket::shutdown_send, ignored);
+  socket.close(ignored);
+}
+
 tcp::acceptor listen(asio::io_context& io, const std::string& host, unsigned short port) {
   boost::system::error_code error;
   tcp::resolver resolver(io);
@@ -59,6 +73,7 @@ SessionsOptions sessions_options(const ServerOptions& options, const Engine& eng
   SessionsOptions sessions;
   sessions.max_sessions = options.max_sessions;
   sessions.session_ttl = options.session_ttl;
+  sessions.stall_time = options.stall_time;
   sessions.server_name = options.name;
   sessions.device = engine.device();
   sessions.device_is_software = engine.device_is_software();
@@ -77,7 +92,7 @@ class Server::Impl {
  public:
   explicit Impl(ServerOptions options)
       : options_(std::move(options)),
-        connections_{sessions_, site_, 256, [this] { wake(); }},
+        connections_{sessions_, site_, kMoreConnections + 2 * options_.max_sessions, options_.hello_timeout, options_.write_timeout, [this] { wake(); }},
         io_(1),
         acceptor_(listen(io_, options_.host, options_.port)),
         port_(acceptor_.local_endpoint().port()),
@@ -149,7 +164,12 @@ class Server::Impl {
   asio::awaitable<void> tick_all() {
     while (!stopping_) {
       const auto now = Steady::now();
-      const auto next = sessions_.tick(now);
+      auto next = now + std::chrono::seconds(1);
+      try {
+        next = sessions_.tick(now);
+      } catch (const std::exception&) {
+        // Out of memory for one session's frame: the clock must not stop for the others.
+      }
       if (connections_.open > 0) last_connection_ = now;
       if (options_.idle_timeout.count() > 0 && now - last_connection_ >= options_.idle_timeout) shut_down("nobody is connected");
       boost::system::error_code error;
@@ -171,10 +191,14 @@ class Server::Impl {
         continue;
       }
       if (connections_.open >= connections_.max_connections) {
-        socket.close(error);
+        turn_away(socket);
         continue;
       }
-      asio::co_spawn(io_, serve_connection(std::move(socket), connections_), asio::detached);
+      try {
+        asio::co_spawn(io_, serve_connection(std::move(socket), connections_), asio::detached);
+      } catch (const std::exception&) {
+        // No memory for this one: it is closed, and the next is accepted.
+      }
     }
   }
 

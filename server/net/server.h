@@ -23,6 +23,10 @@ struct ServerOptions {
   std::size_t max_sessions = 32;
   std::chrono::seconds session_ttl{600};
   std::chrono::seconds idle_timeout{0};  // ends after that long without a connection; 0: never
+  // How long one client may stand still before it is given up; the others never wait for it.
+  std::chrono::milliseconds stall_time{4000};      // without an acknowledgement: nothing more is drawn for it
+  std::chrono::milliseconds hello_timeout{10000};  // a WebSocket without its Hello is closed
+  std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
   EngineOptions engine;
 };
 

@@ -1,5 +1,6 @@
 #include "net/websocket_connection.h"
 
+#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -22,8 +23,7 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Steady = std::chrono::steady_clock;
 
-constexpr auto kWriteTimeout = std::chrono::seconds(10);
-constexpr auto kHelloTimeout = std::chrono::seconds(10);
+constexpr std::size_t kPieceBytes = 64 << 10;      // what a client must take within the write timeout: a slow link is not a stuck one
 constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
 
 /// Kept alive by its coroutines.
@@ -160,14 +160,20 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         co_await wake_writer_.async_wait(asio::redirect_error(asio::use_awaitable, error));
         continue;
       }
-      write_began_ = Steady::now();
       if (!bytes) {
+        write_began_ = Steady::now();
         co_await socket_.async_close(*closing_, asio::redirect_error(asio::use_awaitable, error));
         co_return end();
       }
-      co_await socket_.async_write(asio::buffer(*bytes), asio::redirect_error(asio::use_awaitable, error));
-      write_began_.reset();
-      if (error) co_return end();
+      for (std::size_t at = 0; at < bytes->size();) {
+        const std::size_t size = std::min(kPieceBytes, bytes->size() - at);
+        write_began_ = Steady::now();
+        co_await socket_.async_write_some(at + size == bytes->size(), asio::buffer(bytes->data() + at, size),
+                                          asio::redirect_error(asio::use_awaitable, error));
+        write_began_.reset();
+        if (error) co_return end();
+        at += size;
+      }
     }
   }
 
@@ -176,12 +182,13 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     const auto self = shared_from_this();
     boost::system::error_code error;
     const auto accepted = Steady::now();
+    const auto pause = std::min<Steady::duration>({std::chrono::seconds(1), connections_.write_timeout / 4, connections_.hello_timeout / 4});
     while (!ended_) {
-      watch_.expires_after(std::chrono::seconds(1));
+      watch_.expires_after(pause);
       co_await watch_.async_wait(asio::redirect_error(asio::use_awaitable, error));
       const auto now = Steady::now();
-      if (write_began_ && now - *write_began_ > kWriteTimeout) co_return end();
-      if (!greeted_ && now - accepted > kHelloTimeout) co_return end();
+      if (write_began_ && now - *write_began_ > connections_.write_timeout) co_return end();
+      if (!greeted_ && now - accepted > connections_.hello_timeout) co_return end();
     }
   }
 

@@ -104,6 +104,6 @@ int FrameScheduler::window() const {
   return std::clamp(1 + static_cast<int>(std::ceil(seconds * kTargetFps)), 1, kMaxWindow);
 }
 
-bool FrameScheduler::stalled(TimePoint now) const { return !unacknowledged_.empty() && now - unacknowledged_.front().at >= kStall; }
+bool FrameScheduler::stalled(TimePoint now) const { return !unacknowledged_.empty() && now - unacknowledged_.front().at >= stall_; }
 
 }  // namespace isostrata

@@ -29,6 +29,8 @@ class FrameScheduler {
   static constexpr int kMaxWindow = 6;
   static constexpr double kTargetFps = 30;
 
+  explicit FrameScheduler(Duration stall = kStall) : stall_(stall) {}
+
   /// Whether there is something to draw at all, and its newest revision.
   void scene_changed(std::uint64_t revision, bool drawable, TimePoint now);
   void set_viewport(int width, int height, bool hidden, TimePoint now);
@@ -61,6 +63,7 @@ class FrameScheduler {
     TimePoint at;
   };
 
+  Duration stall_;
   bool drawable_ = false;
   bool hidden_ = false;
   bool interacting_ = false;

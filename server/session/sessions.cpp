@@ -1,6 +1,7 @@
 #include "session/sessions.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "session/limits.h"
 #include "session/random_token.h"
@@ -54,6 +55,7 @@ ViewerKey Sessions::attach(Outbox& outbox, TimePoint now) {
   auto viewer = std::make_unique<Viewer>();
   viewer->key = ++last_viewer_;
   viewer->outbox = &outbox;
+  viewer->frames = FrameScheduler(options_.stall_time);
   viewers_[viewer->key] = std::move(viewer);
   return last_viewer_;
 }
@@ -248,6 +250,8 @@ TimePoint Sessions::tick(TimePoint now) {
   now_ = now;
   TimePoint next = now + std::chrono::seconds(1);
   std::vector<SessionKey> over;
+  for (const SessionKey key : std::exchange(over_, {}))
+    if (const Session* session = find(key); session && !session->watched()) over.push_back(key);
   for (auto& [key, session] : sessions_) {
     if (session->watched()) session->pump(now);
     else if (now - session->last_use() >= options_.session_ttl) over.push_back(key);

@@ -16,6 +16,7 @@ namespace isostrata {
 struct SessionsOptions {
   std::size_t max_sessions = 32;
   Duration session_ttl = std::chrono::minutes(10);  // a session that nobody uses is kept that long
+  Duration stall_time = FrameScheduler::kStall;     // without an acknowledgement: nothing more is drawn for that viewer
   std::string server_name = "isostrata";            // with its version, for Welcome
   std::string device;
   bool device_is_software = false;
@@ -43,7 +44,10 @@ class Sessions final : public EngineDoor {
   /// Null, with the error, where there is no room. A session that nobody watches makes room, the longest unused first.
   Session* create(TimePoint now, v1::Error& error);
   Session* find(const std::string& id);
+  /// Not from inside a session's reply: there, end_unwatched_soon.
   bool end(const std::string& id);
+  /// Ends it at the next tick, unless somebody watches it then.
+  void end_unwatched_soon(SessionKey key) { over_.push_back(key); }
   std::vector<const Session*> list() const;
   const std::vector<v1::DatasetEntry>& datasets() const { return options_.datasets; }
   const SessionsOptions& options() const { return options_; }
@@ -75,6 +79,7 @@ class Sessions final : public EngineDoor {
   std::map<RequestId, Pending> pending_;
   std::map<ViewerKey, std::unique_ptr<Viewer>> viewers_;
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
+  std::vector<SessionKey> over_;  // to end at the next tick
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   SessionKey last_session_ = 0;

@@ -1,6 +1,7 @@
 #include "engine/catalogue.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -48,6 +49,17 @@ TEST_F(CatalogueFiles, IdsAreTheSameInTheNextServer) {
   EXPECT_EQ(two.entries()[1].name, "a.vtk");
   EXPECT_EQ(one.entries().size(), 3u);
   EXPECT_EQ(Catalogue::from_sources({(root_ / "data").string()}).entries()[1].id, one.entries()[1].id);
+}
+
+TEST_F(CatalogueFiles, LinksInCirclesPipesAndDirectoriesWithTheNameOfAFileAreLeftOut) {
+  const fs::path data = root_ / "data";
+  fs::create_directory_symlink(data, data / "deep" / "again");
+  fs::create_symlink("circle.vtk", data / "circle.vtk");
+  fs::create_symlink("nowhere.vtk", data / "dangling.vtk");
+  fs::create_directories(data / "folder.vtk");
+  ASSERT_EQ(mkfifo((data / "pipe.vtk").c_str(), 0600), 0);
+  EXPECT_EQ(Catalogue::from_sources({data.string()}).entries().size(), 3u);
+  EXPECT_THROW(Catalogue::from_sources({(data / "circle.vtk").string()}), Error);
 }
 
 TEST_F(CatalogueFiles, WhatIsNotThereIsNamed) {

@@ -7,8 +7,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -72,8 +74,39 @@ class RawSocket {
          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " + protocol + "\r\n" + headers + "\r\n");
     std::string head;
     while (head.find("\r\n\r\n") == std::string::npos)
-      if (read_some(head, 8000) <= 0) break;
+      if (read_some(head, 8000) <= 0) return head;
+    kept_ = head.substr(head.find("\r\n\r\n") + 4);
     return head;
+  }
+  struct Frame {
+    bool last;
+    int opcode;
+    std::string payload;
+  };
+  /// The next WebSocket frame of the server; nothing after the time or at the end.
+  std::optional<Frame> read_frame(int timeout_ms = 8000) {
+    const auto filled = [&](std::size_t size) {
+      while (kept_.size() < size)
+        if (read_some(kept_, timeout_ms) <= 0) return false;
+      return true;
+    };
+    if (!filled(2)) return std::nullopt;
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(kept_[i]); };
+    const std::size_t size_bytes = (byte(1) & 127) == 127 ? 8 : (byte(1) & 127) == 126 ? 2 : 0;
+    if (!filled(2 + size_bytes)) return std::nullopt;
+    std::size_t size = size_bytes == 0 ? byte(1) & 127 : 0;
+    for (std::size_t i = 0; i < size_bytes; ++i) size = size << 8 | byte(2 + i);
+    if (!filled(2 + size_bytes + size)) return std::nullopt;
+    Frame frame{(byte(0) & 128) != 0, byte(0) & 15, kept_.substr(2 + size_bytes, size)};
+    kept_.erase(0, 2 + size_bytes + size);
+    return frame;
+  }
+  /// What has come, up to a size; 0 after the time or at the end.
+  std::size_t read_at_most(std::size_t size, int timeout_ms = 5000) {
+    pollfd poll_fd{fd_, POLLIN, 0};
+    if (poll(&poll_fd, 1, timeout_ms) != 1) return 0;
+    std::string buffer(size, '\0');
+    return static_cast<std::size_t>(std::max<ssize_t>(0, recv(fd_, buffer.data(), size, 0)));
   }
   /// One masked frame with the mask 0, so its payload goes as it is.
   bool send_frame(const std::string& payload, int opcode = 2) {
@@ -99,6 +132,7 @@ class RawSocket {
     return 1;
   }
   const int fd_;
+  std::string kept_;  // read and not yet taken by read_frame
 };
 
 }  // namespace isostrata

@@ -147,5 +147,32 @@ TEST_F(Rest, WhatIsNotThereAndWhatIsNotDone) {
   expect_problem(server_.ask("GET", "/api/v1/sessions/" + id), 404, "not_found");
 }
 
+TEST_F(Rest, ASessionWhoseDatasetCannotBeOpenedIsNotLeftBehind) {
+  for (int i = 0; i < 50; ++i) expect_problem(server_.ask("POST", "/api/v1/sessions", R"({"dataset":"nosuch"})"), 404, "not_found");
+  EXPECT_TRUE(get("sessions").at("sessions").as_array().empty());
+}
+
+TEST(RestOpening, ASessionMayBeDeletedWhileItsDatasetIsBeingOpened) {
+  ServerOptions options;
+  options.engine.catalogue = Catalogue::from_sources({"cylinder:160x160x80", "torus:8"});
+  RunningServer server(std::move(options));
+  const std::string body = R"({"dataset":"cylinder-160x160x80"})";
+  RawSocket creating(server.port());
+  creating.send(std::string("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer ") + RunningServer::kToken +
+                "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  std::string id;
+  for (int i = 0; i < 500 && id.empty(); ++i) {
+    const std::string listed = server.ask("GET", "/api/v1/sessions");
+    if (const auto at = listed.find("\"id\":\""); at != std::string::npos) id = listed.substr(at + 6, listed.find('"', at + 6) - at - 6);
+  }
+  ASSERT_FALSE(id.empty());
+  EXPECT_EQ(status_of(server.ask("DELETE", "/api/v1/sessions/" + id)), 204);
+  const std::string answer = creating.read_response();
+  // On a machine that opens it faster than a second request comes, it was there before it was deleted.
+  EXPECT_TRUE(status_of(answer) == 404 || status_of(answer) == 201) << answer;
+  EXPECT_EQ(status_of(server.ask("GET", "/api/v1/sessions/" + id)), 404);
+  EXPECT_EQ(status_of(server.ask("POST", "/api/v1/sessions", R"({"dataset":"torus-8"})")), 201);
+}
+
 }  // namespace
 }  // namespace isostrata

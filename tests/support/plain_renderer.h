@@ -18,6 +18,7 @@ struct PlainRendererControl {
   std::atomic<int> drawn{0};
   std::atomic<int> delay_ms{0};
   std::atomic<bool> fail{false};
+  std::atomic<bool> noise{false};  // pictures that no encoder makes small, instead of one colour
 };
 
 class PlainRenderer final : public Renderer {
@@ -37,6 +38,10 @@ class PlainRenderer final : public Renderer {
       image.rgba[i] = red;
       image.rgba[i + 1] = green;
       image.rgba[i + 2] = 77;
+    }
+    if (control_->noise) {
+      std::uint32_t state = 1;
+      for (std::uint8_t& value : image.rgba) value = static_cast<std::uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
     }
     DrawFacts facts;
     facts.device = device_;
