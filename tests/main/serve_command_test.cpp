@@ -185,6 +185,8 @@ TEST_F(ServeCommand, SessionsAreJoinedByIdAndSeeTheSame) {
   ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0);
   const std::string id(json::parse(contents(out())).at("session").as_string());
   ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--session", id, "--interval", "0.2:0.3", "--out", (directory_ / "a.png").string()}), 0) << contents(errors());
+  ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << contents(errors());
+  EXPECT_NE(contents(out()).find("living   " + id), std::string::npos) << contents(out());
   ASSERT_EQ(run("isostrata-client", {url_, "info", "--json", "--session", id}), 0) << contents(errors());
   const auto state = json::parse(contents(out())).at("state");
   EXPECT_EQ(state.at("intervals").as_array().size(), 1u);
