@@ -6,12 +6,33 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 
 namespace isostrata {
 namespace {
 std::unique_ptr<tbb::global_control> limit;
-}
+
+#ifdef __SANITIZE_THREAD__
+// oneTBB's library is not instrumented, so ThreadSanitizer cannot see that a loop begins after what came before it and ends before what comes
+// after. This says so, and with it races within and between the loops' bodies are found.
+class LoopOrder {
+ public:
+  LoopOrder() { began_.store(1, std::memory_order_release); }
+  ~LoopOrder() { ended_.load(std::memory_order_acquire); }
+  void begin() const { began_.load(std::memory_order_acquire); }
+  void end() { ended_.fetch_add(1, std::memory_order_acq_rel); }
+
+ private:
+  std::atomic<int> began_{0}, ended_{0};
+};
+#else
+struct LoopOrder {
+  void begin() const {}
+  void end() {}
+};
+#endif
+}  // namespace
 
 void set_thread_count(int threads) {
   const int wanted = threads > 0 ? threads : tbb::info::default_concurrency();
@@ -25,8 +46,13 @@ int thread_count() {
 
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
+  LoopOrder order;
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, std::max<std::int64_t>(grain, 1)),
-                    [&](const tbb::blocked_range<std::int64_t>& range) { body(range.begin(), range.end()); });
+                    [&](const tbb::blocked_range<std::int64_t>& range) {
+                      order.begin();
+                      body(range.begin(), range.end());
+                      order.end();
+                    });
 }
 
 }  // namespace isostrata

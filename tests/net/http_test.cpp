@@ -148,5 +148,18 @@ TEST(HttpPage, AMissingPageIsSaidPlainly) {
   EXPECT_TRUE(has(response, "not built")) << response;
 }
 
+TEST(HttpPlaces, WhoComesWhenAllAreTakenIsToldAndTheNextOneAfterThatIsServed) {
+  ServerOptions options;
+  options.max_sessions = 1;
+  RunningServer server(std::move(options));
+  std::vector<std::unique_ptr<RawSocket>> taken;
+  for (int i = 0; i < 258; ++i) taken.push_back(std::make_unique<RawSocket>(server.port()));
+  EXPECT_EQ(status_of(RawSocket(server.port()).read_all()), 503);
+  taken.clear();
+  bool served = false;
+  for (int i = 0; i < 200 && !served; ++i) served = server.answers();
+  EXPECT_TRUE(served);
+}
+
 }  // namespace
 }  // namespace isostrata

@@ -174,5 +174,19 @@ TEST(RestOpening, ASessionMayBeDeletedWhileItsDatasetIsBeingOpened) {
   EXPECT_EQ(status_of(server.ask("POST", "/api/v1/sessions", R"({"dataset":"torus-8"})")), 201);
 }
 
+TEST(RestOpening, AFileThatIsGoneIsNamedWithoutItsPlaceOnTheServer) {
+  ScratchDirectory scratch;
+  scratch.write("deep/gone.vtk", "x");
+  ServerOptions options;
+  options.engine.catalogue = Catalogue::from_sources({scratch.path().string()});
+  const std::string id = options.engine.catalogue.entries().at(0).id;
+  RunningServer server(std::move(options));
+  std::filesystem::remove(scratch.path() / "deep" / "gone.vtk");
+  const std::string answer = server.ask("POST", "/api/v1/sessions", "{\"dataset\":\"" + id + "\"}");
+  EXPECT_EQ(status_of(answer), 404) << answer;
+  EXPECT_TRUE(has(answer, "deep/gone.vtk")) << answer;
+  EXPECT_FALSE(has(answer, scratch.path().string())) << answer;
+}
+
 }  // namespace
 }  // namespace isostrata
