@@ -20,16 +20,21 @@ class LoopOrder {
  public:
   LoopOrder() { began_.store(1, std::memory_order_release); }
   ~LoopOrder() { ended_.load(std::memory_order_acquire); }
-  void begin() const { began_.load(std::memory_order_acquire); }
-  void end() { ended_.fetch_add(1, std::memory_order_acq_rel); }
+  /// One call of the body, also where it throws.
+  struct Turn {
+    explicit Turn(LoopOrder& order) : order(order) { order.began_.load(std::memory_order_acquire); }
+    ~Turn() { order.ended_.fetch_add(1, std::memory_order_acq_rel); }
+    LoopOrder& order;
+  };
 
  private:
   std::atomic<int> began_{0}, ended_{0};
 };
 #else
 struct LoopOrder {
-  void begin() const {}
-  void end() {}
+  struct Turn {
+    explicit Turn(LoopOrder&) {}
+  };
 };
 #endif
 }  // namespace
@@ -49,9 +54,8 @@ void parallel_for(std::int64_t count, std::int64_t grain, const std::function<vo
   LoopOrder order;
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, std::max<std::int64_t>(grain, 1)),
                     [&](const tbb::blocked_range<std::int64_t>& range) {
-                      order.begin();
+                      [[maybe_unused]] const LoopOrder::Turn turn(order);
                       body(range.begin(), range.end());
-                      order.end();
                     });
 }
 

@@ -84,7 +84,8 @@ std::shared_ptr<const Dataset> DatasetStore::acquire(const std::string& source, 
   }
   --loading->waiting;
   if (loading->failure) std::rethrow_exception(loading->failure);
-  return loading->dataset;
+  // The last one takes it away: the thread that loaded it may live a little longer, and what it held would count as in use.
+  return loading->waiting == 0 ? std::move(loading->dataset) : loading->dataset;
 }
 
 void DatasetStore::load(std::shared_ptr<Loading> loading, Key key) {
@@ -98,12 +99,13 @@ void DatasetStore::load(std::shared_ptr<Loading> loading, Key key) {
     failure = std::current_exception();
   }
   std::lock_guard lock(mutex_);
-  loading->dataset = dataset;
+  if (loading->waiting > 0) loading->dataset = dataset;
   loading->failure = failure;
   loading->done = true;
   if (const auto it = loading_.find(key); it != loading_.end() && it->second == loading) loading_.erase(it);
   if (dataset) {
-    held_[key] = {dataset, dataset_bytes(*dataset), ++uses_};
+    const std::uint64_t bytes = dataset_bytes(*dataset);
+    held_[key] = {std::move(dataset), bytes, ++uses_};
     drop_unused();
   }
   --threads_;
