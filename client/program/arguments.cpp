@@ -1,7 +1,7 @@
 #include "arguments.h"
 
-#include <boost/json/parse.hpp>
 #include <array>
+#include <boost/json/parse.hpp>
 #include <charconv>
 
 namespace isostrata::client {
@@ -14,7 +14,8 @@ namespace {
 double number(std::string_view part, const std::string& what, const std::string& whole) {
   double value = 0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-  if (error != std::errc{} || end != part.data() + part.size() || part.empty()) refuse(what, whole, "'" + std::string(part) + "' is not a number");
+  if (error != std::errc{} || end != part.data() + part.size() || part.empty())
+    refuse(what, whole, "'" + std::string(part) + "' is not a number");
   return value;
 }
 
@@ -32,7 +33,8 @@ v1::Rgb parse_rgb(std::string_view text, const std::string& whole) {
   unsigned value = 0;
   const bool hash = text.size() == 7 && text[0] == '#';
   const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), value, 16);
-  if (!hash || error != std::errc{} || end != text.data() + text.size()) refuse("interval", whole, "expected color=#rrggbb or color=map:NAME");
+  if (!hash || error != std::errc{} || end != text.data() + text.size())
+    refuse("interval", whole, "expected color=#rrggbb or color=map:NAME");
   v1::Rgb rgb;
   rgb.set_r(static_cast<float>(value >> 16 & 255) / 255);
   rgb.set_g(static_cast<float>(value >> 8 & 255) / 255);
@@ -42,7 +44,8 @@ v1::Rgb parse_rgb(std::string_view text, const std::string& whole) {
 
 // The colours that the server gives to a session's first intervals.
 v1::Rgb default_color(std::size_t index) {
-  static constexpr std::array<std::array<float, 3>, 4> kColors{{{0.9f, 0.12f, 0.12f}, {0.15f, 0.75f, 0.2f}, {0.15f, 0.35f, 0.95f}, {0.97f, 0.85f, 0.1f}}};
+  static constexpr std::array<std::array<float, 3>, 4> kColors{
+      {{0.9f, 0.12f, 0.12f}, {0.15f, 0.75f, 0.2f}, {0.15f, 0.35f, 0.95f}, {0.97f, 0.85f, 0.1f}}};
   const auto& color = kColors[index % kColors.size()];
   v1::Rgb rgb;
   rgb.set_r(color[0]);
@@ -56,7 +59,10 @@ v1::Rgb default_color(std::size_t index) {
 void add_scene_options(CLI::App& command, SceneArguments& arguments) {
   command.add_option("--dataset", arguments.dataset, "Id or name of the dataset to open");
   command.add_option("--array", arguments.array, "Array that intervals are cut from");
-  command.add_option("--interval", arguments.intervals, "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]; they replace the session's")->type_name("INTERVAL");
+  command
+      .add_option("--interval", arguments.intervals,
+                  "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]; they replace the session's")
+      ->type_name("INTERVAL");
   command.add_option("--size", arguments.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--camera", arguments.camera, "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg, or reset, +x, -x, +y, -y, +z, -z");
   command.add_option("--session", arguments.session, "Id or resume token of the session to join; none: a new one");
@@ -76,11 +82,16 @@ v1::Interval parse_interval(const std::string& text, std::size_t index) {
     const auto at = parts[i].find('=');
     const auto key = parts[i].substr(0, at);
     const auto value = at == std::string_view::npos ? std::string_view{} : parts[i].substr(at + 1);
-    if (key == "color" && value.starts_with("map:")) interval.set_color_map(std::string(value.substr(4)));
-    else if (key == "color") *interval.mutable_color() = parse_rgb(value, text);
-    else if (key == "opacity") interval.set_opacity(number(value, "interval", text));
-    else if (key == "priority") interval.set_priority(static_cast<int>(number(value, "interval", text)));
-    else refuse("interval", text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity= or priority=");
+    if (key == "color" && value.starts_with("map:"))
+      interval.set_color_map(std::string(value.substr(4)));
+    else if (key == "color")
+      *interval.mutable_color() = parse_rgb(value, text);
+    else if (key == "opacity")
+      interval.set_opacity(number(value, "interval", text));
+    else if (key == "priority")
+      interval.set_priority(static_cast<int>(number(value, "interval", text)));
+    else
+      refuse("interval", text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity= or priority=");
   }
   return interval;
 }
@@ -95,7 +106,10 @@ v1::Camera parse_camera(const std::string& text, const v1::Camera& base) {
       camera.set_fov_deg(number(value, "camera", text));
       continue;
     }
-    v1::Vec3* vector = key == "eye" ? camera.mutable_eye() : key == "at" ? camera.mutable_at() : key == "up" ? camera.mutable_up() : nullptr;
+    v1::Vec3* vector = key == "eye"  ? camera.mutable_eye()
+                       : key == "at" ? camera.mutable_at()
+                       : key == "up" ? camera.mutable_up()
+                                     : nullptr;
     const auto xyz = split(value, ',');
     if (!vector || xyz.size() != 3) refuse("camera", text, "expected eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg, or a view such as +x");
     vector->set_x(number(xyz[0], "camera", text));
@@ -115,8 +129,10 @@ void parse_size(const std::string& text, int& width, int& height) {
 }
 
 Client connect(Options options, const SceneArguments& arguments) {
-  if (arguments.size.empty()) options.width = 0;
-  else parse_size(arguments.size, options.width, options.height);
+  if (arguments.size.empty())
+    options.width = 0;
+  else
+    parse_size(arguments.size, options.width, options.height);
   if (arguments.session.size() == 16) {
     const auto session = boost::json::parse(http_get(options, "api/v1/sessions/" + arguments.session));
     options.resume_token = std::string(session.at("resumeToken").as_string());
@@ -133,9 +149,12 @@ void set_scene(Client& client, const SceneArguments& arguments) {
   std::string id;
   for (const v1::DatasetEntry& entry : client.welcome().datasets())
     if (entry.id() == arguments.dataset || (id.empty() && entry.name() == arguments.dataset)) id = entry.id();
-  if (arguments.dataset.empty() && client.state().dataset().empty() && client.welcome().datasets_size() > 0) id = client.welcome().datasets(0).id();
+  if (arguments.dataset.empty() && client.state().dataset().empty() && client.welcome().datasets_size() > 0)
+    id = client.welcome().datasets(0).id();
   if (id.empty() && client.state().dataset().empty())
-    throw ClientError("not_found", arguments.dataset.empty() ? "the server offers no dataset" : "dataset '" + arguments.dataset + "' is not offered by this server; `info` lists them");
+    throw ClientError("not_found", arguments.dataset.empty()
+                                       ? "the server offers no dataset"
+                                       : "dataset '" + arguments.dataset + "' is not offered by this server; `info` lists them");
   if (!id.empty() && client.state().dataset() != id) client.open_dataset(id);
   if (!arguments.array.empty()) {
     v1::ClientMessage message;
@@ -145,13 +164,16 @@ void set_scene(Client& client, const SceneArguments& arguments) {
   if (!arguments.intervals.empty()) {
     v1::ClientMessage message;
     auto& intervals = *message.mutable_set_intervals();
-    for (std::size_t i = 0; i < arguments.intervals.size(); ++i) *intervals.add_intervals() = parse_interval(arguments.intervals[i], i);
+    for (std::size_t i = 0; i < arguments.intervals.size(); ++i)
+      *intervals.add_intervals() = parse_interval(arguments.intervals[i], i);
     client.command(std::move(message));
   }
   if (!arguments.camera.empty()) {
     v1::ClientMessage message;
-    if (arguments.camera.find('=') == std::string::npos) message.mutable_set_view()->set_view(arguments.camera);
-    else *message.mutable_set_camera()->mutable_camera() = parse_camera(arguments.camera, client.state().camera());
+    if (arguments.camera.find('=') == std::string::npos)
+      message.mutable_set_view()->set_view(arguments.camera);
+    else
+      *message.mutable_set_camera()->mutable_camera() = parse_camera(arguments.camera, client.state().camera());
     client.command(std::move(message));
   }
 }

@@ -1,7 +1,7 @@
 // latency: drags an interval's upper end as a person would and measures what comes back.
 //
-// An input's latency is the time from sending it to having decoded the first frame that contains it (Frame.input_seq), taken over every input
-// that was sent while frames were coming: those that a newer one overtook count too, and have waited longest.
+// An input's latency is the time from sending it to having decoded the first frame that contains it (Frame.input_seq), taken over
+// every input that was sent while frames were coming: those that a newer one overtook count too, and have waited longest.
 #include <algorithm>
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
@@ -20,7 +20,8 @@ double ms_between(Steady::time_point a, Steady::time_point b) { return std::chro
 
 double percentile(std::vector<double>& sorted, double p) {
   if (sorted.empty()) return 0;
-  return sorted[static_cast<std::size_t>(std::min<double>(std::ceil(p * static_cast<double>(sorted.size())), static_cast<double>(sorted.size())) - (p > 0 ? 1 : 0))];
+  return sorted[static_cast<std::size_t>(
+      std::min<double>(std::ceil(p * static_cast<double>(sorted.size())), static_cast<double>(sorted.size())) - (p > 0 ? 1 : 0))];
 }
 
 struct Measured {
@@ -61,7 +62,8 @@ Measured drag(Client& client, double seconds) {
       next = std::max(next + interval, now);
     }
     if (now >= end && (inputs.empty() || now >= give_up)) break;
-    const auto wait = now < end ? std::chrono::duration_cast<std::chrono::milliseconds>(next - now) : std::chrono::milliseconds(50);
+    const auto wait =
+        now < end ? std::chrono::duration_cast<std::chrono::milliseconds>(next - now) : std::chrono::milliseconds(50);
     const auto message = client.receive(std::clamp(wait, std::chrono::milliseconds(0), std::chrono::milliseconds(50)));
     if (!message) continue;
     if (message->has_error()) throw ClientError(message->error().code(), message->error().message());
@@ -70,7 +72,8 @@ Measured drag(Client& client, double seconds) {
     const auto arrived = Steady::now();
     decode(frame.payload());
     const auto decoded = Steady::now();
-    for (; !inputs.empty() && inputs.front().seq <= frame.input_seq(); inputs.pop_front()) measured.latency_ms.push_back(ms_between(inputs.front().at, decoded));
+    for (; !inputs.empty() && inputs.front().seq <= frame.input_seq(); inputs.pop_front())
+      measured.latency_ms.push_back(ms_between(inputs.front().at, decoded));
     if (arrived > end) continue;
     measured.decode_ms.push_back(ms_between(arrived, decoded));
     measured.bytes.push_back(static_cast<double>(frame.payload().size()));
@@ -95,7 +98,8 @@ boost::json::object summary(std::vector<double>& values) {
 }  // namespace
 
 void add_latency(CLI::App& app, Options& options) {
-  CLI::App* command = app.add_subcommand("latency", "Drags an interval's end at up to 60 moves a second and reports frames per second and latency");
+  CLI::App* command = app.add_subcommand(
+      "latency", "Drags an interval's end at up to 60 moves a second and reports frames per second and latency");
   const auto arguments = std::make_shared<SceneArguments>();
   const auto seconds = std::make_shared<double>(5);
   const auto json = std::make_shared<bool>(false);
@@ -105,7 +109,8 @@ void add_latency(CLI::App& app, Options& options) {
   command->callback([&options, arguments, seconds, json] {
     Client client = connect(options, *arguments);
     set_scene(client, *arguments);
-    if (client.state().intervals_size() == 0) throw ClientError("not_found", "the session has no interval to drag; give one with --interval");
+    if (client.state().intervals_size() == 0)
+      throw ClientError("not_found", "the session has no interval to drag; give one with --interval");
     client.lossless_frame();  // loading and the first extraction are not what is measured
     Measured m = drag(client, *seconds);
     if (m.decode_ms.empty() || m.latency_ms.empty()) throw ClientError("timeout", "no frame came while the interval was dragged");
@@ -113,11 +118,19 @@ void add_latency(CLI::App& app, Options& options) {
     for (const double b : m.bytes) bytes += b;
     const auto frames = m.decode_ms.size();
     const double fps = static_cast<double>(frames) / m.seconds;
-    boost::json::object document{{"dataset", client.state().dataset()}, 
-                                 {"device", m.device}, {"seconds", m.seconds}, {"frames", frames}, {"fps", fps}, {"inputs", m.inputs},
-                                 {"input_to_decoded_ms", summary(m.latency_ms)}, {"bytes_per_frame", bytes / static_cast<double>(frames)},
-                                 {"tetrahedra", m.tetrahedra}, {"extract_ms", summary(m.extract_ms)}, {"draw_ms", summary(m.draw_ms)},
-                                 {"encode_ms", summary(m.encode_ms)}, {"decode_ms", summary(m.decode_ms)}};
+    boost::json::object document{{"dataset", client.state().dataset()},
+                                 {"device", m.device},
+                                 {"seconds", m.seconds},
+                                 {"frames", frames},
+                                 {"fps", fps},
+                                 {"inputs", m.inputs},
+                                 {"input_to_decoded_ms", summary(m.latency_ms)},
+                                 {"bytes_per_frame", bytes / static_cast<double>(frames)},
+                                 {"tetrahedra", m.tetrahedra},
+                                 {"extract_ms", summary(m.extract_ms)},
+                                 {"draw_ms", summary(m.draw_ms)},
+                                 {"encode_ms", summary(m.encode_ms)},
+                                 {"decode_ms", summary(m.decode_ms)}};
     int width = 0, height = 0;
     parse_size(arguments->size, width, height);
     document["size"] = {width, height};
@@ -125,8 +138,8 @@ void add_latency(CLI::App& app, Options& options) {
       std::printf("%s\n", boost::json::serialize(document).c_str());
       return;
     }
-    std::printf("%zu frames in %.1f s: %.1f frames per second, %.0f bytes each, up to %lld tetrahedra on %s\n", frames, m.seconds, fps,
-                bytes / static_cast<double>(frames), static_cast<long long>(m.tetrahedra), m.device.c_str());
+    std::printf("%zu frames in %.1f s: %.1f frames per second, %.0f bytes each, up to %lld tetrahedra on %s\n", frames, m.seconds,
+                fps, bytes / static_cast<double>(frames), static_cast<long long>(m.tetrahedra), m.device.c_str());
     std::printf("input to decoded frame: p50 %.1f ms, p95 %.1f ms, max %.1f ms over %zu inputs\n", percentile(m.latency_ms, 0.5),
                 percentile(m.latency_ms, 0.95), percentile(m.latency_ms, 1), m.latency_ms.size());
   });

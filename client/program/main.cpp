@@ -1,4 +1,5 @@
-// isostrata-client: an Isostrata server from the command line. Exit status: 0 done, 1 it failed (one line says why), 2 wrong usage.
+// isostrata-client: an Isostrata server from the command line. Exit status: 0 done, 1 it failed (one line says why), 2 wrong
+// usage.
 #include <cstdio>
 #include <exception>
 

@@ -102,7 +102,8 @@ class Client::Impl {
     for (;;) {
       const auto answer = receive_until(deadline);
       if (!answer) throw ClientError("timeout", "the server did not answer a command");
-      if (answer->has_error() && answer->error().in_reply_to() == seq) throw ClientError(answer->error().code(), answer->error().message());
+      if (answer->has_error() && answer->error().in_reply_to() == seq)
+        throw ClientError(answer->error().code(), answer->error().message());
       if (answer->has_pong() && answer->pong().client_time_ms() == mark) return;
     }
   }
@@ -116,7 +117,8 @@ class Client::Impl {
     for (;;) {
       const auto answer = receive_until(deadline);
       if (!answer) throw ClientError("timeout", "dataset '" + id + "' was not open in time");
-      if (answer->has_error() && answer->error().in_reply_to() == seq) throw ClientError(answer->error().code(), answer->error().message());
+      if (answer->has_error() && answer->error().in_reply_to() == seq)
+        throw ClientError(answer->error().code(), answer->error().message());
       described = described || (answer->has_dataset_info() && answer->dataset_info().id() == id);
       if (described && answer->has_state() && state_.dataset() == id) return;
     }
@@ -132,7 +134,8 @@ class Client::Impl {
       if (!message) throw ClientError("timeout", "no lossless frame came in time");
       if (message->has_error() && (message->error().in_reply_to() == seq || message->error().in_reply_to() == 0))
         throw ClientError(message->error().code(), message->error().message());
-      if (message->has_frame() && message->frame().phase() == v1::FRAME_PHASE_LOSSLESS && message->frame().revision() >= state_.revision())
+      if (message->has_frame() && message->frame().phase() == v1::FRAME_PHASE_LOSSLESS &&
+          message->frame().revision() >= state_.revision())
         return std::move(*message->mutable_frame());
     }
   }
@@ -274,7 +277,9 @@ const v1::Welcome& Client::welcome() const { return impl_->welcome_; }
 const v1::State& Client::state() const { return impl_->state_; }
 const v1::DatasetInfo& Client::dataset() const { return impl_->dataset_; }
 std::uint64_t Client::send(v1::ClientMessage message) { return impl_->send(std::move(message)); }
-std::optional<v1::ServerMessage> Client::receive(std::chrono::milliseconds timeout) { return impl_->receive_until(Steady::now() + timeout); }
+std::optional<v1::ServerMessage> Client::receive(std::chrono::milliseconds timeout) {
+  return impl_->receive_until(Steady::now() + timeout);
+}
 void Client::command(v1::ClientMessage message) { impl_->command(std::move(message)); }
 void Client::open_dataset(const std::string& id) { impl_->open_dataset(id); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }

@@ -31,9 +31,11 @@ Picture decode_jpeg(const std::string& bytes) {
   if (!handle) refuse("no JPEG decoder");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
-  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace) != 0) refuse(tjGetErrorStr2(handle.get()));
+  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace) != 0)
+    refuse(tjGetErrorStr2(handle.get()));
   check_size(static_cast<std::uint64_t>(std::max(width, 0)), static_cast<std::uint64_t>(std::max(height, 0)));
-  Picture picture{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)};
+  Picture picture{width, height,
+                  std::vector<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)};
   if (tjDecompress2(handle.get(), data, bytes.size(), picture.rgb.data(), width, 0, height, TJPF_RGB, TJFLAG_ACCURATEDCT) != 0)
     refuse(tjGetErrorStr2(handle.get()));
   return picture;
@@ -52,12 +54,22 @@ void unfilter(int filter, std::uint8_t* row, const std::uint8_t* above, std::siz
     const int up = above[i];
     const int corner = i >= pixel ? above[i - pixel] : 0;
     switch (filter) {
-      case 0: return;
-      case 1: row[i] = static_cast<std::uint8_t>(row[i] + left); break;
-      case 2: row[i] = static_cast<std::uint8_t>(row[i] + up); break;
-      case 3: row[i] = static_cast<std::uint8_t>(row[i] + (left + up) / 2); break;
-      case 4: row[i] = static_cast<std::uint8_t>(row[i] + paeth(left, up, corner)); break;
-      default: refuse("PNG: unknown filter " + std::to_string(filter));
+      case 0:
+        return;
+      case 1:
+        row[i] = static_cast<std::uint8_t>(row[i] + left);
+        break;
+      case 2:
+        row[i] = static_cast<std::uint8_t>(row[i] + up);
+        break;
+      case 3:
+        row[i] = static_cast<std::uint8_t>(row[i] + (left + up) / 2);
+        break;
+      case 4:
+        row[i] = static_cast<std::uint8_t>(row[i] + paeth(left, up, corner));
+        break;
+      default:
+        refuse("PNG: unknown filter " + std::to_string(filter));
     }
   }
 }
@@ -73,10 +85,12 @@ Picture decode_png(const std::string& bytes) {
     const std::size_t size = big_endian(data + at);
     if (size > bytes.size() - at - 12) refuse("PNG: truncated");
     const unsigned char* body = data + at + 8;
-    if (big_endian(body + size) != crc32(0, data + at + 4, static_cast<uInt>(size + 4))) refuse("PNG: a chunk's checksum is wrong");
+    if (big_endian(body + size) != crc32(0, data + at + 4, static_cast<uInt>(size + 4)))
+      refuse("PNG: a chunk's checksum is wrong");
     const std::string_view type(bytes.data() + at + 4, 4);
     if (type == "IHDR") {
-      if (size != 13 || body[8] != 8 || (body[9] != 2 && body[9] != 6) || body[12] != 0) refuse("PNG: not 8-bit RGB or RGBA without interlacing");
+      if (size != 13 || body[8] != 8 || (body[9] != 2 && body[9] != 6) || body[12] != 0)
+        refuse("PNG: not 8-bit RGB or RGBA without interlacing");
       check_size(big_endian(body), big_endian(body + 4));
       picture.width = static_cast<int>(big_endian(body));
       picture.height = static_cast<int>(big_endian(body + 4));
@@ -90,10 +104,13 @@ Picture decode_png(const std::string& bytes) {
   }
   if (channels == 0) refuse("PNG: no header");
 
-  const std::size_t width = static_cast<std::size_t>(picture.width), height = static_cast<std::size_t>(picture.height), row = width * channels;
+  const std::size_t width = static_cast<std::size_t>(picture.width), height = static_cast<std::size_t>(picture.height),
+                    row = width * channels;
   std::vector<std::uint8_t> lines((row + 1) * height);
   uLongf unpacked = static_cast<uLongf>(lines.size());
-  if (uncompress(lines.data(), &unpacked, reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size())) != Z_OK || unpacked != lines.size())
+  if (uncompress(lines.data(), &unpacked, reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size())) !=
+          Z_OK ||
+      unpacked != lines.size())
     refuse("PNG: the compressed data is not a picture of " + std::to_string(width) + "x" + std::to_string(height));
   picture.rgb.resize(width * height * 3);
   const std::vector<std::uint8_t> zeros(row);

@@ -38,7 +38,8 @@ std::string http_get(const Options& options, const std::string& path) {
   if (error && error != asio::error::eof) throw ClientError("connection", where + ": " + error.message());
 
   const auto head_end = answer.find("\r\n\r\n");
-  if (!answer.starts_with("HTTP/1.") || head_end == std::string::npos || answer.size() < 12) throw ClientError("protocol", where + ": this is not an HTTP server");
+  if (!answer.starts_with("HTTP/1.") || head_end == std::string::npos || answer.size() < 12)
+    throw ClientError("protocol", where + ": this is not an HTTP server");
   const int status = std::atoi(answer.c_str() + 9);
   std::string body = answer.substr(head_end + 4);
   if (status < 400 && status >= 200) return body;

@@ -10,8 +10,8 @@
 namespace isostrata::client {
 
 struct ServerAddress {
-  std::string host;       // as a Host header has it, without the port
-  std::string connect_to; // without brackets
+  std::string host;        // as a Host header has it, without the port
+  std::string connect_to;  // without brackets
   std::string port;
   std::string base_path;  // "/" or "/prefix/"
   std::string token;
@@ -20,7 +20,8 @@ struct ServerAddress {
 inline ServerAddress parse_address(const Options& options) {
   const auto url = boost::urls::parse_uri(options.url);
   if (!url || url->scheme() != "http" || url->host().empty())
-    throw ClientError("bad_url", "'" + options.url.substr(0, options.url.find('?')) + "' is not a server's address; expected http://HOST:PORT/");
+    throw ClientError("bad_url", "'" + options.url.substr(0, options.url.find('?')) +
+                                     "' is not a server's address; expected http://HOST:PORT/");
   ServerAddress address;
   address.host = url->encoded_host();
   address.connect_to = url->host_address();

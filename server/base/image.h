@@ -14,8 +14,8 @@ struct Image {
   std::vector<std::uint8_t> rgba;  // [height][width][4]
 };
 
-/// 32-bit float, premultiplied by alpha (as renderers accumulate it). depth is the distance from the eye along the view direction to
-/// the nearest drawn point, infinity where nothing was drawn; empty where it was not asked for.
+/// 32-bit float, premultiplied by alpha (as renderers accumulate it). depth is the distance from the eye along the view direction
+/// to the nearest drawn point, infinity where nothing was drawn; empty where it was not asked for.
 struct FloatImage {
   int width = 0;
   int height = 0;

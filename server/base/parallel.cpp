@@ -14,8 +14,8 @@ namespace {
 std::unique_ptr<tbb::global_control> limit;
 
 #ifdef __SANITIZE_THREAD__
-// oneTBB's library is not instrumented, so ThreadSanitizer cannot see that a loop begins after what came before it and ends before what comes
-// after. This says so, and with it races within and between the loops' bodies are found.
+// oneTBB's library is not instrumented, so ThreadSanitizer cannot see that a loop begins after what came before it and ends
+// before what comes after. This says so, and with it races within and between the loops' bodies are found.
 class LoopOrder {
  public:
   LoopOrder() { began_.store(1, std::memory_order_release); }

@@ -10,8 +10,8 @@ namespace isostrata {
 void set_thread_count(int threads);
 int thread_count();
 
-/// Calls body(begin, end) over disjoint blocks that cover [0, count), about `grain` items each, on the pool, and returns when all are
-/// done. An exception from a body stops the rest and is thrown here.
+/// Calls body(begin, end) over disjoint blocks that cover [0, count), about `grain` items each, on the pool, and returns when all
+/// are done. An exception from a body stops the rest and is thrown here.
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t begin, std::int64_t end)>& body);
 
 }  // namespace isostrata

@@ -19,21 +19,50 @@ struct Vec3 {
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
-template <class T> constexpr Vec3<T> operator+(Vec3<T> a, Vec3<T> b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-template <class T> constexpr Vec3<T> operator-(Vec3<T> a, Vec3<T> b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-template <class T> constexpr Vec3<T> operator*(Vec3<T> a, T s) { return {a.x * s, a.y * s, a.z * s}; }
-template <class T> constexpr Vec3<T> operator*(T s, Vec3<T> a) { return a * s; }
-template <class T> constexpr Vec3<T> operator/(Vec3<T> a, T s) { return {a.x / s, a.y / s, a.z / s}; }
-template <class T> constexpr T dot(Vec3<T> a, Vec3<T> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-template <class T> constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
+template <class T>
+constexpr Vec3<T> operator+(Vec3<T> a, Vec3<T> b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+constexpr Vec3<T> operator-(Vec3<T> a, Vec3<T> b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+constexpr Vec3<T> operator*(Vec3<T> a, T s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+template <class T>
+constexpr Vec3<T> operator*(T s, Vec3<T> a) {
+  return a * s;
+}
+template <class T>
+constexpr Vec3<T> operator/(Vec3<T> a, T s) {
+  return {a.x / s, a.y / s, a.z / s};
+}
+template <class T>
+constexpr T dot(Vec3<T> a, Vec3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class T> T length(Vec3<T> a) { return std::sqrt(dot(a, a)); }
-template <class T> Vec3<T> normalized(Vec3<T> a) { return a / length(a); }
-template <class T> constexpr Vec3<T> lerp(Vec3<T> a, Vec3<T> b, T t) { return a + (b - a) * t; }
+template <class T>
+T length(Vec3<T> a) {
+  return std::sqrt(dot(a, a));
+}
+template <class T>
+Vec3<T> normalized(Vec3<T> a) {
+  return a / length(a);
+}
+template <class T>
+constexpr Vec3<T> lerp(Vec3<T> a, Vec3<T> b, T t) {
+  return a + (b - a) * t;
+}
 
 /// Six times the signed volume of the tetrahedron abcd: positive where (b-a, c-a, d-a) is right-handed.
-template <class T> constexpr T orient3d(Vec3<T> a, Vec3<T> b, Vec3<T> c, Vec3<T> d) {
+template <class T>
+constexpr T orient3d(Vec3<T> a, Vec3<T> b, Vec3<T> c, Vec3<T> d) {
   return dot(cross(b - a, c - a), d - a);
 }
 

@@ -31,16 +31,17 @@ enum class Association {
   cell_averaged  // stored per cell in the file; averaged to points on import (each point: mean over the cells that use it)
 };
 
-/// One scalar per point. Vectors arrive as several arrays: NAME (magnitude), NAME_x, NAME_y, NAME_z (NAME_0, NAME_1, ... beyond three).
+/// One scalar per point. Vectors arrive as several arrays: NAME (magnitude), NAME_x, NAME_y, NAME_z (NAME_0, NAME_1, ... beyond
+/// three).
 struct PointArray {
   std::string name;
   Association association = Association::point;
   int components = 1;          // of the array in the file: 3 for the magnitude of a vector and for each of its components
   std::string component = "";  // "" for a scalar, "magnitude", or the component's name ("x", "0", ...)
   ScalarType type = ScalarType::float32;
-  ScalarSpan values;           // [np]
-  double lower = 0, upper = 0; // range of the finite values; lower > upper where there is none
-  std::int64_t nan_count = 0;  // values that are NaN or infinite
+  ScalarSpan values;                    // [np]
+  double lower = 0, upper = 0;          // range of the finite values; lower > upper where there is none
+  std::int64_t nan_count = 0;           // values that are NaN or infinite
   std::shared_ptr<const void> storage;  // keeps values alive
 
   double at(std::size_t point) const {

@@ -19,22 +19,22 @@ namespace isostrata {
 struct Dataset {
   std::string name;  // what it was opened by: a path or the name of analytic data
   Grid grid;
-  Box3d bounds;                       // of grid's points
+  Box3d bounds;  // of grid's points
   std::vector<PointArray> arrays;
-  std::vector<double> times{0.0};     // of all steps, increasing
-  int step = 0;                       // which of them this is
+  std::vector<double> times{0.0};                  // of all steps, increasing
+  int step = 0;                                    // which of them this is
   std::map<std::string, std::int64_t> cell_types;  // "hexahedron" -> count, of the cells in grid
-  std::vector<std::string> notes;     // what a reader should know: "12 triangles skipped: only 3-D cells are read"
+  std::vector<std::string> notes;                  // what a reader should know: "12 triangles skipped: only 3-D cells are read"
 
   /// Throws not_found naming the array and listing those that are there.
   const PointArray& array(std::string_view name) const;
 };
 
 struct OpenOptions {
-  int step = 0;                               // throws not_found where the dataset has no such step
-  std::filesystem::path importer;             // empty: isostrata-import beside this executable
-  std::uint64_t max_bytes = 16ull << 30;      // refuse what would need more memory (points, cells and arrays together)
-  double timeout_s = 600;                     // the import child is ended after that
+  int step = 0;                           // throws not_found where the dataset has no such step
+  std::filesystem::path importer;         // empty: isostrata-import beside this executable
+  std::uint64_t max_bytes = 16ull << 30;  // refuse what would need more memory (points, cells and arrays together)
+  double timeout_s = 600;                 // the import child is ended after that
 };
 
 /// Opens analytic data by name ("torus:64", see analytic.h) or a file through the import child (import_door.h).

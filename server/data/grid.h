@@ -1,4 +1,5 @@
-// Grids: where the points are and how cells join them. Immutable once loaded; shared between threads as shared_ptr<const Dataset>.
+// Grids: where the points are and how cells join them. Immutable once loaded; shared between threads as shared_ptr<const
+// Dataset>.
 #pragma once
 
 #include <array>
@@ -39,9 +40,9 @@ struct CurvilinearGrid {
 
 /// Only 3-D linear cells; what else was in the file is counted in Dataset::notes.
 struct UnstructuredGrid {
-  PointSpan points;                          // [np]
-  std::span<const std::uint8_t> types;       // [nc] CellType values
-  std::span<const std::int64_t> offsets;     // [nc + 1] into connectivity
+  PointSpan points;                            // [np]
+  std::span<const std::uint8_t> types;         // [nc] CellType values
+  std::span<const std::int64_t> offsets;       // [nc + 1] into connectivity
   std::span<const std::int64_t> connectivity;  // point ids, VTK's order
 };
 
@@ -49,8 +50,8 @@ struct UnstructuredGrid {
 inline constexpr std::array<std::array<std::int64_t, 3>, 8> kHexahedronCorners{
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
-/// One of the four, with what is common to them. Points of structured grids are numbered i + dims[0] * (j + dims[1] * k), cells likewise
-/// with dims - 1. A structured grid that is one point thick in some direction has no cells.
+/// One of the four, with what is common to them. Points of structured grids are numbered i + dims[0] * (j + dims[1] * k), cells
+/// likewise with dims - 1. A structured grid that is one point thick in some direction has no cells.
 struct Grid {
   std::variant<UniformGrid, RectilinearGrid, CurvilinearGrid, UnstructuredGrid> shape;
   std::span<const std::uint8_t> hidden_cells;  // [nc], 1 = blanked or ghost: not part of the volume; empty = none hidden
@@ -62,8 +63,8 @@ struct Grid {
   std::array<std::int64_t, 3> dims() const;                // structured grids only
   std::int64_t point_count() const;
   std::int64_t cell_count() const;
-  /// Branches on the kind of grid and divides by dims on structured ones: a few nanoseconds. Loops over all points of a structured grid
-  /// that need less take the shape by std::get_if and walk its indices.
+  /// Branches on the kind of grid and divides by dims on structured ones: a few nanoseconds. Loops over all points of a
+  /// structured grid that need less take the shape by std::get_if and walk its indices.
   Vec3d point(std::int64_t id) const;
   CellType cell_type(std::int64_t cell) const;
   /// Writes the cell's global point ids in VTK's order to ids; returns how many.

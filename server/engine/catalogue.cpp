@@ -17,8 +17,8 @@ constexpr int kMaxDepth = 8;
 
 // What isostrata-import opens as a dataset of its own. A PLOT3D solution is found beside its grid, so only grids are listed.
 bool looks_readable(const fs::path& path) {
-  static constexpr std::array kExtensions = {".vtk",  ".vti",  ".vtr", ".vts",  ".vtu", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd",
-                                             ".nrrd", ".nhdr", ".mhd", ".slc",  ".e",   ".ex2",  ".exo",  ".xyz",  ".p3d"};
+  static constexpr std::array kExtensions = {".vtk",  ".vti",  ".vtr", ".vts", ".vtu", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd",
+                                             ".nrrd", ".nhdr", ".mhd", ".slc", ".e",   ".ex2",  ".exo",  ".xyz",  ".p3d"};
   std::string name = path.filename().string();
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (name.ends_with("xyz.bin")) return true;
@@ -36,8 +36,10 @@ std::string id_of(const std::string& name, const std::string& source) {
   std::string id;
   for (const char c : fs::path(name).stem().string()) {
     const auto u = static_cast<unsigned char>(c);
-    if (std::isalnum(u) && u < 128) id += static_cast<char>(std::tolower(u));
-    else if (!id.empty() && id.back() != '-') id += '-';
+    if (std::isalnum(u) && u < 128)
+      id += static_cast<char>(std::tolower(u));
+    else if (!id.empty() && id.back() != '-')
+      id += '-';
     if (id.size() >= 40) break;
   }
   while (!id.empty() && id.back() == '-') id.pop_back();
@@ -97,8 +99,9 @@ Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
     } else if (fs::is_regular_file(source, error)) {
       catalogue.add(fs::path(source).filename().string(), fs::canonical(source).string());
     } else {
-      throw Error(ErrorCode::not_found, source + ": no such file or directory, and not the name of analytic data "
-                                                 "(torus, sphere, marschner-lobb, cylinder, tets, mixed)");
+      throw Error(ErrorCode::not_found, source +
+                                            ": no such file or directory, and not the name of analytic data "
+                                            "(torus, sphere, marschner-lobb, cylinder, tets, mixed)");
     }
   }
   return catalogue;

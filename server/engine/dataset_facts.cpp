@@ -5,8 +5,12 @@
 namespace isostrata {
 namespace {
 
-template <class... Ts> struct Overloaded : Ts... { using Ts::operator()...; };
-template <class... Ts> Overloaded(Ts...) -> Overloaded<Ts...>;
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
 
 std::uint64_t span_bytes(const PointSpan& points) {
   return std::visit([](auto span) { return static_cast<std::uint64_t>(span.size_bytes()); }, points);

@@ -30,7 +30,8 @@ DatasetStore::DatasetStore(DatasetStoreOptions options)
         return open_dataset(source, open, task);
       }) {}
 
-DatasetStore::DatasetStore(DatasetStoreOptions options, Loader loader) : options_(std::move(options)), loader_(std::move(loader)) {}
+DatasetStore::DatasetStore(DatasetStoreOptions options, Loader loader)
+    : options_(std::move(options)), loader_(std::move(loader)) {}
 
 DatasetStore::~DatasetStore() {
   std::unique_lock lock(mutex_);

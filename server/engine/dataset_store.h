@@ -1,5 +1,5 @@
-// Loaded datasets, shared between sessions. A dataset is loaded once however many ask for it; the least recently used ones that nobody
-// holds are dropped when the budget is passed.
+// Loaded datasets, shared between sessions. A dataset is loaded once however many ask for it; the least recently used ones that
+// nobody holds are dropped when the budget is passed.
 #pragma once
 
 #include <condition_variable>
@@ -19,9 +19,9 @@
 namespace isostrata {
 
 struct DatasetStoreOptions {
-  std::uint64_t max_bytes = 8ull << 30;       // kept between uses; also the most that one dataset may need
-  std::filesystem::path importer;             // as OpenOptions
-  double timeout_s = 600;                     // as OpenOptions
+  std::uint64_t max_bytes = 8ull << 30;  // kept between uses; also the most that one dataset may need
+  std::filesystem::path importer;        // as OpenOptions
+  double timeout_s = 600;                // as OpenOptions
 };
 
 /// Any thread may call any function. Lock: mutex_.
@@ -35,8 +35,8 @@ class DatasetStore {
   /// Cancels what is loading and waits for it.
   ~DatasetStore();
 
-  /// Waits until the dataset is there, reporting the loading to `task`. Loading ends when everyone who waits for it has cancelled.
-  /// Throws what open_dataset throws, and cancelled.
+  /// Waits until the dataset is there, reporting the loading to `task`. Loading ends when everyone who waits for it has
+  /// cancelled. Throws what open_dataset throws, and cancelled.
   std::shared_ptr<const Dataset> acquire(const std::string& source, int step, const Task& task);
 
   std::uint64_t held_bytes() const;

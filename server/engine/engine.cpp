@@ -12,16 +12,16 @@
 #include <thread>
 
 #include "data/histogram.h"
-#include "extraction/first_layers.h"
 #include "engine/draw_scene.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
+#include "extraction/first_layers.h"
 
 namespace isostrata {
 namespace {
 
-// An extraction that a newer scene has overtaken may still run this long. Shorter ones are shown, so a drag is never blind; and of two in a row
-// at most one is cancelled, so that a drag over slow data still shows every other one.
+// An extraction that a newer scene has overtaken may still run this long. Shorter ones are shown, so a drag is never blind; and
+// of two in a row at most one is cancelled, so that a drag over slow data still shows every other one.
 constexpr double kSupersededGraceMs = 250;
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
@@ -63,13 +63,13 @@ bool same_view(const Scene& a, const Scene& b) {
 struct SessionState {
   std::optional<Scene> scene;  // the newest
   std::shared_ptr<const ExtractedScene> ready;
-  Scene ready_scene;           // that it was extracted for
-  bool ready_drawn = false;    // its extraction time has been reported
+  Scene ready_scene;                      // that it was extracted for
+  bool ready_drawn = false;               // its extraction time has been reported
   std::shared_ptr<Operation> extraction;  // running or queued
   Scene extraction_scene;
   bool last_was_cut_short = false;
   std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
-  std::optional<Scene> drawn_meanwhile;  // the last picture of older intervals
+  std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
   std::deque<FrameRequest> waiting;
 };
 
@@ -137,7 +137,8 @@ class Engine::Impl {
   void send(EngineEvent event) { sink_(std::move(event)); }
 
   std::shared_ptr<Operation> begin(SessionKey session, RequestId request) {  // with mutex_ held
-    auto operation = std::make_shared<Operation>(session, request, next_operation_++, [this](EngineEvent event) { send(std::move(event)); });
+    auto operation =
+        std::make_shared<Operation>(session, request, next_operation_++, [this](EngineEvent event) { send(std::move(event)); });
     std::erase_if(operations_, [](const auto& entry) { return entry.second.expired(); });
     operations_[operation->id()] = operation;
     return operation;
@@ -186,8 +187,8 @@ class Engine::Impl {
         const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
         Histogram counted = histogram(array, request.bins);
-        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower, counted.upper,
-                            std::move(counted.counts)});
+        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower,
+                            counted.upper, std::move(counted.counts)});
       });
     });
   }
@@ -222,16 +223,20 @@ class Engine::Impl {
     if (stopping_ || scene.dataset.empty() || session.extraction_failure) return;
     if (session.extraction) {
       if (same_extraction(session.extraction_scene, scene)) return;
-      const bool other_data = session.extraction_scene.dataset != scene.dataset || session.extraction_scene.array != scene.array ||
-                              session.extraction_scene.step != scene.step;
-      if (other_data) session.extraction->supersede(0);
-      else if (!session.last_was_cut_short) session.extraction->supersede(kSupersededGraceMs);
+      const bool other_data = session.extraction_scene.dataset != scene.dataset ||
+                              session.extraction_scene.array != scene.array || session.extraction_scene.step != scene.step;
+      if (other_data)
+        session.extraction->supersede(0);
+      else if (!session.last_was_cut_short)
+        session.extraction->supersede(kSupersededGraceMs);
       return;
     }
     if (session.ready && same_extraction(session.ready_scene, scene)) return;
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
-    jobs_.post([this, key, operation = session.extraction, scene, previous = session.ready] { extract(key, operation, scene, previous); });
+    jobs_.post([this, key, operation = session.extraction, scene, previous = session.ready] {
+      extract(key, operation, scene, previous);
+    });
   }
 
   void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene,
@@ -286,7 +291,8 @@ class Engine::Impl {
       if (stopping_) return;
       const auto it = sessions_.find(request.session);
       if (it == sessions_.end() || !it->second.scene || it->second.scene->dataset.empty()) {
-        failed = RequestFailed{request.session, request.request, 0, ErrorCode::not_found, "no dataset is open: there is nothing to draw"};
+        failed = RequestFailed{request.session, request.request, 0, ErrorCode::not_found,
+                               "no dataset is open: there is nothing to draw"};
       } else if (it->second.extraction_failure) {
         failed = *it->second.extraction_failure;
         failed->request = request.request;
@@ -310,7 +316,8 @@ class Engine::Impl {
   void take(ForgetFrame& request) {
     std::lock_guard lock(mutex_);
     const auto it = sessions_.find(request.session);
-    if (it != sessions_.end()) std::erase_if(it->second.waiting, [&](const FrameRequest& f) { return f.request == request.request; });
+    if (it != sessions_.end())
+      std::erase_if(it->second.waiting, [&](const FrameRequest& f) { return f.request == request.request; });
   }
 
   void take(CloseSession& request) {
@@ -375,8 +382,9 @@ class Engine::Impl {
       if (request == session.waiting.end()) return std::nullopt;
       order.scene = session.ready_scene;
       take_view(order.scene, *session.scene);
-      const bool seen = session.ready_drawn && session.drawn_meanwhile ? same_view(*session.drawn_meanwhile, order.scene)
-                                                                       : session.ready_drawn && same_view(session.ready_scene, order.scene);
+      const bool seen = session.ready_drawn && session.drawn_meanwhile
+                            ? same_view(*session.drawn_meanwhile, order.scene)
+                            : session.ready_drawn && same_view(session.ready_scene, order.scene);
       if (seen) return std::nullopt;
       session.drawn_meanwhile = order.scene;
     }
@@ -412,7 +420,8 @@ class Engine::Impl {
       frame.tetrahedra = result.facts.tetrahedra;
       const auto& summaries = order.extracted->mesh->summaries;
       for (std::size_t i = 0; i < std::min(order.scene.intervals.size(), summaries.size()); ++i)
-        frame.intervals.push_back({order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
+        frame.intervals.push_back(
+            {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
       auto image = std::make_shared<Image>(std::get<Image>(std::move(result.image)));
       encoders_[request.session % encoders_.size()]->post(
           [this, image, frame = std::move(frame), watch, quality = request.jpeg_quality]() mutable {

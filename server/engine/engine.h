@@ -1,7 +1,9 @@
-// The engine: scenes become frames. Plain messages in, plain messages out (messages.h); what happens in between is nobody else's business.
+// The engine: scenes become frames. Plain messages in, plain messages out (messages.h); what happens in between is nobody else's
+// business.
 //
-// Threads: one render thread owns the renderer and its context; a few job threads load, extract and count; encoder threads make bytes, each
-// session always on the same one, so that its frames leave in the order they were drawn. Sessions take turns at the render thread.
+// Threads: one render thread owns the renderer and its context; a few job threads load, extract and count; encoder threads make
+// bytes, each session always on the same one, so that its frames leave in the order they were drawn. Sessions take turns at the
+// render thread.
 #pragma once
 
 #include <functional>
@@ -26,7 +28,8 @@ struct EngineOptions {
 /// Any thread may call any function but the destructor.
 class Engine {
  public:
-  /// Called from the engine's threads, one event at a time for one session's frames; must return quickly and not call the engine back.
+  /// Called from the engine's threads, one event at a time for one session's frames; must return quickly and not call the engine
+  /// back.
   using Sink = std::function<void(EngineEvent event)>;
 
   /// Throws unavailable where no device can draw, saying what was tried.
@@ -38,7 +41,7 @@ class Engine {
   void post(EngineRequest request);
 
   const Catalogue& catalogue() const;
-  const std::string& device() const;   // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
+  const std::string& device() const;  // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
   bool device_is_software() const;
 
  private:
@@ -49,8 +52,8 @@ class Engine {
 /// Whether a GL renderer's name is that of one that runs on the CPU.
 bool is_software_device(const std::string& device);
 
-/// Whether the extraction made for one scene serves the other: same dataset, step, array and ends, and the same colour array where a colour
-/// map needs one.
+/// Whether the extraction made for one scene serves the other: same dataset, step, array and ends, and the same colour array
+/// where a colour map needs one.
 bool same_extraction(const Scene& a, const Scene& b);
 
 }  // namespace isostrata

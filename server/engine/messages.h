@@ -1,5 +1,5 @@
-// Everything that passes between viewers and the engine: plain data by value and shared immutable bytes, never a shared object, so that
-// the engine can move to a process of its own.
+// Everything that passes between viewers and the engine: plain data by value and shared immutable bytes, never a shared object,
+// so that the engine can move to a process of its own.
 #pragma once
 
 #include <cstdint>
@@ -33,14 +33,15 @@ struct SceneUpdate {
   Scene scene;
 };
 
-/// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or RequestFailed.
-/// While intervals are being extracted, a moving frame shows the last ones that are ready; a lossless one waits for the newest.
+/// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or
+/// RequestFailed. While intervals are being extracted, a moving frame shows the last ones that are ready; a lossless one waits
+/// for the newest.
 struct FrameRequest {
   SessionKey session = 0;
   RequestId request = 0;
   int width = 800, height = 600;
   bool lossless = false;
-  bool jpeg = true;       // the bytes' format; lossless frames may be asked for as JPEG too (REST)
+  bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
 };
 
@@ -132,7 +133,7 @@ struct FrameReady {
   bool lossless = false;
   bool jpeg = true;
   int width = 0, height = 0;
-  Camera camera;               // that it was drawn with
+  Camera camera;  // that it was drawn with
   StageTimes stages;
   std::string device;
   std::string order;
@@ -151,6 +152,7 @@ struct RequestFailed {
   std::string message;
 };
 
-using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
+using EngineEvent =
+    std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
 
 }  // namespace isostrata

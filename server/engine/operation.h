@@ -27,8 +27,8 @@ class Operation {
   std::uint64_t id() const { return id_; }
   double elapsed_ms() const { return watch_.elapsed_ms(); }
 
-  /// A newer scene has made the result unwanted. The work goes on for `grace_ms` from its start, so that a drag over quick extractions still
-  /// shows each of them, and is then cancelled.
+  /// A newer scene has made the result unwanted. The work goes on for `grace_ms` from its start, so that a drag over quick
+  /// extractions still shows each of them, and is then cancelled.
   void supersede(double grace_ms);
   bool superseded() const { return grace_ms_.load() >= 0; }
 

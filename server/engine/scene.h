@@ -1,4 +1,5 @@
-// What a viewer wants to see, as plain data. Commands change it (session), the engine draws it, and it can be saved and posted back.
+// What a viewer wants to see, as plain data. Commands change it (session), the engine draws it, and it can be saved and posted
+// back.
 #pragma once
 
 #include <cstdint>
@@ -29,13 +30,13 @@ struct Scene {
   std::uint64_t revision = 0;  // grows with every change
   std::string dataset;         // empty: nothing is open
   int step = 0;
-  std::string array;           // the array that intervals are extracted on
-  std::string color_by;        // the array that colour maps run over; empty: `array`
+  std::string array;     // the array that intervals are extracted on
+  std::string color_by;  // the array that colour maps run over; empty: `array`
   std::vector<SceneInterval> intervals;
   RenderMode mode = RenderMode::sorted;
   std::optional<Camera> camera;  // none: the whole dataset
   Rgb background{0.05f, 0.06f, 0.08f};
-  double unit_distance = 0;      // 0: the default
+  double unit_distance = 0;  // 0: the default
 };
 
 }  // namespace isostrata

@@ -1,4 +1,5 @@
-// A few threads that take jobs in turn. For work that waits or lasts (loading, extraction, encoding); loops inside a job run on the TBB pool.
+// A few threads that take jobs in turn. For work that waits or lasts (loading, extraction, encoding); loops inside a job run on
+// the TBB pool.
 #pragma once
 
 #include <condition_variable>

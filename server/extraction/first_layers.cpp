@@ -83,8 +83,8 @@ Layer thinnest(const CellRanges& ranges, int quarter) {
   return {middle, middle, cells_cut(ranges, middle, middle)};
 }
 
-/// Grown evenly to both sides, at most to its quarter, while it cuts no more than its share. A layer about as thick as a cell costs little
-/// more than the thinnest and is the least that can be seen, so half as many cells again are always allowed.
+/// Grown evenly to both sides, at most to its quarter, while it cuts no more than its share. A layer about as thick as a cell
+/// costs little more than the thinnest and is the least that can be seen, so half as many cells again are always allowed.
 Layer grow(const CellRanges& ranges, Layer layer, std::int64_t share) {
   const int middle = layer.first;
   share = std::max(share, layer.cells + layer.cells / 2);
@@ -111,7 +111,8 @@ std::vector<Interval> first_layers(const Grid& grid, const PointArray& array, st
       cells += layers.back().cells;
     }
     while (cells > cell_budget && layers.size() > 1) {
-      const auto costliest = std::max_element(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) { return a.cells < b.cells; });
+      const auto costliest =
+          std::max_element(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) { return a.cells < b.cells; });
       cells -= costliest->cells;
       layers.erase(costliest);
     }
@@ -119,7 +120,8 @@ std::vector<Interval> first_layers(const Grid& grid, const PointArray& array, st
   }
   std::vector<Interval> intervals;
   for (const Layer& layer : layers) {
-    const Interval interval{between(array, static_cast<double>(layer.first) / kBins), between(array, static_cast<double>(layer.last + 1) / kBins)};
+    const Interval interval{between(array, static_cast<double>(layer.first) / kBins),
+                            between(array, static_cast<double>(layer.last + 1) / kBins)};
     if (interval.lower < interval.upper) intervals.push_back(interval);
   }
   return intervals;

@@ -9,17 +9,18 @@
 
 namespace isostrata {
 
-/// The solid region lower <= f <= upper, lower < upper. Closed at both ends; but where another interval of the same request begins at
-/// `upper`, the shared value belongs to that one, so that touching intervals never overlap. NaN is outside every interval.
+/// The solid region lower <= f <= upper, lower < upper. Closed at both ends; but where another interval of the same request
+/// begins at `upper`, the shared value belongs to that one, so that touching intervals never overlap. NaN is outside every
+/// interval.
 struct Interval {
   double lower = 0;
   double upper = 0;
 };
 
 enum class FacetLabel : std::uint8_t {
-  lower,   // on the isosurface f = lower
-  upper,   // on the isosurface f = upper
-  domain   // on the boundary of the grid
+  lower,  // on the isosurface f = lower
+  upper,  // on the isosurface f = upper
+  domain  // on the boundary of the grid
 };
 
 /// A point of the mesh lies on the grid edge a-b: (1 - weight) * a + weight * b, or is the grid point a (then b == a, weight 0).
@@ -47,9 +48,9 @@ struct IntervalSummary {
   Interval interval;
   std::int64_t active_cells = 0;
   std::int64_t tetrahedra = 0;
-  double volume = 0;         // sum of absolute volumes
-  double signed_volume = 0;  // sum of signed volumes; positive for the orientation of the cell they lie in
-  std::int64_t inverted = 0; // tetrahedra of the other sign
+  double volume = 0;          // sum of absolute volumes
+  double signed_volume = 0;   // sum of signed volumes; positive for the orientation of the cell they lie in
+  std::int64_t inverted = 0;  // tetrahedra of the other sign
 };
 
 /// Touching intervals share the points on their common isosurface. Immutable once made.

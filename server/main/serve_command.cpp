@@ -62,9 +62,10 @@ class Log {
  private:
   void write(spdlog::level::level_enum level, const std::string& event, const std::string& text) {
     if (!json_) return logger_.log(level, text);
-    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-    const std::string line = json::serialize(
-        json::object{{"time_ms", ms}, {"level", level == spdlog::level::warn ? "warning" : "info"}, {"event", event}, {"message", text}});
+    const auto ms =
+        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+    const std::string line = json::serialize(json::object{
+        {"time_ms", ms}, {"level", level == spdlog::level::warn ? "warning" : "info"}, {"event", event}, {"message", text}});
     logger_.log(level, line);
   }
 
@@ -75,7 +76,8 @@ class Log {
 std::string read_token_file(const std::string& path) {
   std::ifstream file(path);
   std::string token;
-  if (!file || !std::getline(file, token)) throw Error(ErrorCode::not_found, path + ": no token could be read from its first line");
+  if (!file || !std::getline(file, token))
+    throw Error(ErrorCode::not_found, path + ": no token could be read from its first line");
   while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
   return token;
 }
@@ -86,8 +88,9 @@ std::string token_of(const ServeArguments& arguments) {
   if (token.empty() && arguments.token_file.empty()) return random_token(kTokenBits);
   if (token.size() < 8 || token.size() > 512 ||
       token.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~") != std::string::npos)
-    throw Error(ErrorCode::invalid_argument, "the token has " + std::to_string(token.size()) +
-                                                 " characters; expected 8 to 512 of A-Z a-z 0-9 - . _ ~ (leave it out to have one made)");
+    throw Error(ErrorCode::invalid_argument,
+                "the token has " + std::to_string(token.size()) +
+                    " characters; expected 8 to 512 of A-Z a-z 0-9 - . _ ~ (leave it out to have one made)");
   return token;
 }
 
@@ -95,8 +98,10 @@ bool loopback(const std::string& host) { return host == "localhost" || host == "
 
 // Complete or not there: written beside and renamed into place. It holds the token, so only its owner may read it.
 void write_ready_file(const fs::path& path, const Server& server) {
-  const std::string text = json::serialize(json::object{
-                               {"url", server.url()}, {"port", server.port()}, {"pid", getpid()}, {"device", server.engine().device()}}) + "\n";
+  const std::string text =
+      json::serialize(
+          json::object{{"url", server.url()}, {"port", server.port()}, {"pid", getpid()}, {"device", server.engine().device()}}) +
+      "\n";
   const fs::path beside = path.string() + ".new." + std::to_string(getpid());
   const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const int opening_failed = file >= 0 ? 0 : errno;
@@ -108,7 +113,9 @@ void write_ready_file(const fs::path& path, const Server& server) {
     std::error_code ignored;
     fs::remove(beside, ignored);
     throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written" +
-                                            (opening_failed ? std::string(": ") + std::strerror(opening_failed) : error ? ": " + error.message() : ""));
+                                            (opening_failed ? std::string(": ") + std::strerror(opening_failed)
+                                             : error        ? ": " + error.message()
+                                                            : ""));
   }
 }
 
@@ -117,8 +124,8 @@ void print_address(const Server& server) {
   if (gethostname(machine.data(), machine.size() - 1) != 0) machine = {"this-machine"};
   const char* user = std::getenv("USER");
   const std::string port = std::to_string(server.port());
-  std::printf("\nOpen  %s\n\nFrom another machine, first\n      ssh -L %s:127.0.0.1:%s %s%s%s\n\n", server.url().c_str(), port.c_str(), port.c_str(),
-              user ? user : "", user ? "@" : "", machine.data());
+  std::printf("\nOpen  %s\n\nFrom another machine, first\n      ssh -L %s:127.0.0.1:%s %s%s%s\n\n", server.url().c_str(),
+              port.c_str(), port.c_str(), user ? user : "", user ? "@" : "", machine.data());
   std::fflush(stdout);
 }
 
@@ -133,7 +140,8 @@ void serve(const ServeArguments& arguments) {
   options.engine.catalogue = sources.empty() ? Catalogue::analytic() : Catalogue::from_sources(sources);
   if (options.engine.catalogue.entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened");
   if (options.engine.catalogue.entries().size() >= Catalogue::kMaxEntries)
-    log.warn("too_many_files", "only the first " + std::to_string(Catalogue::kMaxEntries) + " files are offered; name a smaller directory to see others");
+    log.warn("too_many_files", "only the first " + std::to_string(Catalogue::kMaxEntries) +
+                                   " files are offered; name a smaller directory to see others");
   options.engine.device = arguments.device;
   options.engine.store.max_bytes = arguments.max_memory;
   options.name = "isostrata " ISOSTRATA_VERSION;
@@ -149,17 +157,20 @@ void serve(const ServeArguments& arguments) {
 
   if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
   if (!loopback(arguments.host))
-    log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network, unencrypted; an ssh tunnel to 127.0.0.1 is safer");
+    log.warn("not_loopback", "listening on " + arguments.host +
+                                 ": the port is open to the network, unencrypted; an ssh tunnel to 127.0.0.1 is safer");
   if (!StaticFiles(options.web_root).built())
     log.warn("no_page", "the web page is not built (npm ci && npm run build in web/), only the API is served");
 
   Server server(std::move(options));
   log.info("device", "drawing on " + server.engine().device());
   if (server.engine().device_is_software())
-    log.warn("software_device", "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
+    log.warn("software_device",
+             "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
   server.run(true, [&] {
     if (!arguments.ready_file.empty()) write_ready_file(arguments.ready_file, server);
-    log.info("ready", "serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on port " + std::to_string(server.port()));
+    log.info("ready", "serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on port " +
+                          std::to_string(server.port()));
     print_address(server);
   });
   if (!arguments.ready_file.empty()) {
@@ -172,27 +183,54 @@ void serve(const ServeArguments& arguments) {
 }  // namespace
 
 void add_serve_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("serve", "Serves the page, the WebSocket and the API on one port until it is interrupted");
+  CLI::App* command =
+      app.add_subcommand("serve", "Serves the page, the WebSocket and the API on one port until it is interrupted");
   const auto arguments = std::make_shared<ServeArguments>();
-  command->add_option("path", arguments->paths, "Files, directories of files, or names of analytic data; none: the built-in analytic scenes")->type_name("PATH");
+  command
+      ->add_option("path", arguments->paths,
+                   "Files, directories of files, or names of analytic data; none: the built-in analytic scenes")
+      ->type_name("PATH");
   command->add_option("--data-root", arguments->data_roots, "More directories whose files may be opened")->type_name("DIR");
   command->add_option("--host", arguments->host, "Address to listen on")->capture_default_str();
-  command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")->check(CLI::Range(0, 65535))->capture_default_str();
-  command->add_option("--base-url", arguments->base_url, "Path, or whole URL, under which a proxy shows the server")->capture_default_str();
-  auto* token = command->add_option("--token", arguments->token, "Token to ask for; others on this machine can read it here, so prefer ISOSTRATA_TOKEN or --token-file")
-                    ->envname("ISOSTRATA_TOKEN");
-  auto* token_file = command->add_option("--token-file", arguments->token_file, "File whose first line is the token")->excludes(token);
+  command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->add_option("--base-url", arguments->base_url, "Path, or whole URL, under which a proxy shows the server")
+      ->capture_default_str();
+  auto* token =
+      command
+          ->add_option("--token", arguments->token,
+                       "Token to ask for; others on this machine can read it here, so prefer ISOSTRATA_TOKEN or --token-file")
+          ->envname("ISOSTRATA_TOKEN");
+  auto* token_file =
+      command->add_option("--token-file", arguments->token_file, "File whose first line is the token")->excludes(token);
   command->add_flag("--no-auth", arguments->no_auth, "Ask for no token")->excludes(token)->excludes(token_file);
-  command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")->type_name("NAME[:PORT]");
+  command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")
+      ->type_name("NAME[:PORT]");
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
-  command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")->check(CLI::Range(1, 10000))->capture_default_str();
-  command->add_option("--session-ttl", arguments->session_ttl_s, "Seconds that a session is kept without anyone using it")->check(CLI::Range(1, 31536000))->capture_default_str();
-  command->add_option("--idle-timeout", arguments->idle_timeout_s, "Seconds without a connection after which the server ends; 0: never")->check(CLI::Range(0, 31536000))->capture_default_str();
-  command->add_option("--max-memory", arguments->max_memory, "Bytes of loaded data that are kept, and the most one dataset may need (suffixes KB, MB, GB)")
-      ->transform(CLI::AsSizeValue(false))->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Threads that compute; 0: all cores")->check(CLI::Range(0, 4096))->capture_default_str();
+  command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--session-ttl", arguments->session_ttl_s, "Seconds that a session is kept without anyone using it")
+      ->check(CLI::Range(1, 31536000))
+      ->capture_default_str();
+  command
+      ->add_option("--idle-timeout", arguments->idle_timeout_s,
+                   "Seconds without a connection after which the server ends; 0: never")
+      ->check(CLI::Range(0, 31536000))
+      ->capture_default_str();
+  command
+      ->add_option("--max-memory", arguments->max_memory,
+                   "Bytes of loaded data that are kept, and the most one dataset may need (suffixes KB, MB, GB)")
+      ->transform(CLI::AsSizeValue(false))
+      ->capture_default_str();
+  command->add_option("--threads", arguments->threads, "Threads that compute; 0: all cores")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
   command->add_option("--ready-file", arguments->ready_file, "Written as JSON once the server answers")->type_name("FILE");
-  command->add_option("--log-format", arguments->log_format, "text or json, on standard error")->check(CLI::IsMember({"text", "json"}))->capture_default_str();
+  command->add_option("--log-format", arguments->log_format, "text or json, on standard error")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
   command->add_option("--web-root", arguments->web_root, "Directory of the built page")->check(CLI::ExistingDirectory);
   command->callback([arguments] { serve(*arguments); });
 }

@@ -43,9 +43,12 @@ bool Access::origin_allowed(const HttpRequest& request) const {
   if (count == 0) return true;
   if (count > 1) return false;
   std::string origin = lower(request.header("origin"));
-  if (origin.starts_with("https://")) origin.erase(0, 8);
-  else if (origin.starts_with("http://")) origin.erase(0, 7);
-  else return false;
+  if (origin.starts_with("https://"))
+    origin.erase(0, 8);
+  else if (origin.starts_with("http://"))
+    origin.erase(0, 7);
+  else
+    return false;
   if (origin == lower(request.header("host"))) return true;
   for (const std::string& allowed : options_.allowed_hosts)
     if (allowed == origin) return true;
@@ -72,7 +75,9 @@ bool Access::token_accepted(const HttpRequest& request, const RequestTarget& tar
         std::string_view pair = rest.substr(0, at);
         rest = at == std::string_view::npos ? std::string_view{} : rest.substr(at + 1);
         while (pair.starts_with(' ')) pair.remove_prefix(1);
-        if (pair.starts_with(cookie_) && pair.substr(cookie_.size()).starts_with('=') && is_token(pair.substr(cookie_.size() + 1))) return true;
+        if (pair.starts_with(cookie_) && pair.substr(cookie_.size()).starts_with('=') &&
+            is_token(pair.substr(cookie_.size() + 1)))
+          return true;
       }
     }
   }

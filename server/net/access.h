@@ -20,7 +20,8 @@ class Access {
  public:
   explicit Access(AccessOptions options);
 
-  /// Host is one of localhost, 127.0.0.1, [::1] at any port (a tunnel may end at another one) or on the list. Exactly one Host header.
+  /// Host is one of localhost, 127.0.0.1, [::1] at any port (a tunnel may end at another one) or on the list. Exactly one Host
+  /// header.
   bool host_allowed(const HttpRequest& request) const;
   /// Origin, where there is one, is that of Host itself, http or https, or on the list; "null" never is.
   bool origin_allowed(const HttpRequest& request) const;

@@ -18,7 +18,7 @@ namespace isostrata {
 struct Connections {
   Sessions& sessions;
   Site& site;
-  std::size_t max_connections = 256;  // whoever comes when so many are open is turned away
+  std::size_t max_connections = 256;               // whoever comes when so many are open is turned away
   std::chrono::milliseconds hello_timeout{10000};  // a WebSocket that has not been greeted back by then is closed
   std::chrono::milliseconds write_timeout{10000};  // one that does not take 64 KiB within that time is closed
   /// Called after a message has changed what is due.

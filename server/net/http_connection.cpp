@@ -1,4 +1,5 @@
-// HTTP on one socket. Beast 1.81 needs care: it is compiled with NDEBUG, bodies in chunks are refused, and any parse error ends the connection.
+// HTTP on one socket. Beast 1.81 needs care: it is compiled with NDEBUG, bodies in chunks are refused, and any parse error ends
+// the connection.
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -20,7 +21,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 
 constexpr auto kHeaderTimeout = std::chrono::seconds(10);
-constexpr auto kIdleTimeout = std::chrono::seconds(60);   // between two requests
+constexpr auto kIdleTimeout = std::chrono::seconds(60);  // between two requests
 constexpr auto kBodyTimeout = std::chrono::seconds(20);
 constexpr auto kWriteTimeout = std::chrono::seconds(60);
 constexpr auto kAnswerTimeout = std::chrono::seconds(600);  // loading a dataset may take that long
@@ -102,15 +103,22 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       // Only what is a malformed request deserves an answer; a socket that ended does not hear it.
-      const bool too_large = error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow;
-      const bool malformed = error.category() == make_error_code(http::error::bad_method).category() && error != http::error::end_of_stream &&
-                             error != http::error::partial_message;
-      if (too_large) co_await write(stream, wire(problem(error == http::error::body_limit ? 413 : 431, "too_large", "the request is larger than this server reads"), 11, false, false));
-      else if (malformed) co_await write(stream, wire(problem(400, "malformed", "this is not an HTTP request: " + error.message()), 11, false, false));
+      const bool too_large =
+          error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow;
+      const bool malformed = error.category() == make_error_code(http::error::bad_method).category() &&
+                             error != http::error::end_of_stream && error != http::error::partial_message;
+      if (too_large)
+        co_await write(stream, wire(problem(error == http::error::body_limit ? 413 : 431, "too_large",
+                                            "the request is larger than this server reads"),
+                                    11, false, false));
+      else if (malformed)
+        co_await write(stream,
+                       wire(problem(400, "malformed", "this is not an HTTP request: " + error.message()), 11, false, false));
       break;
     }
     if (parser.chunked() || parser.get().count(http::field::transfer_encoding) > 0) {
-      co_await write(stream, wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
+      co_await write(stream,
+                     wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
       break;
     }
     if (beast::websocket::is_upgrade(parser.get())) {
@@ -125,7 +133,9 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
     co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       if (error == http::error::body_limit || error == http::error::buffer_overflow)
-        co_await write(stream, wire(problem(413, "too_large", "a body of at most " + std::to_string(kMaxMessageBytes) + " bytes is read"), 11, false, false));
+        co_await write(stream,
+                       wire(problem(413, "too_large", "a body of at most " + std::to_string(kMaxMessageBytes) + " bytes is read"),
+                            11, false, false));
       break;
     }
     const http::request<http::string_body> request = parser.release();

@@ -14,8 +14,8 @@ namespace isostrata {
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
 
 struct HttpRequest {
-  std::string method;   // "GET"
-  std::string target;   // as it came: "/a%20b?x=1"
+  std::string method;  // "GET"
+  std::string target;  // as it came: "/a%20b?x=1"
   std::string body;
   HttpHeaders headers;  // names in lower case
 
@@ -26,7 +26,8 @@ struct HttpRequest {
     return {};
   }
   std::size_t header_count(std::string_view name) const {
-    return static_cast<std::size_t>(std::count_if(headers.begin(), headers.end(), [&](const auto& h) { return h.first == name; }));
+    return static_cast<std::size_t>(
+        std::count_if(headers.begin(), headers.end(), [&](const auto& h) { return h.first == name; }));
   }
 };
 

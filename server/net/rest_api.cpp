@@ -38,7 +38,9 @@ const char* hint_of(const std::string& code) {
   return "";
 }
 
-HttpResponse json_response(int status, const json::value& document) { return {status, "application/json", json::serialize(document), {{"Cache-Control", "no-store"}}}; }
+HttpResponse json_response(int status, const json::value& document) {
+  return {status, "application/json", json::serialize(document), {{"Cache-Control", "no-store"}}};
+}
 
 HttpResponse message_response(int status, const google::protobuf::Message& message) {
   google::protobuf::util::JsonPrintOptions options;
@@ -65,21 +67,25 @@ std::optional<v1::Error> parse(const std::string& body, Message& message) {
 std::optional<v1::Error> parse_object(const std::string& body, json::object& object) {
   boost::system::error_code error;
   const json::value document = json::parse(body, error);
-  if (error || !document.is_object()) return wire_error("malformed", "the body is not a JSON object" + (error ? ": " + error.message() : std::string()));
+  if (error || !document.is_object())
+    return wire_error("malformed", "the body is not a JSON object" + (error ? ": " + error.message() : std::string()));
   object = document.as_object();
   return std::nullopt;
 }
 
-// Which fields a document names, as the paths of a field mask. Numbers never pass through a second JSON library: a last bit lost at the top of an
-// interval would lose the points that have the value.
-void named_fields(const google::protobuf::Descriptor& type, const json::object& document, const std::string& prefix, google::protobuf::FieldMask& mask) {
+// Which fields a document names, as the paths of a field mask. Numbers never pass through a second JSON library: a last bit lost
+// at the top of an interval would lose the points that have the value.
+void named_fields(const google::protobuf::Descriptor& type, const json::object& document, const std::string& prefix,
+                  google::protobuf::FieldMask& mask) {
   for (const auto& [key, value] : document) {
     const auto* field = type.FindFieldByCamelcaseName(std::string(key));
     if (!field) field = type.FindFieldByName(std::string(key));
     if (!field) continue;  // the Protobuf parser has refused it already
     const bool nested = field->message_type() && !field->is_repeated() && value.is_object();
-    if (nested) named_fields(*field->message_type(), value.as_object(), prefix + field->name() + ".", mask);
-    else mask.add_paths(prefix + field->name());
+    if (nested)
+      named_fields(*field->message_type(), value.as_object(), prefix + field->name() + ".", mask);
+    else
+      mask.add_paths(prefix + field->name());
   }
 }
 
@@ -101,8 +107,11 @@ HttpResponse not_allowed(const std::string& allowed) {
 HttpResponse no_route() { return problem(404, "not_found", "there is no such route; see api/v1/datasets and api/v1/sessions"); }
 
 json::object session_object(const Session& session) {
-  return {{"id", session.id()}, {"resumeToken", session.resume_token()}, {"revision", session.scene().revision},
-          {"dataset", session.scene().dataset}, {"viewers", session.viewer_count()}};
+  return {{"id", session.id()},
+          {"resumeToken", session.resume_token()},
+          {"revision", session.scene().revision},
+          {"dataset", session.scene().dataset},
+          {"viewers", session.viewer_count()}};
 }
 
 std::string parameter(const RequestTarget& target, const char* name, const std::string& otherwise) {
@@ -112,7 +121,8 @@ std::string parameter(const RequestTarget& target, const char* name, const std::
 
 bool is_get(const HttpRequest& request) { return request.method == "GET" || request.method == "HEAD"; }
 
-// A patch of an interval uses the State's own JSON names, so it is an Interval whose absent fields are known by looking at the document.
+// A patch of an interval uses the State's own JSON names, so it is an Interval whose absent fields are known by looking at the
+// document.
 v1::ClientMessage patch_message(std::uint32_t id, const v1::Interval& interval, const json::object& given) {
   v1::ClientMessage message;
   v1::PatchInterval& patch = *message.mutable_patch_interval();
@@ -130,7 +140,8 @@ v1::ClientMessage patch_message(std::uint32_t id, const v1::Interval& interval, 
 
 HttpResponse problem(const v1::Error& error) {
   const int status = status_of(error.code());
-  json::object document{{"type", "about:blank"}, {"title", error.code()}, {"status", status}, {"detail", error.message()}, {"code", error.code()}};
+  json::object document{
+      {"type", "about:blank"}, {"title", error.code()}, {"status", status}, {"detail", error.message()}, {"code", error.code()}};
   if (!error.field().empty()) document["field"] = error.field();
   if (const std::string hint = hint_of(error.code()); !hint.empty()) document["hint"] = hint;
   return {status, "application/problem+json", json::serialize(document), {{"Cache-Control", "no-store"}}};
@@ -146,12 +157,16 @@ HttpResponse problem(int status, const std::string& code, const std::string& mes
 }
 
 HttpResponse RestApi::health() const {
-  return json_response(200, json::object{{"status", "ok"}, {"server", sessions_.options().server_name}, {"device", sessions_.options().device},
-                                         {"deviceIsSoftware", sessions_.options().device_is_software}, {"sessions", sessions_.list().size()},
+  return json_response(200, json::object{{"status", "ok"},
+                                         {"server", sessions_.options().server_name},
+                                         {"device", sessions_.options().device},
+                                         {"deviceIsSoftware", sessions_.options().device_is_software},
+                                         {"sessions", sessions_.list().size()},
                                          {"viewers", sessions_.viewer_count()}});
 }
 
-void RestApi::handle(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply) {
+void RestApi::handle(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path,
+                     HttpReply reply) {
   if (path.empty()) return reply(no_route());
   if (path[0] == "health" && path.size() == 1) return reply(is_get(request) ? health() : not_allowed("GET"));
   if (path[0] == "datasets") return datasets(request, target, path, std::move(reply));
@@ -159,24 +174,27 @@ void RestApi::handle(const HttpRequest& request, const RequestTarget& target, co
   reply(no_route());
 }
 
-void RestApi::datasets(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply) {
+void RestApi::datasets(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path,
+                       HttpReply reply) {
   if (path.size() > 3 || (path.size() == 3 && path[2] != "histogram" && path[2] != "info")) return reply(no_route());
   if (!is_get(request)) return reply(not_allowed("GET"));
   if (path.size() == 1) {
     json::array entries;
-    for (const v1::DatasetEntry& entry : sessions_.datasets()) entries.push_back(json::object{{"id", entry.id()}, {"name", entry.name()}});
+    for (const v1::DatasetEntry& entry : sessions_.datasets())
+      entries.push_back(json::object{{"id", entry.id()}, {"name", entry.name()}});
     return reply(json_response(200, json::object{{"datasets", std::move(entries)}}));
   }
   std::uint32_t step = 0;
   if (auto error = number_parameter(target, "step", step)) return reply(problem(*error));
   // Session 0: nobody watches its progress.
   const bool histogram_wanted = path.size() == 3 && path[2] == "histogram";
-  sessions_.ask(OpenRequest{0, 0, path[1]}, [this, target, histogram_wanted, step, reply = std::move(reply)](const EngineEvent& event, TimePoint) {
-    if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
-    const DatasetFacts& facts = std::get<DatasetReady>(event).facts;
-    if (histogram_wanted) return histogram(0, facts, static_cast<int>(step), target, reply);
-    reply(message_response(200, to_wire(facts)));
-  });
+  sessions_.ask(OpenRequest{0, 0, path[1]},
+                [this, target, histogram_wanted, step, reply = std::move(reply)](const EngineEvent& event, TimePoint) {
+                  if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
+                  const DatasetFacts& facts = std::get<DatasetReady>(event).facts;
+                  if (histogram_wanted) return histogram(0, facts, static_cast<int>(step), target, reply);
+                  reply(message_response(200, to_wire(facts)));
+                });
 }
 
 void RestApi::histogram(SessionKey session, const DatasetFacts& facts, int step, const RequestTarget& target, HttpReply reply) {
@@ -187,14 +205,18 @@ void RestApi::histogram(SessionKey session, const DatasetFacts& facts, int step,
   wanted.set_bins(bins);
   if (auto error = check_histogram(wanted, {&facts})) return reply(problem(*error));
   if (step < 0 || step >= static_cast<int>(facts.times.size()))
-    return reply(problem(wire_error("not_found", "step " + std::to_string(step) + " is not there; expected 0.." + std::to_string(facts.times.size() - 1), "step")));
-  sessions_.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins)}, [reply = std::move(reply)](const EngineEvent& event, TimePoint) {
-    if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
-    reply(message_response(200, to_wire(std::get<HistogramReady>(event))));
-  });
+    return reply(problem(wire_error(
+        "not_found", "step " + std::to_string(step) + " is not there; expected 0.." + std::to_string(facts.times.size() - 1),
+        "step")));
+  sessions_.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins)},
+                [reply = std::move(reply)](const EngineEvent& event, TimePoint) {
+                  if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
+                  reply(message_response(200, to_wire(std::get<HistogramReady>(event))));
+                });
 }
 
-void RestApi::sessions(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply) {
+void RestApi::sessions(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path,
+                       HttpReply reply) {
   if (path.size() == 1) {
     if (request.method == "POST") return create_session(request, std::move(reply));
     if (!is_get(request)) return reply(not_allowed("GET, POST"));
@@ -214,7 +236,9 @@ void RestApi::create_session(const HttpRequest& request, HttpReply reply) {
     if (auto error = parse_object(request.body, wanted)) return reply(problem(*error));
   std::string dataset;
   for (const auto& [key, value] : wanted) {
-    if (key != "dataset") return reply(problem(wire_error("invalid_argument", "unknown member '" + std::string(key) + "'; expected dataset", std::string(key))));
+    if (key != "dataset")
+      return reply(problem(
+          wire_error("invalid_argument", "unknown member '" + std::string(key) + "'; expected dataset", std::string(key))));
     if (!value.is_string()) return reply(problem(wire_error("invalid_argument", "dataset is not a string", "dataset")));
     dataset = std::string(value.as_string());
   }
@@ -224,7 +248,8 @@ void RestApi::create_session(const HttpRequest& request, HttpReply reply) {
   const auto answer = [this, id = created->id(), reply](std::optional<v1::Error> failed) {
     Session* session = sessions_.find(id);
     if (failed || !session) {
-      // The session is still in the middle of telling this, so it may not go at once; and whoever has taken it over meanwhile keeps it.
+      // The session is still in the middle of telling this, so it may not go at once; and whoever has taken it over meanwhile
+      // keeps it.
       if (session && failed->code() != "cancelled") sessions_.end_unwatched_soon(session->key());
       return reply(problem(failed ? *failed : wire_error("not_found", "the session has ended")));
     }
@@ -236,7 +261,8 @@ void RestApi::create_session(const HttpRequest& request, HttpReply reply) {
   created->open(dataset, nullptr, now(), answer);
 }
 
-void RestApi::session(Session& session, const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply) {
+void RestApi::session(Session& session, const HttpRequest& request, const RequestTarget& target,
+                      const std::vector<std::string>& path, HttpReply reply) {
   if (path.size() == 2) {
     if (is_get(request)) return reply(json_response(200, session_object(session)));
     if (request.method != "DELETE") return reply(not_allowed("GET, DELETE"));
@@ -246,7 +272,8 @@ void RestApi::session(Session& session, const HttpRequest& request, const Reques
   const std::string& what = path[2];
   if (what == "state" && path.size() == 3) return state(session, request, std::move(reply));
   if (what == "intervals" && path.size() <= 4) return intervals(session, request, path, std::move(reply));
-  if (what == "image" && path.size() == 3) return is_get(request) ? image(session, target, std::move(reply)) : reply(not_allowed("GET"));
+  if (what == "image" && path.size() == 3)
+    return is_get(request) ? image(session, target, std::move(reply)) : reply(not_allowed("GET"));
   if (what == "histogram" && path.size() == 3) {
     if (!is_get(request)) return reply(not_allowed("GET"));
     if (!session.dataset()) return reply(problem(wire_error("not_found", "no dataset is open in this session")));
@@ -270,7 +297,8 @@ void RestApi::command(Session& session, const v1::ClientMessage& message, int st
   };
   if (message.has_open_dataset()) return session.open(message.open_dataset().id(), nullptr, now(), answer);
   if (!is_scene_command(message))
-    return reply(problem(wire_error("unsupported", "this message has no meaning without a connection; expected one that changes the scene")));
+    return reply(problem(
+        wire_error("unsupported", "this message has no meaning without a connection; expected one that changes the scene")));
   session.command(message, nullptr, now(), answer);
 }
 
@@ -279,7 +307,8 @@ void RestApi::state(Session& session, const HttpRequest& request, HttpReply repl
   if (request.method != "PUT" && request.method != "PATCH") return reply(not_allowed("GET, PUT, PATCH"));
   const std::string expected = request.header("if-match").empty() ? "*" : std::string(request.header("if-match"));
   if (expected != "*" && expected != "\"" + std::to_string(session.scene().revision) + "\"")
-    return reply(problem(412, "cancelled", "the state is at revision " + std::to_string(session.scene().revision) + ", not " + expected));
+    return reply(
+        problem(412, "cancelled", "the state is at revision " + std::to_string(session.scene().revision) + ", not " + expected));
   v1::State wanted;
   if (request.method == "PUT") {
     if (auto error = parse(request.body, wanted)) return reply(problem(*error));
@@ -316,7 +345,8 @@ void RestApi::intervals(Session& session, const HttpRequest& request, const std:
   if (path.size() == 3) {
     if (is_get(request)) {
       std::string list;
-      for (const v1::Interval& interval : current.intervals()) list += (list.empty() ? "" : ",") + message_response(200, interval).body;
+      for (const v1::Interval& interval : current.intervals())
+        list += (list.empty() ? "" : ",") + message_response(200, interval).body;
       return reply({200, "application/json", "{\"intervals\":[" + list + "]}", {{"Cache-Control", "no-store"}}});
     }
     if (request.method != "POST") return reply(not_allowed("GET, POST"));
@@ -342,7 +372,8 @@ void RestApi::intervals(Session& session, const HttpRequest& request, const std:
   if (error == std::errc{} && end == text.data() + text.size())
     for (const v1::Interval& interval : current.intervals())
       if (interval.id() == id) found = &interval;
-  if (!found) return reply(problem(wire_error("not_found", "interval '" + text.substr(0, 32) + "' is not in this session", "id")));
+  if (!found)
+    return reply(problem(wire_error("not_found", "interval '" + text.substr(0, 32) + "' is not in this session", "id")));
   if (is_get(request)) return reply(message_response(200, *found));
   v1::ClientMessage message;
   if (request.method == "DELETE") {
@@ -352,8 +383,11 @@ void RestApi::intervals(Session& session, const HttpRequest& request, const std:
     v1::Interval patch;
     if (auto bad = parse_object(request.body, given)) return reply(problem(*bad));
     if (auto bad = parse(request.body, patch)) return reply(problem(*bad));
-    if (given.contains("id") && patch.id() != id) return reply(problem(wire_error("invalid_argument", "the id in the body is another interval's", "id")));
-    if (given.contains("priority")) return reply(problem(wire_error("unsupported", "priorities are set together, by the command reorderPriorities", "priority")));
+    if (given.contains("id") && patch.id() != id)
+      return reply(problem(wire_error("invalid_argument", "the id in the body is another interval's", "id")));
+    if (given.contains("priority"))
+      return reply(
+          problem(wire_error("unsupported", "priorities are set together, by the command reorderPriorities", "priority")));
     message = patch_message(id, patch, given);
   } else {
     return reply(not_allowed("GET, PATCH, DELETE"));
@@ -369,16 +403,23 @@ void RestApi::image(Session& session, const RequestTarget& target, HttpReply rep
   const std::string format = parameter(target, "format", "png");
   const bool jpeg = format == "jpeg" || format == "jpg";
   if (!jpeg && format != "png")
-    return reply(problem(wire_error("invalid_argument", "format '" + format.substr(0, 32) + "' is not known; expected png or jpeg", "format")));
-  session.picture(static_cast<int>(width), static_cast<int>(height), jpeg, [reply = std::move(reply)](const EngineEvent& event, TimePoint) {
-    if (std::holds_alternative<FrameStarted>(event)) return;
-    if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
-    const auto& frame = std::get<FrameReady>(event);
-    HttpResponse response{200, frame.jpeg ? "image/jpeg" : "image/png", std::string(frame.bytes->begin(), frame.bytes->end()), {{"Cache-Control", "no-store"}}};
-    response.headers.emplace_back("ETag", "\"" + std::to_string(frame.revision) + "\"");
-    response.headers.emplace_back("Isostrata-Revision", std::to_string(frame.revision));
-    reply(std::move(response));
-  }, now());
+    return reply(problem(
+        wire_error("invalid_argument", "format '" + format.substr(0, 32) + "' is not known; expected png or jpeg", "format")));
+  session.picture(
+      static_cast<int>(width), static_cast<int>(height), jpeg,
+      [reply = std::move(reply)](const EngineEvent& event, TimePoint) {
+        if (std::holds_alternative<FrameStarted>(event)) return;
+        if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
+        const auto& frame = std::get<FrameReady>(event);
+        HttpResponse response{200,
+                              frame.jpeg ? "image/jpeg" : "image/png",
+                              std::string(frame.bytes->begin(), frame.bytes->end()),
+                              {{"Cache-Control", "no-store"}}};
+        response.headers.emplace_back("ETag", "\"" + std::to_string(frame.revision) + "\"");
+        response.headers.emplace_back("Isostrata-Revision", std::to_string(frame.revision));
+        reply(std::move(response));
+      },
+      now());
 }
 
 }  // namespace isostrata

@@ -1,5 +1,5 @@
-// The same commands for scripts: REST routes under api/v1 that become the ClientMessages a WebSocket would carry. Bodies are canonical Protobuf
-// JSON; errors are RFC 9457 problem documents with code, field and hint.
+// The same commands for scripts: REST routes under api/v1 that become the ClientMessages a WebSocket would carry. Bodies are
+// canonical Protobuf JSON; errors are RFC 9457 problem documents with code, field and hint.
 //
 //   GET    health                                  no token needed; also /healthz
 //   GET    datasets                                what can be opened
@@ -7,12 +7,10 @@
 //   GET    datasets/{id}/histogram?array&bins&step Histogram
 //   GET    sessions                                POST {"dataset": id}: a new one
 //   GET    sessions/{id}                           DELETE: ends it
-//   GET    sessions/{id}/state                     State, ETag its revision; PUT replaces it, PATCH merges (RFC 7396); If-Match is honoured
-//   GET    sessions/{id}/intervals                 POST an Interval: adds it
-//   GET    sessions/{id}/intervals/{n}             PATCH some fields; DELETE
-//   GET    sessions/{id}/histogram?array&bins
-//   GET    sessions/{id}/image?width&height&format png or jpeg
-//   POST   sessions/{id}/commands                  any scene command or OpenDataset, as a ClientMessage
+//   GET    sessions/{id}/state                     State, ETag its revision; PUT replaces it, PATCH merges (RFC 7396); If-Match
+//   is honoured GET    sessions/{id}/intervals                 POST an Interval: adds it GET    sessions/{id}/intervals/{n} PATCH
+//   some fields; DELETE GET    sessions/{id}/histogram?array&bins GET    sessions/{id}/image?width&height&format png or jpeg POST
+//   sessions/{id}/commands                  any scene command or OpenDataset, as a ClientMessage
 #pragma once
 
 #include <string>
@@ -36,7 +34,8 @@ class RestApi {
  private:
   void datasets(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply);
   void sessions(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply);
-  void session(Session& session, const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply);
+  void session(Session& session, const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path,
+               HttpReply reply);
   void create_session(const HttpRequest& request, HttpReply reply);
   void state(Session& session, const HttpRequest& request, HttpReply reply);
   void intervals(Session& session, const HttpRequest& request, const std::vector<std::string>& path, HttpReply reply);

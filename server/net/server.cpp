@@ -1,5 +1,6 @@
 #include "net/server.h"
 
+#include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
@@ -9,7 +10,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <atomic>
 
 #include "net/connections.h"
 
@@ -53,7 +53,9 @@ tcp::acceptor listen(asio::io_context& io, const std::string& host, unsigned sho
   return acceptor;
 }
 
-std::string bracketed(const std::string& host) { return host.find(':') != std::string::npos && !host.starts_with('[') ? "[" + host + "]" : host; }
+std::string bracketed(const std::string& host) {
+  return host.find(':') != std::string::npos && !host.starts_with('[') ? "[" + host + "]" : host;
+}
 
 SiteOptions site_options(const ServerOptions& options, unsigned short port, std::string& public_host) {
   SiteOptions site;
@@ -92,7 +94,12 @@ class Server::Impl {
  public:
   explicit Impl(ServerOptions options)
       : options_(std::move(options)),
-        connections_{sessions_, site_, kMoreConnections + 2 * options_.max_sessions, options_.hello_timeout, options_.write_timeout, [this] { wake(); }},
+        connections_{sessions_,
+                     site_,
+                     kMoreConnections + 2 * options_.max_sessions,
+                     options_.hello_timeout,
+                     options_.write_timeout,
+                     [this] { wake(); }},
         io_(1),
         acceptor_(listen(io_, options_.host, options_.port)),
         port_(acceptor_.local_endpoint().port()),
@@ -118,7 +125,8 @@ class Server::Impl {
   std::string url() const {
     std::string host = bracketed(options_.host);
     if (host == "0.0.0.0" || host == "[::]") host = "127.0.0.1";
-    return "http://" + host + ":" + std::to_string(port_) + site_options_.base_path + (options_.token.empty() ? "" : "?token=" + encode_percent(options_.token));
+    return "http://" + host + ":" + std::to_string(port_) + site_options_.base_path +
+           (options_.token.empty() ? "" : "?token=" + encode_percent(options_.token));
   }
 
   void run(bool signals, const std::function<void()>& ready) {

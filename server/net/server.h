@@ -40,7 +40,8 @@ class Server {
   std::string url() const;  // with its token
   const Engine& engine() const;
 
-  /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are told the reason.
+  /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are
+  /// told the reason.
   void run(bool signals, const std::function<void()>& ready = {});
   /// Any thread, also before run.
   void stop(const std::string& reason);

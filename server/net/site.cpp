@@ -10,9 +10,10 @@ void harden(HttpResponse& response) {
   response.headers.emplace_back("Referrer-Policy", "no-referrer");
   response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
   if (response.content_type.starts_with("text/html"))
-    response.headers.emplace_back("Content-Security-Policy",
-                                  "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; "
-                                  "connect-src 'self' ws: wss:; object-src 'none'; base-uri 'self'; frame-ancestors 'self'");
+    response.headers.emplace_back(
+        "Content-Security-Policy",
+        "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; "
+        "connect-src 'self' ws: wss:; object-src 'none'; base-uri 'self'; frame-ancestors 'self'");
 }
 
 std::vector<std::string> segments_of(const std::string& base_path) {
@@ -53,8 +54,10 @@ Site::Site(SiteOptions options, Sessions& sessions)
 
 HttpResponse Site::unauthorized(bool page) const {
   if (page)
-    return message_page(401, "A token is needed", "Open the address that the server printed when it started: it carries the token.");
-  HttpResponse response = problem(401, "unauthorized", "a token is needed: Authorization: Bearer TOKEN, the page's cookie, or ?token=TOKEN");
+    return message_page(401, "A token is needed",
+                        "Open the address that the server printed when it started: it carries the token.");
+  HttpResponse response =
+      problem(401, "unauthorized", "a token is needed: Authorization: Bearer TOKEN, the page's cookie, or ?token=TOKEN");
   response.headers.emplace_back("WWW-Authenticate", "Bearer");
   return response;
 }
@@ -63,7 +66,8 @@ std::optional<std::vector<std::string>> Site::below_base(const RequestTarget& ta
   if (target.segments.size() < base_segments_.size()) return std::nullopt;
   for (std::size_t i = 0; i < base_segments_.size(); ++i)
     if (target.segments[i] != base_segments_[i]) return std::nullopt;
-  return std::vector<std::string>(target.segments.begin() + static_cast<std::ptrdiff_t>(base_segments_.size()), target.segments.end());
+  return std::vector<std::string>(target.segments.begin() + static_cast<std::ptrdiff_t>(base_segments_.size()),
+                                  target.segments.end());
 }
 
 void Site::handle(const HttpRequest& request, HttpReply send) {
@@ -75,14 +79,18 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
   if (!target) return reply(problem(400, "malformed", "the request's target is not a path"));
   // Probes come by address and without a token; they learn that the server answers.
   const auto below = below_base(*target);
-  const bool probe = target->segments == std::vector<std::string>{"healthz"} ||
-                     (below && (*below == std::vector<std::string>{"healthz"} || *below == std::vector<std::string>{"api", "v1", "health"}));
+  const bool probe =
+      target->segments == std::vector<std::string>{"healthz"} ||
+      (below && (*below == std::vector<std::string>{"healthz"} || *below == std::vector<std::string>{"api", "v1", "health"}));
   if (probe && (request.method == "GET" || request.method == "HEAD")) return reply(api_.health());
 
   if (!access_.host_allowed(request))
     return reply(problem(403, "forbidden", "this Host is not served here; start the server with --allow-host NAME to allow it"));
-  if (!access_.origin_allowed(request)) return reply(problem(403, "forbidden", "this Origin may not use the server; start it with --allow-host to allow it"));
-  if (!below) return reply(message_page(404, "Not found", "The application is at <a href=\"" + options_.base_path + "\">" + options_.base_path + "</a>."));
+  if (!access_.origin_allowed(request))
+    return reply(problem(403, "forbidden", "this Origin may not use the server; start it with --allow-host to allow it"));
+  if (!below)
+    return reply(message_page(404, "Not found",
+                              "The application is at <a href=\"" + options_.base_path + "\">" + options_.base_path + "</a>."));
 
   const bool api = below->size() >= 2 && (*below)[0] == "api" && (*below)[1] == "v1";
   if (!access_.token_accepted(request, *target)) return reply(unauthorized(!api));
@@ -96,7 +104,8 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
   if (below->empty() && !target->trailing_slash) {
     // Relative addresses in the page need the slash.
     const auto query = request.target.find('?');
-    return reply({308, "", "", {{"Location", options_.base_path + (query == std::string::npos ? "" : request.target.substr(query))}}});
+    return reply(
+        {308, "", "", {{"Location", options_.base_path + (query == std::string::npos ? "" : request.target.substr(query))}}});
   }
   HttpResponse response = files_.get(request, *below);
   if (access_.token_in_query(*target)) response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
@@ -106,7 +115,8 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
 std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request) const {
   const auto target = parse_target(request.target);
   const auto below = target ? below_base(*target) : std::nullopt;
-  if (!below || *below != std::vector<std::string>{"ws"}) return problem(404, "not_found", "the WebSocket is at " + options_.base_path + "ws");
+  if (!below || *below != std::vector<std::string>{"ws"})
+    return problem(404, "not_found", "the WebSocket is at " + options_.base_path + "ws");
   if (!access_.host_allowed(request)) return problem(403, "forbidden", "this Host is not served here");
   if (!access_.origin_allowed(request)) return problem(403, "forbidden", "this Origin may not use the server");
   if (!access_.token_accepted(request, *target)) return unauthorized(false);
@@ -121,7 +131,9 @@ std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request) con
     speaks = speaks || name == "isostrata.v1";
     at = comma + 1;
   }
-  if (!speaks) return problem(400, "unsupported_version", "the WebSocket's subprotocol is '" + std::string(offered.substr(0, 64)) + "'; expected isostrata.v1");
+  if (!speaks)
+    return problem(400, "unsupported_version",
+                   "the WebSocket's subprotocol is '" + std::string(offered.substr(0, 64)) + "'; expected isostrata.v1");
   return std::nullopt;
 }
 

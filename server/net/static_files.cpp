@@ -13,12 +13,24 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxFileBytes = 64u << 20;
 
 const char* type_of(const fs::path& path) {
-  static constexpr std::array<std::pair<const char*, const char*>, 18> kTypes{{
-      {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"}, {".mjs", "text/javascript; charset=utf-8"},
-      {".css", "text/css; charset=utf-8"}, {".json", "application/json"}, {".webmanifest", "application/manifest+json"},
-      {".map", "application/json"}, {".svg", "image/svg+xml"}, {".png", "image/png"}, {".jpg", "image/jpeg"}, {".webp", "image/webp"},
-      {".ico", "image/x-icon"}, {".woff2", "font/woff2"}, {".woff", "font/woff"}, {".wasm", "application/wasm"},
-      {".txt", "text/plain; charset=utf-8"}, {".ivf", "application/octet-stream"}, {".proto", "text/plain; charset=utf-8"}}};
+  static constexpr std::array<std::pair<const char*, const char*>, 18> kTypes{{{".html", "text/html; charset=utf-8"},
+                                                                               {".js", "text/javascript; charset=utf-8"},
+                                                                               {".mjs", "text/javascript; charset=utf-8"},
+                                                                               {".css", "text/css; charset=utf-8"},
+                                                                               {".json", "application/json"},
+                                                                               {".webmanifest", "application/manifest+json"},
+                                                                               {".map", "application/json"},
+                                                                               {".svg", "image/svg+xml"},
+                                                                               {".png", "image/png"},
+                                                                               {".jpg", "image/jpeg"},
+                                                                               {".webp", "image/webp"},
+                                                                               {".ico", "image/x-icon"},
+                                                                               {".woff2", "font/woff2"},
+                                                                               {".woff", "font/woff"},
+                                                                               {".wasm", "application/wasm"},
+                                                                               {".txt", "text/plain; charset=utf-8"},
+                                                                               {".ivf", "application/octet-stream"},
+                                                                               {".proto", "text/plain; charset=utf-8"}}};
   const std::string extension = path.extension().string();
   for (const auto& [known, type] : kTypes)
     if (extension == known) return type;
@@ -29,7 +41,8 @@ std::string etag_of(const fs::path& path, std::uintmax_t size) {
   std::error_code error;
   const auto time = fs::last_write_time(path, error).time_since_epoch().count();
   std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "\"%llx-%llx\"", static_cast<unsigned long long>(time), static_cast<unsigned long long>(size));
+  std::snprintf(text.data(), text.size(), "\"%llx-%llx\"", static_cast<unsigned long long>(time),
+                static_cast<unsigned long long>(size));
   return text.data();
 }
 
@@ -40,18 +53,20 @@ bool inside(const fs::path& path, const fs::path& directory) {
 }  // namespace
 
 HttpResponse message_page(int status, const std::string& title, const std::string& text) {
-  return {status, "text/html; charset=utf-8",
+  return {status,
+          "text/html; charset=utf-8",
           "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" + title +
-              "</title><style>body{font:16px/1.5 system-ui,sans-serif;max-width:40em;margin:4em auto;padding:0 1em}</style><h1>" + title + "</h1><p>" + text +
-              "</p></html>\n",
+              "</title><style>body{font:16px/1.5 system-ui,sans-serif;max-width:40em;margin:4em auto;padding:0 1em}</style><h1>" +
+              title + "</h1><p>" + text + "</p></html>\n",
           {{"Cache-Control", "no-store"}}};
 }
 
-StaticFiles::StaticFiles(fs::path root) : root_([&] {
-      std::error_code error;
-      fs::path real = root.empty() ? fs::path{} : fs::canonical(root, error);
-      return error ? fs::path{} : real;
-    }()) {}
+StaticFiles::StaticFiles(fs::path root)
+    : root_([&] {
+        std::error_code error;
+        fs::path real = root.empty() ? fs::path{} : fs::canonical(root, error);
+        return error ? fs::path{} : real;
+      }()) {}
 
 bool StaticFiles::built() const {
   std::error_code error;
@@ -60,9 +75,11 @@ bool StaticFiles::built() const {
 
 HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std::string>& segments) const {
   if (!built())
-    return message_page(503, "The page is not built",
-                        "The server runs, but its web page is missing. Build it with <code>npm ci &amp;&amp; npm run build</code> in <code>web/</code>, "
-                        "or name its directory with <code>--web-root</code>. The API under <code>api/v1</code> works without it.");
+    return message_page(
+        503, "The page is not built",
+        "The server runs, but its web page is missing. Build it with <code>npm ci &amp;&amp; npm run build</code> in "
+        "<code>web/</code>, "
+        "or name its directory with <code>--web-root</code>. The API under <code>api/v1</code> works without it.");
   const HttpResponse missing = message_page(404, "Not found", "There is no such file here.");
   fs::path path = root_;
   for (const std::string& segment : segments) {

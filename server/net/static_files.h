@@ -8,8 +8,8 @@
 
 namespace isostrata {
 
-/// Files with an ETag; those under assets/ carry their content's hash in their names and are cached for good. Nothing outside the directory is
-/// served, links that lead out of it included. Files over 64 MiB are not served.
+/// Files with an ETag; those under assets/ carry their content's hash in their names and are cached for good. Nothing outside the
+/// directory is served, links that lead out of it included. Files over 64 MiB are not served.
 class StaticFiles {
  public:
   /// A root that has no index.html serves a page that says how to build it.
@@ -25,7 +25,8 @@ class StaticFiles {
 /// A small page with a title and a sentence.
 HttpResponse message_page(int status, const std::string& title, const std::string& text);
 
-/// Where the page is: `wanted` if given, else beside the installed program or in the source tree it was built in; empty where there is none.
+/// Where the page is: `wanted` if given, else beside the installed program or in the source tree it was built in; empty where
+/// there is none.
 std::filesystem::path find_web_root(const std::filesystem::path& wanted);
 
 }  // namespace isostrata

@@ -23,20 +23,24 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Steady = std::chrono::steady_clock;
 
-constexpr std::size_t kPieceBytes = 64 << 10;      // what a client must take within the write timeout: a slow link is not a stuck one
+constexpr std::size_t kPieceBytes = 64 << 10;  // what a client must take within the write timeout: a slow link is not a stuck one
 constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
 
 /// Kept alive by its coroutines.
 class WebSocketConnection final : public Outbox, public std::enable_shared_from_this<WebSocketConnection> {
  public:
   WebSocketConnection(beast::tcp_stream stream, Connections& connections)
-      : socket_(std::move(stream)), wake_writer_(socket_.get_executor()), watch_(socket_.get_executor()), connections_(connections) {}
+      : socket_(std::move(stream)),
+        wake_writer_(socket_.get_executor()),
+        watch_(socket_.get_executor()),
+        connections_(connections) {}
 
   asio::awaitable<void> run(beast::http::request<beast::http::string_body> request) {
     const auto self = shared_from_this();
     boost::system::error_code error;
     beast::get_lowest_layer(socket_).expires_never();
-    websocket::stream_base::timeout timeouts{std::chrono::seconds(10), std::chrono::seconds(34), true};  // pings at half the idle time
+    websocket::stream_base::timeout timeouts{std::chrono::seconds(10), std::chrono::seconds(34),
+                                             true};  // pings at half the idle time
     socket_.set_option(timeouts);
     socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
       response.set(beast::http::field::sec_websocket_protocol, "isostrata.v1");
@@ -51,8 +55,10 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     viewer_ = connections_.sessions.attach(*this, Steady::now());
     const std::size_t closer = ++connections_.last_closer;
     connections_.closers[closer] = [this] { end(); };
-    asio::co_spawn(socket_.get_executor(), [self] { return self->write_all(); }, asio::detached);
-    asio::co_spawn(socket_.get_executor(), [self] { return self->watch(); }, asio::detached);
+    asio::co_spawn(
+        socket_.get_executor(), [self] { return self->write_all(); }, asio::detached);
+    asio::co_spawn(
+        socket_.get_executor(), [self] { return self->watch(); }, asio::detached);
     co_await read_all();
     connections_.closers.erase(closer);
     connections_.sessions.detach(viewer_, Steady::now());
@@ -101,7 +107,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       }
       v1::ClientMessage message;
       if (!message.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size()))) {
-        connections_.sessions.receive_malformed(viewer_, std::to_string(buffer.size()) + " bytes that are no ClientMessage of isostrata.v1");
+        connections_.sessions.receive_malformed(
+            viewer_, std::to_string(buffer.size()) + " bytes that are no ClientMessage of isostrata.v1");
         continue;
       }
       try {
@@ -182,7 +189,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     const auto self = shared_from_this();
     boost::system::error_code error;
     const auto accepted = Steady::now();
-    const auto pause = std::min<Steady::duration>({std::chrono::seconds(1), connections_.write_timeout / 4, connections_.hello_timeout / 4});
+    const auto pause =
+        std::min<Steady::duration>({std::chrono::seconds(1), connections_.write_timeout / 4, connections_.hello_timeout / 4});
     while (!ended_) {
       watch_.expires_after(pause);
       co_await watch_.async_wait(asio::redirect_error(asio::use_awaitable, error));

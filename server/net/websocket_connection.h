@@ -10,9 +10,11 @@
 
 namespace isostrata {
 
-/// Accepts the upgrade, which the site has welcomed, and serves until either side ends it. Bounds: one write in flight, control before frames,
-/// at most 8 MiB waiting; a write that does not end within 10 s, or no Hello within 10 s, closes the socket. Never throws.
+/// Accepts the upgrade, which the site has welcomed, and serves until either side ends it. Bounds: one write in flight, control
+/// before frames, at most 8 MiB waiting; a write that does not end within 10 s, or no Hello within 10 s, closes the socket. Never
+/// throws.
 boost::asio::awaitable<void> serve_websocket(boost::beast::tcp_stream stream,
-                                             boost::beast::http::request<boost::beast::http::string_body> request, Connections& connections);
+                                             boost::beast::http::request<boost::beast::http::string_body> request,
+                                             Connections& connections);
 
 }  // namespace isostrata

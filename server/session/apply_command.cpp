@@ -27,18 +27,21 @@ std::string number_text(double value) {
 
 double finite(double value, const std::string& field, double limit = kMaxMagnitude) {
   if (!std::isfinite(value) || std::abs(value) > limit)
-    refuse("invalid_argument", field + " is " + number_text(value) + "; expected a finite number of at most " + number_text(limit), field);
+    refuse("invalid_argument",
+           field + " is " + number_text(value) + "; expected a finite number of at most " + number_text(limit), field);
   return value;
 }
 
 double unit(double value, const std::string& field) {
-  if (!(value >= 0 && value <= 1)) refuse("invalid_argument", field + " is " + number_text(value) + "; expected a number in [0, 1]", field);
+  if (!(value >= 0 && value <= 1))
+    refuse("invalid_argument", field + " is " + number_text(value) + "; expected a number in [0, 1]", field);
   return value;
 }
 
 const std::string& name(const std::string& text, const std::string& field) {
   if (text.size() > kMaxNameBytes)
-    refuse("invalid_argument", field + " has " + std::to_string(text.size()) + " bytes; expected at most " + std::to_string(kMaxNameBytes), field);
+    refuse("invalid_argument",
+           field + " has " + std::to_string(text.size()) + " bytes; expected at most " + std::to_string(kMaxNameBytes), field);
   return text;
 }
 
@@ -77,7 +80,8 @@ const ArrayFacts& array_of(const std::string& array, const CommandContext& conte
   if (!facts) {
     std::string known;
     for (const ArrayFacts& a : dataset.arrays) known += (known.empty() ? "" : ", ") + a.name;
-    refuse("not_found", "array '" + array + "' is not in " + dataset.name + "; it has " + (known.empty() ? "no arrays" : known), field);
+    refuse("not_found", "array '" + array + "' is not in " + dataset.name + "; it has " + (known.empty() ? "no arrays" : known),
+           field);
   }
   return *facts;
 }
@@ -127,15 +131,19 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
 void apply(SceneState& state, const v1::SetTimeStep& command, const CommandContext& context) {
   const auto steps = static_cast<int>(opened(context).times.size());
   if (command.step() < 0 || command.step() >= steps)
-    refuse("not_found", "step " + std::to_string(command.step()) + " is not in " + context.dataset->name + "; expected 0.." +
-                            std::to_string(steps - 1), "step");
+    refuse("not_found",
+           "step " + std::to_string(command.step()) + " is not in " + context.dataset->name + "; expected 0.." +
+               std::to_string(steps - 1),
+           "step");
   state.scene.step = command.step();
 }
 
 void apply(SceneState& state, const v1::SetIntervals& command, const CommandContext& context) {
   opened(context);
   if (command.intervals_size() > kMaxIntervals)
-    refuse("too_large", std::to_string(command.intervals_size()) + " intervals; expected at most " + std::to_string(kMaxIntervals), "intervals");
+    refuse("too_large",
+           std::to_string(command.intervals_size()) + " intervals; expected at most " + std::to_string(kMaxIntervals),
+           "intervals");
   std::vector<SceneInterval> intervals;
   std::set<std::uint32_t> seen;
   for (int i = 0; i < command.intervals_size(); ++i) {
@@ -145,7 +153,8 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     check_ends(wanted.lower(), wanted.upper(), field);
     interval.lower = wanted.lower();
     interval.upper = wanted.upper();
-    interval.color = wanted.has_color() ? rgb_of(wanted.color(), field + "color") : default_interval_color(static_cast<std::size_t>(i));
+    interval.color =
+        wanted.has_color() ? rgb_of(wanted.color(), field + "color") : default_interval_color(static_cast<std::size_t>(i));
     interval.color_map = color_map_of(wanted.color_map(), field + "color_map");
     interval.opacity = unit(wanted.opacity(), field + "opacity");
     interval.priority = wanted.priority();
@@ -153,9 +162,12 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     if (wanted.id() != 0) {
       const auto& old = state.scene.intervals;
       if (std::none_of(old.begin(), old.end(), [&](const SceneInterval& o) { return o.id == wanted.id(); }))
-        refuse("not_found", field + "id " + std::to_string(wanted.id()) + " is not in this session; expected an id that is, or 0 for a new one",
-               field + "id");
-      if (!seen.insert(wanted.id()).second) refuse("invalid_argument", field + "id " + std::to_string(wanted.id()) + " stands twice", field + "id");
+        refuse(
+            "not_found",
+            field + "id " + std::to_string(wanted.id()) + " is not in this session; expected an id that is, or 0 for a new one",
+            field + "id");
+      if (!seen.insert(wanted.id()).second)
+        refuse("invalid_argument", field + "id " + std::to_string(wanted.id()) + " stands twice", field + "id");
       interval.id = wanted.id();
     } else {
       interval.id = fresh_id(state);
@@ -190,8 +202,10 @@ void apply(SceneState& state, const v1::ReorderPriorities& command, const Comman
   Scene& scene = state.scene;
   const std::set<std::uint32_t> given(command.ids().begin(), command.ids().end());
   if (static_cast<std::size_t>(command.ids_size()) != scene.intervals.size() || given.size() != scene.intervals.size())
-    refuse("invalid_argument", std::to_string(command.ids_size()) + " ids, " + std::to_string(given.size()) + " of them different; expected each of the " +
-                                   std::to_string(scene.intervals.size()) + " intervals once", "ids");
+    refuse("invalid_argument",
+           std::to_string(command.ids_size()) + " ids, " + std::to_string(given.size()) +
+               " of them different; expected each of the " + std::to_string(scene.intervals.size()) + " intervals once",
+           "ids");
   std::vector<SceneInterval*> order;
   for (const std::uint32_t id : command.ids()) order.push_back(&interval_of(scene, id));
   number_priorities(std::move(order));
@@ -201,7 +215,8 @@ void apply(SceneState& state, const v1::SetCamera& command, const CommandContext
   opened(context);
   const v1::Camera& wanted = command.camera();
   const auto vector = [](const v1::Vec3& v, const std::string& field) {
-    return Vec3d{finite(v.x(), field + ".x", kMaxCoordinate), finite(v.y(), field + ".y", kMaxCoordinate), finite(v.z(), field + ".z", kMaxCoordinate)};
+    return Vec3d{finite(v.x(), field + ".x", kMaxCoordinate), finite(v.y(), field + ".y", kMaxCoordinate),
+                 finite(v.z(), field + ".z", kMaxCoordinate)};
   };
   if (!command.has_camera() || !wanted.has_eye() || !wanted.has_at() || !wanted.has_up())
     refuse("invalid_argument", "a camera needs eye, at and up", "camera");
@@ -226,23 +241,33 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
 void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext&) {
   Scene& scene = state.scene;
   switch (command.mode()) {
-    case v1::RENDER_MODE_UNSPECIFIED: break;
-    case v1::RENDER_MODE_SORTED: scene.mode = RenderMode::sorted; break;
-    case v1::RENDER_MODE_PRIORITIZED: scene.mode = RenderMode::prioritized; break;
-    default: refuse("unsupported", "mode " + std::to_string(command.mode()) + " is not known; expected sorted (1) or prioritized (2)", "mode");
+    case v1::RENDER_MODE_UNSPECIFIED:
+      break;
+    case v1::RENDER_MODE_SORTED:
+      scene.mode = RenderMode::sorted;
+      break;
+    case v1::RENDER_MODE_PRIORITIZED:
+      scene.mode = RenderMode::prioritized;
+      break;
+    default:
+      refuse("unsupported", "mode " + std::to_string(command.mode()) + " is not known; expected sorted (1) or prioritized (2)",
+             "mode");
   }
   if (command.has_background()) scene.background = rgb_of(command.background(), "background");
   if (command.has_unit_distance()) {
     finite(command.unit_distance(), "unit_distance");
     if (command.unit_distance() < 0)
-      refuse("invalid_argument", "unit_distance is " + number_text(command.unit_distance()) + "; expected a length, or 0 for the default", "unit_distance");
+      refuse("invalid_argument",
+             "unit_distance is " + number_text(command.unit_distance()) + "; expected a length, or 0 for the default",
+             "unit_distance");
     scene.unit_distance = command.unit_distance();
   }
 }
 
 bool same_scene(const Scene& a, const Scene& b) {
-  return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by && a.intervals == b.intervals &&
-         a.mode == b.mode && a.camera == b.camera && a.background == b.background && a.unit_distance == b.unit_distance;
+  return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by &&
+         a.intervals == b.intervals && a.mode == b.mode && a.camera == b.camera && a.background == b.background &&
+         a.unit_distance == b.unit_distance;
 }
 
 // Does `change` to a copy and keeps it where it was not refused.
@@ -272,24 +297,36 @@ bool is_scene_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kReorderPriorities:
     case v1::ClientMessage::kSetCamera:
     case v1::ClientMessage::kSetView:
-    case v1::ClientMessage::kSetAppearance: return true;
-    default: return false;
+    case v1::ClientMessage::kSetAppearance:
+      return true;
+    default:
+      return false;
   }
 }
 
 CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message, const CommandContext& context) {
   return attempt(state, [&](SceneState& next) {
     switch (message.body_case()) {
-      case v1::ClientMessage::kSelectArrays: return apply(next, message.select_arrays(), context);
-      case v1::ClientMessage::kSetTimeStep: return apply(next, message.set_time_step(), context);
-      case v1::ClientMessage::kSetIntervals: return apply(next, message.set_intervals(), context);
-      case v1::ClientMessage::kPatchInterval: return apply(next, message.patch_interval(), context);
-      case v1::ClientMessage::kRemoveInterval: return apply(next, message.remove_interval(), context);
-      case v1::ClientMessage::kReorderPriorities: return apply(next, message.reorder_priorities(), context);
-      case v1::ClientMessage::kSetCamera: return apply(next, message.set_camera(), context);
-      case v1::ClientMessage::kSetView: return apply(next, message.set_view(), context);
-      case v1::ClientMessage::kSetAppearance: return apply(next, message.set_appearance(), context);
-      default: refuse("unsupported", "this message does not change a scene", "");
+      case v1::ClientMessage::kSelectArrays:
+        return apply(next, message.select_arrays(), context);
+      case v1::ClientMessage::kSetTimeStep:
+        return apply(next, message.set_time_step(), context);
+      case v1::ClientMessage::kSetIntervals:
+        return apply(next, message.set_intervals(), context);
+      case v1::ClientMessage::kPatchInterval:
+        return apply(next, message.patch_interval(), context);
+      case v1::ClientMessage::kRemoveInterval:
+        return apply(next, message.remove_interval(), context);
+      case v1::ClientMessage::kReorderPriorities:
+        return apply(next, message.reorder_priorities(), context);
+      case v1::ClientMessage::kSetCamera:
+        return apply(next, message.set_camera(), context);
+      case v1::ClientMessage::kSetView:
+        return apply(next, message.set_view(), context);
+      case v1::ClientMessage::kSetAppearance:
+        return apply(next, message.set_appearance(), context);
+      default:
+        refuse("unsupported", "this message does not change a scene", "");
     }
   });
 }
@@ -297,7 +334,8 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context) {
   return attempt(state, [&](SceneState& next) {
     if (wanted.dataset() != next.scene.dataset)
-      refuse("invalid_argument", "dataset '" + wanted.dataset() + "' is not the open one, '" + next.scene.dataset + "'", "dataset");
+      refuse("invalid_argument", "dataset '" + wanted.dataset() + "' is not the open one, '" + next.scene.dataset + "'",
+             "dataset");
     if (context.dataset) {
       v1::SelectArrays arrays;
       arrays.set_array(wanted.array());
@@ -310,7 +348,8 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       *intervals.mutable_intervals() = wanted.intervals();
       // A saved state names ids of another session's life: those that are not here any more become new ones.
       for (v1::Interval& interval : *intervals.mutable_intervals())
-        if (std::none_of(next.scene.intervals.begin(), next.scene.intervals.end(), [&](const auto& o) { return o.id == interval.id(); }))
+        if (std::none_of(next.scene.intervals.begin(), next.scene.intervals.end(),
+                         [&](const auto& o) { return o.id == interval.id(); }))
           interval.set_id(0);
       apply(next, intervals, context);
       if (wanted.has_camera()) {
@@ -363,19 +402,24 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height) {
   const auto bad = [](std::uint32_t side, const char* field) -> std::optional<v1::Error> {
     if (side >= 1 && side <= static_cast<std::uint32_t>(kMaxSide)) return std::nullopt;
-    return wire_error("invalid_argument", std::string(field) + " is " + std::to_string(side) + "; expected 1.." + std::to_string(kMaxSide), field);
+    return wire_error("invalid_argument",
+                      std::string(field) + " is " + std::to_string(side) + "; expected 1.." + std::to_string(kMaxSide), field);
   };
   if (auto error = bad(width, "width")) return error;
   if (auto error = bad(height, "height")) return error;
   if (static_cast<std::int64_t>(width) * height > kMaxPixels)
-    return wire_error("too_large", std::to_string(width) + "x" + std::to_string(height) + " pixels; expected at most " + std::to_string(kMaxPixels), "width");
+    return wire_error(
+        "too_large",
+        std::to_string(width) + "x" + std::to_string(height) + " pixels; expected at most " + std::to_string(kMaxPixels),
+        "width");
   return std::nullopt;
 }
 
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context) {
   try {
     if (request.bins() < 1 || request.bins() > static_cast<std::uint32_t>(kMaxBins))
-      refuse("invalid_argument", "bins is " + std::to_string(request.bins()) + "; expected 1.." + std::to_string(kMaxBins), "bins");
+      refuse("invalid_argument", "bins is " + std::to_string(request.bins()) + "; expected 1.." + std::to_string(kMaxBins),
+             "bins");
     array_of(request.array(), context, "array");
   } catch (Refused& refused) {
     return std::move(refused.error);

@@ -34,13 +34,13 @@ bool is_scene_command(const v1::ClientMessage& message);
 /// Does the command to the scene, or to nothing at all. A command that changes nothing does not make a revision.
 CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message, const CommandContext& context);
 
-/// Makes the scene what `wanted` says, as one change: array, colour array, step, intervals, mode, camera, background and unit distance; its
-/// dataset must be the open one, its revision is ignored. Empty and absent fields stay as they are, except that the list of intervals is
-/// always taken.
+/// Makes the scene what `wanted` says, as one change: array, colour array, step, intervals, mode, camera, background and unit
+/// distance; its dataset must be the open one, its revision is ignored. Empty and absent fields stay as they are, except that the
+/// list of intervals is always taken.
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
 
-/// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow, the
-/// higher the denser, seen from the three-quarter view. Appearance stays as it is.
+/// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow,
+/// the higher the denser, seen from the three-quarter view. Appearance stays as it is.
 void open_in_scene(SceneState& state, const DatasetFacts& dataset);
 
 /// Null where the size is one that can be drawn; names the field that is not.

@@ -56,7 +56,8 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
 }
 
 std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {
-  if (!drawable_ || hidden_ || ordered_ || interacting_ || !wants_lossless_ || in_flight() >= window() || stalled(now)) return std::nullopt;
+  if (!drawable_ || hidden_ || ordered_ || interacting_ || !wants_lossless_ || in_flight() >= window() || stalled(now))
+    return std::nullopt;
   return last_change_ + kSettle;
 }
 
@@ -72,8 +73,10 @@ void FrameScheduler::started() {
 }
 
 void FrameScheduler::failed(bool had_started) {
-  if (!had_started) ordered_.reset();
-  else if (started_ > 0) --started_;
+  if (!had_started)
+    ordered_.reset();
+  else if (started_ > 0)
+    --started_;
 }
 
 std::uint64_t FrameScheduler::sent(std::uint64_t revision, bool lossless, TimePoint now) {
@@ -99,11 +102,14 @@ void FrameScheduler::acknowledged(std::uint64_t frame_id, TimePoint now) {
 // Enough credits to keep the link busy over one round trip at the target rate, and one being drawn.
 int FrameScheduler::window() const {
   if (round_trips_.empty()) return 2;
-  const auto shortest = std::min_element(round_trips_.begin(), round_trips_.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto shortest = std::min_element(round_trips_.begin(), round_trips_.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
   const double seconds = std::chrono::duration<double>(shortest->second).count();
   return std::clamp(1 + static_cast<int>(std::ceil(seconds * kTargetFps)), 1, kMaxWindow);
 }
 
-bool FrameScheduler::stalled(TimePoint now) const { return !unacknowledged_.empty() && now - unacknowledged_.front().at >= stall_; }
+bool FrameScheduler::stalled(TimePoint now) const {
+  return !unacknowledged_.empty() && now - unacknowledged_.front().at >= stall_;
+}
 
 }  // namespace isostrata

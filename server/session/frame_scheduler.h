@@ -1,5 +1,5 @@
-// When one viewer gets which frame: credits by acknowledgement, newest state wins, moving frames while things change, a lossless one when they
-// rest. Pure decisions on a clock that the caller passes in; nothing here waits, draws or sends.
+// When one viewer gets which frame: credits by acknowledgement, newest state wins, moving frames while things change, a lossless
+// one when they rest. Pure decisions on a clock that the caller passes in; nothing here waits, draws or sends.
 #pragma once
 
 #include <chrono>
@@ -19,9 +19,9 @@ struct FrameOrder {
 
 /// One viewer's frames. Not thread-safe: lives on the io thread.
 ///
-/// A frame is ordered (asked of the engine), started (being drawn), sent, acknowledged. At most one is ordered and not started, and at most
-/// window() are started or sent and not acknowledged: an acknowledgement is the only proof that a picture has arrived, since proxies swallow
-/// megabytes.
+/// A frame is ordered (asked of the engine), started (being drawn), sent, acknowledged. At most one is ordered and not started,
+/// and at most window() are started or sent and not acknowledged: an acknowledgement is the only proof that a picture has
+/// arrived, since proxies swallow megabytes.
 class FrameScheduler {
  public:
   static constexpr Duration kSettle = std::chrono::milliseconds(150);  // of rest before the lossless frame
@@ -42,7 +42,8 @@ class FrameScheduler {
   std::optional<FrameOrder> next(TimePoint now);
   /// When time alone may make next() answer.
   std::optional<TimePoint> wake_at(TimePoint now) const;
-  /// Whether the order that has not started should be withdrawn because a moving frame must come first; it is then as if never given.
+  /// Whether the order that has not started should be withdrawn because a moving frame must come first; it is then as if never
+  /// given.
   bool withdraw_order();
 
   void started();

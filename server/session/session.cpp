@@ -88,7 +88,8 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   };
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
-    case v1::ClientMessage::kOpenDataset: return open(message.open_dataset().id(), &viewer, now, reply);
+    case v1::ClientMessage::kOpenDataset:
+      return open(message.open_dataset().id(), &viewer, now, reply);
     case v1::ClientMessage::kViewport: {
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
@@ -109,15 +110,19 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       viewer.frames.request_still(static_cast<int>(still.width()), static_cast<int>(still.height()));
       return pump(viewer, now);
     }
-    case v1::ClientMessage::kRequestHistogram: return send_histogram(viewer, message);
-    case v1::ClientMessage::kCancel: return engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
+    case v1::ClientMessage::kRequestHistogram:
+      return send_histogram(viewer, message);
+    case v1::ClientMessage::kCancel:
+      return engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
     case v1::ClientMessage::kPing: {
       v1::ServerMessage pong;
       pong.mutable_pong()->set_client_time_ms(message.ping().client_time_ms());
       return viewer.outbox->send(std::move(pong));
     }
-    case v1::ClientMessage::kHello: return reply(wire_error("invalid_argument", "hello was said already; it is the first message only"));
-    default: ++viewer.ignored_messages;  // of a newer minor version
+    case v1::ClientMessage::kHello:
+      return reply(wire_error("invalid_argument", "hello was said already; it is the first message only"));
+    default:
+      ++viewer.ignored_messages;  // of a newer minor version
   }
 }
 
@@ -126,7 +131,8 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
   const v1::RequestHistogram& wanted = message.request_histogram();
   if (opening_) {
     // It means the dataset that the viewer has asked for.
-    if (deferred_.size() >= kMaxDeferred) return send_error(viewer, seq, wire_error("unavailable", "too many commands wait for the dataset"));
+    if (deferred_.size() >= kMaxDeferred)
+      return send_error(viewer, seq, wire_error("unavailable", "too many commands wait for the dataset"));
     deferred_.push_back([this, key = viewer.key, message](TimePoint) {
       if (Viewer* to = living(key)) send_histogram(*to, message);
     });
@@ -134,7 +140,9 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
   }
   if (auto error = check_histogram(wanted, context())) return send_error(viewer, seq, std::move(*error));
   if (histograms_ >= kMaxHistograms)
-    return send_error(viewer, seq, wire_error("unavailable", std::to_string(kMaxHistograms) + " histograms are being counted; ask again later"));
+    return send_error(
+        viewer, seq,
+        wire_error("unavailable", std::to_string(kMaxHistograms) + " histograms are being counted; ask again later"));
   ++histograms_;
   HistogramRequest request{key_, 0, state_.scene.dataset, state_.scene.step, wanted.array(), static_cast<int>(wanted.bins())};
   engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
@@ -153,7 +161,8 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
 void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply) {
   last_use_ = now;
   if (opening_) {
-    if (deferred_.size() >= kMaxDeferred) return reply(wire_error("unavailable", std::to_string(kMaxDeferred) + " commands wait for the dataset already"));
+    if (deferred_.size() >= kMaxDeferred)
+      return reply(wire_error("unavailable", std::to_string(kMaxDeferred) + " commands wait for the dataset already"));
     deferred_.push_back([this, message, key = viewer ? viewer->key : 0, reply = std::move(reply)](TimePoint then) {
       command(message, living(key), then, reply);
     });
@@ -195,7 +204,8 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     run_deferred(now);
   }
   Opening opening{0, id, viewer ? viewer->key : 0, viewer ? viewer->last_seq : 0, std::move(reply)};
-  opening.request = engine_.ask(OpenRequest{key_, 0, id}, [this](const EngineEvent& event, TimePoint then) { opened(event, then); });
+  opening.request =
+      engine_.ask(OpenRequest{key_, 0, id}, [this](const EngineEvent& event, TimePoint then) { opened(event, then); });
   opening_ = std::move(opening);
 }
 
@@ -278,9 +288,10 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(std::move(request), [this, key = viewer.key, number, had_started = false](const EngineEvent& event, TimePoint then) mutable {
-    on_frame_event(key, *number, had_started, event, then);
-  });
+  *number = engine_.ask(std::move(request),
+                        [this, key = viewer.key, number, had_started = false](const EngineEvent& event, TimePoint then) mutable {
+                          on_frame_event(key, *number, had_started, event, then);
+                        });
   viewer.ordered_request = *number;
 }
 

@@ -15,8 +15,8 @@
 
 namespace isostrata {
 
-/// How a session reaches the engine. Asked for something, the engine answers to the listener with that request's events, the last of which is
-/// DatasetReady, HistogramReady, FrameReady or RequestFailed.
+/// How a session reaches the engine. Asked for something, the engine answers to the listener with that request's events, the last
+/// of which is DatasetReady, HistogramReady, FrameReady or RequestFailed.
 class EngineDoor {
  public:
   using Listener = std::function<void(const EngineEvent& event, TimePoint now)>;
@@ -55,10 +55,11 @@ class Session {
   /// A message of a viewer that has said hello.
   void receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
 
-  /// A scene command from anywhere; `viewer` is whose input it is, or null. While a dataset is being opened it waits its turn, so that commands
-  /// take effect in the order they were given.
+  /// A scene command from anywhere; `viewer` is whose input it is, or null. While a dataset is being opened it waits its turn, so
+  /// that commands take effect in the order they were given.
   void command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply);
-  /// Opens a dataset; another one that is still being opened is given up. What is open already stays as it is and is described again.
+  /// Opens a dataset; another one that is still being opened is given up. What is open already stays as it is and is described
+  /// again.
   void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply);
   /// Makes the scene what the state says, opening its dataset first where it is another one.
   void set_state(const v1::State& wanted, TimePoint now, Reply reply);

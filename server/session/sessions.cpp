@@ -31,8 +31,10 @@ SessionKey session_of(const EngineEvent& event) {
 RequestId request_of(const EngineEvent& event) {
   return std::visit(
       [](const auto& e) -> RequestId {
-        if constexpr (requires { e.request; }) return e.request;
-        else return 0;
+        if constexpr (requires { e.request; })
+          return e.request;
+        else
+          return 0;
       },
       event);
 }
@@ -44,7 +46,8 @@ bool offers(const Format& formats, const char* wanted) {
 
 }  // namespace
 
-Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post) : options_(std::move(options)), post_(std::move(post)) {}
+Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post)
+    : options_(std::move(options)), post_(std::move(post)) {}
 
 Sessions::~Sessions() {
   while (!sessions_.empty()) remove(sessions_.begin()->first);
@@ -66,8 +69,12 @@ void Sessions::receive(ViewerKey key, const v1::ClientMessage& message, TimePoin
   if (it == viewers_.end()) return;
   Viewer& viewer = *it->second;
   if (message.seq() <= viewer.last_seq)
-    return refuse(viewer, message.seq(), wire_error("malformed", "seq " + std::to_string(message.seq()) + " after " + std::to_string(viewer.last_seq) +
-                                                                     "; expected it to grow", "seq"), kCloseProtocolError);
+    return refuse(
+        viewer, message.seq(),
+        wire_error("malformed",
+                   "seq " + std::to_string(message.seq()) + " after " + std::to_string(viewer.last_seq) + "; expected it to grow",
+                   "seq"),
+        kCloseProtocolError);
   viewer.last_seq = message.seq();
   if (viewer.session == 0) return hello(viewer, message, now);
   if (Session* session = find(viewer.session)) session->receive(viewer, message, now);
@@ -84,12 +91,18 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
     return refuse(viewer, seq, wire_error("malformed", "the first message is not Hello; say Hello first"), kCloseProtocolError);
   const v1::Hello& hello = message.hello();
   if (hello.protocol_major() != kProtocolMajor)
-    return refuse(viewer, seq, wire_error("unsupported_version", "protocol version " + std::to_string(hello.protocol_major()) +
-                                                                     " is not spoken here; expected " + std::to_string(kProtocolMajor), "hello.protocol_major"),
+    return refuse(viewer, seq,
+                  wire_error("unsupported_version",
+                             "protocol version " + std::to_string(hello.protocol_major()) + " is not spoken here; expected " +
+                                 std::to_string(kProtocolMajor),
+                             "hello.protocol_major"),
                   kClosePolicy);
   if (!offers(hello.still_formats(), "png") || !offers(hello.moving_formats(), "jpeg"))
-    return refuse(viewer, seq, wire_error("unsupported", "this server sends png at rest and jpeg in motion; the client offers neither or only one",
-                                          offers(hello.still_formats(), "png") ? "hello.moving_formats" : "hello.still_formats"), kClosePolicy);
+    return refuse(
+        viewer, seq,
+        wire_error("unsupported", "this server sends png at rest and jpeg in motion; the client offers neither or only one",
+                   offers(hello.still_formats(), "png") ? "hello.moving_formats" : "hello.still_formats"),
+        kClosePolicy);
   if (hello.has_viewport())
     if (auto error = check_size(hello.viewport().width(), hello.viewport().height())) {
       error->set_field("hello.viewport." + error->field());
@@ -107,7 +120,8 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   }
   session->attach(viewer, now);
   if (hello.has_viewport())
-    viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()), hello.viewport().hidden(), now);
+    viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
+                               hello.viewport().hidden(), now);
 
   v1::ServerMessage answer;
   v1::Welcome& welcome = *answer.mutable_welcome();
@@ -127,7 +141,8 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   welcome.mutable_limits()->set_max_height(kMaxSide);
   welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
   viewer.outbox->send(std::move(answer));
-  // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of their own to bring back.
+  // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
+  // their own to bring back.
   if (hello.resume_token().empty() && hello.has_viewport() && !options_.datasets.empty())
     session->open(options_.datasets.front().id(), nullptr, now, [session](std::optional<v1::Error> error) {
       if (!error || error->code() == "cancelled") return;
@@ -153,7 +168,8 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
     for (auto& [key, session] : sessions_)
       if (!session->watched() && (!unused || session->last_use() < unused->last_use())) unused = session.get();
     if (!unused) {
-      error = wire_error("unavailable", "all " + std::to_string(options_.max_sessions) + " sessions of this server are in use; try again later");
+      error = wire_error("unavailable",
+                         "all " + std::to_string(options_.max_sessions) + " sessions of this server are in use; try again later");
       return nullptr;
     }
     remove(unused->key());
@@ -253,8 +269,10 @@ TimePoint Sessions::tick(TimePoint now) {
   for (const SessionKey key : std::exchange(over_, {}))
     if (const Session* session = find(key); session && !session->watched()) over.push_back(key);
   for (auto& [key, session] : sessions_) {
-    if (session->watched()) session->pump(now);
-    else if (now - session->last_use() >= options_.session_ttl) over.push_back(key);
+    if (session->watched())
+      session->pump(now);
+    else if (now - session->last_use() >= options_.session_ttl)
+      over.push_back(key);
     if (const auto at = session->wake_at(now)) next = std::min(next, std::max(*at, now + std::chrono::milliseconds(1)));
   }
   for (const SessionKey key : over) remove(key);

@@ -55,7 +55,8 @@ class Sessions final : public EngineDoor {
   // ---- engine and time ----
 
   void on_event(const EngineEvent& event, TimePoint now);
-  /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a second.
+  /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a
+  /// second.
   TimePoint tick(TimePoint now);
   /// Tells everyone that the server ends, and closes their connections.
   void shut_down(const std::string& reason);

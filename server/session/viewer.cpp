@@ -5,8 +5,10 @@ namespace isostrata {
 constexpr std::size_t kMaxNotedInputs = 4096;  // beyond it, what a frame is said to contain is too old, never too new
 
 void Viewer::note_input(std::uint64_t seq, std::uint64_t revision) {
-  if (!inputs_.empty() && inputs_.back().revision == revision) inputs_.back().seq = seq;
-  else inputs_.push_back({revision, seq});
+  if (!inputs_.empty() && inputs_.back().revision == revision)
+    inputs_.back().seq = seq;
+  else
+    inputs_.push_back({revision, seq});
   if (inputs_.size() > kMaxNotedInputs) inputs_.erase(inputs_.begin() + 1);
 }
 

@@ -28,7 +28,8 @@ TEST(DecodePng, GivesBackEveryByteThatTheServerEncoded) {
       ASSERT_EQ(picture.width, width);
       ASSERT_EQ(picture.height, height);
       for (std::size_t p = 0; p < picture.rgb.size() / 3; ++p)
-        for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(picture.rgb[p * 3 + c], image.rgba[p * 4 + c]) << width << "x" << height << " pixel " << p;
+        for (std::size_t c = 0; c < 3; ++c)
+          ASSERT_EQ(picture.rgb[p * 3 + c], image.rgba[p * 4 + c]) << width << "x" << height << " pixel " << p;
     }
 }
 
@@ -45,19 +46,22 @@ TEST(DecodeJpeg, KeepsAFlatColourOfFullChroma) {
 
 TEST(Decode, RefusesEveryTruncation) {
   for (const std::string& whole : {text(encode_png(random_image(9, 7, 3, true))), std::string("\x89PNG\r\n\x1a\n")})
-    for (std::size_t n = 0; n < whole.size(); ++n) EXPECT_THROW(client::decode(whole.substr(0, n)), client::ClientError) << n << " bytes of " << whole.size();
+    for (std::size_t n = 0; n < whole.size(); ++n)
+      EXPECT_THROW(client::decode(whole.substr(0, n)), client::ClientError) << n << " bytes of " << whole.size();
 }
 
 TEST(Decode, SurvivesDamagedBytes) {
   const std::uint64_t seed = 11;
   std::mt19937_64 random(seed);
-  for (const std::string& whole : {text(encode_png(random_image(19, 17, 3, true))), text(encode_jpeg(random_image(19, 17, 3, true), 80))})
+  for (const std::string& whole :
+       {text(encode_png(random_image(19, 17, 3, true))), text(encode_jpeg(random_image(19, 17, 3, true), 80))})
     for (int n = 0; n < 2000; ++n) {
       std::string damaged = whole;
       for (std::uint64_t k = 1 + random() % 4; k > 0; --k) damaged[random() % damaged.size()] = static_cast<char>(random());
       try {
         const auto picture = client::decode(damaged);
-        EXPECT_EQ(picture.rgb.size(), static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3) << "seed " << seed << ", round " << n;
+        EXPECT_EQ(picture.rgb.size(), static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3)
+            << "seed " << seed << ", round " << n;
       } catch (const client::ClientError& error) {
         EXPECT_EQ(error.code(), "bad_image") << "seed " << seed << ", round " << n;
       }

@@ -19,7 +19,8 @@ class CatalogueFiles : public ::testing::Test {
   CatalogueFiles() {
     std::string name = (fs::temp_directory_path() / "isostrata-catalogue-XXXXXX").string();
     root_ = mkdtemp(name.data());
-    for (const char* file : {"data/a.vtk", "data/deep/a.vtk", "data/finxyz.bin", "data/finq.bin", "data/notes.txt", "data/.hidden.vtk", "outside.vtk"}) {
+    for (const char* file : {"data/a.vtk", "data/deep/a.vtk", "data/finxyz.bin", "data/finq.bin", "data/notes.txt",
+                             "data/.hidden.vtk", "outside.vtk"}) {
       fs::create_directories((root_ / file).parent_path());
       std::ofstream(root_ / file) << "x";
     }

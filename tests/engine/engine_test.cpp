@@ -155,7 +155,8 @@ TEST_F(EngineTest, SessionsTakeTurns) {
   const auto order = order_of_frames();
   // After the first four (one each, and the busy one) everyone is drawn once in every three.
   for (std::size_t i = 4; i + 3 <= order.size(); i += 3) {
-    const std::set<SessionKey> turn(order.begin() + static_cast<std::ptrdiff_t>(i), order.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+    const std::set<SessionKey> turn(order.begin() + static_cast<std::ptrdiff_t>(i),
+                                    order.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     EXPECT_EQ(turn.size(), 3u) << "turn at " << i;
   }
 }

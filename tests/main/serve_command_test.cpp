@@ -135,13 +135,15 @@ TEST_F(ServeCommand, TheClientTakesAPictureAndMeasures) {
   EXPECT_EQ(welcome.at("datasets").as_array().size(), 2u);
 
   const std::string picture = (directory_ / "a.png").string();
-  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--dataset", "tets-6", "--interval", "0.2:0.5,color=#ff0000,opacity=0.9", "--size", "120x90", "--camera", "+x",
-                                     "--out", picture}),
+  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--dataset", "tets-6", "--interval", "0.2:0.5,color=#ff0000,opacity=0.9",
+                                     "--size", "120x90", "--camera", "+x", "--out", picture}),
             0)
       << contents(errors());
   EXPECT_TRUE(contents(picture).starts_with("\x89PNG"));
 
-  ASSERT_EQ(run("isostrata-client", {url_, "latency", "--seconds", "1", "--size", "120x90", "--dataset", "torus-12", "--interval", "0.2:0.4", "--json"}), 0)
+  ASSERT_EQ(run("isostrata-client", {url_, "latency", "--seconds", "1", "--size", "120x90", "--dataset", "torus-12", "--interval",
+                                     "0.2:0.4", "--json"}),
+            0)
       << contents(errors());
   const auto measured = json::parse(contents(out()));
   EXPECT_GT(measured.at("fps").to_number<double>(), 0);
@@ -156,7 +158,8 @@ TEST_F(ServeCommand, TwoPicturesOfOneStateAreTheSameBytes) {
   std::vector<std::string> pictures;
   for (const char* name : {"one.png", "two.png"}) {
     const std::string path = (directory_ / name).string();
-    ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.3", "--size", "160x120", "--out", path}), 0) << contents(errors());
+    ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.3", "--size", "160x120", "--out", path}), 0)
+        << contents(errors());
     pictures.push_back(contents(path));
   }
   EXPECT_EQ(pictures[0], pictures[1]);
@@ -184,7 +187,10 @@ TEST_F(ServeCommand, SessionsAreJoinedByIdAndSeeTheSame) {
   SERVE_OR_SKIP({"torus:12"});
   ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0);
   const std::string id(json::parse(contents(out())).at("session").as_string());
-  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--session", id, "--interval", "0.2:0.3", "--out", (directory_ / "a.png").string()}), 0) << contents(errors());
+  ASSERT_EQ(run("isostrata-client",
+                {url_, "snapshot", "--session", id, "--interval", "0.2:0.3", "--out", (directory_ / "a.png").string()}),
+            0)
+      << contents(errors());
   ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << contents(errors());
   EXPECT_NE(contents(out()).find("living   " + id), std::string::npos) << contents(out());
   ASSERT_EQ(run("isostrata-client", {url_, "info", "--json", "--session", id}), 0) << contents(errors());

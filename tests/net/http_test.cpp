@@ -34,7 +34,8 @@ TEST_F(Http, HealthNeedsNoTokenAndNoHost) {
 TEST_F(Http, EverythingElseNeedsTheToken) {
   for (const std::string path : {"/", "/assets/app-1a2b.js", "/api/v1/datasets", "/api/v1/sessions"})
     EXPECT_EQ(status_of(server_.raw("GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + kEnd)), 401) << path;
-  for (const std::string bad : {"Authorization: Bearer 0\r\n", "Authorization: Bearer \r\n", "Authorization: Basic abc\r\n", "Cookie: isostrata_0=x\r\n"})
+  for (const std::string bad :
+       {"Authorization: Bearer 0\r\n", "Authorization: Bearer \r\n", "Authorization: Basic abc\r\n", "Cookie: isostrata_0=x\r\n"})
     EXPECT_EQ(status_of(server_.raw("GET / HTTP/1.1\r\nHost: localhost\r\n" + bad + kEnd)), 401) << bad;
   std::string nearly = RunningServer::kToken;
   nearly.back() ^= 1;
@@ -47,29 +48,39 @@ TEST_F(Http, TheFirstPageLoadSetsACookieThatOpensTheRest) {
   EXPECT_TRUE(has(page, "the page") && has(page, "HttpOnly") && has(page, "SameSite=Strict")) << page;
   const auto at = page.find("Set-Cookie: ") + 12;
   const std::string cookie = page.substr(at, page.find(';', at) - at);
-  const auto script = server_.raw("GET /assets/app-1a2b.js HTTP/1.1\r\nHost: localhost\r\nCookie: a=b; " + cookie + "\r\n" + kEnd);
+  const auto script =
+      server_.raw("GET /assets/app-1a2b.js HTTP/1.1\r\nHost: localhost\r\nCookie: a=b; " + cookie + "\r\n" + kEnd);
   EXPECT_EQ(status_of(script), 200);
   EXPECT_TRUE(has(script, "Content-Type: text/javascript") && has(script, "immutable") && has(script, "nosniff")) << script;
 }
 
 TEST_F(Http, OnlyItsOwnNamesAreServed) {
   const std::string port = std::to_string(server_.port());
-  for (const std::string& host : {std::string("localhost"), "localhost:" + port, std::string("127.0.0.1:9999"), std::string("[::1]:80"), std::string("LOCALHOST")})
+  for (const std::string& host : {std::string("localhost"), "localhost:" + port, std::string("127.0.0.1:9999"),
+                                  std::string("[::1]:80"), std::string("LOCALHOST")})
     EXPECT_EQ(status_of(server_.raw("GET / HTTP/1.1\r\nHost: " + host + "\r\n" + kBearer + kEnd)), 200) << host;
-  for (const std::string host : {"evil.example", "localhost.evil.example", "127.0.0.1.evil.example:80", "localhost:x", "", "localhost@evil.example"})
+  for (const std::string host :
+       {"evil.example", "localhost.evil.example", "127.0.0.1.evil.example:80", "localhost:x", "", "localhost@evil.example"})
     EXPECT_EQ(status_of(server_.raw("GET / HTTP/1.1\r\nHost: " + host + "\r\n" + kBearer + kEnd)), 403) << host;
   EXPECT_EQ(status_of(server_.raw("GET / HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n" + kBearer + kEnd)), 403);
 }
 
 TEST_F(Http, OtherOriginsAreRefused) {
-  for (const std::string origin : {"http://localhost:1234", "http://evil.example", "null", "https://localhost.evil.example", "file://"})
-    EXPECT_EQ(status_of(server_.raw("GET /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nOrigin: " + origin + "\r\n" + kBearer + kEnd)), 403) << origin;
-  EXPECT_EQ(status_of(server_.raw("GET /api/v1/sessions HTTP/1.1\r\nHost: localhost:77\r\nOrigin: http://localhost:77\r\n" + kBearer + kEnd)), 200);
+  for (const std::string origin :
+       {"http://localhost:1234", "http://evil.example", "null", "https://localhost.evil.example", "file://"})
+    EXPECT_EQ(
+        status_of(server_.raw("GET /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nOrigin: " + origin + "\r\n" + kBearer + kEnd)),
+        403)
+        << origin;
+  EXPECT_EQ(status_of(server_.raw("GET /api/v1/sessions HTTP/1.1\r\nHost: localhost:77\r\nOrigin: http://localhost:77\r\n" +
+                                  kBearer + kEnd)),
+            200);
 }
 
 TEST_F(Http, NothingOutsideTheWebRootIsServed) {
-  for (const std::string path : {"/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "/..%2fsecret.txt", "/assets/%2e%2e%2f%2e%2e%2fsecret.txt",
-                                 "/link.txt", "/%00", "//secret.txt", "/assets\\..\\..\\secret.txt", "/./secret.txt", "/.hidden", "/assets"}) {
+  for (const std::string path : {"/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "/..%2fsecret.txt",
+                                 "/assets/%2e%2e%2f%2e%2e%2fsecret.txt", "/link.txt", "/%00", "//secret.txt",
+                                 "/assets\\..\\..\\secret.txt", "/./secret.txt", "/.hidden", "/assets"}) {
     const auto response = server_.ask("GET", path);
     EXPECT_TRUE(status_of(response) == 400 || status_of(response) == 404) << path << "\n" << response;
     EXPECT_FALSE(has(response, "a secret")) << path;
@@ -88,18 +99,22 @@ TEST_F(Http, AnUnchangedFileIsNotSentAgain) {
 
 TEST_F(Http, BodiesInChunksAreRefused) {
   for (const std::string body : {"5\r\nhello\r\n0\r\n\r\n", "0\r\n\r\n", "5;a=b\r\nhello\r\n0\r\nX: y\r\n\r\n", "zz\r\n"}) {
-    const auto response = server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n" + kBearer + "\r\n" + body);
+    const auto response = server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n" +
+                                      kBearer + "\r\n" + body);
     EXPECT_EQ(status_of(response), 411) << response;
   }
-  const auto smuggled = server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n" + kBearer +
-                                    "\r\n0\r\n\r\nGET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
+  const auto smuggled =
+      server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n" +
+                  kBearer + "\r\n0\r\n\r\nGET /healthz HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_FALSE(has(smuggled, " 200 ")) << smuggled;
   EXPECT_TRUE(server_.answers());
 }
 
 TEST_F(Http, WhatIsNoRequestGetsOneAnswerAndTheEnd) {
-  for (const std::string& bytes : {std::string("nonsense\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"), std::string("GET  HTTP/1.1\r\n\r\n"), std::string("\x16\x03\x01\x02\x00\x01\x00", 7),
-                                  std::string("GET / HTTP/1.1\r\nContent-Length: -5\r\n\r\n"), std::string("GET / HTTP/1.1\r\nbad header\r\n\r\n")}) {
+  for (const std::string& bytes :
+       {std::string("nonsense\r\n\r\n"), std::string("GET / HTTP/9.9\r\n\r\n"), std::string("GET  HTTP/1.1\r\n\r\n"),
+        std::string("\x16\x03\x01\x02\x00\x01\x00", 7), std::string("GET / HTTP/1.1\r\nContent-Length: -5\r\n\r\n"),
+        std::string("GET / HTTP/1.1\r\nbad header\r\n\r\n")}) {
     RawSocket socket(server_.port());
     socket.send(bytes);
     bool closed = false;
@@ -112,8 +127,13 @@ TEST_F(Http, WhatIsNoRequestGetsOneAnswerAndTheEnd) {
 
 TEST_F(Http, SizesAreBounded) {
   EXPECT_EQ(status_of(server_.raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(20000, 'x') + "\r\n\r\n")), 431);
-  EXPECT_EQ(status_of(server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2000000\r\n" + kBearer + "\r\n")), 413);
-  EXPECT_EQ(status_of(server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999999999999\r\n" + kBearer + "\r\n")), 400);
+  EXPECT_EQ(status_of(server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2000000\r\n" + kBearer +
+                                  "\r\n")),
+            413);
+  EXPECT_EQ(
+      status_of(server_.raw("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999999999999\r\n" +
+                            kBearer + "\r\n")),
+      400);
 }
 
 TEST_F(Http, OneConnectionCarriesManyRequests) {

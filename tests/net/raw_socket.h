@@ -24,7 +24,8 @@ class RawSocket {
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) throw std::runtime_error("the server does not accept");
+    if (connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("the server does not accept");
   }
   ~RawSocket() { ::close(fd_); }
   RawSocket(const RawSocket&) = delete;
@@ -70,7 +71,8 @@ class RawSocket {
   /// Upgrades; the response's head.
   std::string open_websocket(const std::string& target, const std::string& headers = "", const std::string& host = "localhost",
                              const std::string& protocol = "isostrata.v1") {
-    send("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n" +
+    send("GET " + target + " HTTP/1.1\r\nHost: " + host +
+         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n" +
          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " + protocol + "\r\n" + headers + "\r\n");
     std::string head;
     while (head.find("\r\n\r\n") == std::string::npos)
@@ -115,7 +117,8 @@ class RawSocket {
       frame += static_cast<char>(0x80 | payload.size());
     } else {
       frame += static_cast<char>(0x80 | 127);
-      for (int shift = 56; shift >= 0; shift -= 8) frame += static_cast<char>(static_cast<std::uint64_t>(payload.size()) >> shift);
+      for (int shift = 56; shift >= 0; shift -= 8)
+        frame += static_cast<char>(static_cast<std::uint64_t>(payload.size()) >> shift);
     }
     return send(frame + std::string(4, '\0') + payload);
   }

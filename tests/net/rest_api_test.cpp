@@ -122,7 +122,8 @@ TEST_F(Rest, WhatAScriptDoesABrowserSees) {
   client::Client browser(server_.client_options());
   browser.open_dataset("torus-12");
   const auto revision = browser.state().revision();
-  const std::string path = "/api/v1/sessions/" + browser.welcome().session() + "/intervals/" + std::to_string(browser.state().intervals(0).id());
+  const std::string path =
+      "/api/v1/sessions/" + browser.welcome().session() + "/intervals/" + std::to_string(browser.state().intervals(0).id());
   EXPECT_EQ(status_of(server_.ask("PATCH", path, R"({"opacity":0.125})")), 200);
   for (int i = 0; i < 50 && browser.state().revision() <= revision; ++i) browser.receive(std::chrono::milliseconds(200));
   EXPECT_EQ(browser.state().intervals(0).opacity(), 0.125);
@@ -148,7 +149,8 @@ TEST_F(Rest, WhatIsNotThereAndWhatIsNotDone) {
 }
 
 TEST_F(Rest, ASessionWhoseDatasetCannotBeOpenedIsNotLeftBehind) {
-  for (int i = 0; i < 50; ++i) expect_problem(server_.ask("POST", "/api/v1/sessions", R"({"dataset":"nosuch"})"), 404, "not_found");
+  for (int i = 0; i < 50; ++i)
+    expect_problem(server_.ask("POST", "/api/v1/sessions", R"({"dataset":"nosuch"})"), 404, "not_found");
   EXPECT_TRUE(get("sessions").at("sessions").as_array().empty());
 }
 
@@ -158,12 +160,13 @@ TEST(RestOpening, ASessionMayBeDeletedWhileItsDatasetIsBeingOpened) {
   RunningServer server(std::move(options));
   const std::string body = R"({"dataset":"cylinder-160x160x80"})";
   RawSocket creating(server.port());
-  creating.send(std::string("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer ") + RunningServer::kToken +
-                "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  creating.send(std::string("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer ") +
+                RunningServer::kToken + "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
   std::string id;
   for (int i = 0; i < 500 && id.empty(); ++i) {
     const std::string listed = server.ask("GET", "/api/v1/sessions");
-    if (const auto at = listed.find("\"id\":\""); at != std::string::npos) id = listed.substr(at + 6, listed.find('"', at + 6) - at - 6);
+    if (const auto at = listed.find("\"id\":\""); at != std::string::npos)
+      id = listed.substr(at + 6, listed.find('"', at + 6) - at - 6);
   }
   ASSERT_FALSE(id.empty());
   EXPECT_EQ(status_of(server.ask("DELETE", "/api/v1/sessions/" + id)), 204);

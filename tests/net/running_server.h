@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "isostrata/client.h"
-#include "net/server.h"
 #include "net/raw_socket.h"
+#include "net/server.h"
 #include "support/plain_renderer.h"
 
 namespace isostrata {
@@ -43,13 +43,17 @@ class RunningServer {
     return options;
   }
   /// The response to one request; the token goes along.
-  std::string ask(const std::string& method, const std::string& target, const std::string& body = "", const std::string& headers = "") const {
+  std::string ask(const std::string& method, const std::string& target, const std::string& body = "",
+                  const std::string& headers = "") const {
     RawSocket socket(port());
-    socket.send(method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + kToken + "\r\n" + headers +
-                (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" + body);
+    socket.send(method + " " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + kToken +
+                "\r\n" + headers + (body.empty() ? "" : "Content-Length: " + std::to_string(body.size()) + "\r\n") + "\r\n" +
+                body);
     return socket.read_all();
   }
-  bool answers() const { return raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").starts_with("HTTP/1.1 200"); }
+  bool answers() const {
+    return raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").starts_with("HTTP/1.1 200");
+  }
   std::string raw(const std::string& bytes) const {
     RawSocket socket(port());
     socket.send(bytes);

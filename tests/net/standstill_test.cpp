@@ -76,7 +76,8 @@ class SilentClient {
       return message;
     }
   }
-  std::optional<v1::ServerMessage> receive_until(const std::function<bool(const v1::ServerMessage&)>& wanted, int timeout_ms = 5000) {
+  std::optional<v1::ServerMessage> receive_until(const std::function<bool(const v1::ServerMessage&)>& wanted,
+                                                 int timeout_ms = 5000) {
     while (auto message = receive(timeout_ms))
       if (wanted(*message)) return message;
     return std::nullopt;
@@ -143,11 +144,13 @@ TEST(Standstill, WhoseSocketIsBlockedIsClosedWhileOthersGetFrames) {
   other.open_dataset("torus-12");
   const auto viewers = [&] { return server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"); };
   int frames = 0;
-  const bool closed = soon([&] {
-    EXPECT_EQ(other.lossless_frame().width(), 64u);
-    ++frames;
-    return has(viewers(), "\"viewers\":1");
-  }, milliseconds(15000));
+  const bool closed = soon(
+      [&] {
+        EXPECT_EQ(other.lossless_frame().width(), 64u);
+        ++frames;
+        return has(viewers(), "\"viewers\":1");
+      },
+      milliseconds(15000));
   EXPECT_TRUE(closed) << viewers();
   EXPECT_GE(frames, 1);
   EXPECT_EQ(other.lossless_frame().width(), 64u);
@@ -277,7 +280,8 @@ TEST(WatchedSession, DeletedByAScriptTellsItsViewersAndEndsOnlyThem) {
   std::string reason, code;
   try {
     for (int i = 0; i < 100; ++i)
-      if (const auto message = watching.receive(milliseconds(100)); message && message->has_shutdown()) reason = message->shutdown().reason();
+      if (const auto message = watching.receive(milliseconds(100)); message && message->has_shutdown())
+        reason = message->shutdown().reason();
   } catch (const ClientError& error) {
     code = error.code();
   }

@@ -31,7 +31,8 @@ TEST_F(WebSocket, AFirstVisitSeesTheFirstDatasetMovingThenLossless) {
   Client client(server_.client_options());
   std::vector<v1::FramePhase> phases;
   for (int i = 0; i < 100 && (phases.empty() || phases.back() != v1::FRAME_PHASE_LOSSLESS); ++i)
-    if (const auto message = client.receive(std::chrono::milliseconds(200)); message && message->has_frame()) phases.push_back(message->frame().phase());
+    if (const auto message = client.receive(std::chrono::milliseconds(200)); message && message->has_frame())
+      phases.push_back(message->frame().phase());
   ASSERT_GE(phases.size(), 2u);
   EXPECT_EQ(phases.front(), v1::FRAME_PHASE_MOVING);
   EXPECT_EQ(phases.back(), v1::FRAME_PHASE_LOSSLESS);
@@ -131,9 +132,12 @@ TEST_P(BadMessages, GetATypedErrorAndTheEnd) {
 
 INSTANTIATE_TEST_SUITE_P(Table, BadMessages,
                          ::testing::Values(BadMessage{"garbage", std::string("\xff\xff\xff\xff\x00garbage", 12), 2, "malformed"},
-                                           BadMessage{"text", "hello", 1, "malformed"}, BadMessage{"another version", hello(1, 2), 2, "unsupported_version"},
-                                           BadMessage{"seq zero", hello(0), 2, "malformed"}, BadMessage{"not hello", std::string("\x08\x01\x9a\x01\x00", 5), 2, "malformed"},
-                                           BadMessage{"too large", std::string((1 << 20) + 1, 'x'), 2, ""}, BadMessage{"a reserved opcode", "x", 5, ""},
+                                           BadMessage{"text", "hello", 1, "malformed"},
+                                           BadMessage{"another version", hello(1, 2), 2, "unsupported_version"},
+                                           BadMessage{"seq zero", hello(0), 2, "malformed"},
+                                           BadMessage{"not hello", std::string("\x08\x01\x9a\x01\x00", 5), 2, "malformed"},
+                                           BadMessage{"too large", std::string((1 << 20) + 1, 'x'), 2, ""},
+                                           BadMessage{"a reserved opcode", "x", 5, ""},
                                            BadMessage{"nothing", "", 2, "malformed"}),
                          [](const auto& info) {
                            std::string name = info.param.what;
@@ -157,7 +161,8 @@ TEST_F(WebSocket, WhoFloodsAndNeverReadsIsCutOffAndOthersAreServed) {
       message.set_seq(++seq);
       // Each is refused with a sentence that is longer than the message.
       message.mutable_set_view()->set_view("no such view at all");
-      burst += std::string("\x82", 1) + static_cast<char>(0x80 | message.ByteSizeLong()) + std::string(4, '\0') + message.SerializeAsString();
+      burst += std::string("\x82", 1) + static_cast<char>(0x80 | message.ByteSizeLong()) + std::string(4, '\0') +
+               message.SerializeAsString();
     }
     cut_off = cut_off || !rude.send(burst, 15000);
     if (round == 3) {
@@ -237,7 +242,8 @@ TEST(WebSocketShutdown, ClientsAreToldWhy) {
   std::string reason;
   try {
     for (int i = 0; i < 100; ++i)
-      if (const auto message = client.receive(std::chrono::milliseconds(100)); message && message->has_shutdown()) reason = message->shutdown().reason();
+      if (const auto message = client.receive(std::chrono::milliseconds(100)); message && message->has_shutdown())
+        reason = message->shutdown().reason();
   } catch (const ClientError& error) {
     EXPECT_EQ(error.code(), "closed");
   }

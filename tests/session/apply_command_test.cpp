@@ -20,7 +20,9 @@ DatasetFacts facts() {
   facts.name = "fin";
   facts.bounds.include({-1, -1, -1});
   facts.bounds.include({1, 2, 3});
-  facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5}, {"Density", "point", "float32", 1, 0, 8, 0}, {"Energy", "point", "float64", 1, -100, 300, 0}};
+  facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5},
+                  {"Density", "point", "float32", 1, 0, 8, 0},
+                  {"Energy", "point", "float64", 1, -100, 300, 0}};
   facts.first_layers = {{0, 2}, {2, 4}, {4, 6}, {6, 8}};
   facts.times = {0, 1, 2};
   return facts;
@@ -97,9 +99,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"patchInterval":{"id":1,"colorMap":"nosuch"}})", "not_found", "color_map"},
         Refusal{R"({"patchInterval":{"id":99,"lower":1}})", "not_found", "id"},
         Refusal{R"({"removeInterval":{"id":99}})", "not_found", "id"},
-        Refusal{R"({"setIntervals":{"intervals":[{"lower":1,"upper":2},{"lower":2,"upper":1}]}})", "invalid_argument", "intervals[1].lower"},
+        Refusal{R"({"setIntervals":{"intervals":[{"lower":1,"upper":2},{"lower":2,"upper":1}]}})", "invalid_argument",
+                "intervals[1].lower"},
         Refusal{R"({"setIntervals":{"intervals":[{"id":77,"lower":1,"upper":2}]}})", "not_found", "intervals[0].id"},
-        Refusal{R"({"setIntervals":{"intervals":[{"id":1,"lower":1,"upper":2},{"id":1,"lower":3,"upper":4}]}})", "invalid_argument", "intervals[1].id"},
+        Refusal{R"({"setIntervals":{"intervals":[{"id":1,"lower":1,"upper":2},{"id":1,"lower":3,"upper":4}]}})",
+                "invalid_argument", "intervals[1].id"},
         Refusal{R"({"reorderPriorities":{"ids":[1,2,3]}})", "invalid_argument", "ids"},
         Refusal{R"({"reorderPriorities":{"ids":[1,2,3,3]}})", "invalid_argument", "ids"},
         Refusal{R"({"reorderPriorities":{"ids":[1,2,3,9]}})", "not_found", "id"},
@@ -109,10 +113,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"setTimeStep":{"step":-1}})", "not_found", "step"},
         Refusal{R"({"setView":{"view":"sideways"}})", "invalid_argument", "view"},
         Refusal{R"({"setCamera":{}})", "invalid_argument", "camera"},
-        Refusal{R"({"setCamera":{"camera":{"eye":{"x":1},"at":{"x":1},"up":{"y":1},"fovDeg":30}}})", "invalid_argument", "camera"},
+        Refusal{R"({"setCamera":{"camera":{"eye":{"x":1},"at":{"x":1},"up":{"y":1},"fovDeg":30}}})", "invalid_argument",
+                "camera"},
         Refusal{R"({"setCamera":{"camera":{"eye":{"z":5},"at":{},"up":{"z":1},"fovDeg":30}}})", "invalid_argument", "camera"},
         Refusal{R"({"setCamera":{"camera":{"eye":{"z":5},"at":{},"up":{"y":1},"fovDeg":180}}})", "invalid_argument", "camera"},
-        Refusal{R"({"setCamera":{"camera":{"eye":{"z":"Infinity"},"at":{},"up":{"y":1},"fovDeg":30}}})", "invalid_argument", "camera.eye.z"},
+        Refusal{R"({"setCamera":{"camera":{"eye":{"z":"Infinity"},"at":{},"up":{"y":1},"fovDeg":30}}})", "invalid_argument",
+                "camera.eye.z"},
         Refusal{R"({"setAppearance":{"mode":9}})", "unsupported", "mode"},
         Refusal{R"({"setAppearance":{"background":{"g":-0.1}}})", "invalid_argument", "background.g"},
         Refusal{R"({"setAppearance":{"unitDistance":-1}})", "invalid_argument", "unit_distance"}));
@@ -190,7 +196,8 @@ TEST(CheckSize, TakesOneToTheLargestSideAndBoundsThePixels) {
   EXPECT_EQ(check_size(kMaxSide, kMaxSide)->code(), "too_large");
 }
 
-// ---- random messages: whatever comes, the scene stays one that can be drawn -----------------------------------------------------
+// ---- random messages: whatever comes, the scene stays one that can be drawn
+// -----------------------------------------------------
 
 double wild(std::mt19937_64& random) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -210,24 +217,41 @@ void scramble(google::protobuf::Message& message, std::mt19937_64& random, int d
     if (field->is_repeated()) {
       for (std::uint64_t n = random() % 5; n > 0; --n) {
         if (field->cpp_type() == Field::CPPTYPE_MESSAGE) scramble(*reflection->AddMessage(&message, field), random, depth + 1);
-        if (field->cpp_type() == Field::CPPTYPE_UINT32) reflection->AddUInt32(&message, field, static_cast<std::uint32_t>(random() % 7));
+        if (field->cpp_type() == Field::CPPTYPE_UINT32)
+          reflection->AddUInt32(&message, field, static_cast<std::uint32_t>(random() % 7));
       }
       continue;
     }
     switch (field->cpp_type()) {
-      case Field::CPPTYPE_DOUBLE: reflection->SetDouble(&message, field, wild(random)); break;
-      case Field::CPPTYPE_FLOAT: reflection->SetFloat(&message, field, static_cast<float>(wild(random))); break;
-      case Field::CPPTYPE_UINT32: reflection->SetUInt32(&message, field, static_cast<std::uint32_t>(random() % 7)); break;
-      case Field::CPPTYPE_INT32: reflection->SetInt32(&message, field, static_cast<std::int32_t>(random() % 9) - 4); break;
-      case Field::CPPTYPE_BOOL: reflection->SetBool(&message, field, random() % 2 == 0); break;
-      case Field::CPPTYPE_ENUM: reflection->SetEnumValue(&message, field, static_cast<int>(random() % 5)); break;
+      case Field::CPPTYPE_DOUBLE:
+        reflection->SetDouble(&message, field, wild(random));
+        break;
+      case Field::CPPTYPE_FLOAT:
+        reflection->SetFloat(&message, field, static_cast<float>(wild(random)));
+        break;
+      case Field::CPPTYPE_UINT32:
+        reflection->SetUInt32(&message, field, static_cast<std::uint32_t>(random() % 7));
+        break;
+      case Field::CPPTYPE_INT32:
+        reflection->SetInt32(&message, field, static_cast<std::int32_t>(random() % 9) - 4);
+        break;
+      case Field::CPPTYPE_BOOL:
+        reflection->SetBool(&message, field, random() % 2 == 0);
+        break;
+      case Field::CPPTYPE_ENUM:
+        reflection->SetEnumValue(&message, field, static_cast<int>(random() % 5));
+        break;
       case Field::CPPTYPE_STRING: {
-        const std::array<std::string, 8> texts = {"", "Density", "Energy", "viridis", "+x", "reset", std::string(3000, 'x'), "\xf0\x9f\xa6\x80"};
+        const std::array<std::string, 8> texts = {
+            "", "Density", "Energy", "viridis", "+x", "reset", std::string(3000, 'x'), "\xf0\x9f\xa6\x80"};
         reflection->SetString(&message, field, texts[random() % texts.size()]);
         break;
       }
-      case Field::CPPTYPE_MESSAGE: scramble(*reflection->MutableMessage(&message, field), random, depth + 1); break;
-      default: break;
+      case Field::CPPTYPE_MESSAGE:
+        scramble(*reflection->MutableMessage(&message, field), random, depth + 1);
+        break;
+      default:
+        break;
     }
   }
 }
@@ -264,7 +288,8 @@ TEST(ApplyCommandRandom, NoMessageLeavesASceneThatCannotBeDrawn) {
     scramble(*message.GetReflection()->MutableMessage(&message, field), random, 0);
     const std::uint64_t revision = state.scene.revision;
     const CommandOutcome outcome = apply_command(state, message, {&dataset});
-    const std::string trace = "seed " + std::to_string(seed) + ", message " + std::to_string(n) + ": " + message.ShortDebugString();
+    const std::string trace =
+        "seed " + std::to_string(seed) + ", message " + std::to_string(n) + ": " + message.ShortDebugString();
     ASSERT_EQ(outcome.error.has_value() && outcome.changed, false) << trace;
     ASSERT_EQ(state.scene.revision, revision + (outcome.changed ? 1 : 0)) << trace;
     accepted += outcome.changed;

@@ -33,7 +33,9 @@ class PlainRenderer final : public Renderer {
     const auto byte = [](double v) { return static_cast<std::uint8_t>(std::fmod(std::abs(v), 256.0)); };
     const std::uint8_t red = byte(input.mesh->summaries.empty() ? 0 : static_cast<double>(input.mesh->summaries[0].tetrahedra));
     const std::uint8_t green = byte(input.camera.eye.x * 16);
-    Image image{input.width, input.height, std::vector<std::uint8_t>(static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height) * 4, 255)};
+    Image image{
+        input.width, input.height,
+        std::vector<std::uint8_t>(static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height) * 4, 255)};
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
       image.rgba[i] = red;
       image.rgba[i + 1] = green;

@@ -18,8 +18,8 @@
 
 namespace isostrata::client {
 
-/// What went wrong: code is the server's ("not_found", "invalid_argument", ...) or one of ours: "bad_url", "connection", "unauthorized",
-/// "timeout", "closed", "protocol", "bad_image".
+/// What went wrong: code is the server's ("not_found", "invalid_argument", ...) or one of ours: "bad_url", "connection",
+/// "unauthorized", "timeout", "closed", "protocol", "bad_image".
 class ClientError : public std::runtime_error {
  public:
   ClientError(std::string code, const std::string& message) : std::runtime_error(message), code_(std::move(code)) {}
@@ -30,9 +30,9 @@ class ClientError : public std::runtime_error {
 };
 
 struct Options {
-  std::string url;            // as the server prints it, http://HOST:PORT/BASE/?token=TOKEN
-  std::string token;          // where the url has none
-  std::string resume_token;   // of an earlier Welcome: joins that session
+  std::string url;           // as the server prints it, http://HOST:PORT/BASE/?token=TOKEN
+  std::string token;         // where the url has none
+  std::string resume_token;  // of an earlier Welcome: joins that session
   std::string name = "isostrata-client";
   int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
   std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own
@@ -55,7 +55,8 @@ class Client {
 
   /// Sends a command; its seq is filled in and returned. Does not wait for an answer.
   std::uint64_t send(v1::ClientMessage message);
-  /// The next message of the server, or nothing after the timeout. Frames are acknowledged here, at once. Throws ClientError "closed".
+  /// The next message of the server, or nothing after the timeout. Frames are acknowledged here, at once. Throws ClientError
+  /// "closed".
   std::optional<v1::ServerMessage> receive(std::chrono::milliseconds timeout);
   /// Sends and waits until the server has surely done it or refused it. Throws ClientError with the server's code.
   void command(v1::ClientMessage message);
@@ -81,8 +82,8 @@ struct Picture {
 /// JPEG, or PNG of 8-bit RGB or RGBA without interlacing, which is what servers send. Throws ClientError "bad_image".
 Picture decode(const std::string& bytes);
 
-/// GET below the server's base URL ("api/v1/sessions"), with its token; the body. Throws ClientError, for a status of 400 or more with the
-/// problem document's code and detail.
+/// GET below the server's base URL ("api/v1/sessions"), with its token; the body. Throws ClientError, for a status of 400 or more
+/// with the problem document's code and detail.
 std::string http_get(const Options& options, const std::string& path);
 
 }  // namespace isostrata::client
