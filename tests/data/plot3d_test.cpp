@@ -143,7 +143,9 @@ TEST(Plot3d, EveryDialectIsTheSameFlow) {
         ASSERT_EQ(data->array("Momentum_x").at(id), value(1, p, b)) << dialect.name();
         ASSERT_EQ(data->array("Momentum_z").at(id), value(3, p, b)) << dialect.name();
         ASSERT_EQ(data->array("StagnationEnergy").at(id), value(4, p, b)) << dialect.name();
-        if (dialect.blanking) ASSERT_EQ(data->array("IBlank").at(id), blank(p)) << dialect.name();
+        if (dialect.blanking) {
+          ASSERT_EQ(data->array("IBlank").at(id), blank(p)) << dialect.name();
+        }
       }
     // Only the first cell of each block uses point 0, the one whose blanking is 0.
     for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell)
