@@ -24,7 +24,7 @@ inline std::filesystem::path shared_data() {
 }
 
 #define ISOSTRATA_NEEDS_SHARED_DATA()                                   \
-  if (!std::filesystem::is_directory(::isostrata::test::shared_data())) \
+  if (!std::filesystem::exists(::isostrata::test::shared_data() / "README.md")) \
   GTEST_SKIP() << "no test data at " << ::isostrata::test::shared_data() << "; set ISOSTRATA_TEST_DATA"
 
 /// A directory that is gone after the test.
