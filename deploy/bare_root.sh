@@ -10,7 +10,7 @@ make_bare_root() {
   # shellcheck disable=SC2016  # apt-get's own variables
   local from='$(REPO_URI) $(RELEASE)'
   mirror=$(apt-get indextargets --format "$from" 'Created-By: Packages' | awk '$2 == "bookworm" { print $1; exit }')
-  debootstrap --variant=minbase bookworm "$dir" "${mirror:-http://deb.debian.org/debian}" >/dev/null
+  debootstrap --variant=minbase bookworm "$dir" ${mirror:+"$mirror"} >/dev/null
   apt-get indextargets --format "$from" 'Created-By: Packages' | awk '$2 ~ /^bookworm/ { print "deb", $1, $2, "main" }' |
     sort -u >"$dir/etc/apt/sources.list"
   apt-config dump | grep -E '^Acquire::(Check|http|Retries)' >"$dir/etc/apt/apt.conf.d/90network" || true
