@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/vec.h"
@@ -15,6 +16,8 @@ namespace isostrata {
 struct Interval {
   double lower = 0;
   double upper = 0;
+
+  bool operator==(const Interval&) const = default;
 };
 
 enum class FacetLabel : std::uint8_t {
@@ -65,6 +68,12 @@ struct IntervalMesh {
   std::vector<IntervalSummary> summaries;                // one per interval of the request, in its order
   std::int64_t cells = 0;                                // of the grid, hidden ones included
   std::int64_t active_cells = 0;                         // active in at least one interval
+};
+
+/// A named value at each point of the mesh.
+struct MeshArray {
+  std::string name;
+  std::vector<float> values;  // [np]
 };
 
 }  // namespace isostrata

@@ -10,12 +10,6 @@
 
 namespace isostrata {
 
-/// A named value at each point of the mesh.
-struct MeshArray {
-  std::string name;
-  std::vector<float> values;  // [np]
-};
-
 /// Throws unsupported where write_mesh knows no format for the path's ending: for asking before the work is done.
 void check_mesh_path(const std::filesystem::path& path);
 

@@ -6,9 +6,12 @@
 #include "base/stopwatch.h"
 #include "extraction/boundary_facets.h"
 #include "extraction/extract_intervals.h"
+#include "extraction/extract_layers.h"
 #include "extraction/write_mesh.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/layer_arguments.h"
+#include "main/picture_arguments.h"
 
 namespace isostrata {
 namespace {
@@ -16,7 +19,7 @@ namespace {
 struct ExtractArguments {
   std::string file, array, color_by, out;
   std::vector<std::string> intervals;
-  int step = 0;
+  LayerArguments layers;
   int threads = 0;
   bool json = false;
 };
@@ -84,31 +87,31 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
 }
 
 void run(const ExtractArguments& arguments) {
-  std::vector<Interval> intervals;
-  for (const std::string& text : arguments.intervals) intervals.push_back(parse_interval(text, intervals.size()).interval);
+  LayerRequest request = layer_request(arguments.layers);
+  for (const std::string& text : arguments.intervals)
+    request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
+  request.array = arguments.array;
+  request.facets = true;
+  if (!arguments.color_by.empty() && arguments.color_by != arguments.array) request.carry.push_back(arguments.color_by);
   if (!arguments.out.empty()) check_mesh_path(arguments.out);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
 
   Stopwatch total, stage;
   Timing ms;
-  const std::shared_ptr<const Dataset> dataset = open_argument(arguments.file, arguments.step);
-  if (dataset->arrays.empty()) throw Error(ErrorCode::not_found, arguments.file + ": no point array; expected at least one");
-  const PointArray& array = arguments.array.empty() ? dataset->arrays.front() : dataset->array(arguments.array);
-  const PointArray* color_by = arguments.color_by.empty() ? nullptr : &dataset->array(arguments.color_by);
+  const StepSource steps = step_source(arguments.file);
+  const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
+  request.array = array_argument(*dataset, request.array).name;
   ms.load = stage.lap_ms();
 
   prepare_tables(dataset->grid);
   ms.index = stage.lap_ms();
-  ExtractOptions options;
-  options.facets = true;
-  const IntervalMesh mesh = extract_intervals(dataset->grid, array, intervals, options, command_task());
+  const Layers layers = extract_layers(request, steps, command_task());
+  const IntervalMesh& mesh = layers.mesh;
   ms.extract = stage.lap_ms();
   const FacetCounts facets = count_facets(mesh);
   ms.check = stage.lap_ms();
   if (!arguments.out.empty()) {
-    std::vector<MeshArray> more;
-    if (color_by && color_by->name != array.name) more.push_back({color_by->name, carry_array(mesh, *color_by)});
-    write_mesh(arguments.out, mesh, array.name, more);
+    write_mesh(arguments.out, mesh, request.array, layers.carried);
     ms.write = stage.lap_ms();
   }
   ms.total = total.elapsed_ms();
@@ -116,7 +119,7 @@ void run(const ExtractArguments& arguments) {
   if (arguments.json)
     print_json(to_json(mesh, facets, ms));
   else
-    print_text(mesh, array.name, facets, ms);
+    print_text(mesh, request.array, facets, ms);
 }
 
 }  // namespace
@@ -127,7 +130,7 @@ void add_extract_command(CLI::App& app) {
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated")->required()->allow_extra_args(false);
-  command->add_option("--step", arguments->step, "Time step, counted from 0");
+  add_layer_options(*command, arguments->layers);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
   command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));

@@ -1,0 +1,36 @@
+#include "extraction/extract_layers.h"
+
+#include "extraction/extract_intervals.h"
+
+namespace isostrata {
+namespace {
+
+const PointArray& find_array(const Dataset& dataset, const std::string& name) {
+  if (!name.empty()) return dataset.array(name);
+  if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
+  return dataset.arrays.front();
+}
+
+}  // namespace
+
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task) {
+  if (request.time || request.time_mode != TimeMode::step)
+    throw Error(ErrorCode::unsupported, "a time between steps cannot be extracted yet");
+  if (request.triangulation == Triangulation::strict)
+    throw Error(ErrorCode::unsupported, "the strict triangulation cannot be extracted yet");
+  if (!request.terms.empty()) throw Error(ErrorCode::unsupported, "ranges cannot be combined yet");
+  Layers layers;
+  layers.dataset = steps(request.step, task);
+  const Dataset& dataset = *layers.dataset;
+  const PointArray& array = find_array(dataset, request.array);
+  std::vector<const PointArray*> carry;
+  for (const std::string& name : request.carry) carry.push_back(&dataset.array(name));
+  ExtractOptions options;
+  options.facets = request.facets;
+  options.max_bytes = request.max_bytes;
+  layers.mesh = extract_intervals(dataset.grid, array, request.intervals, options, task);
+  for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
+  return layers;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,66 @@
+// Everything that can be asked of an extraction, as one plain request: what the command line, the engine and the benchmarks send.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/task.h"
+#include "data/dataset.h"
+#include "extraction/interval_mesh.h"
+
+namespace isostrata {
+
+/// How the range of another attribute changes the region so far, from left to right: ((A op B) op C) ...
+enum class RangeOperator { intersect, unite, subtract, exclusive_or };
+
+struct RangeTerm {
+  RangeOperator op = RangeOperator::intersect;
+  std::string array;
+  Interval range;
+
+  bool operator==(const RangeTerm&) const = default;
+};
+
+/// How a time between two steps is understood (the paper's section 3.2). All agree at the steps themselves.
+enum class TimeMode {
+  step,         // the step whose time is nearest
+  interpolate,  // the array's values at t, linear between the two steps, extracted as one field
+  spacetime     // the interval volume of the four-dimensional cells between the two steps, sliced at t
+};
+
+enum class Triangulation {
+  table,  // the interval tables as they are
+  strict  // no tetrahedron is turned against its cell, same facets on the cells' faces
+};
+
+struct LayerRequest {
+  std::string array;  // empty: the dataset's first
+  std::vector<Interval> intervals;
+  std::vector<RangeTerm> terms;
+  int step = 0;                // where no time is given
+  std::optional<double> time;  // in the dataset's units, clamped to nothing: outside the steps' times is invalid_argument
+  TimeMode time_mode = TimeMode::step;
+  Triangulation triangulation = Triangulation::table;
+  std::vector<std::string> carry;         // other arrays to bring to the mesh's points
+  bool facets = false;                    // fill IntervalMesh::facets
+  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
+};
+
+struct Layers {
+  std::shared_ptr<const Dataset> dataset;  // whose grid the mesh lies in; of a time between steps: the earlier step's
+  IntervalMesh mesh;
+  std::vector<MeshArray> carried;  // one per LayerRequest::carry
+};
+
+/// Opens a step of the dataset. The same object again where the same step is asked for again.
+using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const Task& task)>;
+
+/// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
+/// cancelled, and what `steps` throws. Any thread.
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task);
+
+}  // namespace isostrata

@@ -1,0 +1,80 @@
+#include "main/layer_arguments.h"
+
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "main/arguments.h"
+
+namespace isostrata {
+
+RangeTerm parse_range_term(RangeOperator op, const std::string& text) {
+  const std::size_t at = text.rfind('=');
+  if (at == std::string::npos || at == 0)
+    throw Error(ErrorCode::invalid_argument, "range '" + text + "': expected NAME=LOWER:UPPER");
+  return {op, text.substr(0, at), parse_interval(text.substr(at + 1), 0).interval};
+}
+
+void add_layer_options(CLI::App& command, LayerArguments& arguments) {
+  struct Option {
+    const char* name;
+    RangeOperator op;
+    const char* what;
+  };
+  constexpr Option kOptions[]{
+      {"--and", RangeOperator::intersect, "NAME=LOWER:UPPER: keep only where the array NAME is in the range, too"},
+      {"--or", RangeOperator::unite, "NAME=LOWER:UPPER: add where the array NAME is in the range"},
+      {"--minus", RangeOperator::subtract, "NAME=LOWER:UPPER: leave out where the array NAME is in the range"},
+      {"--xor", RangeOperator::exclusive_or, "NAME=LOWER:UPPER: keep what is in just one of both"}};
+  // Each value is appended as it is met, so that terms of different kinds keep the order of the command line.
+  for (const Option& option : kOptions)
+    command
+        .add_option_function<std::vector<std::string>>(
+            option.name,
+            [&arguments, op = option.op](const std::vector<std::string>& texts) {
+              for (const std::string& text : texts) arguments.terms.push_back(parse_range_term(op, text));
+            },
+            option.what)
+        ->allow_extra_args(false)
+        ->trigger_on_parse();
+  CLI::Option* step = command.add_option("--step", arguments.step, "Time step, counted from 0");
+  command
+      .add_option_function<double>(
+          "--time", [&arguments](const double& time) { arguments.time = time; },
+          "A time of the dataset, at a step or between two")
+      ->excludes(step);
+  command
+      .add_option("--time-mode", arguments.time_mode,
+                  "What a time between steps means. step: the nearest step; interpolate: the field at that time, linear between "
+                  "the steps; spacetime: a slice of the interval volume of space-time cells")
+      ->check(CLI::IsMember({"step", "interpolate", "spacetime"}))
+      ->capture_default_str();
+  command
+      .add_option("--triangulation", arguments.triangulation,
+                  "table: the interval tables; strict: no tetrahedron is turned against its cell")
+      ->check(CLI::IsMember({"table", "strict"}))
+      ->capture_default_str();
+}
+
+LayerRequest layer_request(const LayerArguments& arguments) {
+  LayerRequest request;
+  request.terms = arguments.terms;
+  request.step = arguments.step;
+  request.time = arguments.time;
+  request.time_mode = arguments.time_mode == "spacetime"     ? TimeMode::spacetime
+                      : arguments.time_mode == "interpolate" ? TimeMode::interpolate
+                                                             : TimeMode::step;
+  request.triangulation = arguments.triangulation == "strict" ? Triangulation::strict : Triangulation::table;
+  return request;
+}
+
+StepSource step_source(const std::string& file) {
+  auto opened = std::make_shared<std::map<int, std::shared_ptr<const Dataset>>>();
+  return [file, opened](int step, const Task&) {
+    auto& dataset = (*opened)[step];
+    if (!dataset) dataset = open_argument(file, step);
+    return dataset;
+  };
+}
+
+}  // namespace isostrata

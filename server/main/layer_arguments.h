@@ -1,0 +1,33 @@
+// Options that say what is extracted, shared by the commands that extract: combined ranges, time, triangulation.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "extraction/extract_layers.h"
+
+namespace isostrata {
+
+struct LayerArguments {
+  std::vector<RangeTerm> terms;  // in the order of the command line
+  int step = 0;
+  std::optional<double> time;
+  std::string time_mode = "step";
+  std::string triangulation = "table";
+};
+
+/// Adds --and, --or, --minus, --xor, --step, --time, --time-mode and --triangulation. `arguments` must outlive the command.
+void add_layer_options(CLI::App& command, LayerArguments& arguments);
+
+/// A request without array and intervals.
+LayerRequest layer_request(const LayerArguments& arguments);
+
+/// The steps of FILE, each opened once.
+StepSource step_source(const std::string& file);
+
+/// "NAME=LOWER:UPPER". Throws invalid_argument saying which part of which text.
+RangeTerm parse_range_term(RangeOperator op, const std::string& text);
+
+}  // namespace isostrata
