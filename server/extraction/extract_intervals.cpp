@@ -15,6 +15,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/strict_triangulation.h"
 #include "extraction/structured_points.h"
 
 namespace isostrata {
@@ -289,7 +290,9 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
     throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
-  return Extraction(grid, array, intervals, options, task).run();
+  IntervalMesh mesh = Extraction(grid, array, intervals, options, task).run();
+  if (options.strict) make_strict(grid, array, intervals, options, task, mesh);
+  return mesh;
 }
 
 }  // namespace isostrata

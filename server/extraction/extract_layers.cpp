@@ -16,8 +16,6 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task) {
   if (request.time || request.time_mode != TimeMode::step)
     throw Error(ErrorCode::unsupported, "a time between steps cannot be extracted yet");
-  if (request.triangulation == Triangulation::strict)
-    throw Error(ErrorCode::unsupported, "the strict triangulation cannot be extracted yet");
   if (!request.terms.empty()) throw Error(ErrorCode::unsupported, "ranges cannot be combined yet");
   Layers layers;
   layers.dataset = steps(request.step, task);
@@ -27,6 +25,7 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   for (const std::string& name : request.carry) carry.push_back(&dataset.array(name));
   ExtractOptions options;
   options.facets = request.facets;
+  options.strict = request.triangulation == Triangulation::strict;
   options.max_bytes = request.max_bytes;
   layers.mesh = extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});

@@ -56,10 +56,28 @@ struct IntervalSummary {
   std::int64_t inverted = 0;  // tetrahedra of the other sign
 };
 
+/// Points inside cells, which only the strict triangulation makes. Mesh point origins.size() + i is the sum of weights[k] * grid
+/// point points[k] over k in [first[i], first[i + 1]); the weights add up to 1.
+struct InnerPoints {
+  std::vector<std::uint32_t> first{0};  // [inner points + 1]
+  std::vector<std::int64_t> points;
+  std::vector<float> weights;
+};
+
+/// What the strict triangulation met and did, in active cells; all 0 where it was not asked for.
+struct StrictSummary {
+  std::int64_t turned_cells = 0;      // in which the tables' tetrahedra are turned against the cell; of these:
+  std::int64_t pulled_cells = 0;      //   triangulated from another point, with the same boundary
+  std::int64_t star_cells = 0;        //   cut around a point inside
+  std::int64_t tangled_cells = 0;     //   left with turned ones: from no point inside are all its faces seen
+  std::int64_t added_tetrahedra = 0;  // more than the tables' (or fewer)
+  std::int64_t added_points = 0;
+};
+
 /// Touching intervals share the points on their common isosurface. Immutable once made.
 struct IntervalMesh {
   std::vector<Vec3d> positions;                          // [np] world space
-  std::vector<PointOrigin> origins;                      // [np]
+  std::vector<PointOrigin> origins;                      // [np - inner points]
   std::vector<double> values;                            // [np] the array that was extracted on
   std::vector<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices; grouped by cell, cells in increasing order
   std::vector<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
@@ -68,6 +86,8 @@ struct IntervalMesh {
   std::vector<IntervalSummary> summaries;                // one per interval of the request, in its order
   std::int64_t cells = 0;                                // of the grid, hidden ones included
   std::int64_t active_cells = 0;                         // active in at least one interval
+  InnerPoints inner;                                     // the last points
+  StrictSummary strict;
 };
 
 /// A named value at each point of the mesh.

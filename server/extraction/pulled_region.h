@@ -1,0 +1,25 @@
+// Other triangulations of a region with the same boundary.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace isostrata {
+
+using TetrahedronPoints = std::array<std::uint32_t, 4>;  // positive
+
+/// Tetrahedra with the same boundary as the given ones, facet by facet, and without one that is turned (volume < -tolerance). In
+/// each connected part that has one, another of its points is joined to all boundary facets that it is not in; of the points that
+/// do, the one with the fewest flat tetrahedra, then the fewest tetrahedra, is taken. Empty where a part has no such point.
+/// positions: of all points that the tetrahedra name. faces: of each of these points the cell faces that it lies in, a bit each;
+/// no tetrahedron is laid into a face, where its facets would meet the neighbour's. Any thread.
+std::optional<std::vector<TetrahedronPoints>> pull_region(std::span<const TetrahedronPoints> tetrahedra, const Vec3d* positions,
+                                                          const std::map<std::uint32_t, unsigned>& faces, double tolerance);
+
+}  // namespace isostrata
