@@ -68,6 +68,7 @@ struct InnerPoints {
 struct StrictSummary {
   std::int64_t turned_cells = 0;      // in which the tables' tetrahedra are turned against the cell; of these:
   std::int64_t pulled_cells = 0;      //   triangulated from another point, with the same boundary
+  std::int64_t centred_cells = 0;     //   an interval's part from a point inside that part, with the same boundary
   std::int64_t star_cells = 0;        //   cut around a point inside
   std::int64_t tangled_cells = 0;     //   left with turned ones: from no point inside are all its faces seen
   std::int64_t added_tetrahedra = 0;  // more than the tables' (or fewer)

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "extraction/cell_geometry.h"
+#include "extraction/kernel_point.h"
 
 namespace isostrata {
 namespace {
@@ -18,10 +19,6 @@ Triangle sorted(Triangle t) {
 
 Triangle facet_of(const TetrahedronPoints& t, int facet) {
   return {t[kTetrahedronFacets[facet][0]], t[kTetrahedronFacets[facet][1]], t[kTetrahedronFacets[facet][2]]};
-}
-
-double volume(const Vec3d* x, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
-  return orient3d(x[a], x[b], x[c], x[d]) / 6;
 }
 
 /// The number of the part of each tetrahedron; parts are joined by facets.
@@ -59,57 +56,75 @@ bool is_simple(std::span<const Triangle> boundary) {
   return std::all_of(uses.begin(), uses.end(), [](const auto& use) { return use.second == 2; });
 }
 
-/// One connected part, pulled from the best of its points.
-bool pull_part(std::span<const TetrahedronPoints> part, const Vec3d* x, const std::map<std::uint32_t, unsigned>& faces,
-               double tolerance, std::vector<TetrahedronPoints>& out) {
-  const std::vector<Triangle> boundary = boundary_of(part);
-  if (!is_simple(boundary)) return false;
+/// The point of the part to pull it from, if there is one.
+std::optional<std::uint32_t> best_apex(std::span<const Triangle> boundary, const Vec3d* x,
+                                       const std::map<std::uint32_t, unsigned>& faces, double tolerance) {
   std::set<std::uint32_t> points;
   for (const Triangle& t : boundary) points.insert(t.begin(), t.end());
-  std::pair<std::size_t, std::size_t> best{~std::size_t{0}, 0};  // flat ones, all
-  std::uint32_t apex = 0;
+  std::optional<std::uint32_t> best;
+  std::pair<std::size_t, std::size_t> least{};  // flat tetrahedra, tetrahedra
   for (const std::uint32_t p : points) {
     std::size_t flat = 0, count = 0;
-    bool turned = false;
+    bool refused = false;
     for (const Triangle& t : boundary) {
       if (t[0] == p || t[1] == p || t[2] == p) continue;
-      const double v = volume(x, p, t[0], t[1], t[2]);
-      turned = v < -tolerance || (faces.at(p) & faces.at(t[0]) & faces.at(t[1]) & faces.at(t[2])) != 0;
-      if (turned) break;
-      flat += v <= tolerance;
+      const double volume = orient3d(x[p], x[t[0]], x[t[1]], x[t[2]]) / 6;
+      refused = volume < -tolerance || (faces.at(p) & faces.at(t[0]) & faces.at(t[1]) & faces.at(t[2])) != 0;
+      if (refused) break;
+      flat += volume <= tolerance;
       ++count;
     }
-    if (!turned && std::pair(flat, count) < best) {
-      best = {flat, count};
-      apex = p;
-    }
+    if (refused || (best && std::pair(flat, count) >= least)) continue;
+    best = p;
+    least = {flat, count};
   }
-  if (best.first == ~std::size_t{0}) return false;
-  for (const Triangle& t : boundary)
-    if (t[0] != apex && t[1] != apex && t[2] != apex) out.push_back({apex, t[0], t[1], t[2]});
-  return true;
+  return best;
+}
+
+/// A point inside the part that sees all of its boundary, if there is one.
+std::optional<Vec3d> inner_apex(std::span<const Triangle> boundary, const Vec3d* x, double tolerance) {
+  std::vector<std::array<Vec3d, 3>> triangles;
+  for (const Triangle& t : boundary) triangles.push_back({x[t[0]], x[t[1]], x[t[2]]});
+  const auto point = kernel_point(triangles);
+  if (!point) return std::nullopt;
+  for (const auto& t : triangles)
+    if (orient3d(*point, t[0], t[1], t[2]) / 6 < -tolerance) return std::nullopt;
+  return point;
 }
 
 }  // namespace
 
-std::optional<std::vector<TetrahedronPoints>> pull_region(std::span<const TetrahedronPoints> tetrahedra, const Vec3d* positions,
-                                                          const std::map<std::uint32_t, unsigned>& faces, double tolerance) {
+std::optional<PulledRegion> pull_region(std::span<const TetrahedronPoints> tetrahedra, const Vec3d* x,
+                                        const std::map<std::uint32_t, unsigned>& faces, double tolerance,
+                                        std::uint32_t first_inner) {
   const std::vector<std::size_t> part = parts_of(tetrahedra);
-  std::vector<TetrahedronPoints> out, own;
-  for (std::size_t first = 0; first < tetrahedra.size(); ++first) {
-    if (std::find(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(first), part[first]) !=
-        part.begin() + static_cast<std::ptrdiff_t>(first))
-      continue;
+  const std::set<std::size_t> parts(part.begin(), part.end());
+  PulledRegion out;
+  std::vector<TetrahedronPoints> own;
+  for (const std::size_t number : parts) {
     own.clear();
-    for (std::size_t t = first; t < tetrahedra.size(); ++t)
-      if (part[t] == part[first]) own.push_back(tetrahedra[t]);
-    const bool turned = std::any_of(own.begin(), own.end(), [&](const TetrahedronPoints& t) {
-      return volume(positions, t[0], t[1], t[2], t[3]) < -tolerance;
-    });
-    if (!turned)
-      out.insert(out.end(), own.begin(), own.end());
-    else if (!pull_part(own, positions, faces, tolerance, out))
+    bool turned = false;
+    for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
+      if (part[i] != number) continue;
+      const TetrahedronPoints& t = tetrahedra[i];
+      own.push_back(t);
+      turned = turned || orient3d(x[t[0]], x[t[1]], x[t[2]], x[t[3]]) / 6 < -tolerance;
+    }
+    if (!turned) {
+      out.tetrahedra.insert(out.tetrahedra.end(), own.begin(), own.end());
+      continue;
+    }
+    const std::vector<Triangle> boundary = boundary_of(own);
+    if (!is_simple(boundary)) return std::nullopt;
+    std::uint32_t apex = first_inner + static_cast<std::uint32_t>(out.inner.size());
+    if (const auto point = best_apex(boundary, x, faces, tolerance))
+      apex = *point;
+    else if (const auto inside = inner_apex(boundary, x, tolerance))
+      out.inner.push_back(*inside);
+    else
       return std::nullopt;
+    for (const Triangle& t : boundary)
+      if (t[0] != apex && t[1] != apex && t[2] != apex) out.tetrahedra.push_back({apex, t[0], t[1], t[2]});
   }
   return out;
 }

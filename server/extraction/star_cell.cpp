@@ -73,7 +73,7 @@ class Star {
     if (a == b) boundary = kNone;
     const auto [at, is_new] = edge_points_.try_emplace({a, b, boundary}, static_cast<std::uint32_t>(out_.points.size()));
     if (is_new) {
-      StarPoint point;
+      CellPoint point;
       point.a = a;
       point.b = b;
       double weight = 0;
@@ -160,11 +160,7 @@ class Star {
   /// The mean of the vertices where that sees all faces, which it does in every cell that is near to regular; else the kernel's
   /// middle.
   bool place_centre() {
-    StarPoint c;
-    for (int v = 0; v < cell_.count; ++v) {
-      c.weights[v] = 1.0 / cell_.count;
-      c.position = c.position + cell_.positions[v] * c.weights[v];
-    }
+    CellPoint c = mean_point(cell_);
     if (!sees_all(c.position)) {
       std::vector<std::array<Vec3d, 3>> triangles;
       for (const BaseTriangle& base : bases_)
@@ -172,9 +168,8 @@ class Star {
             {out_.points[base.points[0]].position, out_.points[base.points[1]].position, out_.points[base.points[2]].position});
       const auto kernel = kernel_point(triangles);
       if (!kernel || !sees_all(*kernel)) return false;
-      move_to(*kernel, c);
+      c = point_at(cell_, *kernel);
     }
-    for (int v = 0; v < cell_.count; ++v) c.value += c.weights[v] * cell_.values[v];
     centre_slab_ = slab_of(c.value);
     centre_ = static_cast<std::uint32_t>(out_.points.size());
     out_.points.push_back(c);
@@ -182,30 +177,13 @@ class Star {
     return true;
   }
 
-  /// Moves c from the mean of the vertices, by the least change of its weights that keeps linear fields linear:
-  /// w_v += (x_v - mean) . S^-1 (to - mean) with S = sum (x_v - mean)(x_v - mean)^T.
-  void move_to(const Vec3d& to, StarPoint& c) const {
-    const Vec3d mean = c.position;
-    std::array<Vec3d, 3> s{};
-    for (int v = 0; v < cell_.count; ++v) {
-      const Vec3d d = cell_.positions[v] - mean;
-      for (int r = 0; r < 3; ++r) s[r] = s[r] + d * d[r];
-    }
-    const double determinant = dot(s[0], cross(s[1], s[2]));
-    const Vec3d wanted = to - mean;
-    const Vec3d solved =
-        (cross(s[1], s[2]) * wanted.x + cross(s[2], s[0]) * wanted.y + cross(s[0], s[1]) * wanted.z) / determinant;
-    for (int v = 0; v < cell_.count; ++v) c.weights[v] += dot(cell_.positions[v] - mean, solved);
-    c.position = to;
-  }
-
   /// Where the segment from a point of the faces to the centre crosses an isovalue.
   std::uint32_t cut(std::uint32_t from, int boundary) {
     if (boundary_of_point_[from] == boundary) return from;
     const auto [at, is_new] = cuts_.try_emplace({from, boundary}, static_cast<std::uint32_t>(out_.points.size()));
     if (is_new) {
-      const StarPoint &p = out_.points[from], &c = out_.points[centre_];
-      StarPoint point;
+      const CellPoint &p = out_.points[from], &c = out_.points[centre_];
+      CellPoint point;
       point.value = boundaries_[boundary].isovalue;
       const double weight = p.value == c.value ? 1.0 : crossing_weight(p.value, c.value, point.value);
       point.position = p.position + (c.position - p.position) * weight;

@@ -15,33 +15,13 @@
 #include <span>
 #include <vector>
 
-#include "base/vec.h"
+#include "extraction/cell_point.h"
 #include "extraction/interval_mesh.h"
 #include "extraction/iso_rules.h"
-#include "tables/cell_type.h"
 
 namespace isostrata {
 
-/// A cell of a grid, read out.
-struct CellGeometry {
-  const CellTopology* topology = nullptr;
-  int count = 0;                                     // of vertices
-  std::array<std::int64_t, kMaxCellVertices> ids{};  // global point numbers
-  std::array<Vec3d, kMaxCellVertices> positions{};   // finite
-  std::array<double, kMaxCellVertices> values{};     // finite
-  double tolerance = 0;                              // as CellHandedness::tolerance
-  int sign = 0;                                      // -1: left-handed
-};
-
-/// A point of the cell's triangulation. It is a vertex of the cell (a == b), the crossing of the edge between its vertices a and
-/// b with the isovalue `value`, or (a < 0) new and inside the cell.
-struct StarPoint {
-  int a = -1, b = -1;  // local numbers
-  Vec3d position;
-  double value = 0;
-  std::array<double, kMaxCellVertices> weights{};  // [count] of the cell's vertices; add up to 1
-};
-
+/// Numbers are into points; those with a >= 0 lie on the cell's edges.
 struct StarCell {
   struct Tetrahedron {
     std::array<std::uint32_t, 4> points{};  // into points
@@ -52,7 +32,7 @@ struct StarCell {
     std::uint16_t interval = 0;
     FacetLabel label = FacetLabel::lower;  // or upper
   };
-  std::vector<StarPoint> points;
+  std::vector<CellPoint> points;
   std::vector<Tetrahedron> tetrahedra;  // positive, in left-handed cells too
   std::vector<Facet> facets;            // on the isosurfaces, in no particular direction
 };

@@ -6,8 +6,9 @@
 // none of a tetrahedron's. Only cells that have such a tetrahedron are touched here, and each keeps its facets on the cell's
 // faces, so neighbours need not know:
 //   1. the interval's part of the cell is triangulated from another of its points, with its whole boundary unchanged
-//      (pulled_region.h): enough for six in ten of such hexahedra;
-//   2. else the cell is cut around a point inside it (star_cell.h), together with the intervals that it does not overlap, so
+//      (pulled_region.h);
+//   2. else from a point inside the part, likewise;
+//   3. else the cell is cut around a point inside it (star_cell.h), together with the intervals that it does not overlap, so
 //      that those which touch go on sharing their isosurface.
 // What is left are tangled cells, from no inner point of which all their faces are seen. They are counted and left as they were.
 #pragma once

@@ -44,11 +44,9 @@ FacetCounts count_facets(const IntervalMesh& mesh) {
 }
 
 boost::json::object to_json(const StrictSummary& strict) {
-  return {{"turned_cells", strict.turned_cells},
-          {"pulled_cells", strict.pulled_cells},
-          {"star_cells", strict.star_cells},
-          {"tangled_cells", strict.tangled_cells},
-          {"added_tetrahedra", strict.added_tetrahedra},
+  return {{"turned_cells", strict.turned_cells},   {"pulled_cells", strict.pulled_cells},
+          {"centred_cells", strict.centred_cells}, {"star_cells", strict.star_cells},
+          {"tangled_cells", strict.tangled_cells}, {"added_tetrahedra", strict.added_tetrahedra},
           {"added_points", strict.added_points}};
 }
 
@@ -94,11 +92,13 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
               static_cast<long long>(facets.unmatched));
   if (mesh.strict.turned_cells > 0)
     std::printf(
-        "strict: of %lld cells with turned tetrahedra %lld pulled from another point, %lld cut around a point inside, %lld "
-        "tangled and left; %+lld tetrahedra, %lld points\n",
+        "strict: of %lld cells with turned tetrahedra %lld pulled from another point, %lld from a point inside, %lld cut around "
+        "a "
+        "point, %lld tangled and left; %+lld tetrahedra, %lld points\n",
         static_cast<long long>(mesh.strict.turned_cells), static_cast<long long>(mesh.strict.pulled_cells),
-        static_cast<long long>(mesh.strict.star_cells), static_cast<long long>(mesh.strict.tangled_cells),
-        static_cast<long long>(mesh.strict.added_tetrahedra), static_cast<long long>(mesh.strict.added_points));
+        static_cast<long long>(mesh.strict.centred_cells), static_cast<long long>(mesh.strict.star_cells),
+        static_cast<long long>(mesh.strict.tangled_cells), static_cast<long long>(mesh.strict.added_tetrahedra),
+        static_cast<long long>(mesh.strict.added_points));
   std::printf("load %.1f ms, index %.1f ms, extract %.1f ms, check %.1f ms, write %.1f ms, total %.1f ms on %d threads\n",
               ms.load, ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
 }
