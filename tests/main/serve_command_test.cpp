@@ -18,6 +18,8 @@
 #include <thread>
 #include <vector>
 
+#include "support/temporary_folder.h"
+
 extern char** environ;
 
 namespace {
@@ -35,16 +37,11 @@ std::string contents(const fs::path& path) {
 
 class ServeCommand : public ::testing::Test {
  protected:
-  ServeCommand() {
-    std::string name = (fs::temp_directory_path() / "isostrata-serve-XXXXXX").string();
-    directory_ = mkdtemp(name.data());
-  }
   ~ServeCommand() override {
     if (server_ > 0) {
       kill(server_, SIGKILL);
       waitpid(server_, nullptr, 0);
     }
-    fs::remove_all(directory_);
   }
 
   pid_t start(const std::string& program, std::vector<std::string> arguments) {
@@ -102,7 +99,7 @@ class ServeCommand : public ::testing::Test {
   fs::path out() const { return directory_ / "out.txt"; }
   fs::path errors() const { return directory_ / "errors.txt"; }
 
-  fs::path directory_;
+  isostrata::testing::TemporaryFolder directory_;
   pid_t server_ = -1;
   json::value ready_;
   std::string url_;
