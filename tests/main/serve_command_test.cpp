@@ -125,6 +125,25 @@ TEST_F(ServeCommand, AnnouncesItselfOnceItAnswersAndEndsWhenAsked) {
   EXPECT_FALSE(fs::exists(ready()));
 }
 
+TEST_F(ServeCommand, ReadsOptionsFromAFileAndTheCommandLineComesFirst) {
+  const auto options = directory_.write("options.toml", "# a comment\nno-auth = true\nmax-sessions = 3\nlog-format = \"json\"\n");
+  SERVE_OR_SKIP({"torus:12", "--config", options.string(), "--log-format", "text"});
+  EXPECT_EQ(url_.find("token="), std::string::npos) << url_;
+  EXPECT_EQ(contents(errors()).find('{'), std::string::npos) << contents(errors());
+}
+
+TEST_F(ServeCommand, AFileWithAWrongOptionIsAUsageErrorThatNamesIt) {
+  for (const auto& [text, part] : {std::pair{"prot = 8080\n", "no option 'prot'"}, std::pair{"port = 99999\n", "port: "},
+                                   std::pair{"[serve]\nport = 0\n", "no option 'serve.port'"}}) {
+    const auto options = directory_.write("wrong.toml", text);
+    EXPECT_EQ(run("isostrata", {"serve", "torus:12", "--config", options.string()}), 2) << text;
+    const std::string printed = contents(errors());
+    EXPECT_NE(printed.find("wrong.toml"), std::string::npos) << printed;
+    EXPECT_NE(printed.find(part), std::string::npos) << printed;
+  }
+  EXPECT_EQ(run("isostrata", {"serve", "--config", (directory_ / "absent.toml").string()}), 2);
+}
+
 TEST_F(ServeCommand, TheClientTakesAPictureAndMeasures) {
   SERVE_OR_SKIP({"torus:12", "tets:6"});
   ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0) << contents(errors());
