@@ -13,6 +13,8 @@ namespace isostrata {
 
 struct ExtractOptions {
   bool facets = false;                    // fill IntervalMesh::facets
+  bool values = true;                     // fill IntervalMesh::values
+  bool measure = true;                    // sum the volumes of the summaries and count what is inverted
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
 };
 
