@@ -22,15 +22,16 @@ std::vector<float> carry_array(const IntervalMesh& mesh, const PointArray& array
         parallel_for(on_edges, 1 << 15, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i) {
             const PointOrigin& origin = mesh.origins[i];
-            check(origin.b);  // b >= a
-            const auto at_a = static_cast<double>(values[origin.a]);
+            check(origin.b());  // b >= a
+            const auto at_a = static_cast<double>(values[origin.a()]);
             // A weight of 0 or 1 takes the end itself: the other one may be NaN.
-            if (origin.weight == 0) {
+            const double weight = origin.weight();
+            if (weight == 0) {
               carried[i] = static_cast<float>(at_a);
               continue;
             }
-            const auto at_b = static_cast<double>(values[origin.b]);
-            carried[i] = static_cast<float>(origin.weight == 1 ? at_b : at_a * (1 - origin.weight) + at_b * origin.weight);
+            const auto at_b = static_cast<double>(values[origin.b()]);
+            carried[i] = static_cast<float>(weight == 1 ? at_b : at_a * (1 - weight) + at_b * weight);
           }
         });
         parallel_for(inside, 1 << 12, [&](std::int64_t begin, std::int64_t end) {

@@ -107,7 +107,7 @@ std::map<std::uint32_t, unsigned> StrictCells::faces_of_points(const CellGeometr
     for (const std::uint32_t p : mesh_.tetrahedra[t]) {
       const auto [at, is_new] = out.try_emplace(p, 0u);
       if (!is_new) continue;
-      const std::int64_t a = mesh_.origins[p].a, b = mesh_.origins[p].b;
+      const std::int64_t a = mesh_.origins[p].a(), b = mesh_.origins[p].b();
       for (std::size_t f = 0; f < cell.topology->faces.size(); ++f) {
         const CellFace& face = cell.topology->faces[f];
         bool has_a = false, has_b = false;
@@ -178,7 +178,7 @@ std::optional<std::uint32_t> StrictCells::find_point(const CellGeometry& cell, c
   for (std::size_t t = old.first; t < old.last; ++t)
     for (const std::uint32_t p : mesh_.tetrahedra[t]) {
       const PointOrigin& origin = mesh_.origins[p];
-      if (origin.a == a && origin.b == b && (a == b || mesh_.values[p] == point.value)) return p;
+      if (origin.a() == a && origin.b() == b && (a == b || mesh_.values[p] == point.value)) return p;
     }
   return std::nullopt;
 }

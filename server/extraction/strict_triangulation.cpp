@@ -179,6 +179,7 @@ class Strict {
       IntervalSummary& summary = mesh_.summaries[interval];
       const double volume = volume_of(t);
       summary.tetrahedra += sign;
+      if (!options_.measure) return;
       summary.volume += sign * std::abs(volume);
       summary.signed_volume += sign * volume;
       summary.inverted += sign * (volume < -tolerance);
@@ -206,9 +207,15 @@ class Strict {
 
 }  // namespace
 
-void make_strict(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
-                 const Task& task, IntervalMesh& mesh) {
+IntervalMesh extract_strict(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                            const ExtractOptions& options, const Task& task) {
+  ExtractOptions table = options;
+  table.strict = false;
+  table.values = true;  // which isovalue a crossing belongs to
+  IntervalMesh mesh = extract_intervals(grid, array, intervals, table, task);
   Strict(grid, array, intervals, options, task, mesh).run();
+  if (!options.values) mesh.values = {};
+  return mesh;
 }
 
 }  // namespace isostrata

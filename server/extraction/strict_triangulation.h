@@ -24,12 +24,12 @@
 
 namespace isostrata {
 
-/// Makes the mesh of extract_intervals(grid, array, intervals, options) strict: its tetrahedra, runs, facets and summaries
-/// change, points inside cells are added (IntervalMesh::inner), IntervalMesh::strict says what was done. Precondition: the mesh
-/// has values. Intervals that overlap others are cut apart from them: where such a cell is cut around a point, each has its own
-/// isosurfaces. The result does not depend on the number of threads. O(tetrahedra) with a few microseconds for each cell that has
-/// a turned one. Throws too_large, cancelled. Any thread.
-void make_strict(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
-                 const Task& task, IntervalMesh& mesh);
+/// What extract_intervals gives for ExtractOptions::strict: the tables' mesh with the tetrahedra, runs, facets and summaries of
+/// some cells changed and points inside cells added (IntervalMesh::inner); IntervalMesh::strict says what was done. Intervals
+/// that overlap others are cut apart from them: where such a cell is cut around a point, each has its own isosurfaces. The result
+/// does not depend on the number of threads. Beyond the table's mesh O(tetrahedra), and some microseconds for each cell that has
+/// a turned one. Throws what extract_intervals throws. Any thread.
+IntervalMesh extract_strict(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                            const ExtractOptions& options, const Task& task);
 
 }  // namespace isostrata

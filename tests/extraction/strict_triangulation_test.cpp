@@ -14,7 +14,7 @@
 namespace isostrata {
 namespace {
 
-IntervalMesh extract_strict(const Grid& grid, const PointArray& array, const std::vector<Interval>& intervals) {
+IntervalMesh strictly(const Grid& grid, const PointArray& array, const std::vector<Interval>& intervals) {
   const Task task;
   ExtractOptions options;
   options.facets = true;
@@ -80,7 +80,7 @@ TEST(StrictTriangulation, TurnsNoTetrahedronInRandomCellsOfAnyType) {
       SCOPED_TRACE(std::string(topology(type).name) + ", warp " + std::to_string(warp) + ", seed 11");
       const Soup cells = soup(type, 10000, warp, random);
       const auto array = point_array(cells.values);
-      const IntervalMesh table = extract(cells.grid, array, kWhole), strict = extract_strict(cells.grid, array, kWhole);
+      const IntervalMesh table = extract(cells.grid, array, kWhole), strict = strictly(cells.grid, array, kWhole);
       EXPECT_EQ(total_inverted(strict), 0);
       EXPECT_EQ(strict.strict.tangled_cells, 0);
       EXPECT_EQ(total_inverted(table) == 0, type == CellType::tetrahedron);
@@ -102,7 +102,7 @@ TEST(StrictTriangulation, ConformsOnGridsOfRandomValues) {
     for (const Grid& grid : {uniform_grid({12, 11, 10}, {}, {1, -2, 0.5}), mixed->grid}) {
       const auto array = point_array(random_values(grid.point_count(), 0, 1, random));
       const auto intervals = tiling({-1, 0.2, 0.45, 0.5, 0.8, 2});
-      const IntervalMesh table = extract(grid, array, intervals), strict = extract_strict(grid, array, intervals);
+      const IntervalMesh table = extract(grid, array, intervals), strict = strictly(grid, array, intervals);
       EXPECT_GT(total_inverted(table), 0);
       EXPECT_GT(strict.strict.star_cells, 0);
       EXPECT_EQ(total_inverted(strict), 0);
@@ -117,7 +117,7 @@ TEST(StrictTriangulation, SummariesFacetsAndRunsAreThoseOfItsTetrahedra) {
   std::mt19937_64 random(5);
   const Grid grid = uniform_grid({10, 10, 10});
   const auto array = point_array(random_values(grid.point_count(), 0, 1, random));
-  const IntervalMesh mesh = extract_strict(grid, array, {{0.5, 0.8}, {0.1, 0.5}, {0.3, 0.6}});
+  const IntervalMesh mesh = strictly(grid, array, {{0.5, 0.8}, {0.1, 0.5}, {0.3, 0.6}});
   std::vector<double> volume(3), signed_volume(3);
   std::vector<std::int64_t> count(3);
   ASSERT_EQ(mesh.positions.size(), mesh.values.size());
@@ -161,7 +161,7 @@ TEST(StrictTriangulation, TouchingIntervalsShareTheirIsosurface) {
   std::mt19937_64 random(6);
   const Grid grid = uniform_grid({12, 12, 12});
   const auto array = point_array(random_values(grid.point_count(), 0, 1, random));
-  const IntervalMesh mesh = extract_strict(grid, array, {{0.3, 0.5}, {0.5, 0.6}});
+  const IntervalMesh mesh = strictly(grid, array, {{0.3, 0.5}, {0.5, 0.6}});
   EXPECT_GT(mesh.strict.star_cells, 0);
   std::map<std::array<std::uint32_t, 3>, int> uses;
   for (const BoundaryFacet& facet : mesh.facets) {
@@ -178,7 +178,7 @@ TEST(StrictTriangulation, TouchingIntervalsShareTheirIsosurface) {
 TEST(StrictTriangulation, CarriesLinearArraysExactlyToPointsInsideCells) {
   std::mt19937_64 random(7);
   const Soup cells = soup(CellType::hexahedron, 3000, 0.15, random);
-  const IntervalMesh mesh = extract_strict(cells.grid, point_array(cells.values), kWhole);
+  const IntervalMesh mesh = strictly(cells.grid, point_array(cells.values), kWhole);
   ASSERT_GT(mesh.strict.added_points, 0);
   ASSERT_EQ(mesh.positions.size() - mesh.origins.size(), static_cast<std::size_t>(mesh.strict.added_points));
   std::vector<double> x;
@@ -257,7 +257,7 @@ TEST(StrictTriangulation, CountsTangledCellsAndLeavesThemAsTheyWere) {
   const Grid grid = unstructured_grid(parts);
   std::mt19937_64 random(9);
   const auto array = point_array(random_values(8, 0, 1, random));
-  const IntervalMesh table = extract(grid, array, {{0.2, 0.7}}), strict = extract_strict(grid, array, {{0.2, 0.7}});
+  const IntervalMesh table = extract(grid, array, {{0.2, 0.7}}), strict = strictly(grid, array, {{0.2, 0.7}});
   EXPECT_GT(total_inverted(table), 0);
   EXPECT_EQ(strict.strict.turned_cells, 1);
   EXPECT_EQ(strict.strict.tangled_cells, 1);
@@ -269,7 +269,7 @@ TEST(StrictTriangulation, LeavesAMeshWithoutTurnedTetrahedraAsItIs) {
   const Task task;
   const auto dataset = make_analytic("tets:8", {}, task);
   const IntervalMesh table = extract(dataset->grid, dataset->arrays[0], {{0.2, 0.7}});
-  const IntervalMesh strict = extract_strict(dataset->grid, dataset->arrays[0], {{0.2, 0.7}});
+  const IntervalMesh strict = strictly(dataset->grid, dataset->arrays[0], {{0.2, 0.7}});
   EXPECT_EQ(table.tetrahedra, strict.tetrahedra);
   EXPECT_EQ(table.positions, strict.positions);
   EXPECT_EQ(strict.strict.turned_cells, 0);
@@ -280,9 +280,9 @@ TEST(StrictTriangulation, DoesNotDependOnTheNumberOfThreads) {
   const Soup cells = soup(CellType::hexahedron, 9000, 0.1, random);
   const auto array = point_array(cells.values);
   set_thread_count(1);
-  const IntervalMesh serial = extract_strict(cells.grid, array, kWhole);
+  const IntervalMesh serial = strictly(cells.grid, array, kWhole);
   set_thread_count(0);
-  const IntervalMesh parallel = extract_strict(cells.grid, array, kWhole);
+  const IntervalMesh parallel = strictly(cells.grid, array, kWhole);
   EXPECT_EQ(serial.tetrahedra, parallel.tetrahedra);
   EXPECT_EQ(serial.positions, parallel.positions);
   for (std::size_t i = 0; i < kWhole.size(); ++i)
