@@ -206,7 +206,7 @@ const std::vector<Expected>& expectations() {
 
 bool near(double value, double expected) { return std::abs(value - expected) <= 1e-5 * std::max(std::abs(expected), 1e-12); }
 
-class Expectation : public testing::TestWithParam<Expected> {};
+class Expectation : public ::testing::TestWithParam<Expected> {};
 
 TEST_P(Expectation, IsMet) {
   ISOSTRATA_NEEDS_SHARED_DATA();
@@ -225,14 +225,14 @@ TEST_P(Expectation, IsMet) {
   }
 }
 
-std::string test_name(const testing::TestParamInfo<Expected>& info) {
+std::string test_name(const ::testing::TestParamInfo<Expected>& info) {
   std::string name = info.param.file;
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(SharedData, Expectation, testing::ValuesIn(expectations()), test_name);
+INSTANTIATE_TEST_SUITE_P(SharedData, Expectation, ::testing::ValuesIn(expectations()), test_name);
 
 TEST(Import, EncodingsOfOneMeshAgree) {
   ISOSTRATA_NEEDS_SHARED_DATA();
