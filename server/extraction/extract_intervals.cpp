@@ -12,6 +12,7 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
+#include "extraction/extract_unstructured.h"
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
@@ -292,6 +293,12 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
     throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
+  if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);
+  return extract_in_general(grid, array, intervals, options, task);
+}
+
+IntervalMesh extract_in_general(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                                const ExtractOptions& options, const Task& task) {
   return Extraction(grid, array, intervals, options, task).run();
 }
 

@@ -29,6 +29,11 @@ void prepare_tables(const Grid& grid);
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task);
 
+/// The same, in the one way that any grid and any number of intervals can go: for what extract_unstructured.h does not reach, and
+/// what the fast ways are tested against. Points and cells may be numbered differently.
+IntervalMesh extract_in_general(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                                const ExtractOptions& options, const Task& task);
+
 /// Carries another point array to the mesh's points by linear interpolation: [np].
 std::vector<float> carry_array(const IntervalMesh& mesh, const PointArray& array);
 
