@@ -13,7 +13,7 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
 
 }  // namespace
 
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task) {
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const Extractor& extractor) {
   if (request.time || request.time_mode != TimeMode::step)
     throw Error(ErrorCode::unsupported, "a time between steps cannot be extracted yet");
   if (request.triangulation == Triangulation::strict)
@@ -28,7 +28,8 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   ExtractOptions options;
   options.facets = request.facets;
   options.max_bytes = request.max_bytes;
-  layers.mesh = extract_intervals(dataset.grid, array, request.intervals, options, task);
+  layers.mesh = extractor ? extractor(dataset.grid, array, request.intervals, options, task)
+                          : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

@@ -5,11 +5,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/task.h"
 #include "data/dataset.h"
+#include "extraction/extract_intervals.h"
 #include "extraction/interval_mesh.h"
 
 namespace isostrata {
@@ -59,8 +61,13 @@ struct Layers {
 /// Opens a step of the dataset. The same object again where the same step is asked for again.
 using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const Task& task)>;
 
-/// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
-/// cancelled, and what `steps` throws. Any thread.
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task);
+/// extract_intervals, or what stands in for it on a device.
+using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                                             const ExtractOptions& options, const Task& task)>;
+
+/// `extractor`, where there is one, is called in place of extract_intervals where that is all there is to do: one field, no
+/// terms. Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
+/// cancelled, and what `steps` and `extractor` throw. Any thread.
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const Extractor& extractor = {});
 
 }  // namespace isostrata
