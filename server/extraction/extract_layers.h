@@ -50,6 +50,8 @@ struct LayerRequest {
   std::vector<std::string> carry;         // other arrays to bring to the mesh's points
   bool facets = false;                    // fill IntervalMesh::facets
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
+
+  bool operator==(const LayerRequest&) const = default;
 };
 
 /// Which time was extracted, and how.
