@@ -13,6 +13,7 @@ namespace isostrata {
 
 struct ExtractOptions {
   bool facets = false;                    // fill IntervalMesh::facets
+  bool complement = false;                // also what is below, between and above the intervals, as further intervals after them
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
 };
 

@@ -37,8 +37,11 @@ struct PointOrigin {
 struct BoundaryFacet {
   std::array<std::uint32_t, 3> points{};  // counter-clockwise seen from outside the interval
   std::uint32_t tetrahedron = 0;          // the tetrahedron it bounds
-  std::uint16_t interval = 0;
+  std::uint16_t interval = 0;             // of that tetrahedron
   FacetLabel label = FacetLabel::domain;
+  /// Whose end it lies on: of the request's n intervals, or n + k: of the range of term k. The interval's own where nothing is
+  /// combined. Of domain facets: the interval.
+  std::uint16_t range = 0;
 };
 
 /// The tetrahedra of one active cell: [first_tetrahedron, next run's first_tetrahedron).
@@ -54,18 +57,19 @@ struct IntervalSummary {
   double volume = 0;          // sum of absolute volumes
   double signed_volume = 0;   // sum of signed volumes; positive for the orientation of the cell they lie in
   std::int64_t inverted = 0;  // tetrahedra of the other sign
+  int term = -1;              // the term of the request that alone brought them in; -1: they lie in an interval
 };
 
 /// Touching intervals share the points on their common isosurface. Immutable once made.
 struct IntervalMesh {
   std::vector<Vec3d> positions;                          // [np] world space
-  std::vector<PointOrigin> origins;                      // [np]
+  std::vector<PointOrigin> origins;                      // [np]; empty where ranges were combined: such points lie on no edge
   std::vector<double> values;                            // [np] the array that was extracted on
   std::vector<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices; grouped by cell, cells in increasing order
   std::vector<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
   std::vector<CellRun> cell_runs;                        // [active cells]
   std::vector<BoundaryFacet> facets;                     // empty unless asked for
-  std::vector<IntervalSummary> summaries;                // one per interval of the request, in its order
+  std::vector<IntervalSummary> summaries;                // one per interval of the request, in its order, then per term that adds
   std::int64_t cells = 0;                                // of the grid, hidden ones included
   std::int64_t active_cells = 0;                         // active in at least one interval
 };
