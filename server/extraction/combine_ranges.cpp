@@ -174,9 +174,9 @@ Combined combine_arrays(const Grid& grid, const PointArray& array, std::span<con
   // Each array once; the extracted one's values are there, exact on its isosurfaces.
   std::vector<const PointArray*> arrays{&array};
   const auto field_of = [&](const PointArray* wanted) {
-    const auto at = std::find(arrays.begin(), arrays.end(), wanted);
-    if (at == arrays.end()) arrays.push_back(wanted);
-    return static_cast<int>(at - arrays.begin());
+    const auto index = std::find(arrays.begin(), arrays.end(), wanted) - arrays.begin();
+    if (index == static_cast<std::ptrdiff_t>(arrays.size())) arrays.push_back(wanted);
+    return static_cast<int>(index);
   };
   std::vector<FieldTerm> chain;
   for (const ArrayTerm& term : terms) chain.push_back({term.op, field_of(term.array), term.range});
