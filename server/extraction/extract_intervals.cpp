@@ -12,6 +12,7 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
+#include "extraction/extract_unstructured.h"
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
@@ -84,7 +85,7 @@ class Extraction {
   /// Points: MeshPoints or StructuredPoints.
   template <class Points>
   void build_mesh(const Points& points) {
-    points.locate(grid_, array_, rules_, mesh_, task_);
+    points.locate(grid_, array_, rules_, options_.values, mesh_, task_);
     count_tetrahedra(points);
     measure_cells();
     write_tetrahedra(points);
@@ -140,7 +141,8 @@ class Extraction {
     const std::uint64_t tetrahedra = tetrahedra_before_.back();
     const std::uint64_t bytes =
         tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + (options_.facets ? 4 : 0)) +
-        static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
+        static_cast<std::uint64_t>(points.size()) *
+            (sizeof(Vec3d) + sizeof(PointOrigin) + (options_.values ? sizeof(double) : 0)) +
         cases_.size() * sizeof(CellCase) + cells_before_.back() * (sizeof(CellRun) + sizeof(CellHandedness));
     check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points.size()) + " points", bytes,
                  options_.max_bytes);
@@ -228,12 +230,14 @@ class Extraction {
         if (left_handed) std::swap(t[0], t[1]);  // positive where the cell's own orientation is
         const std::array<std::uint32_t, 4> p{numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]};
         if (repeats_a_point(p)) continue;
-        const auto& x = mesh_.positions;
-        const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
         ++own->tetrahedra;
-        own->volume += std::abs(volume);
-        own->signed_volume += volume;
-        own->inverted += volume < -hand.tolerance;  // flat ones come out as rounding of either sign
+        if (options_.measure) {
+          const auto& x = mesh_.positions;
+          const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
+          own->volume += std::abs(volume);
+          own->signed_volume += volume;
+          own->inverted += volume < -hand.tolerance;  // flat ones come out as rounding of either sign
+        }
         if (options_.facets) labels_[to] = label_facets(masks[t[0]], masks[t[1]], masks[t[2]], masks[t[3]]);
         mesh_.tetrahedron_interval[to] = at.interval;
         mesh_.tetrahedra[to++] = p;
@@ -289,6 +293,12 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
     throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
+  if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);
+  return extract_in_general(grid, array, intervals, options, task);
+}
+
+IntervalMesh extract_in_general(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                                const ExtractOptions& options, const Task& task) {
   return Extraction(grid, array, intervals, options, task).run();
 }
 

@@ -13,6 +13,8 @@ namespace isostrata {
 
 struct ExtractOptions {
   bool facets = false;                    // fill IntervalMesh::facets
+  bool values = true;                     // fill IntervalMesh::values
+  bool measure = true;                    // sum the volumes of the summaries and count what is inverted
   bool complement = false;                // also what is below, between and above the intervals, as further intervals after them
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
 };
@@ -27,6 +29,11 @@ void prepare_tables(const Grid& grid);
 /// finite, no interval, more than 65535, an array of another length than the grid's points), too_large, cancelled. Any thread.
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task);
+
+/// The same, in the one way that any grid and any number of intervals can go: for what extract_unstructured.h does not reach, and
+/// what the fast ways are tested against. Points and cells may be numbered differently.
+IntervalMesh extract_in_general(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                                const ExtractOptions& options, const Task& task);
 
 /// Carries another point array to the mesh's points by linear interpolation: [np].
 std::vector<float> carry_array(const IntervalMesh& mesh, const PointArray& array);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "base/buffer.h"
 #include "base/vec.h"
 
 namespace isostrata {
@@ -27,11 +29,25 @@ enum class FacetLabel : std::uint8_t {
 };
 
 /// A point of the mesh lies on the grid edge a-b: (1 - weight) * a + weight * b, or is the grid point a (then b == a, weight 0).
-/// Any other point array is carried to the mesh by the same formula.
-struct PointOrigin {
-  std::int64_t a = 0;
-  std::int64_t b = 0;
-  double weight = 0;
+/// Any other point array is carried to the mesh by the same formula (carry_array). The weight is rounded to single precision;
+/// positions are made with the weight in double. 16 bytes: grids have fewer than 2^47 points.
+class PointOrigin {
+ public:
+  PointOrigin() = default;
+  PointOrigin(std::int64_t a, std::int64_t b, double weight)
+      : low_(static_cast<std::uint64_t>(a) | static_cast<std::uint64_t>(b) << 48),
+        high_(static_cast<std::uint64_t>(b) >> 16 |
+              static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(static_cast<float>(weight))) << 32) {}
+
+  std::int64_t a() const { return static_cast<std::int64_t>(low_ & ((std::uint64_t{1} << 48) - 1)); }
+  std::int64_t b() const { return static_cast<std::int64_t>(low_ >> 48 | (high_ & 0xffffffffu) << 16); }
+  float weight() const { return std::bit_cast<float>(static_cast<std::uint32_t>(high_ >> 32)); }
+
+  bool operator==(const PointOrigin&) const = default;
+
+ private:
+  std::uint64_t low_ = 0;   // a, and the lowest 16 bits of b above it
+  std::uint64_t high_ = 0;  // the rest of b, and the weight's bits above it
 };
 
 struct BoundaryFacet {
@@ -54,6 +70,7 @@ struct IntervalSummary {
   Interval interval;
   std::int64_t active_cells = 0;
   std::int64_t tetrahedra = 0;
+  // 0 where ExtractOptions::measure is off:
   double volume = 0;          // sum of absolute volumes
   double signed_volume = 0;   // sum of signed volumes; positive for the orientation of the cell they lie in
   std::int64_t inverted = 0;  // tetrahedra of the other sign
@@ -62,16 +79,16 @@ struct IntervalSummary {
 
 /// Touching intervals share the points on their common isosurface. Immutable once made.
 struct IntervalMesh {
-  std::vector<Vec3d> positions;                          // [np] world space
-  std::vector<PointOrigin> origins;                      // [np]; empty where ranges were combined: such points lie on no edge
-  std::vector<double> values;                            // [np] the array that was extracted on
-  std::vector<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices; grouped by cell, cells in increasing order
-  std::vector<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
-  std::vector<CellRun> cell_runs;                        // [active cells]
-  std::vector<BoundaryFacet> facets;                     // empty unless asked for
-  std::vector<IntervalSummary> summaries;                // one per interval of the request, in its order, then per term that adds
-  std::int64_t cells = 0;                                // of the grid, hidden ones included
-  std::int64_t active_cells = 0;                         // active in at least one interval
+  Buffer<Vec3d> positions;                          // [np] world space
+  Buffer<PointOrigin> origins;                      // [np]; empty where ranges were combined: such points lie on no edge
+  Buffer<double> values;                            // [np] the array that was extracted on; empty unless asked for
+  Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices, grouped by cell: see cell_runs
+  Buffer<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
+  Buffer<CellRun> cell_runs;                        // [active cells] each cell once, those near one another close together
+  std::vector<BoundaryFacet> facets;                // empty unless asked for
+  std::vector<IntervalSummary> summaries;           // one per interval of the request, in its order; then per term that adds
+  std::int64_t cells = 0;                           // of the grid, hidden ones included
+  std::int64_t active_cells = 0;                    // active in at least one interval
 };
 
 /// A named value at each point of the mesh.

@@ -65,11 +65,11 @@ MeshPoints::MeshPoints(const Grid& grid, std::span<const CellCase> cases, const 
   });
 }
 
-void MeshPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh,
+void MeshPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, bool values_too, IntervalMesh& mesh,
                         const Task& task) const {
   mesh.positions.resize(keys_.size());
   mesh.origins.resize(keys_.size());
-  mesh.values.resize(keys_.size());
+  if (values_too) mesh.values.resize(keys_.size());
   std::visit(
       [&](auto values) {
         parallel_for(grid.point_count(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {

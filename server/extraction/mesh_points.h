@@ -67,8 +67,9 @@ class MeshPoints {
       while (*at != packed) ++at;
     return static_cast<std::uint32_t>(at - keys_.data());
   }
-  /// Fills the mesh's positions, origins and values: [size()].
-  void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const;
+  /// Fills the mesh's positions, origins and, where asked for, values: [size()].
+  void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, bool values, IntervalMesh& mesh,
+              const Task& task) const;
 
  private:
   static constexpr int kIsovalueBits = 17;  // up to 2 * 65535 isovalues
@@ -92,7 +93,7 @@ inline double crossing_weight(double fa, double fb, double isovalue) {
 inline void set_kept_point(IntervalMesh& mesh, std::uint32_t to, std::int64_t a, const Vec3d& at, double fa) {
   mesh.positions[to] = at;
   mesh.origins[to] = {a, a, 0.0};
-  mesh.values[to] = fa;
+  if (!mesh.values.empty()) mesh.values[to] = fa;
 }
 
 /// Writes point `to` of the mesh: where the edge from a to b crosses the isovalue. A coordinate that both ends share stays as it
@@ -102,7 +103,7 @@ inline void set_crossing(IntervalMesh& mesh, std::uint32_t to, std::int64_t a, c
   const double weight = crossing_weight(fa, fb, isovalue);
   mesh.positions[to] = weight == 1 ? at_b : at_a + (at_b - at_a) * weight;
   mesh.origins[to] = {a, b, weight};
-  mesh.values[to] = isovalue;
+  if (!mesh.values.empty()) mesh.values[to] = isovalue;
 }
 
 }  // namespace isostrata

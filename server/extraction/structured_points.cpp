@@ -97,11 +97,11 @@ StructuredPoints::StructuredPoints(const Grid& grid, std::span<const CellCase> c
   size_ = static_cast<std::int64_t>(total);
 }
 
-void StructuredPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh,
-                              const Task& task) const {
+void StructuredPoints::locate(const Grid& grid, const PointArray& array, const IsoRules& rules, bool values_too,
+                              IntervalMesh& mesh, const Task& task) const {
   mesh.positions.resize(size_);
   mesh.origins.resize(size_);
-  mesh.values.resize(size_);
+  if (values_too) mesh.values.resize(size_);
   const auto dims = grid.dims();
   const std::array<std::int64_t, 3> step{1, dims[0], dims[0] * dims[1]};
   const std::span<const std::uint64_t> words = points_.words();

@@ -68,8 +68,9 @@ class StructuredPoints {
     }
   }
 
-  /// Fills the mesh's positions, origins and values: [size()].
-  void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, IntervalMesh& mesh, const Task& task) const;
+  /// Fills the mesh's positions, origins and, where asked for, values: [size()].
+  void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, bool values, IntervalMesh& mesh,
+              const Task& task) const;
 
  private:
   int slot(const IsoRule& rule, int isovertex) const {

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
-#include <mutex>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "data/read_once.h"
 #include "extraction/extract_intervals.h"
 #include "main/arguments.h"
 #include "main/commands.h"
@@ -40,39 +40,6 @@ std::string cpu_name() {
   return "unknown";
 }
 
-/// The least that any extraction without an index must do: look at every value once.
-void read_once(const PointArray& array) {
-  std::visit(
-      [](auto values) {
-        using T = std::remove_const_t<typename decltype(values)::element_type>;
-        std::mutex mutex;
-        T lowest = values[0], highest = values[0];
-        parallel_for(static_cast<std::int64_t>(values.size()), 1 << 18, [&](std::int64_t begin, std::int64_t end) {
-          constexpr int kLanes = 16;  // independent, so that the compiler may use vectors
-          std::array<T, kLanes> lo, hi;
-          lo.fill(values[begin]);
-          hi.fill(values[begin]);
-          std::int64_t i = begin;
-          for (; i + kLanes <= end; i += kLanes)
-            for (int k = 0; k < kLanes; ++k) {
-              const T v = values[i + k];
-              lo[k] = v < lo[k] ? v : lo[k];
-              hi[k] = v > hi[k] ? v : hi[k];
-            }
-          for (; i < end; ++i) {
-            lo[0] = std::min(lo[0], values[i]);
-            hi[0] = std::max(hi[0], values[i]);
-          }
-          std::lock_guard lock(mutex);
-          lowest = std::min(lowest, *std::min_element(lo.begin(), lo.end()));
-          highest = std::max(highest, *std::max_element(hi.begin(), hi.end()));
-        });
-        [[maybe_unused]] volatile T keep = lowest;
-        keep = highest;
-      },
-      array.values);
-}
-
 /// A thin layer around the torus of radius 0.25, about as many tetrahedra as in the paper's Table 2; elsewhere the middle tenth
 /// of the range.
 Interval default_interval(const std::string& data, const PointArray& array) {
@@ -92,13 +59,15 @@ BenchRun measure(const std::string& data, const BenchArguments& arguments) {
   prepare_tables(dataset->grid);
 
   const Task quiet;
+  ExtractOptions options;  // the mesh itself: positions, origins, tetrahedra, their intervals and cells
+  options.values = options.measure = false;
   std::vector<double> ms, floor_ms;
   for (int i = 0; i < arguments.repeat; ++i) {
     command_task().check();
     Stopwatch stopwatch;
     read_once(array);
     floor_ms.push_back(stopwatch.lap_ms());
-    const IntervalMesh mesh = extract_intervals(dataset->grid, array, {&run.interval, 1}, {}, quiet);
+    const IntervalMesh mesh = extract_intervals(dataset->grid, array, {&run.interval, 1}, options, quiet);
     ms.push_back(stopwatch.lap_ms());
     run.cells = mesh.cells;
     run.active_cells = mesh.active_cells;

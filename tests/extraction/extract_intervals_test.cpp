@@ -3,10 +3,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "base/parallel.h"
 #include "data/analytic.h"
+#include "extraction/same_mesh.h"
 #include "extraction/small_grids.h"
 #include "tables/lattice_cell.h"
 
@@ -55,11 +57,11 @@ TEST(ExtractIntervals, GivesAStructuredGridAndItsExplicitCellsTheSameMesh) {
   const auto intervals = tiling({0.1, 0.4, 0.8});
   const IntervalMesh structured = extract(grid, array, intervals);
   const IntervalMesh explicit_cells = extract(unstructured_grid(as_parts(grid)), array, intervals);
-  EXPECT_EQ(structured.positions, explicit_cells.positions);
-  EXPECT_EQ(structured.values, explicit_cells.values);
-  EXPECT_EQ(structured.tetrahedra, explicit_cells.tetrahedra);
-  EXPECT_EQ(structured.tetrahedron_interval, explicit_cells.tetrahedron_interval);
-  EXPECT_EQ(count_label(structured, FacetLabel::domain), count_label(explicit_cells, FacetLabel::domain));
+  const MeshContent one = content_of(structured), other = content_of(explicit_cells);
+  EXPECT_EQ(one.points, other.points);
+  EXPECT_EQ(one.positions, other.positions);
+  EXPECT_EQ(one.tetrahedra, other.tetrahedra);
+  EXPECT_EQ(one.facets, other.facets);
 }
 
 /// Two cells that share a face, their points numbered at random. Both are affine images of their lattice cells. `turn` says how
@@ -239,30 +241,30 @@ TEST(ExtractIntervals, PointsAreDistinctAndLieWhereTheySay) {
   for (const auto& t : mesh.tetrahedra)
     for (const auto p : t) used[p] = 1;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const auto& [a, b, weight] = mesh.origins[i];
+    const std::int64_t a = mesh.origins[i].a(), b = mesh.origins[i].b();
+    const double weight = mesh.origins[i].weight();
     ASSERT_TRUE(used[i]);
     ASSERT_LE(a, b);
     ASSERT_EQ(++seen[std::make_tuple(a, b, a == b ? 0 : mesh.values[i])], 1);
     const Vec3d expected = grid.point(a) * (1 - weight) + grid.point(b) * weight;
-    ASSERT_NEAR(length(mesh.positions[i] - expected), 0, 1e-14);
-    ASSERT_NEAR(mesh.values[i], values[a] * (1 - weight) + values[b] * weight, 1e-14);
+    ASSERT_NEAR(length(mesh.positions[i] - expected), 0, 2e-7);  // the origin's weight is in single precision
+    ASSERT_NEAR(mesh.values[i], values[a] * (1 - weight) + values[b] * weight, 1e-7);
   }
 }
 
-TEST(ExtractIntervals, RunsGroupTetrahedraByIncreasingCell) {
+TEST(ExtractIntervals, RunsGroupTetrahedraByCell) {
   const auto dataset = analytic("mixed:8");
   const IntervalMesh mesh = extract(dataset->grid, dataset->arrays[0], {{0.3, 0.5}, {0.1, 0.3}});
   ASSERT_EQ(static_cast<std::int64_t>(mesh.cell_runs.size()), mesh.active_cells);
   std::array<std::int64_t, kMaxCellVertices> ids;
+  std::set<std::int64_t> seen;
   for (std::size_t r = 0; r < mesh.cell_runs.size(); ++r) {
-    if (r > 0) {
-      ASSERT_LT(mesh.cell_runs[r - 1].cell, mesh.cell_runs[r].cell);
-    }
+    ASSERT_TRUE(seen.insert(mesh.cell_runs[r].cell).second) << "a cell has one run";
     const std::size_t end = r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron : mesh.tetrahedra.size();
     const int n = dataset->grid.cell_points(mesh.cell_runs[r].cell, ids);
     for (std::size_t t = mesh.cell_runs[r].first_tetrahedron; t < end; ++t)
       for (const auto p : mesh.tetrahedra[t])
-        for (const auto id : {mesh.origins[p].a, mesh.origins[p].b})
+        for (const auto id : {mesh.origins[p].a(), mesh.origins[p].b()})
           ASSERT_NE(std::find(ids.begin(), ids.begin() + n, id), ids.begin() + n);
   }
 }
