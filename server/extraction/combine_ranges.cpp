@@ -11,6 +11,7 @@
 #include "extraction/cell_geometry.h"
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
+#include "extraction/mesh_points.h"
 #include "extraction/region_facets.h"
 #include "extraction/restrict_region.h"
 
@@ -70,7 +71,7 @@ void summarise(const RegionMesh& mesh, std::size_t cuts, std::vector<IntervalSum
     }
 }
 
-RegionMesh as_region(IntervalMesh& base, std::size_t intervals, std::vector<std::vector<double>> fields, bool facets) {
+RegionMesh as_region(IntervalMesh& base, std::size_t intervals, std::vector<Buffer<double>> fields, bool facets) {
   RegionMesh region;
   region.positions = std::move(base.positions);
   region.fields = std::move(fields);
@@ -80,7 +81,7 @@ RegionMesh as_region(IntervalMesh& base, std::size_t intervals, std::vector<std:
   for (std::uint16_t& label : region.labels)
     if (label >= intervals) label = kOutsideRegion;
   if (!facets) return region;
-  region.domain_facets.resize(region.tetrahedra.size());
+  region.domain_facets.assign(region.tetrahedra.size(), 0);
   for (const BoundaryFacet& facet : base.facets) {
     if (facet.label != FacetLabel::domain) continue;
     const auto& points = region.tetrahedra[facet.tetrahedron];
@@ -93,7 +94,7 @@ RegionMesh as_region(IntervalMesh& base, std::size_t intervals, std::vector<std:
 
 }  // namespace
 
-Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<std::vector<double>> fields,
+Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Buffer<double>> fields,
                         std::span<const FieldTerm> terms, const CombineOptions& options, const Task& task) {
   Combined out;
   out.mesh.cells = base.cells;
@@ -140,15 +141,33 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<st
   return out;
 }
 
-std::vector<double> carry_values(const IntervalMesh& mesh, const PointArray& array) {
-  std::vector<double> carried(mesh.origins.size());
+Buffer<double> exact_weights(const IntervalMesh& mesh, const PointArray& array) {
+  Buffer<double> weights(mesh.positions.size());
+  std::visit(
+      [&](auto values) {
+        parallel_for(static_cast<std::int64_t>(weights.size()), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t i = begin; i < end; ++i) {
+            const std::int64_t a = mesh.origins[i].a(), b = mesh.origins[i].b();
+            weights[i] =
+                a == b ? 0 : crossing_weight(static_cast<double>(values[a]), static_cast<double>(values[b]), mesh.values[i]);
+          }
+        });
+      },
+      array.values);
+  return weights;
+}
+
+Buffer<double> carry_values(const IntervalMesh& mesh, std::span<const double> weights, const PointArray& array) {
+  Buffer<double> carried(mesh.positions.size());
   std::visit(
       [&](auto values) {
         parallel_for(static_cast<std::int64_t>(carried.size()), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i) {
-            const PointOrigin& origin = mesh.origins[i];
-            carried[i] =
-                value_between(static_cast<double>(values[origin.a]), static_cast<double>(values[origin.b]), origin.weight);
+            const std::int64_t a = mesh.origins[i].a(), b = mesh.origins[i].b();
+            if (static_cast<std::uint64_t>(b) >= values.size())  // b >= a
+              throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values.size()) +
+                                                           " values; the mesh lies on a grid with a point " + std::to_string(b));
+            carried[i] = value_between(static_cast<double>(values[a]), static_cast<double>(values[b]), weights[i]);
           }
         });
       },
@@ -169,6 +188,7 @@ Combined combine_arrays(const Grid& grid, const PointArray& array, std::span<con
     extraction.facets = options.facets;
     extraction.max_bytes = options.max_bytes;
     extraction.complement = needs_complement(terms);
+    extraction.measure = false;
     base = extract(wanted, array, intervals, extraction);
   }
   // Each array once; the extracted one's values are there, exact on its isosurfaces.
@@ -182,13 +202,17 @@ Combined combine_arrays(const Grid& grid, const PointArray& array, std::span<con
   for (const ArrayTerm& term : terms) chain.push_back({term.op, field_of(term.array), term.range});
   std::vector<int> wanted;
   for (const PointArray* other : carried) wanted.push_back(field_of(other));
-  check_budget(std::to_string(arrays.size()) + " arrays at " + std::to_string(base.origins.size()) + " points",
-               arrays.size() * base.origins.size() * sizeof(double), options.max_bytes);
-  std::vector<std::vector<double>> fields{std::move(base.values)};
-  for (std::size_t i = 1; i < arrays.size(); ++i) fields.push_back(carry_values(base, *arrays[i]));
+  check_budget(std::to_string(arrays.size()) + " arrays at " + std::to_string(base.positions.size()) + " points",
+               arrays.size() * base.positions.size() * sizeof(double), options.max_bytes);
+  std::vector<Buffer<double>> fields(1);
+  {
+    const Buffer<double> weights = exact_weights(base, array);
+    for (std::size_t i = 1; i < arrays.size(); ++i) fields.push_back(carry_values(base, weights, *arrays[i]));
+  }
+  fields[0] = std::move(base.values);
   Combined out = combine_ranges(std::move(base), intervals.size(), std::move(fields), chain, options, task);
   // fields[0] is empty; the carried arrays follow in their order, whichever of them are terms' too.
-  std::vector<std::vector<double>> brought(1);
+  std::vector<Buffer<double>> brought(1);
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const bool again = std::find(wanted.begin() + static_cast<std::ptrdiff_t>(i) + 1, wanted.end(), wanted[i]) != wanted.end();
     if (wanted[i] == 0)

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "base/buffer.h"
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
@@ -44,8 +45,8 @@ struct CombineOptions {
 };
 
 struct Combined {
-  IntervalMesh mesh;                        // without origins; values are those of fields[0]
-  std::vector<std::vector<double>> fields;  // [fields][np] carried along; fields[0] is empty: it is mesh.values
+  IntervalMesh mesh;                   // without origins; values are those of fields[0]
+  std::vector<Buffer<double>> fields;  // [fields][np] carried along; fields[0] is empty: it is mesh.values
 };
 
 /// The region of a chain of terms on a mesh that was extracted on fields[0]: the first `intervals` of its summaries are A, the
@@ -56,11 +57,17 @@ struct Combined {
 /// A − B is open there. A tetrahedron that has no value (NaN, infinity) at a vertex is outside the range; facets between such and
 /// others are `domain` facets. cells of base that are inverted stay so. Throws invalid_argument (a range as of IsoRules, more
 /// than 65534 labels), too_large, cancelled. Any thread.
-Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<std::vector<double>> fields,
+Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Buffer<double>> fields,
                         std::span<const FieldTerm> terms, const CombineOptions& options, const Task& task);
 
-/// The values of an array at the mesh's points, unrounded: carry_array in double. Precondition: the mesh has origins.
-std::vector<double> carry_values(const IntervalMesh& mesh, const PointArray& array);
+/// [np] the weight of each point's second end, in double: PointOrigin has it in single precision, so where the edge crosses the
+/// isovalue is worked out again from the array that the mesh was extracted on. Precondition: the mesh has origins and values, and
+/// lies on a grid with as many points as the array has values.
+Buffer<double> exact_weights(const IntervalMesh& mesh, const PointArray& array);
+
+/// The values of an array at the mesh's points: carry_array without its rounding. Throws invalid_argument (an array that is too
+/// short).
+Buffer<double> carry_values(const IntervalMesh& mesh, std::span<const double> weights, const PointArray& array);
 
 /// How a base mesh is made: extract_intervals, or another triangulation of the same interval volumes.
 using ExtractBase = std::function<IntervalMesh(const Grid&, const PointArray&, std::span<const Interval>, const ExtractOptions&)>;

@@ -1,6 +1,7 @@
 #include "extraction/extract_layers.h"
 
 #include "extraction/combine_ranges.h"
+#include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
 
 namespace isostrata {
@@ -27,13 +28,13 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
 
 }  // namespace
 
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task) {
-  if (request.time || request.time_mode != TimeMode::step)
-    throw Error(ErrorCode::unsupported, "a time between steps cannot be extracted yet");
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, KeptSpaceTime* kept) {
+  if (request.time_mode == TimeMode::spacetime)
+    if (auto sliced = slice_space_time(request, steps, kept, task)) return std::move(*sliced);
   if (request.triangulation == Triangulation::strict)
     throw Error(ErrorCode::unsupported, "the strict triangulation cannot be extracted yet");
   Layers layers;
-  layers.dataset = steps(request.step, task);
+  layers.dataset = dataset_at_time(request, steps, layers.time, task);
   const Dataset& dataset = *layers.dataset;
   const PointArray& array = find_array(dataset, request.array);
   std::vector<const PointArray*> carry;

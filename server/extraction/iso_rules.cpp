@@ -36,6 +36,10 @@ IsoRules::IsoRules(std::span<const Interval> intervals, bool complement) {
     isovalues_.push_back(interval.lower);
     isovalues_.push_back(interval.upper);
   }
+  if (complement) {  // no value lies beyond: nothing crosses these
+    isovalues_.push_back(std::numeric_limits<double>::lowest());
+    isovalues_.push_back(std::numeric_limits<double>::max());
+  }
   std::sort(begins.begin(), begins.end());
   std::sort(isovalues_.begin(), isovalues_.end());
   isovalues_.erase(std::unique(isovalues_.begin(), isovalues_.end()), isovalues_.end());
@@ -93,7 +97,8 @@ void IsoRules::add_complement() {
     if (rule.above > reach.above) reach = rule;
   }
   constexpr double kHighest = std::numeric_limits<double>::max();
-  if (reach.above <= kHighest) add(kHighest, std::numeric_limits<double>::infinity(), reach.upper_index);
+  if (reach.above <= kHighest)
+    add(kHighest, std::numeric_limits<double>::infinity(), static_cast<std::uint32_t>(isovalues_.size() - 1));
 }
 
 }  // namespace isostrata

@@ -59,7 +59,7 @@ class Pass {
     sides_.resize(terms_.size());
     for (std::size_t k = 0; k < terms_.size(); ++k) {
       sides_[k].resize(mesh_.points());
-      const std::vector<double>& field = mesh_.fields[terms_[k].field];
+      const Buffer<double>& field = mesh_.fields[terms_[k].field];
       const Interval range = terms_[k].range;
       parallel_for(mesh_.points(), kPointsPerBlock, [&](std::int64_t begin, std::int64_t end) {
         task_.check();
@@ -371,9 +371,9 @@ class Pass {
   const RegionTerm& term_;
   std::uint64_t max_bytes_;
   const Task& task_;
-  std::vector<std::vector<PointSide>> sides_;     // [terms][np]
+  std::vector<Buffer<PointSide>> sides_;          // [terms][np]
   std::vector<FacetPoints> value_boundary_;       // sorted
-  std::vector<std::uint8_t> plan_;                // [nt]
+  Buffer<std::uint8_t> plan_;                     // [nt]
   std::vector<std::uint8_t> used_;                // [np] by a piece that stays
   std::vector<std::uint64_t> tetrahedra_before_;  // [blocks + 1]
   std::vector<std::uint64_t> runs_before_;        // [blocks + 1]

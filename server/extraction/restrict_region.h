@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "base/buffer.h"
 #include "base/task.h"
 #include "base/vec.h"
 #include "extraction/interval_mesh.h"
@@ -21,14 +22,14 @@ inline constexpr std::uint16_t kOutsideRegion = 0xffff;  // the label of a tetra
 
 /// A conforming mesh with fields that are linear in each tetrahedron: all that a pass needs to know.
 struct RegionMesh {
-  std::vector<Vec3d> positions;                          // [np]
-  std::vector<std::vector<double>> fields;               // [fields][np]; NaN and infinity: no value
-  std::vector<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] grouped by cell
-  std::vector<std::uint16_t> labels;                     // [nt] index into the summaries, or kOutsideRegion
-  std::vector<CellRun> cell_runs;                        // cells in increasing order, each with a tetrahedron
+  Buffer<Vec3d> positions;                          // [np]
+  std::vector<Buffer<double>> fields;               // [fields][np]; NaN and infinity: no value
+  Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] grouped by cell
+  Buffer<std::uint16_t> labels;                     // [nt] index into the summaries, or kOutsideRegion
+  Buffer<CellRun> cell_runs;                        // each cell once, and none without a tetrahedron
   /// [nt] or empty where facets are not wanted. Bit i: facet i lies on the boundary of the grid. Bit 4 + i: it may lie on the
   /// boundary of where a field has values.
-  std::vector<std::uint8_t> domain_facets;
+  Buffer<std::uint8_t> domain_facets;
 
   std::int64_t points() const { return static_cast<std::int64_t>(positions.size()); }
   std::int64_t count() const { return static_cast<std::int64_t>(tetrahedra.size()); }
