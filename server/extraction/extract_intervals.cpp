@@ -12,7 +12,9 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
+#include "extraction/extract_structured.h"
 #include "extraction/extract_unstructured.h"
+#include "extraction/hexahedron_gather.h"
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
@@ -61,10 +63,10 @@ class Extraction {
  public:
   Extraction(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
              const Task& task)
-      : grid_(grid), array_(array), options_(options), task_(task), rules_(intervals) {
-    for (const Interval& interval : intervals) {
+      : grid_(grid), array_(array), options_(options), task_(task), rules_(intervals, options.complement) {
+    for (const IsoRule& rule : rules_.rules()) {
       mesh_.summaries.emplace_back();
-      mesh_.summaries.back().interval = interval;
+      mesh_.summaries.back().interval = {rule.lower, rule.upper};
     }
   }
 
@@ -278,7 +280,7 @@ class Extraction {
 
 void prepare_tables(const Grid& grid) {
   if (grid.structured()) {
-    hexahedron_table();
+    hexahedron_gather();
     return;
   }
   std::array<bool, 256> seen{};
@@ -295,6 +297,7 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
   if (options.strict) return extract_strict(grid, array, intervals, options, task);
+  if (auto mesh = extract_structured(grid, array, intervals, options, task)) return std::move(*mesh);
   if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);
   return extract_in_general(grid, array, intervals, options, task);
 }

@@ -1,5 +1,7 @@
 #include "extraction/extract_layers.h"
 
+#include "extraction/combine_ranges.h"
+#include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
 
 namespace isostrata {
@@ -11,14 +13,30 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
   return dataset.arrays.front();
 }
 
+void combine_terms(const LayerRequest& request, const Dataset& dataset, const PointArray& array,
+                   std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
+  std::vector<ArrayTerm> terms;
+  for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), term.range});
+  const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals,
+                           const ExtractOptions& options) {
+    ExtractOptions own = options;
+    own.strict = request.triangulation == Triangulation::strict;
+    return extract_intervals(grid, on, intervals, own, task);
+  };
+  Combined combined =
+      combine_arrays(dataset.grid, array, request.intervals, terms, carry, extract, {request.facets, request.max_bytes}, task);
+  layers.mesh = std::move(combined.mesh);
+  for (std::size_t i = 0; i < carry.size(); ++i)
+    layers.carried.push_back({carry[i]->name, {combined.fields[i + 1].begin(), combined.fields[i + 1].end()}});
+}
+
 }  // namespace
 
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task) {
-  if (request.time || request.time_mode != TimeMode::step)
-    throw Error(ErrorCode::unsupported, "a time between steps cannot be extracted yet");
-  if (!request.terms.empty()) throw Error(ErrorCode::unsupported, "ranges cannot be combined yet");
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids) {
+  if (request.time_mode == TimeMode::spacetime)
+    if (auto sliced = slice_space_time(request, steps, aids.kept, task)) return std::move(*sliced);
   Layers layers;
-  layers.dataset = steps(request.step, task);
+  layers.dataset = dataset_at_time(request, steps, layers.time, task);
   const Dataset& dataset = *layers.dataset;
   const PointArray& array = find_array(dataset, request.array);
   std::vector<const PointArray*> carry;
@@ -27,7 +45,12 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   options.facets = request.facets;
   options.strict = request.triangulation == Triangulation::strict;
   options.max_bytes = request.max_bytes;
-  layers.mesh = extract_intervals(dataset.grid, array, request.intervals, options, task);
+  if (!request.terms.empty()) {
+    combine_terms(request, dataset, array, carry, layers, task);
+    return layers;
+  }
+  layers.mesh = aids.extractor && !options.strict ? aids.extractor(dataset.grid, array, request.intervals, options, task)
+                                                  : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

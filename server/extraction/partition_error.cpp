@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
+#include <string>
 
 #include "base/error.h"
 #include "extraction/check_laws.h"
@@ -14,7 +13,8 @@ constexpr std::size_t kCellsAtATime = std::size_t{1} << 18;
 /// The intervals in groups that do not overlap within themselves, each by increasing lower end.
 std::vector<std::vector<Interval>> disjoint_groups(const IntervalMesh& mesh) {
   std::vector<Interval> order;
-  for (const IntervalSummary& row : mesh.summaries) order.push_back(row.interval);
+  for (const IntervalSummary& row : mesh.summaries)
+    if (row.term < 0) order.push_back(row.interval);
   std::sort(order.begin(), order.end(), [](const Interval& a, const Interval& b) { return a.lower < b.lower; });
   std::vector<std::vector<Interval>> groups;
   for (const Interval& interval : order) {
@@ -23,21 +23,6 @@ std::vector<std::vector<Interval>> disjoint_groups(const IntervalMesh& mesh) {
     group->push_back(interval);
   }
   return groups;
-}
-
-double next_after(double value) { return std::nextafter(value, std::numeric_limits<double>::infinity()); }
-
-/// With what is below, between and above them. An interval is closed, so the gap above it begins at the next number.
-std::vector<Interval> with_gaps(const std::vector<Interval>& group, const PointArray& array) {
-  std::vector<Interval> pieces;
-  if (array.lower < group.front().lower) pieces.push_back({array.lower, group.front().lower});
-  for (std::size_t i = 0; i < group.size(); ++i) {
-    pieces.push_back(group[i]);
-    const double begin = next_after(group[i].upper);
-    const double end = i + 1 < group.size() ? group[i + 1].lower : std::max(array.upper, next_after(begin));
-    if (begin < end && begin <= array.upper) pieces.push_back({begin, end});
-  }
-  return pieces;
 }
 
 double enclosed_volume(const IntervalMesh& mesh) {
@@ -61,18 +46,17 @@ std::optional<Partition> partition_error(const Grid& grid, const PointArray& arr
   std::vector<std::uint8_t> hidden(static_cast<std::size_t>(grid.cell_count()), 1);
   part.hidden_cells = hidden;
   ExtractOptions own = options;
-  own.facets = own.measure = true;
+  own.facets = own.measure = own.complement = true;
   own.values = false;
   const Task quiet;  // its progress would run back and forth
   Partition worst;
   for (const std::vector<Interval>& group : disjoint_groups(mesh)) {
-    const std::vector<Interval> pieces = with_gaps(group, array);
     double difference = 0, volume = 0;
     for (std::size_t first = 0; first < mesh.cell_runs.size(); first += kCellsAtATime) {
       task.check();
       const std::size_t last = std::min(mesh.cell_runs.size(), first + kCellsAtATime);
       for (std::size_t r = first; r < last; ++r) hidden[static_cast<std::size_t>(mesh.cell_runs[r].cell)] = 0;
-      const IntervalMesh tiles = extract_intervals(part, array, pieces, own, quiet);
+      const IntervalMesh tiles = extract_intervals(part, array, group, own, quiet);
       for (std::size_t r = first; r < last; ++r) hidden[static_cast<std::size_t>(mesh.cell_runs[r].cell)] = 1;
       if (tiles.active_cells != static_cast<std::int64_t>(last - first))
         throw Error(ErrorCode::internal, "of " + std::to_string(last - first) + " cells, with all values, " +

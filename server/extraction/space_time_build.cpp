@@ -267,7 +267,7 @@ class SpaceTimeBuilder {
       out_.runs_[r].first_simplex = total;
       total += counts[r];
     }
-    constexpr std::uint64_t kBeside = sizeof(std::uint32_t) + sizeof(std::uint16_t);
+    constexpr std::uint64_t kBeside = sizeof(std::uint64_t) + sizeof(std::uint16_t);
     check_budget(std::to_string(total) + " 4-simplices with " + std::to_string(out_.points_.size()) + " points",
                  total * (sizeof(std::array<std::uint32_t, 5>) + 2 * sizeof(SpaceTimeVolume::SimplexEdges) + kBeside) +
                      out_.points_.size() * (sizeof(SpaceTimeVolume::Point) + 3 * sizeof(double)),
@@ -331,17 +331,37 @@ class SpaceTimeBuilder {
           std::swap(mask[j - 1], mask[j]);
           odd = !odd;
         }
-      std::uint32_t labels = odd ? 1u << 31 : 0;
+      std::uint64_t labels = odd ? SpaceTimeVolume::SimplexLabels::kTurned : 0;
+      const int apart = point_out_of_step(point);
       for (int k = 0; k < 5; ++k) {
-        unsigned common = 0xffff;
-        for (int other = 0; other < 5; ++other)
-          if (other != k) common &= mask[other];
-        if (common) labels |= static_cast<std::uint32_t>(std::countr_zero(common) + 1) << 4 * k;
+        unsigned facet = 0xffff, triangle = 0xffff;
+        for (int other = 0; other < 5; ++other) {
+          if (other == k) continue;
+          facet &= mask[other];
+          if (other != apart) triangle &= mask[other];
+        }
+        if (facet) labels |= static_cast<std::uint64_t>(std::countr_zero(facet) + 1) << 4 * k;
+        if (apart >= 0 && k != apart && triangle)
+          labels |= static_cast<std::uint64_t>(std::countr_zero(triangle) + 1)
+                    << (SpaceTimeVolume::SimplexLabels::kTriangles + 4 * k);
       }
       corners_[to] = point;
       out_.labels_[to] = labels;
       out_.interval_[to++] = interval;
     }
+  }
+
+  /// Where four of the points lie in one step, by construction, the fifth; else -1.
+  int point_out_of_step(const std::array<std::uint32_t, 5>& points) const {
+    for (const bool later : {false, true}) {
+      unsigned in_step = 0;
+      for (int k = 0; k < 5; ++k) {
+        const SpaceTimeVolume::Point& p = out_.points_[points[k]];
+        in_step |= static_cast<unsigned>(later ? p.a >= np_ : p.b < np_) << k;
+      }
+      if (std::popcount(in_step) == 4) return std::countr_one(in_step);
+    }
+    return -1;
   }
 
   /// Every edge of the 4-simplices once, so that a slice numbers its points by counting.
@@ -417,7 +437,7 @@ SpaceTimeVolume::SpaceTimeVolume(std::shared_ptr<const Dataset> first, std::shar
 
 std::uint64_t SpaceTimeVolume::bytes() const {
   return points_.size() * (sizeof(Point) + sizeof(double)) + edges_.size() * sizeof(Edge) +
-         simplices_.size() * (sizeof(SimplexEdges) + sizeof(std::uint32_t) + sizeof(std::uint16_t)) + runs_.size() * sizeof(Run);
+         simplices_.size() * (sizeof(SimplexEdges) + sizeof(std::uint64_t) + sizeof(std::uint16_t)) + runs_.size() * sizeof(Run);
 }
 
 }  // namespace isostrata

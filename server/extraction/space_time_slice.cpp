@@ -179,9 +179,11 @@ class SpaceTimeSlicer {
   std::uint64_t run_end(std::int64_t r) const {
     return r + 1 < run_count() ? volume_.runs_[r + 1].first_simplex : volume_.simplices_.size();
   }
-  /// The label of a facet of a 4-simplex, as one of the facet of a slice's tetrahedron that lies in it.
-  static std::uint8_t label(std::uint32_t labels, int facet) {
-    return facet < 0 ? kInsideCell : static_cast<std::uint8_t>(labels >> 4 * facet & 15);
+  /// The label of the facet of a slice's tetrahedron that lies in the 4-simplex's facet opposite a point, or in none (-1).
+  std::uint8_t label(std::uint64_t labels, int facet) const {
+    if (facet < 0) return kInsideCell;
+    const int at = cut_ == between ? 0 : SpaceTimeVolume::SimplexLabels::kTriangles;
+    return static_cast<std::uint8_t>(labels >> (at + 4 * facet) & 15);
   }
   static bool bounds(std::uint8_t label, std::uint8_t open) {
     return label == kLowerFacet || label == kUpperFacet || (label >= kFirstCellFace && (open >> (label - kFirstCellFace) & 1));
@@ -271,7 +273,7 @@ class SpaceTimeSlicer {
         summed = interval;
         ++own->active_cells;
       }
-      const bool turned = volume_.labels_[s] >> 31;
+      const bool turned = volume_.labels_[s] & SpaceTimeVolume::SimplexLabels::kTurned;
       for (const SliceSimplex& cut : table.of(above_[s])) {
         std::array<std::uint32_t, 4> p;
         std::array<std::uint8_t, 4> labels;

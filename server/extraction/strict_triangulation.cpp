@@ -20,7 +20,7 @@ class Strict {
  public:
   Strict(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
          const Task& task, IntervalMesh& mesh)
-      : options_(options), task_(task), mesh_(mesh), rules_(intervals), cells_(grid, array, rules_, options.facets, mesh) {}
+      : options_(options), task_(task), mesh_(mesh), rules_(intervals, options.complement), cells_(grid, array, rules_, options.facets, mesh) {}
 
   void run() {
     const auto runs = static_cast<std::int64_t>(mesh_.cell_runs.size());

@@ -14,6 +14,7 @@
 #include "extraction/write_mesh.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/extract_device.h"
 #include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
 
@@ -24,6 +25,7 @@ struct ExtractArguments {
   std::string file, array, color_by, out;
   std::vector<std::string> intervals, facets;
   LayerArguments layers;
+  ExtractDevice device;
   int threads = 0, compression = WriteOptions{}.compression;
   bool json = false, verify = false;
 };
@@ -55,6 +57,21 @@ FacetCounts count_facets(const IntervalMesh& mesh) {
   return counts;
 }
 
+const char* to_string(TimeMode mode) {
+  return mode == TimeMode::spacetime ? "spacetime" : mode == TimeMode::interpolate ? "interpolate" : "step";
+}
+
+boost::json::object to_json(const LayerTime& time) {
+  boost::json::object out{{"value", time.time}, {"mode", to_string(time.mode)}, {"steps", boost::json::array{time.first}}};
+  if (time.second != time.first) out["steps"].as_array().push_back(time.second);
+  out["weight"] = time.weight;
+  if (time.mode == TimeMode::spacetime) {
+    out["simplices"] = time.simplices;
+    out["bytes"] = time.bytes;
+  }
+  return out;
+}
+
 boost::json::object to_json(const StrictSummary& strict) {
   return {{"turned_cells", strict.turned_cells},   {"pulled_cells", strict.pulled_cells},
           {"centred_cells", strict.centred_cells}, {"star_cells", strict.star_cells},
@@ -62,7 +79,8 @@ boost::json::object to_json(const StrictSummary& strict) {
           {"added_points", strict.added_points}};
 }
 
-boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Proof& proof, const Timing& ms) {
+boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Proof& proof, const Timing& ms,
+                            const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries)
     intervals.push_back(boost::json::object{{"lower", row.interval.lower},
@@ -88,7 +106,8 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                      {"write", ms.write},
                                      {"proof", ms.proof},
                                      {"total", ms.total}}},
-          {"threads", thread_count()}};
+          {"threads", thread_count()},
+          {"device", device}};
 }
 
 void print_text(const IntervalMesh& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
@@ -115,6 +134,17 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
         static_cast<long long>(mesh.strict.added_points));
   std::printf("load %.1f ms, index %.1f ms, extract %.1f ms, check %.1f ms, write %.1f ms, total %.1f ms on %d threads\n",
               ms.load, ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
+}
+
+void print_time(const LayerTime& time) {
+  if (time.second == time.first)
+    std::printf("time %.8g: step %d\n", time.time, time.first);
+  else
+    std::printf("time %.8g: %.4f of the way from step %d to step %d, %s\n", time.time, time.weight, time.first, time.second,
+                to_string(time.mode));
+  if (time.mode == TimeMode::spacetime)
+    std::printf("%lld 4-simplices in %.1f MB: built in %.1f ms, sliced in %.1f ms\n", static_cast<long long>(time.simplices),
+                static_cast<double>(time.bytes) / 1e6, time.build_ms, time.slice_ms);
 }
 
 /// "lower", or "lower@2" for that of interval 2.
@@ -175,7 +205,7 @@ void judge(const Proof& proof) {
   if (!proof.broken.empty()) throw Error(ErrorCode::internal, line(proof.broken.back()));
 }
 
-void run(const ExtractArguments& arguments) {
+void run(ExtractArguments& arguments) {
   LayerRequest request = layer_request(arguments.layers);
   for (const std::string& text : arguments.intervals)
     request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
@@ -190,16 +220,23 @@ void run(const ExtractArguments& arguments) {
 
   Stopwatch total, stage;
   Timing ms;
-  const StepSource steps = step_source(arguments.file);
+  const StepSource open = step_source(arguments.file);
+  const StepSource steps = [&](int step, const Task& task) {  // a time between steps opens more of them while extracting
+    Stopwatch loading;
+    auto dataset = open(step, task);
+    ms.load += loading.lap_ms();
+    return dataset;
+  };
   const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
   request.array = array_argument(*dataset, request.array).name;
-  ms.load = stage.lap_ms();
+  stage.lap_ms();
 
   prepare_tables(dataset->grid);
   ms.index = stage.lap_ms();
-  const Layers layers = extract_layers(request, steps, command_task());
+  const double loaded = ms.load;
+  const Layers layers = extract_layers(request, steps, command_task(), {.extractor = device_extractor(arguments.device)});
   const IntervalMesh& mesh = layers.mesh;
-  ms.extract = stage.lap_ms();
+  ms.extract = stage.lap_ms() - (ms.load - loaded);
   const FacetCounts facets = count_facets(mesh);
   ms.check = stage.lap_ms();
   if (!arguments.out.empty()) {
@@ -214,10 +251,18 @@ void run(const ExtractArguments& arguments) {
     proof = prove(arguments, request, layers);
     ms.proof = stage.lap_ms();
   }
-  if (arguments.json)
-    print_json(to_json(mesh, facets, proof, ms));
-  else
+  if (arguments.json) {
+    boost::json::object document = to_json(mesh, facets, proof, ms, arguments.device.used);
+    document["time"] = to_json(layers.time);
+    if (layers.time.mode == TimeMode::spacetime) {
+      document["ms"].as_object()["build"] = layers.time.build_ms;
+      document["ms"].as_object()["slice"] = layers.time.slice_ms;
+    }
+    print_json(document);
+  } else {
     print_text(mesh, request.array, facets, ms);
+    print_time(layers.time);
+  }
   if (arguments.verify) {
     judge(proof);
     std::fprintf(stderr, "all laws hold%s\n", proof.partition ? "" : " (no partition is defined for combined ranges and times)");
@@ -233,6 +278,7 @@ void add_extract_command(CLI::App& app) {
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated")->required()->allow_extra_args(false);
   add_layer_options(*command, arguments->layers);
+  add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
   command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");
   command
