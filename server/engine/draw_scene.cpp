@@ -19,12 +19,11 @@ bool uses_color_map(const Scene& scene) {
          std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
 }
 
-bool adds(RangeOperator op) { return op == RangeOperator::unite || op == RangeOperator::exclusive_or; }
-
 /// Whether another array can be brought to the finished mesh: its points know the edges they lie on, and the array is that of a
 /// step.
 bool can_carry(const ExtractedScene& extracted) {
-  return !extracted.request.time && extracted.mesh->origins.size() == extracted.mesh->positions.size();
+  const IntervalMesh& mesh = *extracted.mesh;
+  return !extracted.request.time && mesh.origins.size() + mesh.inner.first.size() - 1 == mesh.positions.size();
 }
 
 /// The dataset is immutable and one object per time step, so its identity stands for dataset and step.
