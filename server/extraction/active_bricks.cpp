@@ -1,6 +1,8 @@
 #include "extraction/active_bricks.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -20,11 +22,13 @@ constexpr std::int64_t kBricksPerBlock = 16;
 /// The ends of a request in the array's own type.
 template <class T>
 struct Thresholds {
-  explicit Thresholds(const IsoRules& rules) : of(rules.isovalues().size()) {
-    for (const IsoRule& rule : rules.rules()) {
-      of[rule.lower_index] =
-          value_threshold<T>(rule.lower);  // where an interval begins, those that end there do at the same value
-      of[rule.upper_index] = value_threshold<T>(rule.above);
+  explicit Thresholds(const IsoRules& rules) {
+    std::vector<double> begins;
+    for (const IsoRule& rule : rules.rules()) begins.push_back(rule.lower);
+    std::sort(begins.begin(), begins.end());
+    for (const double isovalue : rules.isovalues()) {  // where an interval begins, those that end there do at the same value
+      const bool one_begins = std::binary_search(begins.begin(), begins.end(), isovalue);
+      of.push_back(value_threshold<T>(one_begins ? isovalue : std::nextafter(isovalue, std::numeric_limits<double>::infinity())));
     }
     lowest = value_threshold<T>(rules.lowest());
     highest = value_threshold<T>(rules.highest());
@@ -180,15 +184,15 @@ void ActiveBricks::classify(const Grid& grid, std::span<const T> values, const M
         bits.resize(brick.isovalues);
         for (std::uint32_t v = 0; v < brick.isovalues; ++v) reader.test(thresholds.of[brick.first_isovalue + v], bits[v]);
         intervals.clear();
-        const auto end_of = [&](std::uint32_t isovalue) {
-          if (isovalue < brick.first_isovalue) return BrickInterval::kEndBelow;
-          const std::uint32_t own = isovalue - brick.first_isovalue;
-          return own < brick.isovalues ? static_cast<int>(own) : BrickInterval::kEndAbove;
+        const auto lowest = static_cast<double>(ranges.lowest[brick.number]);
+        const auto highest = static_cast<double>(ranges.highest[brick.number]);
+        const auto end_of = [&](double end, std::uint32_t isovalue) {
+          if (lowest >= end) return BrickInterval::kEndBelow;
+          return highest >= end ? static_cast<int>(isovalue - brick.first_isovalue) : BrickInterval::kEndAbove;
         };
-        rules.visit_active(static_cast<double>(ranges.lowest[brick.number]), static_cast<double>(ranges.highest[brick.number]),
-                           [&](std::uint16_t interval, const IsoRule& rule) {
-                             intervals.push_back({interval, end_of(rule.lower_index), end_of(rule.upper_index)});
-                           });
+        rules.visit_active(lowest, highest, [&](std::uint16_t interval, const IsoRule& rule) {
+          intervals.push_back({interval, end_of(rule.lower, rule.lower_index), end_of(rule.above, rule.upper_index)});
+        });
 
         bool absent = !grid.hidden_cells.empty() || !positions_are_finite(grid, layout_, place);
         if (!absent) {  // a value that is not finite in the brick, or before it

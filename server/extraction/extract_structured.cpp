@@ -166,15 +166,17 @@ class Writer {
     const std::int64_t row = layout.dims[0] - 1, plane = row * (layout.dims[1] - 1);
     CellRun* run = mesh_.cell_runs.data() + starts_.runs[b];
     std::uint16_t* interval = mesh_.tetrahedron_interval.data() + first;
+    const bool one_interval = rules_.rules().size() == 1;
+    if (one_interval) std::fill_n(interval, brick.tetrahedra, std::uint16_t{0});
     std::uint32_t to = first;
     int last = -1;
     for (const CellRecord& record : records) {
       const int at = record.cell();
       if (at != last) *run++ = {first_cell + (at & 7) + (at >> 3 & 7) * row + (at >> 6) * plane, to};
       last = at;
-      const int count = gather.count[record.case_index()];
-      for (int t = 0; t < count; ++t) *interval++ = static_cast<std::uint16_t>(record.interval());
-      to += static_cast<std::uint32_t>(count);
+      const std::uint32_t count = gather.count[record.case_index()];
+      if (!one_interval) interval = std::fill_n(interval, count, static_cast<std::uint16_t>(record.interval()));
+      to += count;
     }
   }
 
@@ -235,13 +237,14 @@ class Writer {
 
 std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                const ExtractOptions& options, const Task& task) {
-  if (!grid.structured() || intervals.size() > kMaxRecordIntervals) return std::nullopt;
+  if (!grid.structured()) return std::nullopt;
   const IsoRules rules(intervals);
+  if (rules.rules().size() > kMaxRecordIntervals) return std::nullopt;
   IntervalMesh mesh;
   mesh.cells = grid.cell_count();
-  for (const Interval& interval : intervals) {
+  for (const IsoRule& rule : rules.rules()) {
     mesh.summaries.emplace_back();
-    mesh.summaries.back().interval = interval;
+    mesh.summaries.back().interval = {rule.lower, rule.upper};
   }
   if (mesh.cells > 0) {
     task.report(0.0, "searching");
