@@ -29,8 +29,9 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   ExtractOptions options;
   options.facets = request.facets;
   options.max_bytes = request.max_bytes;
+  options.bricks = aids.bricks;
   layers.mesh = aids.extractor ? aids.extractor(dataset.grid, array, request.intervals, options, task)
-                          : extract_intervals(dataset.grid, array, request.intervals, options, task);
+                               : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

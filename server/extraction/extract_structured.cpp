@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "extraction/active_bricks.h"
 #include "extraction/active_cells.h"
+#include "extraction/brick_memory.h"
 #include "extraction/hexahedron_gather.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
@@ -233,6 +234,19 @@ class Writer {
   Starts starts_;
 };
 
+std::shared_ptr<const ActiveBricks> find_bricks(const Grid& grid, const PointArray& array, const IsoRules& rules,
+                                                const ExtractOptions& options, const Task& task) {
+  if (!options.bricks) {
+    const MinMaxBricks ranges(grid, array, task);
+    return std::make_shared<const ActiveBricks>(grid, array, ranges, rules, options.max_bytes, task);
+  }
+  const std::shared_ptr<const MinMaxBricks> ranges = options.bricks->ranges(grid, array, task);
+  const std::shared_ptr<const ActiveBricks> last = options.bricks->last(grid, array);
+  auto found = std::make_shared<const ActiveBricks>(grid, array, *ranges, rules, options.max_bytes, task, last.get());
+  options.bricks->keep(grid, array, found);
+  return found;
+}
+
 }  // namespace
 
 std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
@@ -248,9 +262,8 @@ std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArra
   }
   if (mesh.cells > 0) {
     task.report(0.0, "searching");
-    std::optional<MinMaxBricks> own;
-    if (!options.bricks) own.emplace(grid, array, task);
-    const ActiveBricks active(grid, array, options.bricks ? *options.bricks : *own, rules, options.max_bytes, task);
+    const std::shared_ptr<const ActiveBricks> found = find_bricks(grid, array, rules, options, task);
+    const ActiveBricks& active = *found;
     count_records(active, mesh.summaries);
     Writer(grid, array, rules, active, options, task, mesh).write();
     if (options.measure) measure_records(grid, active, mesh, task);

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "data/analytic.h"
-#include "extraction/minmax_bricks.h"
+#include "extraction/brick_memory.h"
 #include "extraction/same_mesh.h"
 #include "extraction/small_grids.h"
 
@@ -231,8 +231,8 @@ TEST(ExtractStructured, MakesOnlyWhatIsAskedFor) {
   const IntervalMesh whole = extract_fast(dataset->grid, dataset->arrays[0], intervals);
   ExtractOptions bare;
   bare.values = bare.measure = false;
-  const MinMaxBricks bricks(dataset->grid, dataset->arrays[0], Task{});
-  bare.bricks = &bricks;
+  BrickMemory memory;
+  bare.bricks = &memory;
   const IntervalMesh mesh = extract_fast(dataset->grid, dataset->arrays[0], intervals, bare);
   EXPECT_EQ(mesh.tetrahedra, whole.tetrahedra);
   EXPECT_EQ(mesh.origins, whole.origins);
