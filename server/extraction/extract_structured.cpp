@@ -252,7 +252,7 @@ std::shared_ptr<const ActiveBricks> find_bricks(const Grid& grid, const PointArr
 std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                const ExtractOptions& options, const Task& task) {
   if (!grid.structured()) return std::nullopt;
-  const IsoRules rules(intervals);
+  const IsoRules rules(intervals, options.complement);
   if (rules.rules().size() > kMaxRecordIntervals) return std::nullopt;
   IntervalMesh mesh;
   mesh.cells = grid.cell_count();
