@@ -43,6 +43,7 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   options.facets = request.facets;
   options.strict = request.triangulation == Triangulation::strict;
   options.max_bytes = request.max_bytes;
+  options.bricks = aids.bricks;
   if (!request.terms.empty()) {
     combine_terms(request, dataset, array, carry, layers, task);
     return layers;
