@@ -27,11 +27,15 @@ const FileArray* find(const Block& block, const FileArray& like) {
   return at != block.arrays.end() && at->components == like.components ? &*at : nullptr;
 }
 
-/// Whether all blocks are unstructured over one and the same list of points.
+std::int64_t file_points(const Block& block) { return block.grid.point_count() - block.added_points; }
+
+/// Whether all blocks are unstructured over one and the same list of points, but for those that were added.
 bool share_points(const std::vector<Block>& blocks) {
   const auto bytes = [](const Block& block) -> std::span<const std::byte> {
     const auto* grid = std::get_if<UnstructuredGrid>(&block.grid.shape);
-    return grid ? std::visit([](auto span) { return std::as_bytes(span); }, grid->points) : std::span<const std::byte>{};
+    const auto count = static_cast<std::size_t>(file_points(block));
+    return grid ? std::visit([&](auto span) { return std::as_bytes(span.first(count)); }, grid->points)
+                : std::span<const std::byte>{};
   };
   const auto first = bytes(blocks.front());
   return !first.empty() && std::all_of(blocks.begin(), blocks.end(), [&](const Block& block) {
@@ -39,6 +43,12 @@ bool share_points(const std::vector<Block>& blocks) {
     return other.size() == first.size() && has_double_points(block.grid) == has_double_points(blocks.front().grid) &&
            (other.data() == first.data() || std::memcmp(other.data(), first.data(), first.size()) == 0);
   });
+}
+
+/// The last `tuples` tuples of an array.
+FileArray last_tuples(FileArray array, std::int64_t tuples) {
+  array.values = array.values.last(static_cast<std::size_t>(tuples * array.components) * size_of(array.type));
+  return array;
 }
 
 FileArray concatenate(const std::vector<const FileArray*>& parts) {
@@ -79,7 +89,7 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
 
   std::uint64_t bytes = 0;
   for (const Block& block : imported.blocks)
-    bytes += static_cast<std::uint64_t>(block.grid.cell_count()) * 73 + static_cast<std::uint64_t>(block.grid.point_count()) * 12;
+    bytes += static_cast<std::uint64_t>(block.grid.cell_count()) * 81 + static_cast<std::uint64_t>(block.grid.point_count()) * 12;
   check_bytes(request, bytes, name + ": its blocks as one unstructured grid");
 
   const bool doubles =
@@ -87,11 +97,17 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   const bool shared = share_points(imported.blocks);
   const auto cells = std::make_shared<Cells>();
   bool any_hidden = false;
-  std::int64_t first_point = 0;
+  bool any_split = false;
+  std::vector<std::int64_t> source;
+  std::int64_t first_source = 0;
   std::array<std::int64_t, kMaxCellVertices> ids{};
   for (const Block& block : imported.blocks) {
-    const bool add_points = !shared || &block == &imported.blocks.front();
-    for (std::int64_t p = 0; add_points && p < block.grid.point_count(); ++p) {
+    const std::int64_t points_before =
+        static_cast<std::int64_t>(doubles ? cells->double_points.size() : cells->single_points.size());
+    const bool whole = !shared || &block == &imported.blocks.front();
+    const std::int64_t common = whole ? 0 : file_points(block);  // these are there already
+    const auto number = [&](std::int64_t id) { return id < common ? id : points_before + id - common; };
+    for (std::int64_t p = common; p < block.grid.point_count(); ++p) {
       const Vec3d at = block.grid.point(p);
       if (doubles)
         cells->double_points.push_back(at);
@@ -100,13 +116,15 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
     }
     for (std::int64_t c = 0; c < block.grid.cell_count(); ++c) {
       const int n = block.grid.cell_points(c, ids);
-      for (int v = 0; v < n; ++v) cells->connectivity.push_back(first_point + ids[static_cast<std::size_t>(v)]);
+      for (int v = 0; v < n; ++v) cells->connectivity.push_back(number(ids[static_cast<std::size_t>(v)]));
       cells->offsets.push_back(static_cast<std::int64_t>(cells->connectivity.size()));
       cells->types.push_back(static_cast<std::uint8_t>(block.grid.cell_type(c)));
       cells->hidden.push_back(block.grid.hidden(c));
       any_hidden = any_hidden || block.grid.hidden(c);
+      source.push_back(first_source + (block.source.empty() ? c : block.source[static_cast<std::size_t>(c)]));
     }
-    if (!shared) first_point += block.grid.point_count();
+    if (!source.empty()) first_source = source.back() + 1;
+    any_split = any_split || block.added_points > 0;
   }
 
   Block all;
@@ -121,15 +139,21 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   all.grid.shape = grid;
   if (any_hidden) all.grid.hidden_cells = cells->hidden;
   all.grid.storage = cells;
+  if (any_split) all.source = std::move(source);
 
   std::vector<std::string> left_out;
   for (const Block& block : imported.blocks)
     for (const FileArray& array : block.arrays) {
       if (find(all, array)) continue;
       std::vector<const FileArray*> parts;
+      std::vector<FileArray> added;  // of blocks over common points: what belongs to the points that each added
+      added.reserve(imported.blocks.size());
       for (const Block& other : imported.blocks)
-        if (const FileArray* part = find(other, array)) parts.push_back(part);
-      if (shared && !array.on_cells)
+        if (const FileArray* part = find(other, array)) {
+          const bool common = shared && !array.on_cells && &other != &imported.blocks.front();
+          parts.push_back(common ? &added.emplace_back(last_tuples(*part, other.added_points)) : part);
+        }
+      if (shared && !array.on_cells && !any_split)
         all.arrays.push_back(array);  // it belongs to the common points
       else if (parts.size() == imported.blocks.size())
         all.arrays.push_back(concatenate(parts));

@@ -6,11 +6,14 @@ namespace isostrata {
 namespace {
 
 template <class Out>
-FileArray mean_over_cells(const Grid& grid, const FileArray& array) {
+FileArray mean_over_cells(const Block& block, const FileArray& array) {
+  const Grid& grid = block.grid;
   const auto points = static_cast<std::size_t>(grid.point_count());
   const auto components = static_cast<std::size_t>(array.components);
   std::vector<double> sums(points * components, 0.0);
   std::vector<std::uint32_t> uses(points, 0);
+  // A cell that was split counts once at each of its points, however many of its pieces meet there.
+  std::vector<std::int64_t> counted(block.source.empty() ? 0 : points, -1);
   std::visit(
       [&](auto values) {
         std::array<std::int64_t, kMaxCellVertices> ids{};
@@ -20,6 +23,11 @@ FileArray mean_over_cells(const Grid& grid, const FileArray& array) {
           const int n = grid.cell_points(cell, ids);
           for (int v = 0; v < n; ++v) {
             const auto point = static_cast<std::size_t>(ids[static_cast<std::size_t>(v)]);
+            if (!counted.empty()) {
+              const std::int64_t source = block.source[static_cast<std::size_t>(cell)];
+              if (counted[point] == source) continue;
+              counted[point] = source;
+            }
             ++uses[point];
             for (std::size_t c = 0; c < components; ++c)
               sums[point * components + c] += static_cast<double>(values[static_cast<std::size_t>(cell) * components + c]);
@@ -42,9 +50,9 @@ FileArray mean_over_cells(const Grid& grid, const FileArray& array) {
 
 }  // namespace
 
-FileArray average_cells(const Grid& grid, const FileArray& array) {
+FileArray average_cells(const Block& block, const FileArray& array) {
   const bool single = array.type == ScalarType::float32 || size_of(array.type) <= 2;
-  return single ? mean_over_cells<float>(grid, array) : mean_over_cells<double>(grid, array);
+  return single ? mean_over_cells<float>(block, array) : mean_over_cells<double>(block, array);
 }
 
 }  // namespace isostrata

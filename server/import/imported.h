@@ -30,6 +30,9 @@ struct FileArray {
 struct Block {
   Grid grid;
   std::vector<FileArray> arrays;
+  /// [cells] which cell of the file each is (a part of), not decreasing; empty where each is one of its own.
+  std::vector<std::int64_t> source;
+  std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
 };
 
 /// One time step of one file.

@@ -38,7 +38,7 @@ Imported read_exodus(const ReadRequest& request) {
   throw_on_vtk_error(name);
 
   Imported imported;
-  append_vtk_blocks(reader->GetOutputDataObject(0), request, imported.blocks, imported.notes);
+  append_vtk_blocks(reader->GetOutputDataObject(0), request, false, imported.blocks, imported.notes);
   imported.times = std::move(times);
   for (const std::string& warning : vtk_warnings()) imported.notes.push_back("reader: " + warning);
   return imported;

@@ -19,6 +19,7 @@
 #include <vtkUnstructuredGridReader.h>
 #include <vtkXMLDataElement.h>
 #include <vtkXMLImageDataReader.h>
+#include <vtkXMLPDataReader.h>
 #include <vtkXMLPImageDataReader.h>
 #include <vtkXMLPRectilinearGridReader.h>
 #include <vtkXMLPStructuredGridReader.h>
@@ -79,7 +80,8 @@ Imported finish(vtkAlgorithm* reader, const ReadRequest& request) {
     throw Error(ErrorCode::bad_data, name + ": VTK's reader reported error " + std::to_string(reader->GetErrorCode()));
   Imported imported;
   vtkDataObject* object = reader->GetOutputDataObject(0);
-  append_vtk_blocks(object, request, imported.blocks, imported.notes);
+  const bool joined_pieces = vtkXMLPDataReader::SafeDownCast(reader) != nullptr;
+  append_vtk_blocks(object, request, joined_pieces, imported.blocks, imported.notes);
   imported.times = declared_times(object);
   for (const std::string& warning : vtk_warnings()) imported.notes.push_back("reader: " + warning);
   return imported;

@@ -3,24 +3,30 @@
 #include <vtkAOSDataArrayTemplate.h>
 #include <vtkAbstractArray.h>
 #include <vtkBitArray.h>
+#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkDataArray.h>
 #include <vtkDataSetAttributes.h>
+#include <vtkIdList.h>
 #include <vtkImageData.h>
 #include <vtkMatrix3x3.h>
+#include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkRectilinearGrid.h>
 #include <vtkSmartPointer.h>
 #include <vtkStructuredGrid.h>
-#include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
+#include <tuple>
+#include <type_traits>
 
 #include "import/vtk_cells.h"
 
@@ -83,6 +89,37 @@ FileArray shared_array(vtkDataArray* array) {
   return out;
 }
 
+/// Values for the points that splitting cells added, after the file's.
+FileArray with_added_points(const FileArray& all, const AddedPoints& added) {
+  FileArray out = all;
+  const auto components = static_cast<std::size_t>(all.components);
+  const std::size_t before = all.values.size();
+  auto [storage, bytes] = allocate<std::byte>(before + added.size() * components * size_of(all.type));
+  if (before > 0) std::memcpy(bytes.data(), all.values.data(), before);
+  std::visit(
+      [&](auto values) {
+        using T = typename decltype(values)::value_type;
+        T* to = reinterpret_cast<T*>(bytes.data() + before);
+        for (std::size_t i = 0; i < added.size(); ++i)
+          for (std::size_t c = 0; c < components; ++c) {
+            double sum = 0;
+            for (std::size_t k = added.first[i]; k < added.first[i + 1]; ++k)
+              sum += added.weights[k] * static_cast<double>(values[static_cast<std::size_t>(added.points[k]) * components + c]);
+            if constexpr (std::is_integral_v<T>) {
+              // The largest double below 2^63 or 2^64 is the most that may be converted.
+              constexpr double kMost = static_cast<double>(std::numeric_limits<T>::max());
+              const double most = sizeof(T) == 8 ? std::nextafter(kMost, 0.0) : kMost;
+              sum = std::clamp(std::round(sum), static_cast<double>(std::numeric_limits<T>::lowest()), most);
+            }
+            *to++ = static_cast<T>(sum);
+          }
+      },
+      scalar_span(all.type, all.values));
+  out.values = bytes;
+  out.storage = storage;
+  return out;
+}
+
 /// Only the tuples of the cells that were kept.
 FileArray gathered(const FileArray& all, const std::vector<std::int64_t>& source) {
   FileArray out = all;
@@ -95,8 +132,16 @@ FileArray gathered(const FileArray& all, const std::vector<std::int64_t>& source
   return out;
 }
 
-void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuples, const std::vector<std::int64_t>& source,
-                Block& block, const std::string& name, std::vector<std::string>& notes) {
+/// Where a dataset's arrays go.
+struct Destination {
+  Block& block;
+  const AddedPoints& added;
+  const std::string& name;
+  std::vector<std::string>& notes;
+};
+
+void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuples, const Destination& to) {
+  const auto& [block, added, name, notes] = to;
   for (int i = 0; i < attributes->GetNumberOfArrays(); ++i) {
     vtkAbstractArray* abstract = attributes->GetAbstractArray(i);
     if (!abstract) continue;
@@ -112,38 +157,64 @@ void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuple
       throw Error(ErrorCode::bad_data, name + ": array '" + array_name + "' has " + std::to_string(array->GetNumberOfTuples()) +
                                            " tuples; expected " + std::to_string(tuples));
     FileArray shared = shared_array(array);
-    if (!source.empty()) shared = gathered(shared, source);
+    if (on_cells && !block.source.empty()) shared = gathered(shared, block.source);
+    if (!on_cells && added.size() > 0) shared = with_added_points(shared, added);
     shared.name = array_name;
     shared.on_cells = on_cells;
     block.arrays.push_back(std::move(shared));
   }
 }
 
-/// vtkGhostType: duplicated, refined and hidden cells are not part of the volume, nor are cells that use a hidden point.
-void add_hidden_cells(vtkDataSet* data, const std::vector<std::int64_t>& source, Block& block) {
-  constexpr unsigned kCell =
-      vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
-  constexpr unsigned kPoint = vtkDataSetAttributes::HIDDENPOINT;
-  auto* cell_ghosts =
-      vtkUnsignedCharArray::SafeDownCast(data->GetCellData()->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
-  auto* point_ghosts =
-      vtkUnsignedCharArray::SafeDownCast(data->GetPointData()->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
+/// vtkGhostType of cells or points, whatever integers it is written in; nothing where there is none.
+vtkDataArray* ghosts(vtkDataSetAttributes* attributes, vtkIdType expected, const char* of, const std::string& name) {
+  vtkDataArray* array = vtkDataArray::SafeDownCast(attributes->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
+  if (array && array->GetNumberOfValues() != expected)
+    throw Error(ErrorCode::bad_data, name + ": vtkGhostType has " + std::to_string(array->GetNumberOfValues()) + " values for " +
+                                         std::to_string(expected) + " " + of);
+  return array;
+}
+
+bool is_set(vtkDataArray* ghosts, std::int64_t at, unsigned bits) {
+  return ghosts && (static_cast<std::int64_t>(ghosts->GetComponent(at, 0)) & bits) != 0;
+}
+
+/// vtkGhostType: refined and hidden cells are not part of the volume, nor are duplicated ones, whose originals are in another
+/// piece, nor cells that use a hidden point. Duplicated points belong to cells as any others do. Where the pieces of a structured
+/// grid were put together, each cell is there once and `each_cell_once` says so: then the marks of duplicates, which overlapping
+/// pieces leave at their seams, mean nothing.
+void add_hidden_cells(vtkDataSet* data, bool each_cell_once, Block& block, const std::string& name) {
   const std::int64_t cells = block.grid.cell_count();
-  const vtkIdType file_cells = source.empty() ? cells : data->GetNumberOfCells();
-  if (cell_ghosts && cell_ghosts->GetNumberOfValues() != file_cells) cell_ghosts = nullptr;
-  if (point_ghosts && point_ghosts->GetNumberOfValues() != block.grid.point_count()) point_ghosts = nullptr;
+  const bool all_kept = block.source.empty();
+  const vtkIdType file_cells = all_kept ? cells : data->GetNumberOfCells();
+  if (file_cells == 0) return;
+  vtkDataArray* cell_ghosts = ghosts(data->GetCellData(), file_cells, "cells", name);
+  vtkDataArray* point_ghosts = ghosts(data->GetPointData(), data->GetNumberOfPoints(), "points", name);
   if (!cell_ghosts && !point_ghosts) return;
 
+  const unsigned cell_bits = vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL |
+                             (each_cell_once ? 0u : static_cast<unsigned>(vtkDataSetAttributes::DUPLICATECELL));
+  auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data);
+  vtkNew<vtkIdList> points;
+  std::array<std::int64_t, kMaxCellVertices> ids{};
+  const auto uses_hidden_point = [&](std::int64_t cell, std::int64_t in_file) {
+    if (!point_ghosts) return false;
+    if (unstructured) {  // of all points of the cell in the file: those that its pieces do not have, too
+      unstructured->GetCells()->GetCellAtId(in_file, points);
+      for (vtkIdType v = 0; v < points->GetNumberOfIds(); ++v)
+        if (const vtkIdType id = points->GetId(v);
+            id >= 0 && id < data->GetNumberOfPoints() && is_set(point_ghosts, id, vtkDataSetAttributes::HIDDENPOINT))
+          return true;
+      return false;
+    }
+    const int n = block.grid.cell_points(cell, ids);
+    return std::any_of(ids.begin(), ids.begin() + n,
+                       [&](std::int64_t id) { return is_set(point_ghosts, id, vtkDataSetAttributes::HIDDENPOINT); });
+  };
   auto [storage, hidden] = allocate<std::uint8_t>(static_cast<std::size_t>(cells));
   bool any = false;
-  std::array<std::int64_t, kMaxCellVertices> ids{};
   for (std::int64_t c = 0; c < cells; ++c) {
-    const std::int64_t in_file = source.empty() ? c : source[static_cast<std::size_t>(c)];
-    bool hide = cell_ghosts && (cell_ghosts->GetValue(in_file) & kCell);
-    if (point_ghosts && !hide) {
-      const int n = block.grid.cell_points(c, ids);
-      for (int v = 0; v < n; ++v) hide = hide || (point_ghosts->GetValue(ids[static_cast<std::size_t>(v)]) & kPoint);
-    }
+    const std::int64_t in_file = all_kept ? c : block.source[static_cast<std::size_t>(c)];
+    const bool hide = is_set(cell_ghosts, in_file, cell_bits) || uses_hidden_point(c, in_file);
     hidden[static_cast<std::size_t>(c)] = hide;
     any = any || hide;
   }
@@ -167,6 +238,20 @@ std::pair<PointSpan, std::shared_ptr<const void>> shared_points(vtkPoints* point
   auto owner = std::make_shared<vtkSmartPointer<vtkDataArray>>(data);
   if (single) return {std::span<const Vec3f>(static_cast<const Vec3f*>(data->GetVoidPointer(0)), n), owner};
   return {std::span<const Vec3d>(static_cast<const Vec3d*>(data->GetVoidPointer(0)), n), owner};
+}
+
+/// The file's points and those that were added, in the file's precision.
+std::pair<PointSpan, std::shared_ptr<const void>> with_added_points(const PointSpan& points, const AddedPoints& added) {
+  return std::visit(
+      [&](auto span) -> std::pair<PointSpan, std::shared_ptr<const void>> {
+        using V = std::remove_const_t<typename decltype(span)::element_type>;
+        using T = decltype(V::x);
+        auto [storage, all] = allocate<V>(span.size() + added.size());
+        V* to = std::copy(span.begin(), span.end(), all.data());
+        for (const Vec3d& at : added.positions) *to++ = {static_cast<T>(at.x), static_cast<T>(at.y), static_cast<T>(at.z)};
+        return {std::span<const V>(all), storage};
+      },
+      points);
 }
 
 std::array<std::int64_t, 3> checked_dims(const int (&d)[3], const std::string& name) {
@@ -237,10 +322,11 @@ void set_rectilinear(vtkRectilinearGrid* source, Block& block, const std::string
   block.grid.storage = storage;
 }
 
-void append_dataset(vtkDataSet* data, const ReadRequest& request, std::vector<Block>& blocks, std::vector<std::string>& notes) {
+void append_dataset(vtkDataSet* data, const ReadRequest& request, bool joined_pieces, std::vector<Block>& blocks,
+                    std::vector<std::string>& notes) {
   const std::string name = request.file.filename().string();
   Block block;
-  std::vector<std::int64_t> source;
+  AddedPoints added;
   if (auto* image = vtkImageData::SafeDownCast(data)) {
     set_image(image, block, name);
   } else if (auto* rectilinear = vtkRectilinearGrid::SafeDownCast(data)) {
@@ -259,17 +345,20 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, std::vector<Bl
   } else if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
     auto cells = std::make_shared<KeptCells>(keep_cells(unstructured, name, notes));
     auto [points, owner] = shared_points(unstructured->GetPoints());
-    source = cells->source;
+    block.source = std::move(cells->source);
+    added = std::move(cells->added);
+    block.added_points = static_cast<std::int64_t>(added.size());
+    if (added.size() > 0) std::tie(points, owner) = with_added_points(PointSpan(points), added);
     block.grid.shape = UnstructuredGrid{points, cells->types, cells->offsets, cells->connectivity};
     block.grid.storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(owner, cells);
   } else {
     throw Error(ErrorCode::unsupported, name + ": holds a " + data->GetClassName() + "; expected a grid with 3-D cells");
   }
-  add_hidden_cells(data, source, block);
-  add_arrays(data->GetPointData(), false, block.grid.point_count(), {}, block, name, notes);
+  add_hidden_cells(data, joined_pieces && block.grid.structured(), block, name);
+  const Destination to{block, added, name, notes};
+  add_arrays(data->GetPointData(), false, block.grid.point_count() - block.added_points, to);
   if (block.grid.cell_count() > 0)
-    add_arrays(data->GetCellData(), true, source.empty() ? block.grid.cell_count() : data->GetNumberOfCells(), source, block,
-               name, notes);
+    add_arrays(data->GetCellData(), true, block.source.empty() ? block.grid.cell_count() : data->GetNumberOfCells(), to);
   else if (data->GetCellData()->GetNumberOfArrays() > 0)
     notes.push_back(std::to_string(data->GetCellData()->GetNumberOfArrays()) + " cell arrays skipped: there are no 3-D cells");
   blocks.push_back(std::move(block));
@@ -277,7 +366,7 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, std::vector<Bl
 
 }  // namespace
 
-void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, std::vector<Block>& blocks,
+void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, bool joined_pieces, std::vector<Block>& blocks,
                        std::vector<std::string>& notes) {
   const std::string name = request.file.filename().string();
   if (auto* composite = vtkCompositeDataSet::SafeDownCast(object)) {
@@ -285,10 +374,10 @@ void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, std::v
     at->SkipEmptyNodesOn();
     for (at->InitTraversal(); !at->IsDoneWithTraversal(); at->GoToNextItem()) {
       auto* leaf = vtkDataSet::SafeDownCast(at->GetCurrentDataObject());
-      if (leaf && leaf->GetNumberOfPoints() > 0) append_dataset(leaf, request, blocks, notes);
+      if (leaf && leaf->GetNumberOfPoints() > 0) append_dataset(leaf, request, joined_pieces, blocks, notes);
     }
   } else if (auto* data = vtkDataSet::SafeDownCast(object)) {
-    append_dataset(data, request, blocks, notes);
+    append_dataset(data, request, joined_pieces, blocks, notes);
   } else {
     throw Error(ErrorCode::unsupported,
                 name + ": holds a " + (object ? object->GetClassName() : "nothing") + "; expected a grid with 3-D cells");

@@ -4,6 +4,7 @@
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
 #include <vtkIdList.h>
+#include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
 #include <vtkUnsignedCharArray.h>
@@ -13,6 +14,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "data/split_polyhedron.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -68,67 +70,207 @@ std::string vtk_name(int type) {
   return name && std::string(name) != "UnknownClass" ? name : "type " + std::to_string(type);
 }
 
+/// Reads the cells one after another.
+class CellKeeper {
+ public:
+  CellKeeper(vtkUnstructuredGrid* grid, const std::string& name)
+      : grid_(grid), cells_(grid->GetCells()), points_(grid->GetNumberOfPoints()), name_(name) {}
+
+  KeptCells run(std::vector<std::string>& notes) {
+    vtkUnsignedCharArray* types = grid_->GetCellTypesArray();
+    if (!cells_ || !types) return {};
+    const vtkIdType count = cells_->GetNumberOfCells();
+    if (types->GetNumberOfValues() != count)
+      broken(std::to_string(types->GetNumberOfValues()) + " cell types for " + std::to_string(count) + " cells");
+    check_offsets(count);
+    kept_.types.reserve(static_cast<std::size_t>(count));
+    kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
+    for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
+    note(notes);
+    if (static_cast<vtkIdType>(kept_.types.size()) == count && skipped_.empty() && open_.empty() && split_.empty())
+      kept_.source.clear();
+    return std::move(kept_);
+  }
+
+ private:
+  [[noreturn]] void broken(const std::string& what) const { throw Error(ErrorCode::bad_data, name_ + ": " + what); }
+
+  /// Offsets are checked here, because IsValid and GetCellAtId trust them.
+  void check_offsets(vtkIdType count) const {
+    const vtkIdType ids = cells_->GetNumberOfConnectivityIds();
+    const bool wide = cells_->IsStorage64Bit();
+    vtkIdType previous = 0;
+    for (vtkIdType c = 0; c <= count && count > 0; ++c) {
+      const vtkIdType offset = wide ? cells_->GetOffsetsArray64()->GetValue(c) : cells_->GetOffsetsArray32()->GetValue(c);
+      if (offset < previous || offset > ids || (c == 0 && offset != 0))
+        broken("offset " + std::to_string(offset) + " of cell " + std::to_string(c) + " is out of order (" + std::to_string(ids) +
+               " connectivity entries)");
+      previous = offset;
+    }
+  }
+
+  std::int64_t checked(vtkIdType cell, vtkIdType id) const {
+    if (id < 0 || id >= points_)
+      broken("cell " + std::to_string(cell) + " uses point " + std::to_string(id) + " of " + std::to_string(points_));
+    return id;
+  }
+
+  void check_count(vtkIdType cell, int vtk_type, vtkIdType given, vtkIdType wanted, bool or_more) const {
+    if (or_more ? given < wanted : given != wanted)
+      broken("cell " + std::to_string(cell) + " has " + std::to_string(given) + " points; " + vtk_name(vtk_type) + " needs " +
+             std::to_string(wanted));
+  }
+
+  void keep(vtkIdType c, int vtk_type) {
+    switch (vtk_type) {
+      case VTK_POLYHEDRON:
+        read_face_stream(c);
+        split(c, vtk_type);
+        return;
+      case VTK_PENTAGONAL_PRISM:
+        read_prism(c, vtk_type, 5);
+        split(c, vtk_type);
+        return;
+      case VTK_HEXAGONAL_PRISM:
+        read_prism(c, vtk_type, 6);
+        split(c, vtk_type);
+        return;
+      default:
+        break;
+    }
+    const Kept as = kept_as(vtk_type);
+    if (as.corners == 0) {
+      ++skipped_[vtk_type];
+      return;
+    }
+    cells_->GetCellAtId(c, corners_);
+    check_count(c, vtk_type, corners_->GetNumberOfIds(), as.corners, as.linearised);
+    if (as.linearised) ++linearised_[vtk_type];
+    static constexpr std::array<vtkIdType, 8> kFromVoxel{0, 1, 3, 2, 4, 5, 7, 6};
+    for (vtkIdType v = 0; v < as.corners; ++v)
+      kept_.connectivity.push_back(
+          checked(c, corners_->GetId(vtk_type == VTK_VOXEL ? kFromVoxel[static_cast<std::size_t>(v)] : v)));
+    end_cell(c, as.type);
+  }
+
+  void end_cell(vtkIdType c, CellType type) {
+    kept_.types.push_back(static_cast<std::uint8_t>(type));
+    kept_.offsets.push_back(static_cast<std::int64_t>(kept_.connectivity.size()));
+    kept_.source.push_back(c);
+  }
+
+  /// GetFaceStream trusts the locations and counts in the file, so they are read here.
+  void read_face_stream(vtkIdType c) {
+    vtkIdTypeArray* stream = grid_->GetFaces();
+    vtkIdTypeArray* locations = grid_->GetFaceLocations();
+    const vtkIdType size = stream ? stream->GetNumberOfValues() : 0;
+    vtkIdType at = locations && c < locations->GetNumberOfValues() ? locations->GetValue(c) : -1;
+    const auto next = [&]() -> vtkIdType {
+      if (at < 0 || at >= size)
+        broken("the faces of polyhedron " + std::to_string(c) + " leave the " + std::to_string(size) + " face entries there are");
+      return stream->GetValue(at++);
+    };
+    faces_.clear();
+    const vtkIdType faces = next();
+    if (faces < 0 || faces > size) broken("polyhedron " + std::to_string(c) + " has " + std::to_string(faces) + " faces");
+    for (vtkIdType f = 0; f < faces; ++f) {
+      const vtkIdType n = next();
+      if (n < 0 || n > size - at)
+        broken("face " + std::to_string(f) + " of polyhedron " + std::to_string(c) + " has " + std::to_string(n) + " points");
+      cycle_.clear();
+      for (vtkIdType v = 0; v < n; ++v) cycle_.push_back(checked(c, next()));
+      faces_.add(cycle_);
+    }
+  }
+
+  /// Two polygons of n points over each other.
+  void read_prism(vtkIdType c, int vtk_type, vtkIdType n) {
+    cells_->GetCellAtId(c, corners_);
+    check_count(c, vtk_type, corners_->GetNumberOfIds(), 2 * n, false);
+    const auto id = [&](vtkIdType v) { return checked(c, corners_->GetId(v)); };
+    faces_.clear();
+    for (const vtkIdType first : {vtkIdType{0}, n}) {
+      cycle_.clear();
+      for (vtkIdType v = 0; v < n; ++v) cycle_.push_back(id(first + v));
+      faces_.add(cycle_);
+    }
+    for (vtkIdType v = 0; v < n; ++v) {
+      const vtkIdType next = (v + 1) % n;
+      faces_.add(std::array<std::int64_t, 4>{id(v), id(next), id(n + next), id(n + v)});
+    }
+  }
+
+  void split(vtkIdType c, int vtk_type) {
+    split_polyhedron(faces_, position_, pieces_);
+    if (pieces_.kind == SplitKind::open) {
+      ++open_[vtk_type];
+      return;
+    }
+    const std::int64_t added = points_ + static_cast<std::int64_t>(kept_.added.size());
+    std::size_t at = 0;
+    for (const CellType type : pieces_.types) {
+      for (int v = 0; v < topology(type).vertex_count; ++v, ++at)
+        kept_.connectivity.push_back(pieces_.connectivity[at] == kAddedPoint ? added : pieces_.connectivity[at]);
+      end_cell(c, type);
+    }
+    if (pieces_.kind == SplitKind::whole) {
+      ++whole_[vtk_type];
+      return;
+    }
+    overlapping_ += pieces_.kind == SplitKind::overlapping;
+    Split& row = split_[vtk_type];
+    ++row.cells;
+    row.pieces += static_cast<std::int64_t>(pieces_.types.size());
+    AddedPoints& to = kept_.added;
+    to.positions.push_back(pieces_.added);
+    to.points.insert(to.points.end(), pieces_.points.begin(), pieces_.points.end());
+    to.weights.insert(to.weights.end(), pieces_.weights.begin(), pieces_.weights.end());
+    to.first.push_back(to.points.size());
+  }
+
+  void note(std::vector<std::string>& notes) const {
+    const auto say = [&](std::int64_t n, const std::string& what) { notes.push_back(std::to_string(n) + " " + what); };
+    for (const auto& [type, n] : skipped_)
+      say(n, vtk_name(type) + " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms and polyhedra are read");
+    for (const auto& [type, n] : open_) say(n, vtk_name(type) + " skipped: their faces do not close up");
+    for (const auto& [type, n] : linearised_) say(n, vtk_name(type) + " read as linear cells by their corners");
+    for (const auto& [type, n] : whole_)
+      say(n, vtk_name(type) + " kept whole: they are tetrahedra, pyramids, wedges or hexahedra");
+    for (const auto& [type, row] : split_)
+      say(row.cells, vtk_name(type) + " split into " + std::to_string(row.pieces) +
+                         " tetrahedra and pyramids, each about a point added inside it, which has the mean of the cell's values");
+    if (overlapping_ > 0)
+      say(overlapping_,
+          "vtkPolyhedron have no point that sees all of their faces: their pieces overlap and volumes are too large");
+  }
+
+  struct Split {
+    std::int64_t cells = 0, pieces = 0;
+  };
+
+  vtkUnstructuredGrid* grid_;
+  vtkCellArray* cells_;
+  vtkIdType points_;
+  const std::string& name_;
+  KeptCells kept_;
+  std::map<int, std::int64_t> skipped_, open_, linearised_, whole_;
+  std::map<int, Split> split_;
+  std::int64_t overlapping_ = 0;
+  vtkNew<vtkIdList> corners_;
+  std::vector<std::int64_t> cycle_;
+  PolyhedronFaces faces_;
+  PolyhedronSplit pieces_;
+  const std::function<Vec3d(std::int64_t)> position_ = [this](std::int64_t id) {
+    double p[3];
+    grid_->GetPoint(id, p);
+    return Vec3d{p[0], p[1], p[2]};
+  };
+};
+
 }  // namespace
 
 KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::vector<std::string>& notes) {
-  KeptCells kept;
-  vtkCellArray* cells = grid->GetCells();
-  vtkUnsignedCharArray* types = grid->GetCellTypesArray();
-  if (!cells || !types) return kept;
-  const vtkIdType count = cells->GetNumberOfCells(), points = grid->GetNumberOfPoints();
-  const auto broken = [&](const std::string& what) { throw Error(ErrorCode::bad_data, name + ": " + what); };
-  if (types->GetNumberOfValues() != count)
-    broken(std::to_string(types->GetNumberOfValues()) + " cell types for " + std::to_string(count) + " cells");
-  // Offsets are checked here, because IsValid and GetCellAtId trust them.
-  const vtkIdType ids = cells->GetNumberOfConnectivityIds();
-  const bool wide = cells->IsStorage64Bit();
-  const auto offset_at = [&](vtkIdType c) -> vtkIdType {
-    return wide ? cells->GetOffsetsArray64()->GetValue(c) : cells->GetOffsetsArray32()->GetValue(c);
-  };
-  vtkIdType previous = 0;
-  for (vtkIdType c = 0; c <= count && count > 0; ++c) {
-    const vtkIdType offset = offset_at(c);
-    if (offset < previous || offset > ids || (c == 0 && offset != 0))
-      broken("offset " + std::to_string(offset) + " of cell " + std::to_string(c) + " is out of order (" + std::to_string(ids) +
-             " connectivity entries)");
-    previous = offset;
-  }
-
-  std::map<int, std::int64_t> skipped, linearised;
-  kept.types.reserve(static_cast<std::size_t>(count));
-  kept.offsets.reserve(static_cast<std::size_t>(count) + 1);
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType c = 0; c < count; ++c) {
-    const int vtk_type = types->GetValue(c);
-    const Kept as = kept_as(vtk_type);
-    if (as.corners == 0) {
-      ++skipped[vtk_type];
-      continue;
-    }
-    cells->GetCellAtId(c, corners);
-    const vtkIdType given = corners->GetNumberOfIds();
-    if (as.linearised ? given < as.corners : given != as.corners)
-      broken("cell " + std::to_string(c) + " has " + std::to_string(given) + " points; " + vtk_name(vtk_type) + " needs " +
-             std::to_string(as.corners));
-    if (as.linearised) ++linearised[vtk_type];
-    static constexpr std::array<vtkIdType, 8> kFromVoxel{0, 1, 3, 2, 4, 5, 7, 6};
-    for (vtkIdType v = 0; v < as.corners; ++v) {
-      const vtkIdType id = corners->GetId(vtk_type == VTK_VOXEL ? kFromVoxel[static_cast<std::size_t>(v)] : v);
-      if (id < 0 || id >= points)
-        broken("cell " + std::to_string(c) + " uses point " + std::to_string(id) + " of " + std::to_string(points));
-      kept.connectivity.push_back(id);
-    }
-    kept.types.push_back(static_cast<std::uint8_t>(as.type));
-    kept.offsets.push_back(static_cast<std::int64_t>(kept.connectivity.size()));
-    kept.source.push_back(c);
-  }
-  for (const auto& [type, n] : skipped)
-    notes.push_back(std::to_string(n) + " " + vtk_name(type) +
-                    " skipped: only tetrahedra, pyramids, wedges and hexahedra are read");
-  for (const auto& [type, n] : linearised)
-    notes.push_back(std::to_string(n) + " " + vtk_name(type) + " read as linear cells by their corners");
-  if (skipped.empty()) kept.source.clear();
-  return kept;
+  return CellKeeper(grid, name).run(notes);
 }
 
 }  // namespace isostrata

@@ -6,18 +6,35 @@
 #include <string>
 #include <vector>
 
+#include "base/vec.h"
+
 class vtkUnstructuredGrid;
 
 namespace isostrata {
+
+/// Points that splitting cells needed, numbered after the file's. The value of any point array at added point i is the sum over
+/// k in [first[i], first[i + 1]) of weights[k] times the value at points[k].
+struct AddedPoints {
+  std::vector<Vec3d> positions;
+  std::vector<std::size_t> first{0};  // [added + 1]
+  std::vector<std::int64_t> points;   // the file's point ids
+  std::vector<double> weights;
+
+  std::size_t size() const { return positions.size(); }
+};
 
 struct KeptCells {
   std::vector<std::uint8_t> types;
   std::vector<std::int64_t> offsets{0};
   std::vector<std::int64_t> connectivity;
-  std::vector<std::int64_t> source;  // [cells] the cell's number in the file; empty where every cell was kept
+  /// [cells] the cell's number in the file, not decreasing: pieces of one cell follow each other; empty where every cell of the
+  /// file is one cell here.
+  std::vector<std::int64_t> source;
+  AddedPoints added;
 };
 
-/// Checks every index before it is used, notes what was skipped or made linear. Throws bad_data.
+/// Checks every index before it is used, notes what was skipped, split or made linear. Polyhedra and prisms are split as
+/// split_polyhedron.h says; quadratic and higher-order cells are kept by their corners. Throws bad_data.
 KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::vector<std::string>& notes);
 
 }  // namespace isostrata

@@ -182,7 +182,7 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
   for (const FileArray& array : block.arrays) {
     const std::string name =
         printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
-    array_writer.add(array.on_cells ? average_cells(block.grid, array) : array, name);
+    array_writer.add(array.on_cells ? average_cells(block, array) : array, name);
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }
   manifest["arrays"] = std::move(arrays);

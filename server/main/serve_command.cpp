@@ -17,6 +17,7 @@
 
 #include "base/parallel.h"
 #include "main/commands.h"
+#include "main/config_file.h"
 #include "net/server.h"
 #include "net/static_files.h"
 #include "session/random_token.h"
@@ -232,6 +233,7 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   command->add_option("--web-root", arguments->web_root, "Directory of the built page")->check(CLI::ExistingDirectory);
+  add_config_option(*command);
   command->callback([arguments] { serve(*arguments); });
 }
 

@@ -8,12 +8,15 @@
 #define ISOSTRATA_GL_FUNCTIONS(X)                                      \
   X(PFNGLATTACHSHADERPROC, AttachShader)                               \
   X(PFNGLBEGINQUERYPROC, BeginQuery)                                   \
+  X(PFNGLBINDBUFFERPROC, BindBuffer)                                   \
+  X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                           \
   X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                         \
   X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                         \
   X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                         \
   X(PFNGLBLENDEQUATIONIPROC, BlendEquationi)                           \
   X(PFNGLBLENDFUNCIPROC, BlendFunci)                                   \
   X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus) \
+  X(PFNGLCLEARNAMEDBUFFERSUBDATAPROC, ClearNamedBufferSubData)         \
   X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)         \
   X(PFNGLCLIENTWAITSYNCPROC, ClientWaitSync)                           \
   X(PFNGLCOMPILESHADERPROC, CompileShader)                             \
@@ -34,15 +37,22 @@
   X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                   \
   X(PFNGLDISABLEPROC, Disable)                                         \
   X(PFNGLDISABLEVERTEXARRAYATTRIBPROC, DisableVertexArrayAttrib)       \
+  X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                         \
+  X(PFNGLDISPATCHCOMPUTEINDIRECTPROC, DispatchComputeIndirect)         \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                   \
   X(PFNGLENABLEPROC, Enable)                                           \
   X(PFNGLENABLEVERTEXARRAYATTRIBPROC, EnableVertexArrayAttrib)         \
   X(PFNGLENDQUERYPROC, EndQuery)                                       \
   X(PFNGLFENCESYNCPROC, FenceSync)                                     \
   X(PFNGLFINISHPROC, Finish)                                           \
+  X(PFNGLFLUSHPROC, Flush)                                             \
   X(PFNGLGETERRORPROC, GetError)                                       \
+  X(PFNGLGETINTEGER64VPROC, GetInteger64v)                             \
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                 \
+  X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)             \
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                     \
+  X(PFNGLGETPROGRAMRESOURCEINDEXPROC, GetProgramResourceIndex)         \
+  X(PFNGLGETPROGRAMRESOURCEIVPROC, GetProgramResourceiv)               \
   X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                               \
   X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                 \
   X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                       \
@@ -51,14 +61,19 @@
   X(PFNGLGETSTRINGIPROC, GetStringi)                                   \
   X(PFNGLLINKPROGRAMPROC, LinkProgram)                                 \
   X(PFNGLMAPNAMEDBUFFERRANGEPROC, MapNamedBufferRange)                 \
+  X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                             \
   X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                   \
+  X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                   \
   X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers) \
   X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)   \
   X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)         \
   X(PFNGLPIXELSTOREIPROC, PixelStorei)                                 \
   X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                       \
+  X(PFNGLPROGRAMUNIFORM1UIPROC, ProgramUniform1ui)                     \
   X(PFNGLPROGRAMUNIFORM2FPROC, ProgramUniform2f)                       \
   X(PFNGLPROGRAMUNIFORM4FPROC, ProgramUniform4f)                       \
+  X(PFNGLPROGRAMUNIFORM4UIPROC, ProgramUniform4ui)                     \
+  X(PFNGLQUERYCOUNTERPROC, QueryCounter)                               \
   X(PFNGLREADPIXELSPROC, ReadPixels)                                   \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                               \
   X(PFNGLTEXTUREBUFFERPROC, TextureBuffer)                             \

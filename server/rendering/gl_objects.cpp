@@ -1,5 +1,6 @@
 #include "rendering/gl_objects.h"
 
+#include <initializer_list>
 #include <vector>
 
 #include "base/error.h"
@@ -8,10 +9,11 @@
 namespace isostrata {
 namespace {
 
-GlObject make_shader(const GlFunctions& gl, GLenum stage, const char* source, const std::string& defines) {
+GlObject make_shader(const GlFunctions& gl, GLenum stage, const char* shared_source, const char* source,
+                     const std::string& defines) {
   GlObject shader(&gl, gl.CreateShader(stage), [](const GlFunctions& f, GLuint name) { f.DeleteShader(name); });
-  const char* parts[] = {"#version 450 core\n", defines.c_str(), shaders::layout_h, source};
-  gl.ShaderSource(shader.name(), 4, parts, nullptr);
+  const char* parts[] = {"#version 450 core\n", defines.c_str(), shaders::layout_h, shared_source, source};
+  gl.ShaderSource(shader.name(), 5, parts, nullptr);
   gl.CompileShader(shader.name());
   GLint ok = 0;
   gl.GetShaderiv(shader.name(), GL_COMPILE_STATUS, &ok);
@@ -21,6 +23,20 @@ GlObject make_shader(const GlFunctions& gl, GLenum stage, const char* source, co
     throw Error(ErrorCode::internal, std::string("a shader does not compile: ") + log.data());
   }
   return shader;
+}
+
+GlObject link_program(const GlFunctions& gl, std::initializer_list<GLuint> shaders) {
+  GlObject program(&gl, gl.CreateProgram(), [](const GlFunctions& f, GLuint n) { f.DeleteProgram(n); });
+  for (const GLuint shader : shaders) gl.AttachShader(program.name(), shader);
+  gl.LinkProgram(program.name());
+  GLint ok = 0;
+  gl.GetProgramiv(program.name(), GL_LINK_STATUS, &ok);
+  if (!ok) {
+    std::vector<char> log(4096, '\0');
+    gl.GetProgramInfoLog(program.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
+    throw Error(ErrorCode::internal, std::string("a program does not link: ") + log.data());
+  }
+  return program;
 }
 
 }  // namespace
@@ -56,20 +72,14 @@ GlObject make_query(const GlFunctions& gl, GLenum target) {
 }
 
 GlObject make_program(const GlFunctions& gl, const char* vertex_source, const char* fragment_source, const std::string& defines) {
-  const GlObject vertex = make_shader(gl, GL_VERTEX_SHADER, vertex_source, defines);
-  const GlObject fragment = make_shader(gl, GL_FRAGMENT_SHADER, fragment_source, defines);
-  GlObject program(&gl, gl.CreateProgram(), [](const GlFunctions& f, GLuint n) { f.DeleteProgram(n); });
-  gl.AttachShader(program.name(), vertex.name());
-  gl.AttachShader(program.name(), fragment.name());
-  gl.LinkProgram(program.name());
-  GLint ok = 0;
-  gl.GetProgramiv(program.name(), GL_LINK_STATUS, &ok);
-  if (!ok) {
-    std::vector<char> log(4096, '\0');
-    gl.GetProgramInfoLog(program.name(), static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw Error(ErrorCode::internal, std::string("a program does not link: ") + log.data());
-  }
-  return program;
+  const GlObject vertex = make_shader(gl, GL_VERTEX_SHADER, "", vertex_source, defines);
+  const GlObject fragment = make_shader(gl, GL_FRAGMENT_SHADER, "", fragment_source, defines);
+  return link_program(gl, {vertex.name(), fragment.name()});
+}
+
+GlObject make_compute_program(const GlFunctions& gl, const char* shared_source, const char* source, const std::string& defines) {
+  const GlObject shader = make_shader(gl, GL_COMPUTE_SHADER, shared_source, source, defines);
+  return link_program(gl, {shader.name()});
 }
 
 GlObject make_texture_2d(const GlFunctions& gl, GLenum format, int width, int height) {

@@ -45,6 +45,10 @@ GlObject make_query(const GlFunctions& gl, GLenum target);
 /// Compiles and links two shaders of this room with `defines` ("#define LINEAR_COLOR\n"). Throws internal with the driver's log.
 GlObject make_program(const GlFunctions& gl, const char* vertex_source, const char* fragment_source, const std::string& defines);
 
+/// Compiles and links a compute shader of this room; `shared_source` comes before `source`. Throws internal with the driver's
+/// log.
+GlObject make_compute_program(const GlFunctions& gl, const char* shared_source, const char* source, const std::string& defines);
+
 /// A texture of one level. Throws too_large where the driver has no memory for it.
 GlObject make_texture_2d(const GlFunctions& gl, GLenum format, int width, int height);
 

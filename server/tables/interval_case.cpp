@@ -54,8 +54,8 @@ void sort_for_placing(std::vector<HullPoint>& points, int dimension, const Placi
 
 }  // namespace
 
-int case_count(int vertex_count) {
-  int count = 1;
+std::int64_t case_count(int vertex_count) {
+  std::int64_t count = 1;
   for (int v = 0; v < vertex_count; ++v) count *= 3;
   return count;
 }
@@ -78,10 +78,10 @@ std::vector<FaceMask> face_masks(const LatticeCell& cell) {
   return masks;
 }
 
-std::vector<IsoSimplex> interval_case(const LatticeCell& cell, int case_index, const PlacingRule& rule) {
+std::vector<IsoSimplex> interval_case(const LatticeCell& cell, std::int64_t case_index, const PlacingRule& rule) {
   std::vector<int> classes(cell.vertex_count());
   for (int& c : classes) {
-    c = case_index % 3;
+    c = static_cast<int>(case_index % 3);
     case_index /= 3;
   }
   const auto [lowest, highest] = std::minmax_element(classes.begin(), classes.end());

@@ -1,6 +1,8 @@
 #include "tables/interval_table.h"
 
 #include <algorithm>
+#include <atomic>
+#include <random>
 
 #include "base/parallel.h"
 #include "tables/interval_complex.h"
@@ -29,6 +31,22 @@ HexahedronTable build() {
   return table;
 }
 
+/// simplices: of each case that was generated.
+TableStatistics summarise(const LatticeCell& cell, const std::vector<std::int64_t>& simplices) {
+  TableStatistics out;
+  out.cell = cell.name;
+  out.dimension = cell.dimension;
+  out.vertices = cell.vertex_count();
+  out.cases = case_count(cell.vertex_count());
+  out.counted = static_cast<std::int64_t>(simplices.size());
+  for (const std::int64_t count : simplices) {
+    out.total_simplices += count;
+    out.max = std::max(out.max, count);
+  }
+  out.average = static_cast<double>(out.total_simplices) / static_cast<double>(out.counted);
+  return out;
+}
+
 }  // namespace
 
 const HexahedronTable& hexahedron_table() {
@@ -37,22 +55,27 @@ const HexahedronTable& hexahedron_table() {
 }
 
 TableStatistics table_statistics(const LatticeCell& cell, const PlacingRule& rule) {
-  TableStatistics out;
-  out.cell = cell.name;
-  out.dimension = cell.dimension;
-  out.vertices = cell.vertex_count();
-  out.cases = case_count(cell.vertex_count());
-  std::vector<std::int64_t> simplices(out.cases);
-  parallel_for(out.cases, 32, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      simplices[i] = static_cast<std::int64_t>(interval_case(cell, static_cast<int>(i), rule).size());
+  std::vector<std::int64_t> simplices(case_count(cell.vertex_count()));
+  parallel_for(static_cast<std::int64_t>(simplices.size()), 32, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) simplices[i] = static_cast<std::int64_t>(interval_case(cell, i, rule).size());
   });
-  for (const std::int64_t count : simplices) {
-    out.total_simplices += count;
-    out.max = std::max(out.max, count);
-  }
-  out.average = static_cast<double>(out.total_simplices) / static_cast<double>(out.cases);
-  return out;
+  return summarise(cell, simplices);
+}
+
+TableStatistics sample_statistics(const LatticeCell& cell, std::int64_t count, std::uint64_t seed, const Task& task) {
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<std::int64_t> any_case(0, case_count(cell.vertex_count()) - 1);
+  std::vector<std::int64_t> cases(count), simplices(count);
+  for (std::int64_t& drawn : cases) drawn = any_case(random);
+  std::atomic<std::int64_t> done{0};
+  parallel_for(count, 1, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      task.check();
+      simplices[i] = static_cast<std::int64_t>(interval_case(cell, cases[i]).size());
+      task.report(static_cast<double>(++done) / static_cast<double>(count), "placing");
+    }
+  });
+  return summarise(cell, simplices);
 }
 
 std::vector<TableStatistics> all_table_statistics() {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/task.h"
 #include "tables/interval_case.h"
 
 namespace isostrata {
@@ -36,13 +37,19 @@ struct TableStatistics {
   int dimension = 0;
   int vertices = 0;
   std::int64_t cases = 0;
+  std::int64_t counted = 0;  // of the cases; what follows is over these
   std::int64_t total_simplices = 0;
   double average = 0;
   std::int64_t max = 0;
 };
 
-/// Generates the cell's whole table by placing, on the pool, and counts. Any thread.
+/// Generates the cell's whole table by placing, on the pool, and counts. Any thread. 3 ms for the 4-simplex, 1 s for the
+/// hexahedron; the 4-cube has 43 million cases and the 5-cube 1.9e15: take a sample of those.
 TableStatistics table_statistics(const LatticeCell& cell, const PlacingRule& rule = kTableRule);
+
+/// The same over `count` cases drawn independently and uniformly, with the cases generated on demand; the same for the same seed.
+/// Throws Error{cancelled}. Any thread.
+TableStatistics sample_statistics(const LatticeCell& cell, std::int64_t count, std::uint64_t seed, const Task& task);
 
 /// Of the tetrahedron, pyramid, wedge, hexahedron, 4-simplex and 5-simplex, in this order.
 std::vector<TableStatistics> all_table_statistics();

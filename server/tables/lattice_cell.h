@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tables/cell_type.h"
@@ -27,5 +28,16 @@ LatticeCell lattice_cell(CellType type);
 
 /// The n-simplex 0, e1, ..., en. 1 <= n <= 5.
 LatticeCell lattice_simplex(int n);
+
+/// The n-cube [0,1]^n; coordinate i of vertex v is bit i of v. 1 <= n <= 5.
+LatticeCell lattice_cube(int n);
+
+/// base x [0,1]: the base's vertices with last coordinate 0, then with 1. The prism over an n-cube is the (n+1)-cube, over a
+/// triangle the wedge. The base has at most 4 dimensions and 16 vertices.
+LatticeCell lattice_prism(const LatticeCell& base);
+
+/// By name: "tetrahedron", "pyramid", "wedge", "hexahedron"; "simplex3" to "simplex5"; "cube3" to "cube5"; "prism3" to "prism5",
+/// the prisms over the triangle, the tetrahedron and the 4-simplex. Throws Error{not_found} naming those that are there.
+LatticeCell lattice_cell_named(std::string_view name);
 
 }  // namespace isostrata

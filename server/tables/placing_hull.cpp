@@ -10,11 +10,25 @@ namespace isostrata {
 namespace {
 
 using Row = std::array<std::int64_t, kMaxLatticeDimension>;
-using Mask = std::uint64_t;  // a set of points, bit i for point i
+
+/// The corners of a simplex, increasing, one byte each from the lowest, as number + 1; at most seven of them. Points are placed
+/// in the order of their numbers, so a new corner always goes last, and equal simplices are equal numbers.
+using Corners = std::uint64_t;
+static_assert(kMaxHullPoints < 256 && kMaxLatticeDimension < 8);
+
+constexpr Corners kFirstCorner = 1;  // of point 0
+
+int corner_count(Corners corners) { return (std::bit_width(corners) + 7) / 8; }
+int corner(Corners corners, int i) { return static_cast<int>(corners >> 8 * i & 255) - 1; }
+Corners with_corner(Corners corners, int p) { return corners | static_cast<Corners>(p + 1) << 8 * corner_count(corners); }
+Corners without_corner(Corners corners, int i) {
+  const Corners below = (Corners{1} << 8 * i) - 1;
+  return (corners & below) | (corners >> 8 & ~below);
+}
 
 /// A facet of the current hull inside the affine space spanned so far.
 struct Facet {
-  Mask points = 0;
+  Corners points = 0;
   int inner = 0;          // a point of the hull that is not in this facet's hyperplane
   bool reversed = false;  // the outward normal is the negative of the cross product of the sorted points
   Row normal{};
@@ -72,7 +86,7 @@ class PlacingHull {
 
   void run() {
     basis_.push_back(0);
-    simplices_.push_back(1);
+    simplices_.push_back(kFirstCorner);
     facets_.push_back({});  // the boundary of a point is the empty simplex
     for (int p = 1; p < static_cast<int>(points_.size()); ++p) {
       const int coordinate = k_ < dimension_ ? leaving_coordinate(p) : -1;
@@ -89,9 +103,7 @@ class PlacingHull {
     out.reserve(facets_.size());
     for (const Facet& facet : facets_) {
       HullFacet& to = out.emplace_back();
-      int count = 0;
-      for (Mask rest = facet.points; rest; rest &= rest - 1)
-        to.vertex[count++] = static_cast<std::uint8_t>(std::countr_zero(rest));
+      for (int i = 0; i < dimension_; ++i) to.vertex[i] = static_cast<std::uint8_t>(corner(facet.points, i));
       if (facet.reversed) std::swap(to.vertex[0], to.vertex[1]);
       // Coordinates were taken in the order in which the points came to span them: put them back, with the sign of that
       // permutation.
@@ -134,8 +146,7 @@ class PlacingHull {
   /// Fills normal, offset and reversed from points and inner, in the coordinates in use.
   void orient(Facet& facet) const {
     std::array<int, kMaxLatticeDimension> v{};
-    int count = 0;
-    for (Mask rest = facet.points; rest; rest &= rest - 1) v[count++] = std::countr_zero(rest);
+    for (int i = 0; i < k_; ++i) v[i] = corner(facet.points, i);
     std::array<Row, kMaxLatticeDimension> edges;
     for (int r = 1; r < k_; ++r) edges[r - 1] = difference(v[r], v[0]);
     for (int skip = 0; skip < k_; ++skip) {
@@ -163,31 +174,26 @@ class PlacingHull {
   void raise_dimension(int p, int coordinate) {
     coordinates_[k_++] = coordinate;
     basis_.push_back(p);
-    const Mask bit = Mask{1} << p;
-    for (Facet& facet : facets_) facet.points |= bit;
+    for (Facet& facet : facets_) facet.points = with_corner(facet.points, p);
     if (k_ == 1) facets_.front().inner = basis_[0];  // the empty simplex had no point of its own to be off
-    for (const Mask simplex : simplices_) {
+    for (const Corners simplex : simplices_) {
       Facet base;
       base.points = simplex;
       base.inner = p;
       facets_.push_back(base);
     }
-    for (Mask& simplex : simplices_) simplex |= bit;
+    for (Corners& simplex : simplices_) simplex = with_corner(simplex, p);
     for (Facet& facet : facets_) orient(facet);
   }
 
   void place(int p) {
-    const Mask bit = Mask{1} << p;
     ridges_.clear();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < facets_.size(); ++i) {
       const Facet& facet = facets_[i];
       if (height(facet, p) > facet.offset) {
-        if (k_ < dimension_) simplices_.push_back(facet.points | bit);
-        for (Mask rest = facet.points; rest; rest &= rest - 1) {
-          const Mask off = rest & (~rest + 1);
-          ridges_.push_back({facet.points ^ off, std::countr_zero(off)});
-        }
+        if (k_ < dimension_) simplices_.push_back(with_corner(facet.points, p));
+        for (int i = 0; i < k_; ++i) ridges_.push_back({without_corner(facet.points, i), corner(facet.points, i)});
       } else {
         if (kept != i) facets_[kept] = facet;
         ++kept;
@@ -203,7 +209,7 @@ class PlacingHull {
         continue;
       }
       Facet facet;
-      facet.points = ridges_[i].points | bit;
+      facet.points = with_corner(ridges_[i].points, p);
       facet.inner = ridges_[i].opposite;
       orient(facet);
       facets_.push_back(facet);
@@ -211,7 +217,7 @@ class PlacingHull {
   }
 
   struct Ridge {
-    Mask points;
+    Corners points;
     int opposite;  // the visible facet's vertex off the ridge: inside of the new facet
   };
 
@@ -220,7 +226,7 @@ class PlacingHull {
   int k_ = 0;                                            // dimension of the affine hull so far
   std::array<int, kMaxLatticeDimension> coordinates_{};  // [k_]
   std::vector<int> basis_;                               // [k_ + 1] affinely independent points
-  std::vector<Mask> simplices_;                          // of the flat phase
+  std::vector<Corners> simplices_;                       // of the flat phase
   std::vector<Facet> facets_;
   std::vector<Ridge> ridges_;
 };
@@ -230,7 +236,7 @@ class PlacingHull {
 std::vector<HullFacet> placing_hull(std::span<const LatticePoint> points, int dimension) {
   if (points.empty() || points.size() > kMaxHullPoints || dimension < 2 || dimension > kMaxLatticeDimension)
     throw std::logic_error("placing_hull: " + std::to_string(points.size()) + " points in " + std::to_string(dimension) +
-                           " dimensions; expected 1 to 64 points in 2 to 6 dimensions");
+                           " dimensions; expected 1 to " + std::to_string(kMaxHullPoints) + " points in 2 to 6 dimensions");
   PlacingHull hull(points, dimension);
   hull.run();
   return hull.boundary();

@@ -14,7 +14,7 @@
 namespace isostrata {
 
 inline constexpr int kMaxLatticeDimension = 6;
-inline constexpr int kMaxHullPoints = 64;
+inline constexpr int kMaxHullPoints = 255;  // the lifted 5-cube has up to 192
 
 /// Coordinates past the dimension in use are 0. Magnitudes up to 8 leave every determinant far inside 64 bits.
 using LatticePoint = std::array<int, kMaxLatticeDimension>;
@@ -29,8 +29,8 @@ struct HullFacet {
 };
 
 /// The boundary of the hull of `points` in R^dimension, placed in the order given.
-/// Preconditions: 2 <= dimension <= 6; at most 64 points, each a vertex of the hull of all; together they span R^dimension.
-/// O(points * facets). Any thread.
+/// Preconditions: 2 <= dimension <= 6; at most kMaxHullPoints points, each a vertex of the hull of all; together they span
+/// R^dimension. O(points * facets). Any thread.
 std::vector<HullFacet> placing_hull(std::span<const LatticePoint> points, int dimension);
 
 }  // namespace isostrata

@@ -14,45 +14,13 @@
 #include <vector>
 
 #include "data/dataset.h"
+#include "support/shared_data.h"
+#include "support/temporary_folder.h"
 
 namespace isostrata::test {
 
-/// Where others' data lies; may be absent.
-inline std::filesystem::path shared_data() {
-  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
-  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
-#define ISOSTRATA_NEEDS_SHARED_DATA()                                   \
-  if (!std::filesystem::exists(::isostrata::test::shared_data() / "README.md")) \
-  GTEST_SKIP() << "no test data at " << ::isostrata::test::shared_data() << "; set ISOSTRATA_TEST_DATA"
-
-/// A directory that is gone after the test.
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "isostrata-test-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("mkdtemp failed");
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using testing::shared_data;
+using Scratch = testing::TemporaryFolder;
 
 inline std::string read_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "support/temporary_folder.h"
 
 namespace isostrata {
 namespace {
@@ -17,17 +18,12 @@ namespace fs = std::filesystem;
 class CatalogueFiles : public ::testing::Test {
  protected:
   CatalogueFiles() {
-    std::string name = (fs::temp_directory_path() / "isostrata-catalogue-XXXXXX").string();
-    root_ = mkdtemp(name.data());
     for (const char* file : {"data/a.vtk", "data/deep/a.vtk", "data/finxyz.bin", "data/finq.bin", "data/notes.txt",
-                             "data/.hidden.vtk", "outside.vtk"}) {
-      fs::create_directories((root_ / file).parent_path());
-      std::ofstream(root_ / file) << "x";
-    }
+                             "data/.hidden.vtk", "outside.vtk"})
+      root_.write(file, "x");
     fs::create_symlink(root_ / "outside.vtk", root_ / "data" / "link.vtk");
   }
-  ~CatalogueFiles() override { fs::remove_all(root_); }
-  fs::path root_;
+  testing::TemporaryFolder root_;
 };
 
 TEST_F(CatalogueFiles, ADirectoryOffersWhatCanBeReadInsideItself) {

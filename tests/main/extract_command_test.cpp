@@ -7,17 +7,13 @@
 #include <sstream>
 
 #include "support/run_isostrata.h"
+#include "support/shared_data.h"
 
 namespace {
 
 using namespace isostrata::testing;
 using ::testing::HasSubstr;
 namespace json = boost::json;
-
-std::filesystem::path test_data() {
-  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
-  return given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / "../shared/data";
-}
 
 json::value extract_json(const std::string& arguments) {
   const CommandResult result = run_isostrata("extract " + arguments + " --json");
@@ -121,7 +117,7 @@ TEST(ExtractCommand, BenchReportsTheFloorBesideTheTimes) {
 
 /// A partition of the array's range, by the printed range of `info`.
 TEST(ExtractCommand, BluntfinHasThePapersKindOfLayer) {
-  const auto grid = test_data() / "plot3d_bluntfin" / "bluntfinxyz.bin";
+  const auto grid = shared_data() / "plot3d_bluntfin" / "bluntfinxyz.bin";
   if (!std::filesystem::exists(grid)) GTEST_SKIP() << "no test data: " << grid << " is absent";
   const json::value layer = extract_json("'" + grid.string() + "' --array Density --interval 1.0:1.309");
   ASSERT_TRUE(layer.is_object());
@@ -154,7 +150,7 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
   };
   int found = 0;
   for (const Example& example : examples) {
-    const auto file = test_data() / example.file;
+    const auto file = shared_data() / example.file;
     if (!std::filesystem::exists(file)) continue;
     ++found;
     const std::string name = "'" + file.string() + "'";
@@ -166,7 +162,7 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
     EXPECT_GT(number(split.at("intervals").as_array()[1].at("tetrahedra")), 0) << example.file;
     EXPECT_NEAR(signed_volume(split), signed_volume(whole), example.tolerance * signed_volume(whole)) << example.file;
   }
-  if (found == 0) GTEST_SKIP() << "no test data in " << test_data();
+  if (found == 0) GTEST_SKIP() << "no test data in " << shared_data();
 }
 
 }  // namespace

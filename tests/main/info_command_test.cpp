@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <string>
 
+#include "support/shared_data.h"
+
 namespace {
 
 namespace json = boost::json;
@@ -31,10 +33,7 @@ Ran info(const std::string& arguments, bool both = false) {
   return ran;
 }
 
-std::filesystem::path shared_data() {
-  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
-  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
-}
+using isostrata::testing::shared_data;
 
 TEST(InfoCommand, DescribesAnalyticDataAsJson) {
   const Ran ran = info("torus:16 --json");

@@ -18,6 +18,8 @@
 #include <thread>
 #include <vector>
 
+#include "support/temporary_folder.h"
+
 extern char** environ;
 
 namespace {
@@ -35,16 +37,11 @@ std::string contents(const fs::path& path) {
 
 class ServeCommand : public ::testing::Test {
  protected:
-  ServeCommand() {
-    std::string name = (fs::temp_directory_path() / "isostrata-serve-XXXXXX").string();
-    directory_ = mkdtemp(name.data());
-  }
   ~ServeCommand() override {
     if (server_ > 0) {
       kill(server_, SIGKILL);
       waitpid(server_, nullptr, 0);
     }
-    fs::remove_all(directory_);
   }
 
   pid_t start(const std::string& program, std::vector<std::string> arguments) {
@@ -102,7 +99,7 @@ class ServeCommand : public ::testing::Test {
   fs::path out() const { return directory_ / "out.txt"; }
   fs::path errors() const { return directory_ / "errors.txt"; }
 
-  fs::path directory_;
+  isostrata::testing::TemporaryFolder directory_;
   pid_t server_ = -1;
   json::value ready_;
   std::string url_;
@@ -126,6 +123,25 @@ TEST_F(ServeCommand, AnnouncesItselfOnceItAnswersAndEndsWhenAsked) {
   const fs::path log = errors();
   EXPECT_EQ(stop(SIGTERM), 0) << contents(log);
   EXPECT_FALSE(fs::exists(ready()));
+}
+
+TEST_F(ServeCommand, ReadsOptionsFromAFileAndTheCommandLineComesFirst) {
+  const auto options = directory_.write("options.toml", "# a comment\nno-auth = true\nmax-sessions = 3\nlog-format = \"json\"\n");
+  SERVE_OR_SKIP({"torus:12", "--config", options.string(), "--log-format", "text"});
+  EXPECT_EQ(url_.find("token="), std::string::npos) << url_;
+  EXPECT_EQ(contents(errors()).find('{'), std::string::npos) << contents(errors());
+}
+
+TEST_F(ServeCommand, AFileWithAWrongOptionIsAUsageErrorThatNamesIt) {
+  for (const auto& [text, part] : {std::pair{"prot = 8080\n", "no option 'prot'"}, std::pair{"port = 99999\n", "port: "},
+                                   std::pair{"[serve]\nport = 0\n", "no option 'serve.port'"}}) {
+    const auto options = directory_.write("wrong.toml", text);
+    EXPECT_EQ(run("isostrata", {"serve", "torus:12", "--config", options.string()}), 2) << text;
+    const std::string printed = contents(errors());
+    EXPECT_NE(printed.find("wrong.toml"), std::string::npos) << printed;
+    EXPECT_NE(printed.find(part), std::string::npos) << printed;
+  }
+  EXPECT_EQ(run("isostrata", {"serve", "--config", (directory_ / "absent.toml").string()}), 2);
 }
 
 TEST_F(ServeCommand, TheClientTakesAPictureAndMeasures) {

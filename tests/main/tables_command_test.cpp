@@ -33,6 +33,29 @@ TEST(TablesCommand, PrintsThePapersWholeNumbers) {
   EXPECT_TRUE(rows.contains("wedge"));
 }
 
+TEST(TablesCommand, ShowsCellsOfMoreDimensionsBySample) {
+  const CommandResult result = run_isostrata("tables --cell cube4 --cell prism4 --cell simplex5 --cases 700 --seed 3 --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const boost::json::value document = boost::json::parse(result.out);
+  const auto& rows = document.at("tables").as_array();
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].at("cases"), 43046721);
+  EXPECT_EQ(rows[0].at("counted"), 700);
+  EXPECT_EQ(rows[0].at("dimension"), 4);
+  EXPECT_GT(rows[0].at("average").as_double(), 40);
+  EXPECT_EQ(rows[1].at("vertices"), 8);
+  EXPECT_EQ(rows[1].at("counted"), 700);
+  EXPECT_EQ(rows[2].at("counted"), 700);
+}
+
+TEST(TablesCommand, RefusesCellsThatItDoesNotKnow) {
+  const CommandResult unknown = run_isostrata("tables --cell cube7");
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_NE(unknown.err.find("no cell 'cube7'; there are tetrahedron"), std::string::npos) << unknown.err;
+  EXPECT_EQ(run_isostrata("tables --cases 10").status, 2);
+  EXPECT_EQ(run_isostrata("tables --cell cube4 --cases 0").status, 2);
+}
+
 TEST(TablesCommand, PrintsATableForPeople) {
   const CommandResult result = run_isostrata("tables");
   ASSERT_EQ(result.status, 0) << result.err;

@@ -10,7 +10,7 @@ const std::string kEnd = "Connection: close\r\n\r\n";
 
 class Http : public ::testing::Test {
  protected:
-  static ServerOptions with_page(const ScratchDirectory& page) {
+  static ServerOptions with_page(const testing::TemporaryFolder& page) {
     page.write("web/index.html", "<html>the page</html>");
     page.write("web/assets/app-1a2b.js", "export {}");
     page.write("secret.txt", "a secret");
@@ -19,7 +19,7 @@ class Http : public ::testing::Test {
     options.web_root = page.path() / "web";
     return options;
   }
-  ScratchDirectory page_;
+  testing::TemporaryFolder page_;
   RunningServer server_{with_page(page_)};
 };
 
@@ -145,7 +145,7 @@ TEST_F(Http, OneConnectionCarriesManyRequests) {
 }
 
 TEST(HttpBase, APrefixIsServedUnderItselfOnly) {
-  ScratchDirectory page;
+  testing::TemporaryFolder page;
   page.write("index.html", "<html>the page</html>");
   ServerOptions options;
   options.web_root = page.path();
@@ -159,7 +159,7 @@ TEST(HttpBase, APrefixIsServedUnderItselfOnly) {
 }
 
 TEST(HttpPage, AMissingPageIsSaidPlainly) {
-  ScratchDirectory empty;
+  testing::TemporaryFolder empty;
   ServerOptions options;
   options.web_root = empty.path();
   RunningServer server(std::move(options));

@@ -178,7 +178,7 @@ TEST(RestOpening, ASessionMayBeDeletedWhileItsDatasetIsBeingOpened) {
 }
 
 TEST(RestOpening, AFileThatIsGoneIsNamedWithoutItsPlaceOnTheServer) {
-  ScratchDirectory scratch;
+  testing::TemporaryFolder scratch;
   scratch.write("deep/gone.vtk", "x");
   ServerOptions options;
   options.engine.catalogue = Catalogue::from_sources({scratch.path().string()});

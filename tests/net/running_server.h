@@ -11,6 +11,7 @@
 #include "net/raw_socket.h"
 #include "net/server.h"
 #include "support/plain_renderer.h"
+#include "support/temporary_folder.h"
 
 namespace isostrata {
 
@@ -65,28 +66,6 @@ class RunningServer {
  private:
   std::unique_ptr<Server> server_;
   std::thread thread_;
-};
-
-/// A directory of its own, gone with the object.
-class ScratchDirectory {
- public:
-  ScratchDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "isostrata-net-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no scratch directory");
-    path_ = name;
-  }
-  ~ScratchDirectory() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-  void write(const std::string& name, const std::string& text) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name) << text;
-  }
-
- private:
-  std::filesystem::path path_;
 };
 
 inline int status_of(const std::string& response) { return response.size() > 12 ? std::atoi(response.c_str() + 9) : 0; }

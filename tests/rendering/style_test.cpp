@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "support/shared_data.h"
 
 namespace isostrata {
 namespace {
@@ -83,8 +84,7 @@ TEST(Style, CoolwarmMeetsThePublishedColours) {
 
 // A tolerance of 2.1/255: the tables keep every fifth entry of 256, and plasma bends that much between two of them.
 TEST(Style, MapsMeetThePublishedTables) {
-  const char* data = std::getenv("ISOSTRATA_TEST_DATA");
-  const auto folder = std::filesystem::path(data ? data : ISOSTRATA_SOURCE_DIR "/../shared/data") / "colormaps";
+  const auto folder = testing::shared_data() / "colormaps";
   const std::pair<const char*, const char*> tables[] = {
       {"viridis", "matplotlib/viridis.csv"}, {"plasma", "matplotlib/plasma.csv"}, {"inferno", "matplotlib/inferno.csv"},
       {"magma", "matplotlib/magma.csv"},     {"batlow", "crameri/batlow.txt"},    {"vik", "crameri/vik.txt"}};

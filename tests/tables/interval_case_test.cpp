@@ -87,10 +87,18 @@ TEST(TableStatistics, AreTheWholeNumbersOfThePapersTable1) {
   expect(3, "hexahedron", 3, 6561, 78336, 18);  // the paper's order: 79344 and 22
   expect(4, "4-simplex", 4, 243, 2031, 14);
   expect(5, "5-simplex", 5, 729, 12593, 30);
-  EXPECT_EQ(rows[1].cell, "pyramid");
-  EXPECT_EQ(rows[1].cases, 243);
-  EXPECT_EQ(rows[2].cell, "wedge");
-  EXPECT_EQ(rows[2].cases, 729);
+  expect(1, "pyramid", 3, 243, 1622, 12);
+  expect(2, "wedge", 3, 729, 5571, 12);
+}
+
+TEST(TableStatistics, OfPyramidAndWedgeInTheOrderXYZTAreTheKnownOnes) {
+  const PlacingRule rule{HullSide::positive, false, true};
+  const auto pyramid = table_statistics(lattice_cell(CellType::pyramid), rule);
+  const auto wedge = table_statistics(lattice_cell(CellType::wedge), rule);
+  EXPECT_EQ(pyramid.total_simplices, 1648);
+  EXPECT_EQ(pyramid.max, 12);
+  EXPECT_EQ(wedge.total_simplices, 5679);
+  EXPECT_EQ(wedge.max, 12);
 }
 
 TEST(TableStatistics, OfASimplexDoNotDependOnTheOrderOfPlacing) {
@@ -103,8 +111,12 @@ TEST(TableStatistics, OfASimplexDoNotDependOnTheOrderOfPlacing) {
 
 TEST(TableStatistics, OfTheHexahedronDependOnTheOrderOfPlacing) {
   const LatticeCell cell = lattice_cell(CellType::hexahedron);
-  EXPECT_EQ(table_statistics(cell, {HullSide::positive, false, true}).total_simplices, 78999);
-  EXPECT_EQ(table_statistics(cell, {HullSide::positive, true, false}).total_simplices, 78876);
+  const auto x_first = table_statistics(cell, {HullSide::positive, false, true});
+  EXPECT_EQ(x_first.total_simplices, 78999);
+  EXPECT_EQ(x_first.max, 22);
+  const auto t_first = table_statistics(cell, {HullSide::positive, true, false});
+  EXPECT_EQ(t_first.total_simplices, 78876);
+  EXPECT_EQ(t_first.max, 20);
 }
 
 }  // namespace

@@ -1,0 +1,21 @@
+// Real datasets that others made; not part of the project and may be absent.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace isostrata::testing {
+
+/// $ISOSTRATA_TEST_DATA, or ../shared/data beside the project.
+inline std::filesystem::path shared_data() {
+  const char* given = std::getenv("ISOSTRATA_TEST_DATA");
+  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+#define ISOSTRATA_NEEDS_SHARED_DATA()                                              \
+  if (!std::filesystem::exists(::isostrata::testing::shared_data() / "README.md")) \
+  GTEST_SKIP() << "no test data at " << ::isostrata::testing::shared_data() << "; set ISOSTRATA_TEST_DATA"
+
+}  // namespace isostrata::testing
