@@ -11,14 +11,16 @@
 
 namespace isostrata {
 
+class ClusterIndex;
 class MinMaxBricks;
 
 struct ExtractOptions {
-  bool facets = false;                    // fill IntervalMesh::facets
-  bool values = true;                     // fill IntervalMesh::values
-  bool measure = true;                    // sum the volumes of the summaries and count what is inverted
-  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
-  const MinMaxBricks* bricks = nullptr;   // of this grid and array, where they are at hand: structured grids only
+  bool facets = false;                     // fill IntervalMesh::facets
+  bool values = true;                      // fill IntervalMesh::values
+  bool measure = true;                     // sum the volumes of the summaries and count what is inverted
+  std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, where the mesh would need more
+  const MinMaxBricks* bricks = nullptr;    // of this grid and array, where they are at hand: structured grids only
+  const ClusterIndex* clusters = nullptr;  // likewise: unstructured grids only
 };
 
 /// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra).

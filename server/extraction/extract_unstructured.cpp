@@ -16,6 +16,7 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
+#include "extraction/cluster_index.h"
 #include "extraction/iso_rules.h"
 #include "extraction/list_pool.h"
 #include "extraction/memory_budget.h"
@@ -217,7 +218,11 @@ class UnstructuredExtraction {
     std::atomic<std::uint64_t> listed{0};
     std::visit(
         [&](auto values) {
-          compare_points(values);
+          by_clusters_ = clusters_pay();
+          if (by_clusters_)
+            mark_cells();
+          else
+            compare_points(values);
           for_each_block<std::vector<CaseRecord>>("searching", 0.0, 0.3, [&](std::int64_t b, std::vector<CaseRecord>& found) {
             find_in_block(b, values, found, listed);
             balance.fetch_add(count_block(b), std::memory_order_relaxed);
@@ -225,6 +230,7 @@ class UnstructuredExtraction {
         },
         array_.values);
     sides_ = {};
+    marked_ = {};
     usual_sign_ = balance.load() < 0 ? -1 : 1;
     accumulate(uses_before_);
     accumulate(runs_before_);
@@ -239,21 +245,27 @@ class UnstructuredExtraction {
                      std::atomic<std::uint64_t>& listed) {
     const std::int64_t begin = b * kCellsPerBlock, end = std::min(mesh_.cells, begin + kCellsPerBlock);
     records.clear();
-    const auto& types = cells_.shape().types;
+    std::array<std::uint16_t, kCellsPerBlock> candidates;  // from the beginning of a run
     for (std::int64_t cell = begin; cell < end;) {
       const std::int64_t run_end = end_of_run(cell, end);
-      switch (static_cast<CellType>(types[cell])) {
+      const auto find = [&]<CellType kType, int kVertices>(std::integral_constant<CellType, kType>,
+                                                           std::integral_constant<int, kVertices>) {
+        const std::size_t count =
+            by_clusters_ ? select_marked(cell, run_end, candidates) : select<kVertices>(cell, run_end, candidates);
+        add_candidates<kType, kVertices>(cell, std::span(candidates).first(count), values, records, listed);
+      };
+      switch (static_cast<CellType>(cells_.shape().types[cell])) {
         case CellType::tetrahedron:
-          find_in_run<CellType::tetrahedron, 4>(cell, run_end, values, records, listed);
+          find(std::integral_constant<CellType, CellType::tetrahedron>(), std::integral_constant<int, 4>());
           break;
         case CellType::pyramid:
-          find_in_run<CellType::pyramid, 5>(cell, run_end, values, records, listed);
+          find(std::integral_constant<CellType, CellType::pyramid>(), std::integral_constant<int, 5>());
           break;
         case CellType::wedge:
-          find_in_run<CellType::wedge, 6>(cell, run_end, values, records, listed);
+          find(std::integral_constant<CellType, CellType::wedge>(), std::integral_constant<int, 6>());
           break;
         case CellType::hexahedron:
-          find_in_run<CellType::hexahedron, 8>(cell, run_end, values, records, listed);
+          find(std::integral_constant<CellType, CellType::hexahedron>(), std::integral_constant<int, 8>());
           break;
       }
       cell = run_end;
@@ -262,30 +274,79 @@ class UnstructuredExtraction {
     blocks_[b].records = records_.keep(records);
   }
 
-  /// In cells of one type.
-  template <CellType kType, int kVertices, class T>
-  void find_in_run(std::int64_t begin, std::int64_t end, std::span<const T> values, std::vector<CaseRecord>& records,
-                   const std::atomic<std::uint64_t>& listed) {
-    std::array<std::uint16_t, kCellsPerBlock> candidates;  // from begin
+  /// Writes those cells of a run that compare_points() does not rule out, and returns how many.
+  template <int kVertices>
+  std::size_t select(std::int64_t begin, std::int64_t end, std::array<std::uint16_t, kCellsPerBlock>& candidates) const {
     std::size_t count = 0;
-    const std::int64_t* const first = cells_.ids(begin);
-    const std::int64_t* ids = first;
+    const std::int64_t* ids = cells_.ids(begin);
     for (std::int64_t cell = begin; cell < end; ++cell, ids += kVertices) {
       candidates[count] = static_cast<std::uint16_t>(cell - begin);
       count += may_be_active<kVertices>(ids);
     }
-    if (records.capacity() < records.size() + count) records.reserve(std::max(records.size() + count, 2 * records.size()));
+    return count;
+  }
+
+  /// Likewise, those that mark_cells() marked.
+  std::size_t select_marked(std::int64_t begin, std::int64_t end, std::array<std::uint16_t, kCellsPerBlock>& candidates) const {
+    std::size_t count = 0;
+    for (std::int64_t word = begin / 64; 64 * word < end; ++word)
+      for (std::uint64_t rest = marked_[word]; rest; rest &= rest - 1) {
+        const std::int64_t cell = 64 * word + std::countr_zero(rest);
+        candidates[count] = static_cast<std::uint16_t>(cell - begin);
+        count += cell >= begin && cell < end;
+      }
+    return count;
+  }
+
+  template <CellType kType, int kVertices, class T>
+  void add_candidates(std::int64_t begin, std::span<const std::uint16_t> candidates, std::span<const T> values,
+                      std::vector<CaseRecord>& records, const std::atomic<std::uint64_t>& listed) {
+    const std::int64_t* const first = cells_.ids(begin);
     constexpr std::size_t kAhead = 8;  // candidates whose points are brought near
-    for (std::size_t i = 0; i < count; ++i) {
-      if (i + kAhead < count) {
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (i + kAhead < candidates.size()) {
         const std::int64_t* const later = first + candidates[i + kAhead] * kVertices;
         for (int v = 0; v < kVertices; ++v) cells_.prefetch(later[v]);
       }
       add_cases<kType, kVertices>(begin + candidates[i], first + candidates[i] * kVertices, values, records);
-      if (i % 64 == 63 || i + 1 == count)
+      if (i % 64 == 63 || i + 1 == candidates.size()) {
+        task_.check();  // with many intervals a block is much
         check_budget("the list of active cells", (listed.load(std::memory_order_relaxed) + records.size()) * sizeof(CaseRecord),
                      options_.max_bytes);
+      }
     }
+  }
+
+  bool reached(const ClusterIndex& index, std::int64_t cluster) const {
+    return index.highest(cluster) >= rules_.lowest() && index.lowest(cluster) < rules_.highest();
+  }
+
+  /// Cells of clusters are met out of order, at ten times the cost of the straight way through all cells; so the index is used
+  /// where it leaves fewer than a twelfth of the clusters. (tets:64, an interval in 7 % of the cells: 27 % of the clusters, 11 ms
+  /// of CPU time with the index and 7 ms without.)
+  bool clusters_pay() const {
+    if (!options_.clusters) return false;
+    const std::int64_t count = options_.clusters->clusters().count();
+    std::int64_t left = 0;
+    for (std::int64_t c = 0; c < count && kPaysBelow * left <= count; ++c) left += reached(*options_.clusters, c);
+    return kPaysBelow * left <= count;
+  }
+  static constexpr std::int64_t kPaysBelow = 12;
+
+  /// Marks the cells of the clusters that the intervals reach. The cells are then looked at in the order of the grid, so that an
+  /// index changes nothing but time.
+  void mark_cells() {
+    const ClusterIndex& index = *options_.clusters;
+    check_budget("the marks of the cells", static_cast<std::uint64_t>(mesh_.cells) / 8, options_.max_bytes);
+    marked_.assign(static_cast<std::size_t>(mesh_.cells / 64 + 1), 0);
+    parallel_for(index.clusters().count(), 64, [&](std::int64_t begin, std::int64_t end) {
+      task_.check();
+      for (std::int64_t c = begin; c < end; ++c) {
+        if (!reached(index, c)) continue;
+        for (const std::uint32_t cell : index.clusters().cells(c))
+          std::atomic_ref(marked_[cell / 64]).fetch_or(std::uint64_t{1} << cell % 64, std::memory_order_relaxed);
+      }
+    });
   }
 
   /// The first cell after `cell` of another type, at most `end`.
@@ -655,7 +716,9 @@ class UnstructuredExtraction {
   std::uint64_t record_bytes_ = 0;
   int usual_sign_ = 1;  // a cell without volume is taken to be turned as most others are
   static constexpr unsigned kReaches = 1, kBegins = 2;
-  Buffer<std::uint8_t> sides_;  // [grid points] while cells are searched
+  bool by_clusters_ = false;
+  Buffer<std::uint8_t> sides_;         // [grid points] while cells are searched without an index
+  std::vector<std::uint64_t> marked_;  // bit c % 64 of word c / 64 for cell c, while they are searched with one
   std::optional<PointTable> table_;
   Buffer<std::uint32_t> slots_;  // [uses] in table_, then numbers of points
   Buffer<std::uint64_t> keys_;   // [np] of the points
@@ -667,6 +730,9 @@ class UnstructuredExtraction {
 std::optional<IntervalMesh> extract_unstructured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                  const ExtractOptions& options, const Task& task) {
   if (grid.structured()) return std::nullopt;
+  if (options.clusters && options.clusters->clusters().cell_count() != grid.cell_count())
+    throw Error(ErrorCode::invalid_argument, "the index is of " + std::to_string(options.clusters->clusters().cell_count()) +
+                                                 " cells; the grid has " + std::to_string(grid.cell_count()));
   const IsoRules rules(intervals);
   if (grid.cell_count() > std::numeric_limits<std::uint32_t>::max() ||
       grid.point_count() > std::numeric_limits<std::uint32_t>::max() ||
