@@ -167,10 +167,10 @@ class UnstructuredExtraction {
         format_(grid.point_count(), rules.isovalues().size()),
         blocks_((grid.cell_count() + kCellsPerBlock - 1) / kCellsPerBlock) {}
 
-  IntervalMesh run(std::span<const Interval> intervals) {
-    for (const Interval& interval : intervals) {
+  IntervalMesh run() {
+    for (const IsoRule& rule : rules_.rules()) {
       mesh_.summaries.emplace_back();
-      mesh_.summaries.back().interval = interval;
+      mesh_.summaries.back().interval = {rule.lower, rule.upper};
     }
     mesh_.cells = grid_.cell_count();
     find_cases();
@@ -733,12 +733,12 @@ std::optional<IntervalMesh> extract_unstructured(const Grid& grid, const PointAr
   if (options.clusters && options.clusters->clusters().cell_count() != grid.cell_count())
     throw Error(ErrorCode::invalid_argument, "the index is of " + std::to_string(options.clusters->clusters().cell_count()) +
                                                  " cells; the grid has " + std::to_string(grid.cell_count()));
-  const IsoRules rules(intervals);
+  const IsoRules rules(intervals, options.complement);
   if (grid.cell_count() > std::numeric_limits<std::uint32_t>::max() ||
       grid.point_count() > std::numeric_limits<std::uint32_t>::max() ||
       KeyFormat(grid.point_count(), rules.isovalues().size()).bits > 64)
     return std::nullopt;
-  return UnstructuredExtraction(grid, array, rules, options, task).run(intervals);
+  return UnstructuredExtraction(grid, array, rules, options, task).run();
 }
 
 }  // namespace isostrata
