@@ -110,6 +110,19 @@ TEST(ImportCells, PrismsAreSplitAboutTheirMiddle) {
   }
 }
 
+TEST(ImportCells, ConvexPointSetsBecomeTheirHull) {
+  const Scratch scratch;
+  VtuText vtu;
+  for (int p = 0; p < 12; ++p) vtu.points.push_back({double(p % 2), double(p / 2 % 2), double(p / 4)});
+  vtu.points.push_back({0.5, 0.5, 3});
+  vtu.add(41, {3, 0, 6, 1, 4, 7, 2, 5});        // a cube in no order
+  vtu.add(41, {4, 5, 6, 7, 8, 9, 10, 11, 12});  // a cube with a roof on it
+  vtu.add(41, {0, 1, 2, 3});                    // flat
+  const auto data = test::open(scratch.write("c.vtu", vtu.text()));
+  EXPECT_NEAR(visible_volume(*data), 1 + 4.0 / 3, 1e-12);
+  EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{"hexahedron", 1}, {"pyramid", 5}, {"tetrahedron", 4}}));
+}
+
 TEST(ImportCells, LegacyFilesHaveTheirPolyhedraReadToo) {
   const Scratch scratch;
   // A cube with a roof: five quadrilaterals and four triangles.
