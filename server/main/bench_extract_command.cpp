@@ -4,13 +4,15 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
-#include <mutex>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "data/read_once.h"
 #include "extraction/extract_intervals.h"
 #include "main/arguments.h"
+#include "main/bench_device.h"
 #include "main/commands.h"
+#include "main/picture_arguments.h"
 
 namespace isostrata {
 namespace {
@@ -18,6 +20,8 @@ namespace {
 struct BenchArguments {
   std::vector<std::string> data{"torus:256"};
   std::string array, interval;
+  std::string device = "cpu";
+  bool as_bytes = false;
   int repeat = 9;
   int threads = 0;
   bool json = false;
@@ -38,39 +42,6 @@ std::string cpu_name() {
       if (at != std::string::npos) return line.substr(at + 2);
     }
   return "unknown";
-}
-
-/// The least that any extraction without an index must do: look at every value once.
-void read_once(const PointArray& array) {
-  std::visit(
-      [](auto values) {
-        using T = std::remove_const_t<typename decltype(values)::element_type>;
-        std::mutex mutex;
-        T lowest = values[0], highest = values[0];
-        parallel_for(static_cast<std::int64_t>(values.size()), 1 << 18, [&](std::int64_t begin, std::int64_t end) {
-          constexpr int kLanes = 16;  // independent, so that the compiler may use vectors
-          std::array<T, kLanes> lo, hi;
-          lo.fill(values[begin]);
-          hi.fill(values[begin]);
-          std::int64_t i = begin;
-          for (; i + kLanes <= end; i += kLanes)
-            for (int k = 0; k < kLanes; ++k) {
-              const T v = values[i + k];
-              lo[k] = v < lo[k] ? v : lo[k];
-              hi[k] = v > hi[k] ? v : hi[k];
-            }
-          for (; i < end; ++i) {
-            lo[0] = std::min(lo[0], values[i]);
-            hi[0] = std::max(hi[0], values[i]);
-          }
-          std::lock_guard lock(mutex);
-          lowest = std::min(lowest, *std::min_element(lo.begin(), lo.end()));
-          highest = std::max(highest, *std::max_element(hi.begin(), hi.end()));
-        });
-        [[maybe_unused]] volatile T keep = lowest;
-        keep = highest;
-      },
-      array.values);
 }
 
 /// A thin layer around the torus of radius 0.25, about as many tetrahedra as in the paper's Table 2; elsewhere the middle tenth
@@ -133,10 +104,29 @@ void print_text(const BenchRun& run) {
       run.read_floor_ms);
 }
 
+DeviceRun measure_device(const std::string& data, const BenchArguments& arguments) {
+  const std::shared_ptr<const Dataset> dataset = open_argument(data);
+  const PointArray& array = array_argument(*dataset, arguments.array);
+  const Interval interval =
+      arguments.interval.empty() ? default_interval(data, array) : parse_interval(arguments.interval, 0).interval;
+  return measure_on_device(arguments.device, data, dataset->grid, array, interval, arguments.as_bytes, arguments.repeat);
+}
+
 void run(const BenchArguments& arguments) {
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   boost::json::array runs;
+  const bool on_device = arguments.device != "cpu";
+  if (arguments.as_bytes && !on_device)
+    throw Error(ErrorCode::invalid_argument, "--as-bytes measures a device; expected --device, too");
   for (const std::string& data : arguments.data) {
+    if (on_device) {
+      const DeviceRun one = measure_device(data, arguments);
+      if (arguments.json)
+        runs.push_back(to_json(one));
+      else
+        print_text(one);
+      continue;
+    }
     const BenchRun one = measure(data, arguments);
     if (arguments.json)
       runs.push_back(to_json(one));
@@ -160,6 +150,12 @@ void add_bench_extract_command(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->interval, "LOWER:UPPER (default: a thin layer)");
+  command
+      ->add_option("--device", arguments->device,
+                   "cpu, or what extracts instead: auto, egl:INDEX, egl:UUID, surfaceless or osmesa; sending the data there is "
+                   "timed apart")
+      ->capture_default_str();
+  command->add_flag("--as-bytes", arguments->as_bytes, "On a device: scale the array to 0..255 first, and the interval with it");
   command->add_option("--repeat", arguments->repeat, "Runs of each")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");

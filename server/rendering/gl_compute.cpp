@@ -44,12 +44,14 @@ std::int64_t now_ns() {
 
 ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context) : context_(std::move(context)), gl_(context_->gl()) {
   make_current();
+  GLint64 allowed = 0;
+  gl_.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &allowed);
+  // Some drivers say 2^63 here and address less.
+  largest_buffer_ = std::min<std::uint64_t>(static_cast<std::uint64_t>(allowed), 2ull << 30) / 16 * 16;
   GLint blocks = 0, bindings = 0, shared = 0;
-  GLint64 largest = 0;
   gl_.GetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
   gl_.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
   gl_.GetIntegerv(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, &shared);
-  gl_.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
   check();
   if (blocks < STORAGE_BUFFERS || bindings < STORAGE_BUFFERS || shared < 32768)
     throw Error(ErrorCode::unavailable, context_->device() + ": " + std::to_string(blocks) +
@@ -57,8 +59,6 @@ ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context) : context_(std:
                                             std::to_string(shared) + " bytes of shared memory; extraction needs " +
                                             std::to_string(STORAGE_BUFFERS) + ", " + std::to_string(STORAGE_BUFFERS) +
                                             " and 32768: extract on the CPU");
-  // 32-bit indices of 32-bit words reach 16 GiB; some drivers say 2^63 here and address less.
-  largest_buffer_ = std::min<std::uint64_t>(static_cast<std::uint64_t>(largest), 2ull << 30) & ~std::uint64_t{15};
   set_budget(0);
 }
 

@@ -33,8 +33,8 @@ class ComputeDevice {
   const GlFunctions& gl() const { return gl_; }
   void make_current() { context_->make_current(); }
 
-  /// The most that all buffers together may take: at most what the driver says is free (NVIDIA, AMD), where it says so; 0 is
-  /// that, or 4 GiB.
+  /// The most that all buffers together may take: at most nine tenths of what the driver says is free (NVIDIA, AMD), where it
+  /// says so; 0 is that, or 4 GiB.
   void set_budget(std::uint64_t bytes);
   std::uint64_t allocated() const { return allocated_; }
   std::uint64_t largest_buffer() const { return largest_buffer_; }

@@ -68,20 +68,19 @@ class GlExtraction::State {
   }
 
   ComputeDevice& device() { return device_; }
-  void load(const Grid& grid, const PointArray& array, const Task& task);
+  void load(const Grid& grid, const PointArray& array, std::uint64_t largest_part, const Task& task);
   const GlField* field() const { return field_ ? &*field_ : nullptr; }
   GlCounts extract(std::span<const Interval> intervals, GlExtent extent, const Task& task);
 
-  template <class T>
-  std::vector<T> read(const ComputeBuffer& buffer, std::int64_t count, const Task& task) {
+  template <class Elements>
+  void read(const ComputeBuffer& buffer, std::int64_t count, Elements& out, const Task& task) {
     device_.make_current();
-    std::vector<T> out(static_cast<std::size_t>(count));
+    out.resize(static_cast<std::size_t>(count));
     if (count > 0) device_.read(buffer, 0, std::as_writable_bytes(std::span(out)), task);
-    return out;
   }
 
   GlCounts counts_;
-  bool has_records_ = false, has_mesh_ = false;
+  bool has_records_ = false, has_mesh_ = false, left_handed_ = false;
   ComputeBuffer records_, first_, positions_, origins_, tetrahedra_, counters_;
 
  private:
@@ -89,6 +88,7 @@ class GlExtraction::State {
     std::uint32_t bricks = 0, records = 0, tetrahedra = 0, points = 0;
   };
 
+  void free_all();
   void prepare(const IsoRules& rules, GlExtent extent, const Task& task);
   void reserve(GlExtent extent);
   void plan_slices();
@@ -130,23 +130,29 @@ class GlExtraction::State {
   Slices row_tiles_, owned_tiles_, record_groups_;
 };
 
-void GlExtraction::State::load(const Grid& grid, const PointArray& array, const Task& task) {
+/// All but the tables.
+void GlExtraction::State::free_all() {
+  if (field_) {
+    for (FieldPart& part : field_->parts)
+      for (ComputeBuffer* buffer : {&part.values, &part.points}) device_.free(*buffer);
+    for (ComputeBuffer* buffer : {&field_->ranges, &field_->absent, &field_->axes}) device_.free(*buffer);
+    field_.reset();
+  }
+  for (ComputeBuffer* buffer : {&records_, &first_, &positions_, &origins_, &tetrahedra_, &counters_, &grid_block_, &rules_,
+                                &levels_, &tally_, &bricks_, &ranks_, &rows_, &groups_, &sums_, &partials_, &slots_, &owned_})
+    device_.free(*buffer);
+}
+
+void GlExtraction::State::load(const Grid& grid, const PointArray& array, std::uint64_t largest_part, const Task& task) {
   device_.make_current();
   if (!tables_.object) {
     const std::vector<std::uint32_t> words = table_words();
     device_.reserve(tables_, words.size() * sizeof(std::uint32_t), "the interval table");
     device_.upload(tables_, 0, std::as_bytes(std::span(words)), task);
   }
-  if (field_) {
-    for (FieldPart& part : field_->parts) {
-      device_.free(part.values);
-      device_.free(part.points);
-    }
-    for (ComputeBuffer* buffer : {&field_->ranges, &field_->absent, &field_->axes}) device_.free(*buffer);
-    field_.reset();
-  }
+  free_all();
   has_records_ = has_mesh_ = false;
-  field_ = load_field(device_, grid, array, task);
+  field_ = load_field(device_, grid, array, largest_part, task);
   // A guess: most requests are for thin layers. What turns out larger is done again.
   const std::uint32_t bricks = field_->bricks();
   capacities_.bricks = std::max(kMinCapacity, bricks / 2);
@@ -408,6 +414,7 @@ GlCounts GlExtraction::State::extract(std::span<const Interval> intervals, GlExt
     }
     device_.read(tally_, 0, std::as_writable_bytes(std::span(tally)), task);
     counts.bricks = field_->bricks();
+    left_handed_ = field_->mirrored || found.balance < 0;
     counts.active_bricks = found.bricks;
     counts.active_cells = found.active_cells;
     counts.records = found.records;
@@ -435,7 +442,7 @@ GlLoadTimes GlExtraction::load(const Grid& grid, const PointArray& array, const 
     if (!state_) state_ = std::make_unique<State>(wanted_);
     state_->device().make_current();
     state_->device().set_budget(budget_);
-    state_->load(grid, array, task);
+    state_->load(grid, array, largest_part_, task);
     return {state_->field()->upload_ms, state_->field()->index_ms};
   } catch (...) {
     state_.reset();  // whatever state the context is in, the next load starts from a fresh one
@@ -463,7 +470,8 @@ GlExtraction::State& GlExtraction::state() {
 
 std::vector<CellCase> GlExtraction::read_records(const Task& task) {
   State& s = state();
-  const auto records = s.read<shaders::CellRecord>(s.records_, s.counts_.records, task);
+  std::vector<shaders::CellRecord> records;
+  s.read(s.records_, s.counts_.records, records, task);
   std::vector<CellCase> out;
   out.reserve(records.size());
   for (const shaders::CellRecord& r : records)
@@ -472,24 +480,24 @@ std::vector<CellCase> GlExtraction::read_records(const Task& task) {
   return out;
 }
 
-std::vector<std::uint32_t> GlExtraction::read_first_tetrahedra(const Task& task) {
-  State& s = state();
-  return s.read<std::uint32_t>(s.first_, s.counts_.records, task);
-}
-
-std::vector<std::array<std::uint32_t, 4>> GlExtraction::read_tetrahedra(const Task& task) {
-  State& s = state();
-  return s.read<std::array<std::uint32_t, 4>>(s.tetrahedra_, s.has_mesh_ ? s.counts_.tetrahedra : 0, task);
-}
-
 std::vector<std::array<float, 4>> GlExtraction::read_positions(const Task& task) {
   State& s = state();
-  return s.read<std::array<float, 4>>(s.positions_, s.counts_.points, task);
+  std::vector<std::array<float, 4>> positions;
+  s.read(s.positions_, s.counts_.points, positions, task);
+  return positions;
 }
 
-std::vector<std::array<std::uint32_t, 2>> GlExtraction::read_origins(const Task& task) {
+GlMeshParts GlExtraction::read_mesh(const Task& task) {
   State& s = state();
-  return s.read<std::array<std::uint32_t, 2>>(s.origins_, s.counts_.points, task);
+  if (!s.has_mesh_)
+    throw Error(ErrorCode::invalid_argument, "extraction on a device: records were extracted; expected tetrahedra");
+  GlMeshParts parts;
+  s.read(s.records_, s.counts_.records, parts.records, task);
+  s.read(s.first_, s.counts_.records, parts.first_tetrahedron, task);
+  s.read(s.tetrahedra_, s.counts_.tetrahedra, parts.tetrahedra, task);
+  s.read(s.origins_, s.counts_.points, parts.origins, task);
+  parts.left_handed = s.left_handed_;
+  return parts;
 }
 
 GlMeshBuffers GlExtraction::buffers() const {

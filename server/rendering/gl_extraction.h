@@ -26,6 +26,7 @@
 // 24 bytes a point, 16 bytes a tetrahedron.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -33,12 +34,14 @@
 #include <string_view>
 #include <vector>
 
+#include "base/buffer.h"
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
 #include "extraction/active_cells.h"
 #include "extraction/extract_intervals.h"
 #include "rendering/gl_functions.h"
+#include "rendering/shaders/layout.h"
 
 namespace isostrata {
 
@@ -71,6 +74,15 @@ struct GlLoadTimes {
   double index_ms = 0;   // extremes of the bricks, wall clock
 };
 
+/// What a mesh is made of, as the device holds it (shaders/layout.h has the structs).
+struct GlMeshParts {
+  std::vector<shaders::CellRecord> records;
+  std::vector<std::uint32_t> first_tetrahedron;     // [records]
+  Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // positively oriented where their cell is
+  std::vector<shaders::MeshPointOrigin> origins;    // [points]
+  bool left_handed = false;                         // cells whose own handedness is not known are taken to be
+};
+
 /// Buffers for a renderer in the same context; valid until the next call. Positions are less `anchor`.
 struct GlMeshBuffers {
   GLuint records = 0;            // CellRecord [records]
@@ -95,8 +107,13 @@ class GlExtraction {
   const std::string& device() const { return device_; }
   bool software() const { return software_; }
 
-  /// The most that this object may take on the device; 0: nine tenths of what is free, where the driver says so, else 4 GiB.
-  void set_budget(std::uint64_t bytes) { budget_ = bytes; }
+  /// From the next load() on. bytes: the most that this object may take on the device; 0: nine tenths of what is free, where the
+  /// driver says so, else 4 GiB. largest_part: the grid is cut into parts of at most that;
+  /// 0: what one buffer holds (the driver's limit, at most 2 GiB).
+  void set_budget(std::uint64_t bytes, std::uint64_t largest_part = 0) {
+    budget_ = bytes;
+    largest_part_ = largest_part;
+  }
 
   /// Copies the field to the device in its own type. Nothing of the host's memory is kept. Throws as load_field (gl_field.h)
   /// does.
@@ -109,10 +126,8 @@ class GlExtraction {
 
   /// Copies what the last extract() left. Each throws invalid_argument where it left no such thing.
   std::vector<CellCase> read_records(const Task& task);
-  std::vector<std::uint32_t> read_first_tetrahedra(const Task& task);           // [records]
-  std::vector<std::array<std::uint32_t, 4>> read_tetrahedra(const Task& task);  // numbers of points
-  std::vector<std::array<float, 4>> read_positions(const Task& task);           // less anchor; the fourth is the array's value
-  std::vector<std::array<std::uint32_t, 2>> read_origins(const Task& task);     // point, slot (MeshPointOrigin)
+  std::vector<std::array<float, 4>> read_positions(const Task& task);  // less anchor; the fourth is the array's value
+  GlMeshParts read_mesh(const Task& task);
   GlMeshBuffers buffers() const;
 
  private:
@@ -120,12 +135,8 @@ class GlExtraction {
   State& state();
   std::string wanted_, device_;
   bool software_ = false;
-  std::uint64_t budget_ = 0;
+  std::uint64_t budget_ = 0, largest_part_ = 0;
   std::unique_ptr<State> state_;  // null after an Error
 };
-
-/// Whether `device` extracts as the CPU does: a small field, counts and records compared. Says what is wrong, or "" where nothing
-/// is.
-std::string check_gl_extraction(std::string_view device);
 
 }  // namespace isostrata

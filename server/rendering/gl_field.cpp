@@ -96,18 +96,19 @@ void run_ranges(ComputeDevice& device, GlField& field, GLuint grid_block, const 
 }
 
 /// Cuts the grid into parts and copies them.
-void load_parts(ComputeDevice& device, const Grid& grid, const PointArray& array, GlField& field, const Task& task) {
+void load_parts(ComputeDevice& device, const Grid& grid, const PointArray& array, std::uint64_t largest_part, GlField& field,
+                const Task& task) {
   const auto dims = grid.dims();
   const auto layer = static_cast<std::uint64_t>(dims[0]) * static_cast<std::uint64_t>(dims[1]);
   const auto* curvilinear = std::get_if<CurvilinearGrid>(&grid.shape);
   const std::uint64_t point_bytes = !curvilinear ? 0 : field.points_double ? sizeof(Vec3d) : sizeof(Vec3f);
   const std::uint64_t widest = layer * std::max<std::uint64_t>(field.format.bytes, point_bytes);
-  const std::uint64_t fits = device.largest_buffer() / widest;  // layers of points
+  const std::uint64_t room = largest_part > 0 ? std::min(largest_part, device.largest_buffer()) : device.largest_buffer();
+  const std::uint64_t fits = room / widest;  // layers of points
   if (fits < kBrick + 1 && fits < static_cast<std::uint64_t>(dims[2]))
     throw Error(ErrorCode::too_large, device.context().device() + ": nine layers of " + std::to_string(dims[0]) + "x" +
                                           std::to_string(dims[1]) + " points would need " + std::to_string(9 * widest) +
-                                          " bytes in one buffer, which holds " + std::to_string(device.largest_buffer()) +
-                                          ": extract on the CPU");
+                                          " bytes in one buffer, which holds " + std::to_string(room) + ": extract on the CPU");
   const std::uint64_t layers = fits >= static_cast<std::uint64_t>(dims[2]) ? field.grid.bricks_z : (fits - 1) / kBrick;
   for (std::uint64_t first = 0; first < field.grid.bricks_z; first += layers) {
     FieldPart& part = field.parts.emplace_back();
@@ -137,7 +138,8 @@ std::string GlField::defines(bool load_points) const {
   return text;
 }
 
-GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& array, const Task& task) {
+GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& array, std::uint64_t largest_part,
+                   const Task& task) {
   if (!grid.structured())
     throw Error(ErrorCode::unsupported,
                 "extraction on a device needs a structured grid, this one is unstructured: extract on the CPU");
@@ -163,7 +165,7 @@ GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& ar
   }
   task.report(0.0, "sending to the device");
   device.make_current();
-  load_parts(device, grid, array, field, task);
+  load_parts(device, grid, array, largest_part, field, task);
   load_axes(device, grid, field, task);
   device.reserve(field.ranges, field.bricks() * sizeof(shaders::IsoRange), "the bricks' ranges");
   device.finish(task);

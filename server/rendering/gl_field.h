@@ -40,11 +40,13 @@ struct GlField {
   std::string defines(bool load_points) const;
 };
 
-/// Copies grid and array to the device and looks once at every value. Dispatches, per part of the grid:
+/// Copies grid and array to the device, in parts of at most largest_part bytes (0: what a buffer holds), and looks once at every
+/// value. Dispatches, per part of the grid:
 ///   brick_range            reads values (and points), writes ranges; one brick of 8^3 cells a work group
 ///   brick_range HAS_ABSENT only where a cell is hidden or something is not finite: adds to `absent`
 /// Throws invalid_argument (lengths), unsupported (an unstructured grid), too_large (device memory; 2^32 points or more; one
 /// layer of bricks above a buffer's limit), unavailable, cancelled.
-GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& array, const Task& task);
+GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& array, std::uint64_t largest_part,
+                   const Task& task);
 
 }  // namespace isostrata
