@@ -26,24 +26,6 @@ SpaceTimeSlice slice(const SpaceTimeVolume& volume, double weight) {
   return volume.slice(weight, options, task);
 }
 
-/// The grid with every cell split as space-time splits it.
-Grid split_cells(const Grid& grid) {
-  UnstructuredParts parts = as_parts(grid);
-  UnstructuredParts split;
-  split.points = parts.points;
-  CellSplit cell(grid);
-  for (std::int64_t c = 0; c < grid.cell_count(); ++c) {
-    cell.begin_cell(c);
-    for (const SplitTetrahedron& t : cell.tetrahedra()) {
-      std::vector<std::int64_t> ids;
-      for (const std::uint8_t v : t.vertex) ids.push_back(cell.ids()[v]);
-      if (t.turned) std::swap(ids[0], ids[1]);
-      split.add(CellType::tetrahedron, ids);
-    }
-  }
-  return unstructured_grid(split);
-}
-
 std::set<std::array<double, 3>> points_of(const IntervalMesh& mesh) {
   std::set<std::array<double, 3>> out;
   for (const Vec3d& p : mesh.positions) out.insert({p.x, p.y, p.z});

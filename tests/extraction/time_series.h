@@ -72,4 +72,22 @@ inline std::vector<std::pair<std::string, Grid>> grids_of_every_kind(std::uint64
   return out;
 }
 
+/// The grid with every cell split as space-time splits it.
+inline Grid split_cells(const Grid& grid) {
+  UnstructuredParts parts = as_parts(grid);
+  UnstructuredParts split;
+  split.points = parts.points;
+  CellSplit cell(grid);
+  for (std::int64_t c = 0; c < grid.cell_count(); ++c) {
+    cell.begin_cell(c);
+    for (const SplitTetrahedron& t : cell.tetrahedra()) {
+      std::vector<std::int64_t> ids;
+      for (const std::uint8_t v : t.vertex) ids.push_back(cell.ids()[v]);
+      if (t.turned) std::swap(ids[0], ids[1]);
+      split.add(CellType::tetrahedron, ids);
+    }
+  }
+  return unstructured_grid(split);
+}
+
 }  // namespace isostrata

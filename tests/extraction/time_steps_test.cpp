@@ -185,7 +185,7 @@ TEST(TimeModes, KeepTheSpaceTimeVolumeFromSliceToSlice) {
   const Task task;
   KeptSpaceTime kept;
   const auto slice_at = [&](double time, std::vector<Interval> intervals) {
-    return extract_layers(request_at(time, TimeMode::spacetime, std::move(intervals)), source_of(series), task, &kept);
+    return extract_layers(request_at(time, TimeMode::spacetime, std::move(intervals)), source_of(series), task, {.kept = &kept});
   };
   const Layers first = slice_at(12, {{0.2, 0.4}});
   EXPECT_GT(first.time.build_ms, 0);
@@ -223,6 +223,45 @@ TEST(TimeModes, CarryOtherArraysBetweenSteps) {
     request.carry = {"h"};
     EXPECT_THAT(refusal([&] { extract_layers(request, source_of(series), task); }), HasSubstr("no array 'h'"));
   }
+}
+
+TEST(TimeModes, CombineRangesOfOtherArraysInEveryMode) {
+  // On tetrahedra and planes everything is exact: f = x + t, g = y - t in [0,1]^3.
+  const Grid cubes = uniform_grid({4, 4, 4}, {0, 0, 0}, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+  const Grid grid = split_cells(cubes);
+  Series series;
+  for (const int step : {0, 1}) {
+    std::vector<double> f, g;
+    for (std::int64_t i = 0; i < grid.point_count(); ++i) {
+      f.push_back(grid.point(i).x + step);
+      g.push_back(grid.point(i).y - step);
+    }
+    Series one = series_of(grid, point_array(f), point_array(f));
+    auto with = std::make_shared<Dataset>(*one.steps[step]);
+    with->arrays.push_back(point_array(g, "g"));
+    series.steps.push_back(with);
+  }
+  // At t = 0.5: f in [0.75, 1.25] is x in [0.25, 0.75]; g in [0, 1] is y in [0.5, 1].
+  const std::pair<RangeOperator, double> expected[] = {{RangeOperator::intersect, 0.25},
+                                                       {RangeOperator::unite, 0.75},
+                                                       {RangeOperator::subtract, 0.25},
+                                                       {RangeOperator::exclusive_or, 0.5}};
+  const Task task;
+  KeptSpaceTime kept;
+  for (const TimeMode mode : {TimeMode::interpolate, TimeMode::spacetime})
+    for (const auto& [op, volume] : expected) {
+      LayerRequest request = request_at(15, mode, {{0.75, 1.25}});
+      request.terms = {{op, "g", {0, 1}}};
+      request.carry = {"g"};
+      const Layers layers = extract_layers(request, source_of(series), task, {.kept = &kept});
+      double sum = 0;
+      for (const IntervalSummary& row : layers.mesh.summaries) sum += row.volume;
+      EXPECT_NEAR(sum, volume, 1e-12) << static_cast<int>(op);
+      EXPECT_EQ(unmatched(layers.mesh), 0) << static_cast<int>(op);
+      ASSERT_EQ(layers.carried.at(0).values.size(), layers.mesh.positions.size());
+      for (std::size_t i = 0; i < layers.mesh.positions.size(); ++i)
+        ASSERT_NEAR(layers.carried[0].values[i], layers.mesh.positions[i].y - 0.5, 1e-6);
+    }
 }
 
 TEST(BetweenSteps, TakesFloatWhereItIsExactAndDoubleElsewhere) {
