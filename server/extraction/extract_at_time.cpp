@@ -1,6 +1,7 @@
 #include "extraction/extract_at_time.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "base/stopwatch.h"
@@ -73,7 +74,8 @@ void combine_slice(const LayerRequest& request, SpaceTimeSlice& slice, const Car
 KeptSpaceTime::Asked KeptSpaceTime::get(const std::shared_ptr<const Dataset>& first, const std::shared_ptr<const Dataset>& second,
                                         const std::string& array, const std::vector<Interval>& intervals, bool complement,
                                         std::uint64_t max_bytes, const Task& task) {
-  const std::scoped_lock lock(making_);
+  std::unique_lock lock(making_, std::defer_lock);
+  while (!lock.try_lock_for(std::chrono::milliseconds(10))) task.check();  // another may be making one for seconds
   const bool there = volume_ && volume_->first() == first && volume_->second() == second && volume_->array() == array &&
                      intervals_ == intervals && volume_->complement() == complement;
   if (there) return {volume_, 0};
@@ -129,6 +131,12 @@ std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSo
       place.second = place.first + 1;
   }
   const auto first = steps(place.first, task), second = steps(place.second, task);
+  const auto check_array = [&](const std::string& other) {  // before the work is done
+    array_at_step(*first, other);
+    array_at_step(*second, other);
+  };
+  for (const std::string& other : request.carry) check_array(other);
+  for (const RangeTerm& term : request.terms) check_array(term.array);
   layers.time.mode = TimeMode::spacetime;
   layers.time.first = place.first;
   layers.time.second = place.second;

@@ -13,7 +13,7 @@
 namespace isostrata {
 
 /// The space-time volume that was asked for last, for whoever slices it at one time after another. Guarded by a lock: any thread;
-/// two that ask for the same one make it once.
+/// two that ask for the same one make it once, and whoever waits can be cancelled.
 class KeptSpaceTime {
  public:
   struct Asked {
@@ -27,7 +27,7 @@ class KeptSpaceTime {
   void forget();
 
  private:
-  std::mutex making_;                // guards what follows
+  std::timed_mutex making_;          // guards what follows
   std::vector<Interval> intervals_;  // that volume_ was asked for with
   std::shared_ptr<const SpaceTimeVolume> volume_;
 };

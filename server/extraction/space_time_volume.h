@@ -45,7 +45,7 @@ struct SpaceTimeSlice {
 /// with the same points; other cells are taken as split into tetrahedra (space_time_cells.h). A point that moves between
 /// the steps moves along a straight line. A cell that is hidden, or not finite, at one of the steps is in no slice.
 ///
-/// Memory: 50 bytes a 4-simplex, 8 an edge, 72 a point; 2790 bytes for each active cell of ts_tornado.
+/// Memory: 50 bytes a 4-simplex, 8 an edge, 72 a point: about 3 kB for each active hexahedron.
 class SpaceTimeVolume {
  public:
   /// Throws unsupported (steps of different cells), not_found, invalid_argument, too_large (with the numbers, before the memory
