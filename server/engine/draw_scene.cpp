@@ -33,7 +33,7 @@ bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, cons
                                                     [&](const auto& used) { return steps(used->step, task) == used; });
 }
 
-void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task) {
+void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task, LayerAids aids) {
   if (request.intervals.empty()) {
     made.dataset = steps(request.step, task);
     made.time.first = made.time.second = request.step;
@@ -44,7 +44,8 @@ void extract(ExtractedScene& made, const LayerRequest& request, const StepSource
     if (!request.carry.empty()) made.color_values = std::make_shared<const std::vector<float>>();
     return;
   }
-  Layers layers = extract_layers(request, steps, task, made.kept.get());
+  if (made.kept) aids.kept = made.kept.get();
+  Layers layers = extract_layers(request, steps, task, aids);
   made.dataset = std::move(layers.dataset);
   made.time = layers.time;
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
@@ -92,7 +93,8 @@ LayerRequest layer_request(const Scene& scene) {
 }
 
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
-                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task) {
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                    const LayerAids& aids) {
   const Stopwatch watch;
   auto made = std::make_shared<ExtractedScene>();
   const StepSource steps = [&](int step, const Task& of) {
@@ -126,7 +128,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   } else {
     if (request.time_mode == TimeMode::spacetime)
       made->kept = previous && previous->kept ? previous->kept : std::make_shared<KeptSpaceTime>();
-    extract(*made, request, steps, task);
+    extract(*made, request, steps, task, aids);
   }
   const PointArray& color_array = made->steps.front()->array(color_by);
   if (color_array.lower <= color_array.upper) {
