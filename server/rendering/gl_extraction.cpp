@@ -118,6 +118,7 @@ class GlExtraction::State {
       device_.gl().ProgramUniform1ui(program, UNIFORM_SLICE, s);
       device_.dispatch_indirect(program, groups_, s, task);
     }
+    device_.barrier();
   }
 
   ComputeDevice device_;
@@ -154,11 +155,12 @@ void GlExtraction::State::load(const Grid& grid, const PointArray& array, std::u
   has_records_ = has_mesh_ = false;
   field_ = load_field(device_, grid, array, largest_part, task);
   // A guess: most requests are for thin layers. What turns out larger is done again.
-  const std::uint32_t bricks = field_->bricks();
-  capacities_.bricks = std::max(kMinCapacity, bricks / 2);
-  capacities_.bricks = std::min(capacities_.bricks, std::max(bricks, 1u));
+  constexpr std::uint64_t kMostBytesABrick = 512 * 12;  // slots of three words
+  const std::uint32_t bricks = std::max(field_->bricks(), 1u);
+  const auto room = static_cast<std::uint32_t>(device_.largest_buffer() / 4 / kMostBytesABrick);
+  capacities_.bricks = std::min(bricks, std::min(room, std::max(kMinCapacity, bricks / 8)));
   const std::int64_t cells = std::max<std::int64_t>(field_->cells / 16, kMinCapacity);
-  capacities_.records = static_cast<std::uint32_t>(std::min<std::int64_t>(cells, 1 << 24));
+  capacities_.records = static_cast<std::uint32_t>(std::min<std::int64_t>(cells, 1 << 21));
   capacities_.tetrahedra = 4 * capacities_.records;
   capacities_.points = 2 * capacities_.records;
 }
@@ -184,19 +186,20 @@ void GlExtraction::State::plan_slices() {
 void GlExtraction::State::reserve(GlExtent extent) {
   const Capacities& c = capacities_;
   device_.reserve(bricks_, c.bricks * 4ull, "the active bricks");
-  device_.reserve(sums_, c.bricks * 64ull * 8, "sums of " + std::to_string(c.bricks) + " active bricks");
+  device_.reserve(sums_, c.bricks * 64ull * 8, "room for sums of " + std::to_string(c.bricks) + " active bricks");
   const std::uint64_t tiles = std::max(pieces(field_->bricks(), SCAN_GROUP), pieces(c.bricks, SCAN_TILE / 64));
   device_.reserve(partials_, tiles * 8, "sums of tiles");
-  device_.reserve(records_, c.records * sizeof(shaders::CellRecord), std::to_string(c.records) + " records of cells");
+  device_.reserve(records_, c.records * sizeof(shaders::CellRecord),
+                  "room for " + std::to_string(c.records) + " records of cells");
   device_.reserve(first_, c.records * 4ull, "the records' tetrahedra");
   if (extent == GlExtent::records) return;
   device_.reserve(slots_, c.bricks * 512ull * (packed_slots_ ? 4 : 12),
-                  "the points of " + std::to_string(c.bricks) + " active bricks");
+                  "room for the points of " + std::to_string(c.bricks) + " active bricks");
   device_.reserve(owned_, c.bricks * 8ull, "the active bricks' points");
-  device_.reserve(positions_, c.points * 16ull, std::to_string(c.points) + " points");
+  device_.reserve(positions_, c.points * 16ull, "room for " + std::to_string(c.points) + " points");
   device_.reserve(origins_, c.points * sizeof(shaders::MeshPointOrigin),
-                  "the origins of " + std::to_string(c.points) + " points");
-  device_.reserve(tetrahedra_, c.tetrahedra * 16ull, std::to_string(c.tetrahedra) + " tetrahedra");
+                  "room for the origins of " + std::to_string(c.points) + " points");
+  device_.reserve(tetrahedra_, c.tetrahedra * 16ull, "room for " + std::to_string(c.tetrahedra) + " tetrahedra");
 }
 
 /// Sends the request: its rules, its sizes, zeros.
@@ -242,6 +245,7 @@ void GlExtraction::State::plan(const char* defines, const Slices& slices, std::a
   device_.gl().ProgramUniform1ui(program, UNIFORM_COUNT, slices.count);
   device_.gl().ProgramUniform4ui(program, UNIFORM_SPAN, device_.groups_a_dispatch(), span[0], span[1], span[2]);
   device_.dispatch(program, pieces(slices.count, 64), task);
+  device_.barrier();
 }
 
 /// Sums of all before of `elements` pairs per active brick; the totals go to two counters.
@@ -258,6 +262,7 @@ void GlExtraction::State::scan(const ComputeBuffer& sums, std::uint32_t elements
     if (pass[8] == 'S') {
       device_.gl().ProgramUniform4ui(program, UNIFORM_SPAN, total_x, total_y, 0, 0);
       device_.dispatch(program, 1, task);
+      device_.barrier();
     } else
       dispatch_slices(program, slices, task);
   }
@@ -275,16 +280,18 @@ void GlExtraction::State::find_bricks(const Task& task) {
   for (const bool compact : {false, true}) {
     const GLuint program =
         device_.program(shaders::cull_bricks_comp, field_->defines(false) + (compact ? "#define COMPACT\n" : ""));
-    for (std::uint32_t first = 0; first < tiles; first += most) {
+    for (std::uint32_t first = 0; first < tiles; first += std::min(most, tiles - first)) {
       device_.gl().ProgramUniform1ui(program, UNIFORM_FIRST, first);
       device_.dispatch(program, std::min(most, tiles - first), task);
     }
+    device_.barrier();
     if (compact) break;
     const GLuint spine = device_.program(shaders::scan_comp, field_->defines(false) + "#define SPINE\n");
     device_.gl().ProgramUniform1ui(spine, UNIFORM_FIRST, COUNT_TILES);
     device_.gl().ProgramUniform1ui(spine, UNIFORM_COUNT, 1);
     device_.gl().ProgramUniform4ui(spine, UNIFORM_SPAN, COUNT_BRICKS, COUNT_BRICKS, 0, 0);
     device_.dispatch(spine, 1, task);
+    device_.barrier();
   }
   const std::uint32_t rows = field_->grid.bricks_y;
   for (std::size_t p = 0; p < field_->parts.size(); ++p)
@@ -367,21 +374,26 @@ bool GlExtraction::State::grow(const ExtractionCounters& found, GlExtent extent)
       throw Error(ErrorCode::too_large,
                   std::string("extraction on a device: 2^32 ") + what + " or more; expected fewer: narrow the intervals");
   };
+  // With an eighth to spare where a buffer holds that: a slider that is dragged asks for a little more each time.
+  const auto fit = [&](std::uint32_t count, std::uint32_t& capacity, std::uint64_t bytes_each) {
+    if (count <= capacity) return true;
+    const std::uint64_t most = std::min<std::uint64_t>(device_.largest_buffer() / bytes_each, kSaturated - 1);
+    capacity = static_cast<std::uint32_t>(std::max<std::uint64_t>(count, std::min<std::uint64_t>(count + count / 8ull, most)));
+    return false;
+  };
   // A stage whose input did not fit has counted nothing yet.
-  if (found.bricks > capacities_.bricks) {
-    capacities_.bricks = found.bricks;
+  if (!fit(found.bricks, capacities_.bricks, 512 * 12)) {
+    capacities_.bricks = std::min(capacities_.bricks, field_->bricks());
     return true;
   }
   refuse_saturated(found.records, "records of cells");
   refuse_saturated(found.tetrahedra, "tetrahedra");
-  bool more = found.records > capacities_.records;
-  capacities_.records = std::max(capacities_.records, found.records);
-  if (extent == GlExtent::records) return more;
+  bool fits = fit(found.records, capacities_.records, sizeof(shaders::CellRecord));
+  if (extent == GlExtent::records) return !fits;
   refuse_saturated(found.points, "points");
-  more = more || found.tetrahedra > capacities_.tetrahedra || found.points > capacities_.points;
-  capacities_.tetrahedra = std::max(capacities_.tetrahedra, found.tetrahedra);
-  capacities_.points = std::max(capacities_.points, found.points);
-  return more;
+  fits = fit(found.tetrahedra, capacities_.tetrahedra, 16) && fits;
+  fits = fit(found.points, capacities_.points, 16) && fits;
+  return !fits;
 }
 
 GlCounts GlExtraction::State::extract(std::span<const Interval> intervals, GlExtent extent, const Task& task) {

@@ -88,11 +88,12 @@ void run_ranges(ComputeDevice& device, GlField& field, GLuint grid_block, const 
     if (field.curvilinear) device.bind(BUFFER_POINTS, part.points);
     device.gl().ProgramUniform1ui(program, UNIFORM_PART_LAYER, part.first_layer * kBrick);
     const std::uint32_t end = part.end_layer * layer, most = device.groups_a_dispatch();
-    for (std::uint32_t first = part.first_layer * layer; first < end; first += most) {
+    for (std::uint32_t first = part.first_layer * layer; first < end; first += std::min(most, end - first)) {
       device.gl().ProgramUniform1ui(program, UNIFORM_FIRST, first);
       device.dispatch(program, std::min(most, end - first), task);
     }
   }
+  device.barrier();
 }
 
 /// Cuts the grid into parts and copies them.
