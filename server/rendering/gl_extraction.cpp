@@ -18,6 +18,7 @@ using shaders::WorkGroups;
 
 constexpr std::uint32_t kSaturated = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kMinCapacity = 4096;
+constexpr const char* kAnyFormat = "#define BYTES_PER_VALUE 4\n";  // programs that look at no values are compiled once
 
 std::uint32_t pieces(std::uint64_t items, std::uint64_t each) { return static_cast<std::uint32_t>((items + each - 1) / each); }
 
@@ -237,7 +238,7 @@ void GlExtraction::State::prepare(const IsoRules& rules, GlExtent extent, const 
 }
 
 void GlExtraction::State::plan(const char* defines, const Slices& slices, std::array<std::uint32_t, 3> span, const Task& task) {
-  const GLuint program = device_.program(shaders::plan_comp, field_->defines(false) + defines);
+  const GLuint program = device_.program(shaders::plan_comp, std::string(kAnyFormat) + defines);
   device_.bind(BUFFER_COUNTERS, counters_);
   device_.bind(BUFFER_ROWS, rows_);
   device_.bind(BUFFER_GROUPS, groups_);
@@ -256,7 +257,7 @@ void GlExtraction::State::scan(const ComputeBuffer& sums, std::uint32_t elements
   device_.bind(BUFFER_PARTIALS, partials_);
   device_.bind(BUFFER_GROUPS, groups_);
   for (const char* pass : {"#define REDUCE\n", "#define SPINE\n", "#define APPLY\n"}) {
-    const GLuint program = device_.program(shaders::scan_comp, field_->defines(false) + pass);
+    const GLuint program = device_.program(shaders::scan_comp, std::string(kAnyFormat) + pass);
     device_.gl().ProgramUniform1ui(program, UNIFORM_FIRST, COUNT_BRICKS);
     device_.gl().ProgramUniform1ui(program, UNIFORM_COUNT, elements);
     if (pass[8] == 'S') {
@@ -279,14 +280,16 @@ void GlExtraction::State::find_bricks(const Task& task) {
   device_.bind(BUFFER_SUMS, ranks_);
   for (const bool compact : {false, true}) {
     const GLuint program =
-        device_.program(shaders::cull_bricks_comp, field_->defines(false) + (compact ? "#define COMPACT\n" : ""));
+        device_.program(shaders::cull_bricks_comp,
+                        std::string(field_->format.bytes == 8 ? "#define BYTES_PER_VALUE 8\n#define KEY_FLOAT\n" : kAnyFormat) +
+                            (compact ? "#define COMPACT\n" : ""));
     for (std::uint32_t first = 0; first < tiles; first += std::min(most, tiles - first)) {
       device_.gl().ProgramUniform1ui(program, UNIFORM_FIRST, first);
       device_.dispatch(program, std::min(most, tiles - first), task);
     }
     device_.barrier();
     if (compact) break;
-    const GLuint spine = device_.program(shaders::scan_comp, field_->defines(false) + "#define SPINE\n");
+    const GLuint spine = device_.program(shaders::scan_comp, std::string(kAnyFormat) + "#define SPINE\n");
     device_.gl().ProgramUniform1ui(spine, UNIFORM_FIRST, COUNT_TILES);
     device_.gl().ProgramUniform1ui(spine, UNIFORM_COUNT, 1);
     device_.gl().ProgramUniform4ui(spine, UNIFORM_SPAN, COUNT_BRICKS, COUNT_BRICKS, 0, 0);
@@ -352,7 +355,7 @@ void GlExtraction::State::expand(const Task& task) {
   plan("#define PLAN_RECORDS\n", record_groups_, {RECORD_GROUP, COUNT_RECORDS, 0}, task);
   const GLuint program =
       device_.program(shaders::write_tetrahedra_comp,
-                      field_->defines(false) + (packed_slots_ ? "#define SLOT_WORDS 1\n" : "#define SLOT_WORDS 3\n"));
+                      std::string(kAnyFormat) + (packed_slots_ ? "#define SLOT_WORDS 1\n" : "#define SLOT_WORDS 3\n"));
   device_.bind(BUFFER_COUNTERS, counters_);
   device_.bind(BUFFER_GROUPS, groups_);
   device_.bind(BUFFER_RANKS, ranks_);
