@@ -69,7 +69,7 @@ class ComputeDevice {
  private:
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
-  std::uint32_t groups_a_dispatch_ = 64;
+  std::uint32_t groups_a_dispatch_ = 16;
   std::uint64_t budget_ = 0, allocated_ = 0, largest_buffer_ = 0;
   std::map<std::pair<const char*, std::string>, GlObject> programs_;
 };

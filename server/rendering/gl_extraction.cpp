@@ -134,12 +134,8 @@ class GlExtraction::State {
 
 /// All but the tables.
 void GlExtraction::State::free_all() {
-  if (field_) {
-    for (FieldPart& part : field_->parts)
-      for (ComputeBuffer* buffer : {&part.values, &part.points}) device_.free(*buffer);
-    for (ComputeBuffer* buffer : {&field_->ranges, &field_->absent, &field_->axes}) device_.free(*buffer);
-    field_.reset();
-  }
+  if (field_) field_->free(device_);
+  field_.reset();
   for (ComputeBuffer* buffer : {&records_, &first_, &positions_, &origins_, &tetrahedra_, &counters_, &grid_block_, &rules_,
                                 &levels_, &tally_, &bricks_, &ranks_, &rows_, &groups_, &sums_, &partials_, &slots_, &owned_})
     device_.free(*buffer);
@@ -460,9 +456,23 @@ GlLoadTimes GlExtraction::load(const Grid& grid, const PointArray& array, const 
     state_->load(grid, array, largest_part_, task);
     return {state_->field()->upload_ms, state_->field()->index_ms};
   } catch (...) {
-    state_.reset();  // whatever state the context is in, the next load starts from a fresh one
+    drop_after_error();
     throw;
   }
+}
+
+/// Called while an exception is handled. What the device itself may have suffered from makes the next load start from a fresh
+/// context; making one takes time, so a cancelled drag does not.
+void GlExtraction::drop_after_error() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    for (const ErrorCode harmless : {ErrorCode::cancelled, ErrorCode::invalid_argument, ErrorCode::unsupported})
+      if (error.code() == harmless) return;
+  } catch (...) {
+    // such as std::bad_alloc
+  }
+  state_.reset();
 }
 
 GlCounts GlExtraction::extract(std::span<const Interval> intervals, GlExtent extent, const Task& task) {
@@ -471,8 +481,8 @@ GlCounts GlExtraction::extract(std::span<const Interval> intervals, GlExtent ext
                 "extraction on a device: no field is loaded (after an error it has to be loaded again)");
   try {
     return state_->extract(intervals, extent, task);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::invalid_argument) state_.reset();
+  } catch (...) {
+    drop_after_error();
     throw;
   }
 }
