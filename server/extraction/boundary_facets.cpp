@@ -109,13 +109,17 @@ FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d) {
   return labels;
 }
 
+std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& array, std::span<const CellRun> runs,
+                                          std::uint64_t max_bytes, const Task& task) {
+  return grid.structured() ? open_faces_structured(grid, array, runs, task) : open_faces_unstructured(grid, runs, max_bytes, task);
+}
+
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task) {
   const std::span<const CellRun> runs = mesh.cell_runs;
   const auto count = static_cast<std::int64_t>(runs.size());
   task.report(0.8, "facets");
-  const OpenFaces open =
-      grid.structured() ? open_faces_structured(grid, array, runs, task) : open_faces_unstructured(grid, runs, max_bytes, task);
+  const OpenFaces open = open_cell_faces(grid, array, runs, max_bytes, task);
 
   // visit(tetrahedron, facet, label) in the order of the tetrahedra.
   const auto visit_boundary = [&](std::int64_t begin, std::int64_t end, const auto& visit) {

@@ -24,6 +24,12 @@ inline constexpr std::uint8_t kFirstCellFace = 3;  // + k: in the cell's face k
 /// From the masks of a tetrahedron's vertices.
 FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d);
 
+/// For each of these cells its faces that no other cell shares, bit k for face k; hidden and absent cells do not count as sharing.
+/// Precondition: on unstructured grids, where another cell shares such a face it is one of these cells, too. Throws too_large,
+/// cancelled.
+std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& array, std::span<const CellRun> runs,
+                                          std::uint64_t max_bytes, const Task& task);
+
 /// Facets on the lower and upper isosurfaces, and those in cell faces that no other cell shares. Hidden and absent cells do not
 /// count as sharing. labels: [nt]. In the order of the tetrahedra. Throws too_large, cancelled.
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,

@@ -12,7 +12,9 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
+#include "extraction/extract_structured.h"
 #include "extraction/extract_unstructured.h"
+#include "extraction/hexahedron_gather.h"
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
@@ -277,7 +279,7 @@ class Extraction {
 
 void prepare_tables(const Grid& grid) {
   if (grid.structured()) {
-    hexahedron_table();
+    hexahedron_gather();
     return;
   }
   std::array<bool, 256> seen{};
@@ -293,6 +295,7 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
     throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
+  if (auto mesh = extract_structured(grid, array, intervals, options, task)) return std::move(*mesh);
   if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);
   return extract_in_general(grid, array, intervals, options, task);
 }

@@ -11,11 +11,14 @@
 
 namespace isostrata {
 
+class MinMaxBricks;
+
 struct ExtractOptions {
   bool facets = false;                    // fill IntervalMesh::facets
   bool values = true;                     // fill IntervalMesh::values
   bool measure = true;                    // sum the volumes of the summaries and count what is inverted
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
+  const MinMaxBricks* bricks = nullptr;   // of this grid and array, where they are at hand: structured grids only
 };
 
 /// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra).
@@ -29,8 +32,8 @@ void prepare_tables(const Grid& grid);
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task);
 
-/// The same, in the one way that any grid and any number of intervals can go: for what extract_unstructured.h does not reach, and
-/// what the fast ways are tested against. Points and cells may be numbered differently.
+/// The same, in the one way that any grid and any number of intervals can go: for what extract_structured.h and
+/// extract_unstructured.h do not reach, and what the fast ways are tested against. Points and cells may be numbered differently.
 IntervalMesh extract_in_general(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                 const ExtractOptions& options, const Task& task);
 

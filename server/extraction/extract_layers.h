@@ -50,24 +50,49 @@ struct LayerRequest {
   std::vector<std::string> carry;         // other arrays to bring to the mesh's points
   bool facets = false;                    // fill IntervalMesh::facets
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
+
+  bool operator==(const LayerRequest&) const = default;
+};
+
+/// Which time was extracted, and how.
+struct LayerTime {
+  double time = 0;                 // that was asked for
+  TimeMode mode = TimeMode::step;  // what was done: `step` where interpolation was asked for just at a step, too
+  int first = 0, second = 0;       // the steps that were used; equal where one was enough
+  double weight = 0;               // of second
+  double build_ms = 0;             // to make the space-time volume; 0 where it was kept
+  double slice_ms = 0;             // to slice it
+  std::int64_t simplices = 0;      // 4-simplices in it
+  std::uint64_t bytes = 0;         // that it takes
 };
 
 struct Layers {
-  std::shared_ptr<const Dataset> dataset;  // whose grid the mesh lies in; of a time between steps: the earlier step's
-  IntervalMesh mesh;
-  std::vector<MeshArray> carried;  // one per LayerRequest::carry
+  std::shared_ptr<const Dataset> dataset;  // whose grid the mesh lies in: the step's; between steps the first step's, or, where
+                                           // points move or the field is interpolated, one of that time with the arrays asked for
+  IntervalMesh mesh;                       // without origins in space-time mode
+  std::vector<MeshArray> carried;          // one per LayerRequest::carry
+  LayerTime time;
 };
 
 /// Opens a step of the dataset. The same object again where the same step is asked for again.
 using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const Task& task)>;
 
+class KeptSpaceTime;  // extract_at_time.h
+
 /// extract_intervals, or what stands in for it on a device.
 using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                              const ExtractOptions& options, const Task& task)>;
 
-/// `extractor`, where there is one, is called in place of extract_intervals where that is all there is to do: one field, no
-/// terms. Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
-/// cancelled, and what `steps` and `extractor` throw. Any thread.
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const Extractor& extractor = {});
+/// What makes an extraction cheaper and leaves its result as it is.
+struct LayerAids {
+  KeptSpaceTime* kept = nullptr;  // keeps the volume between two steps for the next slice
+  Extractor extractor;            // called in place of extract_intervals where that is all there is to do: one field, no terms
+};
+
+/// In space-time mode the volume between the two steps is made and sliced. That mode takes neither terms nor the strict
+/// triangulation (unsupported); a dataset of one step is extracted as it is.
+/// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
+/// cancelled, and what `steps` and the aids throw. Any thread.
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids = {});
 
 }  // namespace isostrata

@@ -1,11 +1,12 @@
 // A hash table that many threads fill at once, for numbering what they share.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 
 #include "base/buffer.h"
-#include "base/parallel.h"
+#include "base/task.h"
 
 namespace isostrata {
 
@@ -20,47 +21,50 @@ class PointTable {
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
   static constexpr std::uint32_t kFull = ~std::uint32_t{0};
 
-  /// slots: a power of two up to 2^31. bounded: insert() may give up.
-  PointTable(std::uint32_t slots, bool bounded) : entries_(slots), mask_(slots - 1), bounded_(bounded) {
-    parallel_for(slots, 1 << 16, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t i = begin; i < end; ++i) entries_[i] = {};
-    });
-  }
-  static std::uint64_t bytes(std::uint64_t slots) { return slots * sizeof(Entry); }
+  /// slots: a power of two up to 2^31. bounded: insert() may give up. Throws cancelled.
+  PointTable(std::uint32_t slots, bool bounded, const Task& task);
+  static std::uint64_t bytes(std::uint64_t slots) { return slots * (sizeof(std::uint64_t) + sizeof(std::uint32_t)); }
 
-  /// The slot of the key, which is not kEmpty; kFull where the table is bounded and crowded. Any thread. Expected O(1).
-  std::uint32_t insert(std::uint64_t key, std::uint64_t neighbourhood, std::uint32_t use) {
+  /// Where the search for a key starts. The key is not kEmpty.
+  struct Search {
+    std::uint64_t key, at, elsewhere;
+  };
+  /// Has the memory brought near. Some twenty other keys' turns later insert() need not wait for it: in a table larger than the
+  /// caches this halves the time. Any thread.
+  Search begin(std::uint64_t key, std::uint64_t neighbourhood) const {
     const std::uint64_t hash = mix(key);
-    std::uint64_t at = mix(neighbourhood) + (hash & (kWindow - 1));
-    for (int probe = 0;; ++probe, ++at) {
-      if (probe == kWindowProbes) at = hash >> 10;
-      at &= mask_;
-      Entry& entry = entries_[at];
-      std::uint64_t found = std::atomic_ref(entry.key).load(std::memory_order_relaxed);
-      if (found == kEmpty && std::atomic_ref(entry.key).compare_exchange_strong(found, key, std::memory_order_relaxed))
-        found = key;
-      if (found == key) {
-        std::uint32_t first = std::atomic_ref(entry.first).load(std::memory_order_relaxed);
-        while (use < first && !std::atomic_ref(entry.first).compare_exchange_weak(first, use, std::memory_order_relaxed)) {
+    const std::uint64_t at = (mix(neighbourhood) + (hash & (kWindow - 1))) & mask_;
+    __builtin_prefetch(keys_.data() + at, 1);
+    __builtin_prefetch(first_.data() + at, 1);
+    return {key, at, hash >> 10};
+  }
+  /// The slot of the key; kFull where the table is bounded and crowded. Any thread. Expected O(1).
+  std::uint32_t insert(Search search, std::uint32_t use) {
+    for (int probe = 0;; ++probe, ++search.at) {
+      if (probe == kWindowProbes) search.at = search.elsewhere;
+      search.at &= mask_;
+      const std::atomic_ref key(keys_[search.at]);
+      std::uint64_t found = key.load(std::memory_order_relaxed);
+      if (found == kEmpty && key.compare_exchange_strong(found, search.key, std::memory_order_relaxed)) found = search.key;
+      if (found == search.key) {
+        const std::atomic_ref smallest(first_[search.at]);
+        std::uint32_t first = smallest.load(std::memory_order_relaxed);
+        while (use < first && !smallest.compare_exchange_weak(first, use, std::memory_order_relaxed)) {
         }
-        return static_cast<std::uint32_t>(at);
+        return static_cast<std::uint32_t>(search.at);
       }
       if (bounded_ && probe > kMaxProbes) return kFull;
     }
   }
 
-  /// Of a slot that insert() gave. Not while keys are inserted.
-  std::uint64_t key(std::uint32_t slot) const { return entries_[slot].key; }
-  std::uint32_t first_use(std::uint32_t slot) const { return entries_[slot].first; }
-  std::uint32_t number(std::uint32_t slot) const { return entries_[slot].number; }
-  void set_number(std::uint32_t slot, std::uint32_t number) { entries_[slot].number = number; }
+  /// Numbers the keys by their first uses, all below `uses`, and returns them in that order. Call once, after all inserts.
+  /// Walks the table and not the uses: what is read at random is then one bit for each use, which a cache holds. Throws
+  /// cancelled.
+  Buffer<std::uint64_t> number_keys(std::uint64_t uses, const Task& task);
+  /// Of a slot that insert() gave, after number_keys().
+  std::uint32_t number(std::uint32_t slot) const { return first_[slot]; }
 
  private:
-  struct Entry {
-    std::uint64_t key = kEmpty;
-    std::uint32_t first = ~std::uint32_t{0};
-    std::uint32_t number = 0;
-  };
   static constexpr std::uint64_t kWindow = 1024;
   static constexpr int kWindowProbes = 16;
   static constexpr int kMaxProbes = 256;
@@ -72,9 +76,41 @@ class PointTable {
     return x ^ (x >> 31);
   }
 
-  Buffer<Entry> entries_;
+  Buffer<std::uint64_t> keys_;   // [slots]
+  Buffer<std::uint32_t> first_;  // [slots] use, then number
   std::uint64_t mask_;
   bool bounded_;
+};
+
+/// Asks for keys, whose uses are numbered in succession, some at a time. One object per thread.
+class PointRequests {
+ public:
+  /// slots: of all uses; [first_use...] are filled.
+  PointRequests(PointTable& table, std::uint32_t* slots, std::uint32_t first_use)
+      : table_(table), slots_(slots), next_(first_use) {}
+
+  void add(std::uint64_t key, std::uint64_t neighbourhood) {
+    if (waiting_ == kTogether) flush();
+    searches_[waiting_++] = table_.begin(key, neighbourhood);
+  }
+  /// Call after the last, and wherever the slots are read.
+  void flush() {
+    for (std::uint32_t i = 0; i < waiting_; ++i, ++next_) {
+      slots_[next_] = table_.insert(searches_[i], next_);
+      full_ |= slots_[next_] == PointTable::kFull;
+    }
+    waiting_ = 0;
+  }
+  bool full() const { return full_; }
+
+ private:
+  static constexpr std::uint32_t kTogether = 32;
+  PointTable& table_;
+  std::uint32_t* slots_;
+  std::uint32_t next_;
+  std::uint32_t waiting_ = 0;
+  bool full_ = false;
+  std::array<PointTable::Search, kTogether> searches_;
 };
 
 }  // namespace isostrata

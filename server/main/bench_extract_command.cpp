@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
-#include <mutex>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "data/read_once.h"
 #include "extraction/extract_intervals.h"
 #include "main/arguments.h"
 #include "main/bench_device.h"
@@ -42,39 +42,6 @@ std::string cpu_name() {
       if (at != std::string::npos) return line.substr(at + 2);
     }
   return "unknown";
-}
-
-/// The least that any extraction without an index must do: look at every value once.
-void read_once(const PointArray& array) {
-  std::visit(
-      [](auto values) {
-        using T = std::remove_const_t<typename decltype(values)::element_type>;
-        std::mutex mutex;
-        T lowest = values[0], highest = values[0];
-        parallel_for(static_cast<std::int64_t>(values.size()), 1 << 18, [&](std::int64_t begin, std::int64_t end) {
-          constexpr int kLanes = 16;  // independent, so that the compiler may use vectors
-          std::array<T, kLanes> lo, hi;
-          lo.fill(values[begin]);
-          hi.fill(values[begin]);
-          std::int64_t i = begin;
-          for (; i + kLanes <= end; i += kLanes)
-            for (int k = 0; k < kLanes; ++k) {
-              const T v = values[i + k];
-              lo[k] = v < lo[k] ? v : lo[k];
-              hi[k] = v > hi[k] ? v : hi[k];
-            }
-          for (; i < end; ++i) {
-            lo[0] = std::min(lo[0], values[i]);
-            hi[0] = std::max(hi[0], values[i]);
-          }
-          std::lock_guard lock(mutex);
-          lowest = std::min(lowest, *std::min_element(lo.begin(), lo.end()));
-          highest = std::max(highest, *std::max_element(hi.begin(), hi.end()));
-        });
-        [[maybe_unused]] volatile T keep = lowest;
-        keep = highest;
-      },
-      array.values);
 }
 
 /// A thin layer around the torus of radius 0.25, about as many tetrahedra as in the paper's Table 2; elsewhere the middle tenth

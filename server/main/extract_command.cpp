@@ -45,6 +45,21 @@ FacetCounts count_facets(const IntervalMesh& mesh) {
   return counts;
 }
 
+const char* to_string(TimeMode mode) {
+  return mode == TimeMode::spacetime ? "spacetime" : mode == TimeMode::interpolate ? "interpolate" : "step";
+}
+
+boost::json::object to_json(const LayerTime& time) {
+  boost::json::object out{{"value", time.time}, {"mode", to_string(time.mode)}, {"steps", boost::json::array{time.first}}};
+  if (time.second != time.first) out["steps"].as_array().push_back(time.second);
+  out["weight"] = time.weight;
+  if (time.mode == TimeMode::spacetime) {
+    out["simplices"] = time.simplices;
+    out["bytes"] = time.bytes;
+  }
+  return out;
+}
+
 boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms, const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries)
@@ -89,6 +104,17 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
               ms.load, ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
 }
 
+void print_time(const LayerTime& time) {
+  if (time.second == time.first)
+    std::printf("time %.8g: step %d\n", time.time, time.first);
+  else
+    std::printf("time %.8g: %.4f of the way from step %d to step %d, %s\n", time.time, time.weight, time.first, time.second,
+                to_string(time.mode));
+  if (time.mode == TimeMode::spacetime)
+    std::printf("%lld 4-simplices in %.1f MB: built in %.1f ms, sliced in %.1f ms\n", static_cast<long long>(time.simplices),
+                static_cast<double>(time.bytes) / 1e6, time.build_ms, time.slice_ms);
+}
+
 void run(ExtractArguments& arguments) {
   LayerRequest request = layer_request(arguments.layers);
   for (const std::string& text : arguments.intervals)
@@ -101,16 +127,23 @@ void run(ExtractArguments& arguments) {
 
   Stopwatch total, stage;
   Timing ms;
-  const StepSource steps = step_source(arguments.file);
+  const StepSource open = step_source(arguments.file);
+  const StepSource steps = [&](int step, const Task& task) {  // a time between steps opens more of them while extracting
+    Stopwatch loading;
+    auto dataset = open(step, task);
+    ms.load += loading.lap_ms();
+    return dataset;
+  };
   const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
   request.array = array_argument(*dataset, request.array).name;
-  ms.load = stage.lap_ms();
+  stage.lap_ms();
 
   prepare_tables(dataset->grid);
   ms.index = stage.lap_ms();
-  const Layers layers = extract_layers(request, steps, command_task(), device_extractor(arguments.device));
+  const double loaded = ms.load;
+  const Layers layers = extract_layers(request, steps, command_task(), {.extractor = device_extractor(arguments.device)});
   const IntervalMesh& mesh = layers.mesh;
-  ms.extract = stage.lap_ms();
+  ms.extract = stage.lap_ms() - (ms.load - loaded);
   const FacetCounts facets = count_facets(mesh);
   ms.check = stage.lap_ms();
   if (!arguments.out.empty()) {
@@ -119,10 +152,18 @@ void run(ExtractArguments& arguments) {
   }
   ms.total = total.elapsed_ms();
 
-  if (arguments.json)
-    print_json(to_json(mesh, facets, ms, arguments.device.used));
-  else
-    print_text(mesh, request.array, facets, ms);
+  if (arguments.json) {
+    boost::json::object document = to_json(mesh, facets, ms, arguments.device.used);
+    document["time"] = to_json(layers.time);
+    if (layers.time.mode == TimeMode::spacetime) {
+      document["ms"].as_object()["build"] = layers.time.build_ms;
+      document["ms"].as_object()["slice"] = layers.time.slice_ms;
+    }
+    print_json(document);
+    return;
+  }
+  print_text(mesh, request.array, facets, ms);
+  print_time(layers.time);
 }
 
 }  // namespace

@@ -25,14 +25,19 @@ inline std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// `isostrata ARGUMENTS`, the arguments in the shell's syntax; `environment` goes before the command ("NAME=value").
-inline CommandResult run_isostrata(const std::string& arguments, const std::string& environment = "") {
+/// A program of this build with arguments in the shell's syntax; `environment` goes before the command ("NAME=value").
+inline CommandResult run_program(const std::string& program, const std::string& arguments, const std::string& environment = "") {
   const TemporaryFolder folder;
   const auto out = folder / "out", err = folder / "err";
   const std::string command =
-      environment + " '" ISOSTRATA_BIN_DIR "/isostrata' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
+      environment + " '" ISOSTRATA_BIN_DIR "/" + program + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
   const int state = std::system(command.c_str());
   return {WIFEXITED(state) ? WEXITSTATUS(state) : -1, read_text(out), read_text(err)};
+}
+
+/// `isostrata ARGUMENTS`.
+inline CommandResult run_isostrata(const std::string& arguments, const std::string& environment = "") {
+  return run_program("isostrata", arguments, environment);
 }
 
 }  // namespace isostrata::testing

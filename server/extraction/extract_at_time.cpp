@@ -1,0 +1,144 @@
+#include "extraction/extract_at_time.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/stopwatch.h"
+#include "extraction/time_steps.h"
+
+namespace isostrata {
+namespace {
+
+const std::string& array_name(const LayerRequest& request, const Dataset& dataset) {
+  if (!request.array.empty()) return request.array;
+  if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
+  return dataset.arrays.front().name;
+}
+
+/// The time that a request means, and its place among the steps. `any` is a step that is at hand.
+TimePlace place_of(const LayerRequest& request, const Dataset& any, LayerTime& out) {
+  if (request.time) {
+    out.time = *request.time;
+    return place_time(any.name, any.times, *request.time);
+  }
+  if (request.step < 0 || request.step >= static_cast<int>(any.times.size()))
+    throw Error(ErrorCode::not_found, any.name + ": no step " + std::to_string(request.step) + "; it has steps 0 to " +
+                                          std::to_string(any.times.size() - 1));
+  out.time = any.times[request.step];
+  return {request.step, request.step, 0};
+}
+
+bool moves(const Grid& a, const Grid& b, const Task& task) {
+  if (const auto* own = std::get_if<UniformGrid>(&a.shape)) {
+    const auto& other = std::get<UniformGrid>(b.shape);
+    return !(own->origin == other.origin && own->spacing == other.spacing);
+  }
+  if (const auto* own = std::get_if<RectilinearGrid>(&a.shape)) return own->axes != std::get<RectilinearGrid>(b.shape).axes;
+  for (std::int64_t i = 0; i < a.point_count(); ++i) {
+    if (i % 65536 == 0) task.check();
+    if (!(a.point(i) == b.point(i))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+KeptSpaceTime::Asked KeptSpaceTime::get(const std::shared_ptr<const Dataset>& first, const std::shared_ptr<const Dataset>& second,
+                                        const std::string& array, const std::vector<Interval>& intervals, std::uint64_t max_bytes,
+                                        const Task& task) {
+  const std::scoped_lock lock(making_);
+  const bool there = volume_ && volume_->first() == first && volume_->second() == second && volume_->array() == array &&
+                     volume_->intervals() == intervals;
+  if (there) return {volume_, 0};
+  volume_.reset();  // first: both at once may not fit
+  Stopwatch stopwatch;
+  volume_ = std::make_shared<const SpaceTimeVolume>(first, second, array, intervals, max_bytes, task);
+  return {volume_, stopwatch.lap_ms()};
+}
+
+void KeptSpaceTime::forget() {
+  const std::scoped_lock lock(making_);
+  volume_.reset();
+}
+
+std::shared_ptr<const Dataset> dataset_at_time(const LayerRequest& request, const StepSource& steps, LayerTime& time,
+                                               const Task& task) {
+  auto any = steps(request.time ? 0 : request.step, task);
+  TimePlace place = place_of(request, *any, time);
+  if (request.time && request.time_mode == TimeMode::step) {
+    const int nearest = nearest_step(any->name, any->times, *request.time);
+    place = {nearest, nearest, 0};
+  }
+  time.first = place.first;
+  time.second = place.second;
+  time.weight = place.weight;
+  time.mode = place.weight == 0 ? TimeMode::step : TimeMode::interpolate;
+  std::vector<std::string> names{array_name(request, *any)};
+  any.reset();
+  const auto first = steps(place.first, task);
+  if (place.weight == 0) return first;
+  const auto want = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  for (const std::string& name : request.carry) want(name);
+  for (const RangeTerm& term : request.terms) want(term.array);
+  return between_steps(first, steps(place.second, task), place.weight, names, request.max_bytes, task);
+}
+
+std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSource& steps, KeptSpaceTime* kept,
+                                       const Task& task) {
+  auto any = steps(request.time ? 0 : request.step, task);
+  Layers layers;
+  TimePlace place = place_of(request, *any, layers.time);
+  const int last = static_cast<int>(any->times.size()) - 1;
+  if (last == 0) return std::nullopt;
+  const std::string name = array_name(request, *any);
+  any.reset();
+  if (place.first == place.second) {  // at a step: a pair that has it
+    if (place.first == last)
+      place = {last - 1, last, 1};
+    else
+      place.second = place.first + 1;
+  }
+  if (!request.terms.empty())
+    throw Error(ErrorCode::unsupported,
+                "ranges cannot be combined in a slice of space-time; expected --time-mode step or interpolate with them");
+  if (request.triangulation == Triangulation::strict)
+    throw Error(
+        ErrorCode::unsupported,
+        "a slice of space-time is cut out of simplices, which leaves the strict triangulation nothing to choose; expected the "
+        "table triangulation, or --time-mode step or interpolate");
+
+  const auto first = steps(place.first, task), second = steps(place.second, task);
+  layers.time.mode = TimeMode::spacetime;
+  layers.time.first = place.first;
+  layers.time.second = place.second;
+  layers.time.weight = place.weight;
+  KeptSpaceTime for_once;
+  const auto asked = (kept ? *kept : for_once).get(first, second, name, request.intervals, request.max_bytes, task);
+  const SpaceTimeVolume& volume = *asked.volume;
+  layers.time.build_ms = asked.build_ms;
+  layers.time.simplices = static_cast<std::int64_t>(volume.simplices());
+  layers.time.bytes = volume.bytes();
+
+  SliceOptions options;
+  options.facets = request.facets;
+  options.max_bytes = request.max_bytes;
+  Stopwatch stopwatch;
+  SpaceTimeSlice slice = volume.slice(place.weight, options, task);
+  layers.time.slice_ms = stopwatch.lap_ms();
+  for (const std::string& other : request.carry)
+    layers.carried.push_back({other, volume.carry(slice, array_at_step(*first, other), array_at_step(*second, other))});
+  layers.mesh = std::move(slice.mesh);
+
+  layers.dataset = place.weight == 1 ? second : first;
+  if (place.weight > 0 && place.weight < 1 && moves(first->grid, second->grid, task)) {
+    std::vector<std::string> names{name};
+    for (const std::string& other : request.carry)
+      if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);
+    layers.dataset = between_steps(first, second, place.weight, names, request.max_bytes, task);
+  }
+  return layers;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,128 @@
+// isostrata-peer-bench: ours and VTK's on the same data in one run.
+#include <CLI/CLI.hpp>
+#include <boost/json.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <new>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "extract_bench.h"
+#include "paraview_peer.h"
+
+namespace {
+
+using namespace isostrata;
+using namespace isostrata::peers;
+
+Interval parse_ends(const std::string& text) {
+  double lower = 0, upper = 0;
+  int end = 0;
+  if (std::sscanf(text.c_str(), "%lf:%lf%n", &lower, &upper, &end) != 2 || end != static_cast<int>(text.size()) ||
+      !(lower < upper))
+    throw Error(ErrorCode::invalid_argument, "interval '" + text + "': expected LOWER:UPPER, lower less than upper");
+  return {lower, upper};
+}
+
+std::string cpu_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (const auto at = line.find(": "); line.starts_with("model name") && at != std::string::npos) return line.substr(at + 2);
+  return "unknown";
+}
+
+constexpr const char* kIncluded =
+    "ours: from grid and array to indexed, conforming tetrahedra with points, origins, intervals and cells; the interval tables, "
+    "made once per process in 0.1 s, are not in it. The peer: from the same arrays, not copied, to vtkUnstructuredGrid";
+
+struct ExtractArguments {
+  ExtractBenchOptions options;
+  std::string interval;
+  bool json = false;
+};
+
+void run_extract(ExtractArguments& arguments) {
+  if (!arguments.interval.empty()) arguments.options.interval = parse_ends(arguments.interval);
+  if (!paraview_found() || !std::filesystem::exists(arguments.options.paraview_script)) arguments.options.paraview_script.clear();
+  const ExtractBenchReport report = run_extract_bench(arguments.options);
+  if (!arguments.json) {
+    print_text(report.rows);
+    for (const std::string& what : report.left_out) std::printf("left out: %s\n", what.c_str());
+    std::printf("%s; %s; ours: %d threads\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), kIncluded);
+    return;
+  }
+  boost::json::array runs, left_out;
+  for (const Row& row : report.rows) runs.push_back(to_json(row));
+  for (const std::string& what : report.left_out) left_out.push_back(boost::json::string(what));
+  const std::string text = boost::json::serialize(boost::json::object{{"runs", std::move(runs)},
+                                                                      {"left_out", std::move(left_out)},
+                                                                      {"threads", thread_count()},
+                                                                      {"vtk", report.vtk},
+                                                                      {"cpu", cpu_name()},
+                                                                      {"included", kIncluded}});
+  std::printf("%s\n", text.c_str());
+}
+
+void add_extract(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("extract", "Interval volumes: our extraction, and two clips of VTK's");
+  auto arguments = std::make_shared<ExtractArguments>();
+  ExtractBenchOptions& options = arguments->options;
+  options.paraview_script = ISOSTRATA_SOURCE_DIR "/tests/bench/paraview_isovolume.py";
+  command
+      ->add_option("--data", options.data,
+                   "A file, the name of analytic data, or torus-u8:N; may be repeated (default: the standard rows)")
+      ->allow_extra_args(false);
+  command->add_option("--array", options.array, "The point array of --data (default: the first)");
+  CLI::Option* interval = command->add_option("--interval", arguments->interval, "LOWER:UPPER for --data (default: by --share)");
+  command->add_option("--share", options.share, "For --data: the share of its cells that the interval passes through")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str()
+      ->excludes(interval);
+  command->add_flag("--full", options.full, "All repeats of the long rows, and ParaView's IsoVolume where pvpython is found");
+  command->add_option("--threads", options.threads, "Threads for either side")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->add_option("--paraview-script", options.paraview_script, "What --full runs in pvpython")->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print one JSON document");
+  command->callback([arguments] { run_extract(*arguments); });
+}
+
+struct MemoryArguments {
+  std::string side, data, array, interval;
+  int threads = 2;
+};
+
+void add_peak_memory(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("peak-memory", "One side's work once: prints its peak memory and the data's, in bytes");
+  auto arguments = std::make_shared<MemoryArguments>();
+  command->add_option("SIDE", arguments->side, "ours or vtk")->required()->check(CLI::IsMember({"ours", "vtk"}));
+  command->add_option("DATA", arguments->data, "As --data of extract")->required();
+  command->add_option("--array", arguments->array, "The point array (default: the first)");
+  command->add_option("--interval", arguments->interval, "LOWER:UPPER")->required();
+  command->add_option("--threads", arguments->threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->callback([arguments] {
+    print_peak_memory(arguments->side == "ours" ? Side::ours : Side::vtk, arguments->data, arguments->array,
+                      parse_ends(arguments->interval), arguments->threads);
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Isostrata beside its peers, on the same data in one run"};
+  app.require_subcommand(1);
+  add_extract(app);
+  add_peak_memory(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "isostrata-peer-bench: out of memory\n");
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isostrata-peer-bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,22 @@
+#include "our_extraction.h"
+
+#include "extraction/extract_intervals.h"
+
+namespace isostrata::peers {
+namespace {
+
+IntervalMesh extract(const Workload& workload, bool measure, const Task& task) {
+  ExtractOptions options;
+  options.facets = false;
+  options.values = false;
+  options.measure = measure;
+  return extract_intervals(workload.dataset->grid, workload.values(), {&workload.interval, 1}, options, task);
+}
+
+}  // namespace
+
+IntervalMesh extract_ours(const Workload& workload, const Task& task) { return extract(workload, false, task); }
+
+IntervalMesh extract_and_measure(const Workload& workload, const Task& task) { return extract(workload, true, task); }
+
+}  // namespace isostrata::peers

@@ -1,0 +1,16 @@
+// Our way: explicit, indexed, conforming tetrahedra with their intervals, ready to be written or drawn.
+#pragma once
+
+#include "base/task.h"
+#include "extraction/interval_mesh.h"
+#include "workload.h"
+
+namespace isostrata::peers {
+
+/// One extraction from nothing but the grid and the array: whatever is built to find cells quickly is built inside.
+IntervalMesh extract_ours(const Workload& workload, const Task& task);
+
+/// The same with the sums of volumes, which cost time that the peer does not spend either.
+IntervalMesh extract_and_measure(const Workload& workload, const Task& task);
+
+}  // namespace isostrata::peers

@@ -1,0 +1,102 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "support/run_isostrata.h"
+
+namespace {
+
+using namespace isostrata::testing;
+using ::testing::HasSubstr;
+namespace json = boost::json;
+
+double number(const json::value& value) { return value.to_number<double>(); }
+
+class PeerBench : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(ISOSTRATA_BIN_DIR "/isostrata-peer-bench")) GTEST_SKIP() << "built without VTK: no peer bench";
+  }
+
+  static json::value extract(const std::string& arguments) {
+    const CommandResult result = run_program("isostrata-peer-bench", "extract " + arguments + " --json");
+    EXPECT_EQ(result.status, 0) << arguments << ": " << result.err;
+    return result.status == 0 ? json::parse(result.out) : json::value();
+  }
+};
+
+TEST_F(PeerBench, CutsTheSameRegionAsVtkOutOfEveryKindOfGrid) {
+  const json::value document =
+      extract("--data torus:24 --data tets:12 --data mixed:8 --data cylinder:24x16x12 --data torus-u8:24");
+  ASSERT_TRUE(document.is_object());
+  std::set<std::string> seen;
+  for (const json::value& run : document.at("runs").as_array()) {
+    const std::string data(run.at("data").as_string()), peer(run.at("peer").as_string());
+    seen.insert(data + ", " + peer);
+    // Tetrahedra leave no choice; the cells of the others have faces that two tables cut differently.
+    EXPECT_LE(number(run.at("volume_difference")), data == "tets:12" ? 1e-6 : 0.1) << data;
+    EXPECT_GT(number(run.at("our_volume")), 0) << data;
+    EXPECT_GT(number(run.at("tetrahedra")), 0) << data;
+    EXPECT_GT(number(run.at("peer_cells")), 0) << data;
+    EXPECT_NEAR(number(run.at("ratio")), number(run.at("peer_ms")) / number(run.at("ours_ms")), 1e-6 * number(run.at("ratio")));
+    for (const char* side : {"ours", "theirs"}) {
+      EXPECT_LE(number(run.at(side).at("min")), number(run.at(side).at("median"))) << data;
+      EXPECT_LE(number(run.at(side).at("median")), number(run.at(side).at("max"))) << data;
+    }
+  }
+  EXPECT_EQ(seen.size(), 10u) << "two rows for each of five";
+  EXPECT_TRUE(seen.contains("torus:24, table clip x2 + tetrahedralise"));
+  EXPECT_TRUE(seen.contains("torus:24, table clip x2"));
+  EXPECT_THAT(std::string(document.at("vtk").as_string()), HasSubstr("VTK 9"));
+}
+
+TEST_F(PeerBench, ChoosesTheIntervalByTheShareOfCells) {
+  for (const double share : {0.2, 0.5}) {
+    const json::value document = extract("--data torus:32 --share " + std::to_string(share));
+    ASSERT_TRUE(document.is_object());
+    const json::value& run = document.at("runs").at(0);
+    EXPECT_NEAR(number(run.at("active_cells")) / number(run.at("cells")), share, 0.01);
+  }
+}
+
+TEST_F(PeerBench, TakesTheIntervalThatIsGiven) {
+  const json::value document = extract("--data sphere:16 --interval 0.3:0.7");
+  ASSERT_TRUE(document.is_object());
+  const double ball = 4.0 / 3 * std::acos(-1.0);
+  EXPECT_NEAR(number(document.at("runs").at(0).at("our_volume")), ball * (0.343 - 0.027), 0.02 * ball);
+}
+
+TEST_F(PeerBench, MeasuresTheMemoryOfEitherSideInAProcessOfItsOwn) {
+  for (const char* side : {"ours", "vtk"}) {
+    const CommandResult result =
+        run_program("isostrata-peer-bench", std::string("peak-memory ") + side + " torus:48 --interval 0.2:0.3");
+    ASSERT_EQ(result.status, 0) << result.err;
+    std::istringstream out(result.out);
+    double peak = 0, data = 0;
+    ASSERT_TRUE(out >> peak >> data) << result.out;
+    EXPECT_GT(peak, data) << side;
+    EXPECT_GT(data, 48 * 48 * 48 * 4) << side;
+  }
+}
+
+TEST_F(PeerBench, RefusesWithOneClearLine) {
+  const std::pair<const char*, const char*> refusals[] = {
+      {"extract --data torus:16 --interval 2:1", "lower less than upper"},
+      {"extract --data torus:16 --array missing", "no array 'missing'"},
+      {"extract --data no-such-file.vtk", "no-such-file.vtk"},
+      {"extract --data torus-u8:x", "expected torus-u8:N"},
+      {"peak-memory vtk torus:16 --interval 100:200", "the interval is empty"},
+  };
+  for (const auto& [arguments, says] : refusals) {
+    const CommandResult result = run_program("isostrata-peer-bench", arguments);
+    EXPECT_EQ(result.status, 1) << arguments << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr(says)) << arguments;
+    EXPECT_EQ(result.out, "") << arguments;
+  }
+}
+
+}  // namespace
