@@ -157,7 +157,8 @@ std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& a
       visit_boundary(b * kRunsPerBlock, block_end(b), [&](std::uint32_t t, int i, FacetLabel label) {
         const auto& points = mesh.tetrahedra[t];
         const auto& v = kFacets[i];
-        facets[to++] = {{points[v[0]], points[v[1]], points[v[2]]}, t, mesh.tetrahedron_interval[t], label};
+        const std::uint16_t interval = mesh.tetrahedron_interval[t];
+        facets[to++] = {{points[v[0]], points[v[1]], points[v[2]]}, t, interval, label, interval};
       });
     }
   });

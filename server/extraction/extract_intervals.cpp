@@ -62,10 +62,10 @@ class Extraction {
  public:
   Extraction(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
              const Task& task)
-      : grid_(grid), array_(array), options_(options), task_(task), rules_(intervals) {
-    for (const Interval& interval : intervals) {
+      : grid_(grid), array_(array), options_(options), task_(task), rules_(intervals, options.complement) {
+    for (const IsoRule& rule : rules_.rules()) {
       mesh_.summaries.emplace_back();
-      mesh_.summaries.back().interval = interval;
+      mesh_.summaries.back().interval = {rule.lower, rule.upper};
     }
   }
 

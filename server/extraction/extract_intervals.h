@@ -17,6 +17,7 @@ struct ExtractOptions {
   bool facets = false;                    // fill IntervalMesh::facets
   bool values = true;                     // fill IntervalMesh::values
   bool measure = true;                    // sum the volumes of the summaries and count what is inverted
+  bool complement = false;                // also what is below, between and above the intervals, as further intervals after them
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
   const MinMaxBricks* bricks = nullptr;   // of this grid and array, where they are at hand: structured grids only
 };

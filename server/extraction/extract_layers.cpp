@@ -1,5 +1,6 @@
 #include "extraction/extract_layers.h"
 
+#include "extraction/combine_ranges.h"
 #include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
 
@@ -12,6 +13,19 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
   return dataset.arrays.front();
 }
 
+void combine_terms(const LayerRequest& request, const Dataset& dataset, const PointArray& array,
+                   std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
+  std::vector<ArrayTerm> terms;
+  for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), term.range});
+  const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals,
+                           const ExtractOptions& options) { return extract_intervals(grid, on, intervals, options, task); };
+  Combined combined =
+      combine_arrays(dataset.grid, array, request.intervals, terms, carry, extract, {request.facets, request.max_bytes}, task);
+  layers.mesh = std::move(combined.mesh);
+  for (std::size_t i = 0; i < carry.size(); ++i)
+    layers.carried.push_back({carry[i]->name, {combined.fields[i + 1].begin(), combined.fields[i + 1].end()}});
+}
+
 }  // namespace
 
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids) {
@@ -19,7 +33,6 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
     if (auto sliced = slice_space_time(request, steps, aids.kept, task)) return std::move(*sliced);
   if (request.triangulation == Triangulation::strict)
     throw Error(ErrorCode::unsupported, "the strict triangulation cannot be extracted yet");
-  if (!request.terms.empty()) throw Error(ErrorCode::unsupported, "ranges cannot be combined yet");
   Layers layers;
   layers.dataset = dataset_at_time(request, steps, layers.time, task);
   const Dataset& dataset = *layers.dataset;
@@ -29,8 +42,12 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   ExtractOptions options;
   options.facets = request.facets;
   options.max_bytes = request.max_bytes;
+  if (!request.terms.empty()) {
+    combine_terms(request, dataset, array, carry, layers, task);
+    return layers;
+  }
   layers.mesh = aids.extractor ? aids.extractor(dataset.grid, array, request.intervals, options, task)
-                          : extract_intervals(dataset.grid, array, request.intervals, options, task);
+                               : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

@@ -13,19 +13,9 @@
 #include "data/dataset.h"
 #include "extraction/extract_intervals.h"
 #include "extraction/interval_mesh.h"
+#include "extraction/range_term.h"
 
 namespace isostrata {
-
-/// How the range of another attribute changes the region so far, from left to right: ((A op B) op C) ...
-enum class RangeOperator { intersect, unite, subtract, exclusive_or };
-
-struct RangeTerm {
-  RangeOperator op = RangeOperator::intersect;
-  std::string array;
-  Interval range;
-
-  bool operator==(const RangeTerm&) const = default;
-};
 
 /// How a time between two steps is understood (the paper's section 3.2). All agree at the steps themselves.
 enum class TimeMode {

@@ -235,13 +235,14 @@ class Writer {
 
 std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                const ExtractOptions& options, const Task& task) {
-  if (!grid.structured() || intervals.size() > kMaxRecordIntervals) return std::nullopt;
-  const IsoRules rules(intervals);
+  if (!grid.structured()) return std::nullopt;
+  const IsoRules rules(intervals, options.complement);
+  if (rules.rules().size() > kMaxRecordIntervals) return std::nullopt;
   IntervalMesh mesh;
   mesh.cells = grid.cell_count();
-  for (const Interval& interval : intervals) {
+  for (const IsoRule& rule : rules.rules()) {
     mesh.summaries.emplace_back();
-    mesh.summaries.back().interval = interval;
+    mesh.summaries.back().interval = {rule.lower, rule.upper};
   }
   if (mesh.cells > 0) {
     task.report(0.0, "searching");

@@ -166,10 +166,10 @@ class UnstructuredExtraction {
         format_(grid.point_count(), rules.isovalues().size()),
         blocks_((grid.cell_count() + kCellsPerBlock - 1) / kCellsPerBlock) {}
 
-  IntervalMesh run(std::span<const Interval> intervals) {
-    for (const Interval& interval : intervals) {
+  IntervalMesh run() {
+    for (const IsoRule& rule : rules_.rules()) {
       mesh_.summaries.emplace_back();
-      mesh_.summaries.back().interval = interval;
+      mesh_.summaries.back().interval = {rule.lower, rule.upper};
     }
     mesh_.cells = grid_.cell_count();
     find_cases();
@@ -667,12 +667,12 @@ class UnstructuredExtraction {
 std::optional<IntervalMesh> extract_unstructured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                  const ExtractOptions& options, const Task& task) {
   if (grid.structured()) return std::nullopt;
-  const IsoRules rules(intervals);
+  const IsoRules rules(intervals, options.complement);
   if (grid.cell_count() > std::numeric_limits<std::uint32_t>::max() ||
       grid.point_count() > std::numeric_limits<std::uint32_t>::max() ||
       KeyFormat(grid.point_count(), rules.isovalues().size()).bits > 64)
     return std::nullopt;
-  return UnstructuredExtraction(grid, array, rules, options, task).run(intervals);
+  return UnstructuredExtraction(grid, array, rules, options, task).run();
 }
 
 }  // namespace isostrata

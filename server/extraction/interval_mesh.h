@@ -53,8 +53,11 @@ class PointOrigin {
 struct BoundaryFacet {
   std::array<std::uint32_t, 3> points{};  // counter-clockwise seen from outside the interval
   std::uint32_t tetrahedron = 0;          // the tetrahedron it bounds
-  std::uint16_t interval = 0;
+  std::uint16_t interval = 0;             // of that tetrahedron
   FacetLabel label = FacetLabel::domain;
+  /// Whose end it lies on: of the request's n intervals, or n + k: of the range of term k. The interval's own where nothing is
+  /// combined. Of domain facets: the interval.
+  std::uint16_t range = 0;
 };
 
 /// The tetrahedra of one active cell: [first_tetrahedron, next run's first_tetrahedron).
@@ -71,18 +74,19 @@ struct IntervalSummary {
   double volume = 0;          // sum of absolute volumes
   double signed_volume = 0;   // sum of signed volumes; positive for the orientation of the cell they lie in
   std::int64_t inverted = 0;  // tetrahedra of the other sign
+  int term = -1;              // the term of the request that alone brought them in; -1: they lie in an interval
 };
 
 /// Touching intervals share the points on their common isosurface. Immutable once made.
 struct IntervalMesh {
   Buffer<Vec3d> positions;                          // [np] world space
-  Buffer<PointOrigin> origins;                      // [np]
+  Buffer<PointOrigin> origins;                      // [np]; empty where ranges were combined: such points lie on no edge
   Buffer<double> values;                            // [np] the array that was extracted on; empty unless asked for
   Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices, grouped by cell: see cell_runs
   Buffer<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
   Buffer<CellRun> cell_runs;                        // [active cells] each cell once, those near one another close together
   std::vector<BoundaryFacet> facets;                // empty unless asked for
-  std::vector<IntervalSummary> summaries;           // one per interval of the request, in its order
+  std::vector<IntervalSummary> summaries;           // one per interval of the request, in its order; then per term that adds
   std::int64_t cells = 0;                           // of the grid, hidden ones included
   std::int64_t active_cells = 0;                    // active in at least one interval
 };

@@ -23,10 +23,11 @@ struct IsoRule {
 /// The intervals of one request.
 class IsoRules {
  public:
-  /// Throws invalid_argument: no interval, more than 65535, an end that is not finite, lower >= upper.
-  explicit IsoRules(std::span<const Interval> intervals);
+  /// Throws invalid_argument: no interval, more than 65535, an end that is not finite, lower >= upper. With `complement`, rules
+  /// for all that lies between, below and above the intervals follow theirs: a value is in just one of them or in an interval.
+  explicit IsoRules(std::span<const Interval> intervals, bool complement = false);
 
-  std::span<const IsoRule> rules() const { return rules_; }         // in the order of the request
+  std::span<const IsoRule> rules() const { return rules_; }         // in the order of the request, then the complement's
   std::span<const double> isovalues() const { return isovalues_; }  // distinct, increasing
   double lowest() const { return lowest_; }                         // of all lower
   double highest() const { return highest_; }                       // of all above
@@ -54,6 +55,8 @@ class IsoRules {
   }
 
  private:
+  void add_complement();
+
   std::vector<IsoRule> rules_;
   std::vector<double> isovalues_;
   std::vector<std::uint16_t> order_;  // intervals by lower

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <map>
 #include <random>
 #include <set>
 
@@ -47,6 +49,37 @@ TEST(IsoRules, VisitsExactlyTheIntervalsThatACellIsActiveIn) {
       }
       rules.visit_active(minimum, maximum, [&](std::uint16_t i, const IsoRule&) { EXPECT_TRUE(visited.insert(i).second); });
       ASSERT_EQ(visited, expected) << "seed " << seed << ", values " << minimum << " to " << maximum;
+    }
+  }
+}
+
+TEST(IsoRules, TheComplementHoldsJustWhatIsInNoInterval) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_int_distribution<int> whole(0, 20);
+    std::vector<Interval> intervals;
+    for (std::uint64_t i = 0; i < 1 + seed % 5; ++i) {
+      const int lower = whole(random);
+      intervals.push_back({double(lower), lower + 1 + whole(random) / 4.0});
+    }
+    const IsoRules plain(intervals), rules(intervals, true);
+    std::vector<double> ends(plain.isovalues().begin(), plain.isovalues().end());
+    ends.insert(ends.begin(), std::numeric_limits<double>::lowest());
+    ends.push_back(std::numeric_limits<double>::max());
+    EXPECT_EQ(ends, std::vector<double>(rules.isovalues().begin(), rules.isovalues().end()));
+    std::map<std::uint32_t, double> thresholds;  // one for each isosurface: what ends there and what begins there agree
+    for (const IsoRule& rule : rules.rules()) {
+      EXPECT_EQ(thresholds.emplace(rule.lower_index, rule.lower).first->second, rule.lower) << "seed " << seed;
+      EXPECT_EQ(thresholds.emplace(rule.upper_index, rule.above).first->second, rule.above) << "seed " << seed;
+    }
+    std::vector<double> values{-1e300, 1e300, -std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+    for (const double end : plain.isovalues())
+      for (const double value : {std::nextafter(end, -1e9), end, std::nextafter(end, 1e9), end + 0.1}) values.push_back(value);
+    for (const double value : values) {
+      int in = 0, out = 0;
+      for (std::size_t i = 0; i < rules.rules().size(); ++i)
+        (i < intervals.size() ? in : out) += rules.rules()[i].class_of(value) == 1;
+      ASSERT_EQ(out, in == 0 ? 1 : 0) << "seed " << seed << ", value " << value;
     }
   }
 }
