@@ -8,7 +8,7 @@
 #include "extraction/structured_points.h"
 #include "rendering/gl_field.h"
 #include "rendering/shader_sources.h"
-#include "tables/interval_table.h"
+#include "rendering/table_words.h"
 
 namespace isostrata {
 namespace {
@@ -21,33 +21,6 @@ constexpr std::uint32_t kMinCapacity = 4096;
 constexpr const char* kAnyFormat = "#define BYTES_PER_VALUE 4\n";  // programs that look at no values are compiled once
 
 std::uint32_t pieces(std::uint64_t items, std::uint64_t each) { return static_cast<std::uint32_t>((items + each - 1) / each); }
-
-/// See shaders/layout.h: isovertices, cases, tetrahedra.
-std::vector<std::uint32_t> table_words() {
-  const HexahedronTable& table = hexahedron_table();
-  const CellTopology& cell = topology(CellType::hexahedron);
-  std::vector<std::uint32_t> words(ISO_VERTICES);
-  for (std::uint32_t v = 0; v < ISO_VERTICES; ++v) {
-    int owner = static_cast<int>(v);
-    std::uint32_t axis = 3, upper = 0;
-    if (v >= 8) {
-      auto [a, b] = cell.edges[(v - 8) % 12];
-      const auto& at_a = kHexahedronCorners[a];
-      const auto& at_b = kHexahedronCorners[b];
-      axis = at_a[0] != at_b[0] ? 0 : at_a[1] != at_b[1] ? 1 : 2;
-      owner = at_a[axis] < at_b[axis] ? a : b;
-      upper = v >= 20;
-    }
-    const auto& corner = kHexahedronCorners[owner];
-    words[v] = static_cast<std::uint32_t>(corner[0] | corner[1] << 1 | corner[2] << 2) | axis << ISO_AXIS_SHIFT |
-               upper << ISO_UPPER_SHIFT;
-  }
-  for (int i = 0; i < HEXAHEDRON_CASES; ++i)
-    words.push_back(table.first[i] << CASE_COUNT_BITS | (table.first[i + 1] - table.first[i]));
-  for (const auto& t : table.tetrahedra)
-    words.push_back(std::uint32_t{t[0]} | std::uint32_t{t[1]} << 8 | std::uint32_t{t[2]} << 16 | std::uint32_t{t[3]} << 24);
-  return words;
-}
 
 /// Work groups of one list that is gone through in slices.
 struct Slices {
