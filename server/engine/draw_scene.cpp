@@ -19,8 +19,6 @@ bool uses_color_map(const Scene& scene) {
          std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
 }
 
-bool adds(RangeOperator op) { return op == RangeOperator::unite || op == RangeOperator::exclusive_or; }
-
 /// Whether another array can be brought to the finished mesh: its points know the edges they lie on, and the array is that of a
 /// step.
 bool can_carry(const ExtractedScene& extracted) {
@@ -32,7 +30,8 @@ bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, cons
   return previous.request == request && steps(previous.dataset->step, task) == previous.dataset;
 }
 
-void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task) {
+void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task,
+             const LayerAids& aids) {
   if (request.intervals.empty()) {
     made.dataset = steps(request.step, task);
     made.dataset->array(request.array);
@@ -42,7 +41,7 @@ void extract(ExtractedScene& made, const LayerRequest& request, const StepSource
     if (!request.carry.empty()) made.color_values = std::make_shared<const std::vector<float>>();
     return;
   }
-  Layers layers = extract_layers(request, steps, task);
+  Layers layers = extract_layers(request, steps, task, aids);
   made.dataset = std::move(layers.dataset);
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
   if (!request.carry.empty())
@@ -89,7 +88,8 @@ LayerRequest layer_request(const Scene& scene) {
 }
 
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, const Scene& scene,
-                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task) {
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                    const LayerAids& aids) {
   const Stopwatch watch;
   LayerRequest request = layer_request(scene);
   if (request.array.empty()) request.array = first_array(*steps(scene.step, task));
@@ -113,7 +113,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, con
     const PointArray& color_array = made->dataset->array(color_by);
     if (colored) made->color_values = std::make_shared<const std::vector<float>>(carry_array(*made->mesh, color_array));
   } else {
-    extract(*made, request, steps, task);
+    extract(*made, request, steps, task, aids);
   }
   const PointArray& color_array = made->dataset->array(color_by);
   if (color_array.lower <= color_array.upper) {

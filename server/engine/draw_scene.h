@@ -34,7 +34,8 @@ struct ExtractedScene {
 /// only colours are wanted that can be carried to it. A scene without intervals gives an empty mesh. Scene::array empty: the
 /// dataset's first. Throws not_found (no such array) and what extract_layers throws. Any thread.
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, const Scene& scene,
-                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task);
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                    const LayerAids& aids = {});
 
 /// The same for one step that is at hand. Throws not_found where the scene's time needs another one.
 std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,
