@@ -11,7 +11,7 @@
 
 namespace isostrata {
 
-class MinMaxBricks;
+class BrickMemory;
 
 struct ExtractOptions {
   bool facets = false;                    // fill IntervalMesh::facets
@@ -19,7 +19,7 @@ struct ExtractOptions {
   bool measure = true;                    // sum the volumes of the summaries and count what is inverted
   bool complement = false;                // also what is below, between and above the intervals, as further intervals after them
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
-  const MinMaxBricks* bricks = nullptr;   // of this grid and array, where they are at hand: structured grids only
+  BrickMemory* bricks = nullptr;          // keeps what the next extraction of the same field can use: structured grids only
 };
 
 /// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra).

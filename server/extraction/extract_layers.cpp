@@ -42,6 +42,7 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   ExtractOptions options;
   options.facets = request.facets;
   options.max_bytes = request.max_bytes;
+  options.bricks = aids.bricks;
   if (!request.terms.empty()) {
     combine_terms(request, dataset, array, carry, layers, task);
     return layers;

@@ -67,6 +67,7 @@ struct Layers {
 /// Opens a step of the dataset. The same object again where the same step is asked for again.
 using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const Task& task)>;
 
+class BrickMemory;    // brick_memory.h
 class KeptSpaceTime;  // extract_at_time.h
 
 /// extract_intervals, or what stands in for it on a device.
@@ -75,6 +76,7 @@ using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray&
 
 /// What makes an extraction cheaper and leaves its result as it is.
 struct LayerAids {
+  BrickMemory* bricks = nullptr;  // as ExtractOptions::bricks
   KeptSpaceTime* kept = nullptr;  // keeps the volume between two steps for the next slice
   Extractor extractor;            // called in place of extract_intervals where that is all there is to do: one field, no terms
 };
