@@ -98,6 +98,7 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Bu
                         std::span<const FieldTerm> terms, const CombineOptions& options, const Task& task) {
   Combined out;
   out.mesh.cells = base.cells;
+  out.mesh.strict = base.strict;
   std::vector<RangeOfField> ranges;
   std::vector<std::uint16_t> own;  // [labels] into ranges
   for (std::size_t i = 0; i < intervals; ++i) {
@@ -142,7 +143,7 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Bu
 }
 
 Buffer<double> exact_weights(const IntervalMesh& mesh, const PointArray& array) {
-  Buffer<double> weights(mesh.positions.size());
+  Buffer<double> weights(mesh.origins.size());
   std::visit(
       [&](auto values) {
         parallel_for(static_cast<std::int64_t>(weights.size()), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
@@ -161,7 +162,8 @@ Buffer<double> carry_values(const IntervalMesh& mesh, std::span<const double> we
   Buffer<double> carried(mesh.positions.size());
   std::visit(
       [&](auto values) {
-        parallel_for(static_cast<std::int64_t>(carried.size()), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
+        const auto on_edges = static_cast<std::int64_t>(mesh.origins.size());
+        parallel_for(on_edges, 1 << 15, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i) {
             const std::int64_t a = mesh.origins[i].a(), b = mesh.origins[i].b();
             if (static_cast<std::uint64_t>(b) >= values.size())  // b >= a
@@ -170,6 +172,18 @@ Buffer<double> carry_values(const IntervalMesh& mesh, std::span<const double> we
             carried[i] = value_between(static_cast<double>(values[a]), static_cast<double>(values[b]), weights[i]);
           }
         });
+        const InnerPoints& inner = mesh.inner;
+        for (std::size_t i = 0; i + 1 < inner.first.size(); ++i) {
+          double sum = 0;
+          for (std::uint32_t k = inner.first[i]; k < inner.first[i + 1]; ++k) {
+            if (static_cast<std::uint64_t>(inner.points[k]) >= values.size())
+              throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values.size()) +
+                                                           " values; the mesh lies on a grid with a point " +
+                                                           std::to_string(inner.points[k]));
+            sum += inner.weights[k] * static_cast<double>(values[inner.points[k]]);
+          }
+          carried[static_cast<std::size_t>(on_edges) + i] = sum;
+        }
       },
       array.values);
   return carried;
