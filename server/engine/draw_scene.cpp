@@ -8,64 +8,134 @@
 namespace isostrata {
 namespace {
 
-const PointArray& find_array(const Dataset& dataset, const std::string& name) {
-  if (!name.empty()) return dataset.array(name);
+const std::string& first_array(const Dataset& dataset) {
   if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
-  return dataset.arrays.front();
+  return dataset.arrays.front().name;
 }
 
-bool same_ends(const IntervalMesh& mesh, const std::vector<SceneInterval>& intervals) {
-  return std::equal(mesh.summaries.begin(), mesh.summaries.end(), intervals.begin(), intervals.end(),
-                    [](const IntervalSummary& had, const SceneInterval& wanted) {
-                      return had.interval.lower == wanted.lower && had.interval.upper == wanted.upper;
-                    });
+bool uses_color_map(const Scene& scene) {
+  const auto mapped = [](const auto& of) { return !of.color_map.empty(); };
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(), mapped) ||
+         std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
 }
 
-std::shared_ptr<const IntervalMesh> extract(const Dataset& dataset, const PointArray& array,
-                                            const std::vector<SceneInterval>& wanted, const Task& task) {
-  auto mesh = std::make_shared<IntervalMesh>();
-  if (wanted.empty()) {
-    mesh->cells = dataset.grid.cell_count();
-    return mesh;
+bool adds(RangeOperator op) { return op == RangeOperator::unite || op == RangeOperator::exclusive_or; }
+
+/// Whether another array can be brought to the finished mesh: its points know the edges they lie on, and the array is that of a
+/// step.
+bool can_carry(const ExtractedScene& extracted) {
+  return !extracted.request.time && extracted.mesh->origins.size() == extracted.mesh->positions.size();
+}
+
+/// The dataset is immutable and one object per time step, so its identity stands for dataset and step.
+bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, const StepSource& steps, const Task& task) {
+  return previous.request == request && steps(previous.dataset->step, task) == previous.dataset;
+}
+
+void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task) {
+  if (request.intervals.empty()) {
+    made.dataset = steps(request.step, task);
+    made.dataset->array(request.array);
+    auto mesh = std::make_shared<IntervalMesh>();
+    mesh->cells = made.dataset->grid.cell_count();
+    made.mesh = std::move(mesh);
+    if (!request.carry.empty()) made.color_values = std::make_shared<const std::vector<float>>();
+    return;
   }
-  std::vector<Interval> intervals;
-  for (const SceneInterval& one : wanted) intervals.push_back({one.lower, one.upper});
-  *mesh = extract_intervals(dataset.grid, array, intervals, {}, task);
-  return mesh;
+  Layers layers = extract_layers(request, steps, task);
+  made.dataset = std::move(layers.dataset);
+  made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
+  if (!request.carry.empty())
+    made.color_values = std::make_shared<const std::vector<float>>(std::move(layers.carried.front().values));
+}
+
+IntervalStyle style_of(const SceneInterval& interval, const ExtractedScene& extracted) {
+  IntervalStyle style;
+  style.color = interval.color;
+  style.color_map = interval.color_map;
+  style.color_lower = extracted.color_lower;
+  style.color_upper = extracted.color_upper;
+  style.opacity = interval.opacity;
+  style.priority = interval.priority;
+  style.visible = interval.visible;
+  return style;
+}
+
+IntervalStyle style_of(const SceneTerm& term, const SceneInterval& first, const ExtractedScene& extracted) {
+  IntervalStyle style = style_of(first, extracted);
+  if (term.color || !term.color_map.empty()) style.color_map = term.color_map;
+  if (term.color) style.color = *term.color;
+  if (term.opacity) style.opacity = *term.opacity;
+  if (term.priority) style.priority = *term.priority;
+  style.visible = term.visible;
+  return style;
 }
 
 }  // namespace
 
-std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,
+LayerRequest layer_request(const Scene& scene) {
+  LayerRequest request;
+  request.array = scene.array;
+  for (const SceneInterval& interval : scene.intervals) request.intervals.push_back({interval.lower, interval.upper});
+  for (const SceneTerm& term : scene.terms) request.terms.push_back(term.term);
+  request.time = scene.time;
+  if (scene.time)
+    request.time_mode = scene.time_mode;
+  else
+    request.step = scene.step;
+  request.triangulation = scene.triangulation;
+  if (uses_color_map(scene)) request.carry.push_back(scene.color_by.empty() ? scene.array : scene.color_by);
+  return request;
+}
+
+std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task) {
   const Stopwatch watch;
-  const PointArray& array = find_array(*dataset, scene.array);
-  const PointArray& color_by = scene.color_by.empty() ? array : dataset->array(scene.color_by);
-  const bool colored = std::any_of(scene.intervals.begin(), scene.intervals.end(),
-                                   [](const SceneInterval& interval) { return !interval.color_map.empty(); });
-  // The dataset is immutable and one object per time step, so its identity stands for dataset and step.
-  const bool same_mesh =
-      previous && previous->dataset == dataset && previous->array == array.name && same_ends(*previous->mesh, scene.intervals);
-  const bool same_colors = same_mesh && previous->color_by == color_by.name && (previous->color_values || !colored);
-  if (same_mesh && same_colors) {
-    if (previous->extract_ms == 0) return previous;
-    auto again = std::make_shared<ExtractedScene>(*previous);
-    again->extract_ms = 0;
-    return again;
-  }
+  LayerRequest request = layer_request(scene);
+  if (request.array.empty()) request.array = first_array(*steps(scene.step, task));
+  const std::string color_by = scene.color_by.empty() ? request.array : scene.color_by;
+  const bool colored = !request.carry.empty();
+  LayerRequest plain = request;
+  plain.carry.clear();
+  if (colored) request.carry.front() = color_by;
 
   auto made = std::make_shared<ExtractedScene>();
-  made->array = array.name;
-  made->color_by = color_by.name;
-  made->mesh = same_mesh ? previous->mesh : extract(*dataset, array, scene.intervals, task);
-  if (colored) made->color_values = std::make_shared<const std::vector<float>>(carry_array(*made->mesh, color_by));
-  if (color_by.lower <= color_by.upper) {
-    made->color_lower = color_by.lower;
-    made->color_upper = color_by.upper;
+  const bool keep = previous && same_mesh(*previous, plain, steps, task);
+  if (keep && previous->color_by == color_by && (previous->color_values || !colored)) {
+    if (previous->extract_ms == 0) return previous;
+    *made = *previous;
+    made->extract_ms = 0;
+    return made;
   }
-  made->dataset = std::move(dataset);
+  if (keep && (!colored || can_carry(*previous))) {
+    made->dataset = previous->dataset;
+    made->mesh = previous->mesh;
+    const PointArray& color_array = made->dataset->array(color_by);
+    if (colored) made->color_values = std::make_shared<const std::vector<float>>(carry_array(*made->mesh, color_array));
+  } else {
+    extract(*made, request, steps, task);
+  }
+  const PointArray& color_array = made->dataset->array(color_by);
+  if (color_array.lower <= color_array.upper) {
+    made->color_lower = color_array.lower;
+    made->color_upper = color_array.upper;
+  }
+  made->request = std::move(plain);
+  made->array = request.array;
+  made->color_by = color_by;
   made->extract_ms = watch.elapsed_ms();
   return made;
+}
+
+std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task) {
+  const StepSource one = [&dataset](int step, const Task&) {
+    if (step != dataset->step)
+      throw Error(ErrorCode::not_found, dataset->name + ": step " + std::to_string(step) + " is asked for; only step " +
+                                            std::to_string(dataset->step) + " is at hand");
+    return dataset;
+  };
+  return extract_scene(one, scene, previous, task);
 }
 
 DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int width, int height) {
@@ -74,17 +144,11 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.bounds = extracted.dataset->bounds;
   input.mesh = extracted.mesh;
   input.color_values = extracted.color_values;
-  for (const SceneInterval& interval : scene.intervals) {
-    IntervalStyle style;
-    style.color = interval.color;
-    style.color_map = interval.color_map;
-    style.color_lower = extracted.color_lower;
-    style.color_upper = extracted.color_upper;
-    style.opacity = interval.opacity;
-    style.priority = interval.priority;
-    style.visible = interval.visible;
-    input.styles.push_back(style);
-  }
+  for (const SceneInterval& interval : scene.intervals) input.styles.push_back(style_of(interval, extracted));
+  // The mesh's further summaries are what the terms bring in, in their order.
+  if (!scene.intervals.empty())
+    for (const SceneTerm& term : scene.terms)
+      if (adds(term.term.op)) input.styles.push_back(style_of(term, scene.intervals.front(), extracted));
   input.mode = scene.mode;
   input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset");
   input.width = width;

@@ -42,12 +42,6 @@ RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, 
   return failed;
 }
 
-bool uses_color_map(const Scene& scene) {
-  return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& i) { return !i.color_map.empty(); });
-}
-
-const std::string& color_array(const Scene& scene) { return scene.color_by.empty() ? scene.array : scene.color_by; }
-
 // The parts of a scene that a picture of older intervals can still follow.
 void take_view(Scene& of, const Scene& from) {
   of.camera = from.camera;
@@ -88,12 +82,7 @@ bool is_software_device(const std::string& device) {
   return false;
 }
 
-bool same_extraction(const Scene& a, const Scene& b) {
-  if (a.dataset != b.dataset || a.step != b.step || a.array != b.array || a.intervals.size() != b.intervals.size()) return false;
-  for (std::size_t i = 0; i < a.intervals.size(); ++i)
-    if (a.intervals[i].lower != b.intervals[i].lower || a.intervals[i].upper != b.intervals[i].upper) return false;
-  return uses_color_map(a) == uses_color_map(b) && (!uses_color_map(a) || color_array(a) == color_array(b));
-}
+bool same_extraction(const Scene& a, const Scene& b) { return a.dataset == b.dataset && layer_request(a) == layer_request(b); }
 
 class Engine::Impl {
  public:
@@ -245,8 +234,9 @@ class Engine::Impl {
     std::exception_ptr failure;
     try {
       operation->task().check();
-      auto dataset = acquire(entry(scene.dataset), scene.step, operation->task());
-      extracted = extract_scene(std::move(dataset), scene, previous, operation->task());
+      const CatalogueEntry& source = entry(scene.dataset);
+      const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
+      extracted = extract_scene(steps, scene, previous, operation->task());
     } catch (...) {
       failure = std::current_exception();
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "extraction/extract_layers.h"
 #include "rendering/camera.h"
 #include "rendering/renderer.h"
 #include "rendering/style.h"
@@ -26,6 +27,19 @@ struct SceneInterval {
   bool operator==(const SceneInterval&) const = default;
 };
 
+/// One step of a combination: ((intervals op A) op B) ..., which applies to all intervals alike. What an OR or a XOR brings in
+/// lies in no interval: it looks as the term says, and where the term says nothing, as the scene's first interval.
+struct SceneTerm {
+  RangeTerm term;
+  std::optional<Rgb> color;  // also in place of the first interval's colour map
+  std::string color_map;     // empty: the constant colour, or the first interval's map where there is no colour either
+  std::optional<double> opacity;
+  std::optional<int> priority;
+  bool visible = true;  // of what it brings in
+
+  bool operator==(const SceneTerm&) const = default;
+};
+
 struct Scene {
   std::uint64_t revision = 0;  // grows with every change
   std::string dataset;         // empty: nothing is open
@@ -33,6 +47,10 @@ struct Scene {
   std::string array;     // the array that intervals are extracted on
   std::string color_by;  // the array that colour maps run over; empty: `array`
   std::vector<SceneInterval> intervals;
+  std::vector<SceneTerm> terms;         // of other arrays' ranges, applied to all intervals in this order
+  std::optional<double> time;           // in the dataset's units, between its steps or at one; none: `step`
+  TimeMode time_mode = TimeMode::step;  // what `time` means
+  Triangulation triangulation = Triangulation::table;
   RenderMode mode = RenderMode::sorted;
   std::optional<Camera> camera;  // none: the whole dataset
   Rgb background{0.05f, 0.06f, 0.08f};

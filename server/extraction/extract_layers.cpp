@@ -28,9 +28,9 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
 
 }  // namespace
 
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, KeptSpaceTime* kept) {
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids) {
   if (request.time_mode == TimeMode::spacetime)
-    if (auto sliced = slice_space_time(request, steps, kept, task)) return std::move(*sliced);
+    if (auto sliced = slice_space_time(request, steps, aids.kept, task)) return std::move(*sliced);
   if (request.triangulation == Triangulation::strict)
     throw Error(ErrorCode::unsupported, "the strict triangulation cannot be extracted yet");
   Layers layers;
@@ -46,7 +46,8 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
     combine_terms(request, dataset, array, carry, layers, task);
     return layers;
   }
-  layers.mesh = extract_intervals(dataset.grid, array, request.intervals, options, task);
+  layers.mesh = aids.extractor ? aids.extractor(dataset.grid, array, request.intervals, options, task)
+                               : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

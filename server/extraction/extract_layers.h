@@ -5,11 +5,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/task.h"
 #include "data/dataset.h"
+#include "extraction/extract_intervals.h"
 #include "extraction/interval_mesh.h"
 #include "extraction/range_term.h"
 
@@ -38,6 +40,8 @@ struct LayerRequest {
   std::vector<std::string> carry;         // other arrays to bring to the mesh's points
   bool facets = false;                    // fill IntervalMesh::facets
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
+
+  bool operator==(const LayerRequest&) const = default;
 };
 
 /// Which time was extracted, and how.
@@ -65,10 +69,20 @@ using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const 
 
 class KeptSpaceTime;  // extract_at_time.h
 
-/// In space-time mode the volume between the two steps is made and sliced; `kept` keeps it for the next slice. That mode takes
-/// neither terms nor the strict triangulation (unsupported); a dataset of one step is extracted as it is.
+/// extract_intervals, or what stands in for it on a device.
+using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
+                                             const ExtractOptions& options, const Task& task)>;
+
+/// What makes an extraction cheaper and leaves its result as it is.
+struct LayerAids {
+  KeptSpaceTime* kept = nullptr;  // keeps the volume between two steps for the next slice
+  Extractor extractor;            // called in place of extract_intervals where that is all there is to do: one field, no terms
+};
+
+/// In space-time mode the volume between the two steps is made and sliced. That mode takes neither terms nor the strict
+/// triangulation (unsupported); a dataset of one step is extracted as it is.
 /// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
-/// cancelled, and what `steps` throws. Any thread.
-Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, KeptSpaceTime* kept = nullptr);
+/// cancelled, and what `steps` and the aids throw. Any thread.
+Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids = {});
 
 }  // namespace isostrata

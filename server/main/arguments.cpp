@@ -55,11 +55,14 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index) {
         out.style.color_map = color_map(value.substr(4)).name;
       else
         out.style.color = parse_rgb(value);
+      out.has_color = true;
     } else if (key == "opacity") {
       out.style.opacity = number<double>(value, text, "opacity");
       if (!(out.style.opacity >= 0 && out.style.opacity <= 1)) refuse(text, "opacity must be in [0, 1]");
+      out.has_opacity = true;
     } else if (key == "priority") {
       out.style.priority = number<int>(value, text, "priority");
+      out.has_priority = true;
     } else {
       refuse(text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity= or priority=");
     }

@@ -16,6 +16,7 @@ namespace isostrata {
 struct IntervalArgument {
   Interval interval;
   IntervalStyle style;  // defaults where the text says nothing; color from default_interval_color(index)
+  bool has_color = false, has_opacity = false, has_priority = false;  // in the text
 };
 
 /// "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]". Throws invalid_argument saying which part of which text.

@@ -10,7 +10,9 @@
 #include "data/read_once.h"
 #include "extraction/extract_intervals.h"
 #include "main/arguments.h"
+#include "main/bench_device.h"
 #include "main/commands.h"
+#include "main/picture_arguments.h"
 
 namespace isostrata {
 namespace {
@@ -18,6 +20,8 @@ namespace {
 struct BenchArguments {
   std::vector<std::string> data{"torus:256"};
   std::string array, interval;
+  std::string device = "cpu";
+  bool as_bytes = false;
   int repeat = 9;
   int threads = 0;
   bool json = false;
@@ -100,10 +104,29 @@ void print_text(const BenchRun& run) {
       run.read_floor_ms);
 }
 
+DeviceRun measure_device(const std::string& data, const BenchArguments& arguments) {
+  const std::shared_ptr<const Dataset> dataset = open_argument(data);
+  const PointArray& array = array_argument(*dataset, arguments.array);
+  const Interval interval =
+      arguments.interval.empty() ? default_interval(data, array) : parse_interval(arguments.interval, 0).interval;
+  return measure_on_device(arguments.device, data, dataset->grid, array, interval, arguments.as_bytes, arguments.repeat);
+}
+
 void run(const BenchArguments& arguments) {
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   boost::json::array runs;
+  const bool on_device = arguments.device != "cpu";
+  if (arguments.as_bytes && !on_device)
+    throw Error(ErrorCode::invalid_argument, "--as-bytes measures a device; expected --device, too");
   for (const std::string& data : arguments.data) {
+    if (on_device) {
+      const DeviceRun one = measure_device(data, arguments);
+      if (arguments.json)
+        runs.push_back(to_json(one));
+      else
+        print_text(one);
+      continue;
+    }
     const BenchRun one = measure(data, arguments);
     if (arguments.json)
       runs.push_back(to_json(one));
@@ -127,6 +150,12 @@ void add_bench_extract_command(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->interval, "LOWER:UPPER (default: a thin layer)");
+  command
+      ->add_option("--device", arguments->device,
+                   "cpu, or what extracts instead: auto, egl:INDEX, egl:UUID, surfaceless or osmesa; sending the data there is "
+                   "timed apart")
+      ->capture_default_str();
+  command->add_flag("--as-bytes", arguments->as_bytes, "On a device: scale the array to 0..255 first, and the interval with it");
   command->add_option("--repeat", arguments->repeat, "Runs of each")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");

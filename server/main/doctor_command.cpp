@@ -13,6 +13,7 @@
 #include "encoding/encode_image.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "rendering/gl_extraction_mesh.h"
 #include "rendering/renderer.h"
 
 namespace isostrata {
@@ -28,6 +29,7 @@ struct Findings {
   std::string device;         // what auto takes; empty where nothing can draw
   std::string device_detail;  // or why nothing can
   bool software = false;
+  std::string compute;  // why extraction does not work on the device; empty where it does
   std::vector<CodecProbe> codecs;
   Importer importer;
   int cores = 0;
@@ -62,6 +64,7 @@ Findings examine(const std::string& device) {
   } catch (const Error& error) {
     findings.device_detail = error.what();
   }
+  findings.compute = findings.device.empty() ? "no device" : check_gl_extraction(device);
   findings.codecs = probe_codecs();
   findings.importer = find_importer();
   findings.cores = thread_count();
@@ -85,6 +88,8 @@ boost::json::object to_json(const Findings& findings) {
     out["device"] = findings.device;
     out["software"] = findings.software;
   }
+  out["compute_extraction"] = boost::json::object{{"ok", findings.compute.empty()},
+                                                  {"detail", findings.compute.empty() ? findings.device : findings.compute}};
   out["codecs"] = std::move(codecs);
   out["importer"] = boost::json::object{{"found", findings.importer.found}, {"path", findings.importer.path}};
   out["limits"] = boost::json::object{
@@ -101,6 +106,8 @@ void print_text(const Findings& findings) {
   else
     std::printf("  used: %s\n", findings.device.c_str());
   if (findings.software) std::printf("  *** SOFTWARE rendering: pictures are right, but slow; no GPU is used ***\n");
+  std::printf("\nextraction in OpenGL compute (extract --device)\n  %-5s %s\n", findings.compute.empty() ? "ok" : "no",
+              findings.compute.empty() ? "equals the CPU's on a small field" : findings.compute.c_str());
   std::printf("\ncodecs\n");
   for (const CodecProbe& codec : findings.codecs)
     std::printf("  %-5s %s: %s\n", codec.ok ? "ok" : "no", codec.name.c_str(), codec.detail.c_str());

@@ -10,6 +10,7 @@
 #include "extraction/write_mesh.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/extract_device.h"
 #include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
 
@@ -20,6 +21,7 @@ struct ExtractArguments {
   std::string file, array, color_by, out;
   std::vector<std::string> intervals;
   LayerArguments layers;
+  ExtractDevice device;
   int threads = 0;
   bool json = false;
 };
@@ -58,7 +60,7 @@ boost::json::object to_json(const LayerTime& time) {
   return out;
 }
 
-boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms) {
+boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms, const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries) {
     intervals.push_back(boost::json::object{{"lower", row.interval.lower},
@@ -83,7 +85,8 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                      {"check", ms.check},
                                      {"write", ms.write},
                                      {"total", ms.total}}},
-          {"threads", thread_count()}};
+          {"threads", thread_count()},
+          {"device", device}};
 }
 
 void print_text(const IntervalMesh& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
@@ -114,7 +117,7 @@ void print_time(const LayerTime& time) {
                 static_cast<double>(time.bytes) / 1e6, time.build_ms, time.slice_ms);
 }
 
-void run(const ExtractArguments& arguments) {
+void run(ExtractArguments& arguments) {
   LayerRequest request = layer_request(arguments.layers);
   for (const std::string& text : arguments.intervals)
     request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
@@ -140,7 +143,7 @@ void run(const ExtractArguments& arguments) {
   prepare_tables(dataset->grid);
   ms.index = stage.lap_ms();
   const double loaded = ms.load;
-  const Layers layers = extract_layers(request, steps, command_task());
+  const Layers layers = extract_layers(request, steps, command_task(), {.extractor = device_extractor(arguments.device)});
   const IntervalMesh& mesh = layers.mesh;
   ms.extract = stage.lap_ms() - (ms.load - loaded);
   const FacetCounts facets = count_facets(mesh);
@@ -152,7 +155,7 @@ void run(const ExtractArguments& arguments) {
   ms.total = total.elapsed_ms();
 
   if (arguments.json) {
-    boost::json::object document = to_json(mesh, facets, ms);
+    boost::json::object document = to_json(mesh, facets, ms, arguments.device.used);
     document["time"] = to_json(layers.time);
     if (layers.time.mode == TimeMode::spacetime) {
       document["ms"].as_object()["build"] = layers.time.build_ms;
@@ -174,6 +177,7 @@ void add_extract_command(CLI::App& app) {
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated")->required()->allow_extra_args(false);
   add_layer_options(*command, arguments->layers);
+  add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
   command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));

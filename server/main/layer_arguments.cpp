@@ -8,11 +8,30 @@
 
 namespace isostrata {
 
-RangeTerm parse_range_term(RangeOperator op, const std::string& text) {
-  const std::size_t at = text.rfind('=');
+namespace {
+
+TimeMode time_mode_of(const std::string& text) {
+  return text == "spacetime" ? TimeMode::spacetime : text == "interpolate" ? TimeMode::interpolate : TimeMode::step;
+}
+
+Triangulation triangulation_of(const std::string& text) {
+  return text == "strict" ? Triangulation::strict : Triangulation::table;
+}
+
+}  // namespace
+
+SceneTerm parse_range_term(RangeOperator op, const std::string& text) {
+  const std::size_t at = text.substr(0, text.find(',')).rfind('=');  // a name may have an equals sign in it
   if (at == std::string::npos || at == 0)
     throw Error(ErrorCode::invalid_argument, "range '" + text + "': expected NAME=LOWER:UPPER");
-  return {op, text.substr(0, at), parse_interval(text.substr(at + 1), 0).interval};
+  const IntervalArgument range = parse_interval(std::string_view(text).substr(at + 1), 0);
+  SceneTerm out;
+  out.term = {op, text.substr(0, at), range.interval};
+  out.color_map = range.style.color_map;
+  if (range.has_color && out.color_map.empty()) out.color = range.style.color;
+  if (range.has_opacity) out.opacity = range.style.opacity;
+  if (range.has_priority) out.priority = range.style.priority;
+  return out;
 }
 
 void add_layer_options(CLI::App& command, LayerArguments& arguments) {
@@ -23,7 +42,10 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
   };
   constexpr Option kOptions[]{
       {"--and", RangeOperator::intersect, "NAME=LOWER:UPPER: keep only where the array NAME is in the range, too"},
-      {"--or", RangeOperator::unite, "NAME=LOWER:UPPER: add where the array NAME is in the range"},
+      {"--or", RangeOperator::unite,
+       "NAME=LOWER:UPPER: add where the array NAME is in the range; render takes ,color= ,opacity= and ,priority= after it for "
+       "what "
+       "it adds, which else looks like the first interval"},
       {"--minus", RangeOperator::subtract, "NAME=LOWER:UPPER: leave out where the array NAME is in the range"},
       {"--xor", RangeOperator::exclusive_or, "NAME=LOWER:UPPER: keep what is in just one of both"}};
   // Each value is appended as it is met, so that terms of different kinds keep the order of the command line.
@@ -58,14 +80,20 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
 
 LayerRequest layer_request(const LayerArguments& arguments) {
   LayerRequest request;
-  request.terms = arguments.terms;
+  for (const SceneTerm& term : arguments.terms) request.terms.push_back(term.term);
   request.step = arguments.step;
   request.time = arguments.time;
-  request.time_mode = arguments.time_mode == "spacetime"     ? TimeMode::spacetime
-                      : arguments.time_mode == "interpolate" ? TimeMode::interpolate
-                                                             : TimeMode::step;
-  request.triangulation = arguments.triangulation == "strict" ? Triangulation::strict : Triangulation::table;
+  request.time_mode = time_mode_of(arguments.time_mode);
+  request.triangulation = triangulation_of(arguments.triangulation);
   return request;
+}
+
+void set_layers(Scene& scene, const LayerArguments& arguments) {
+  scene.step = arguments.step;
+  scene.terms = arguments.terms;
+  scene.time = arguments.time;
+  scene.time_mode = time_mode_of(arguments.time_mode);
+  scene.triangulation = triangulation_of(arguments.triangulation);
 }
 
 StepSource step_source(const std::string& file) {

@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "engine/scene.h"
 #include "extraction/extract_layers.h"
 
 namespace isostrata {
 
 struct LayerArguments {
-  std::vector<RangeTerm> terms;  // in the order of the command line
+  std::vector<SceneTerm> terms;  // in the order of the command line
   int step = 0;
   std::optional<double> time;
   std::string time_mode = "step";
@@ -24,10 +25,14 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments);
 /// A request without array and intervals.
 LayerRequest layer_request(const LayerArguments& arguments);
 
+/// Sets the scene's step, time, terms and triangulation.
+void set_layers(Scene& scene, const LayerArguments& arguments);
+
 /// The steps of FILE, each opened once.
 StepSource step_source(const std::string& file);
 
-/// "NAME=LOWER:UPPER". Throws invalid_argument saying which part of which text.
-RangeTerm parse_range_term(RangeOperator op, const std::string& text);
+/// "NAME=LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]", the parts after the range saying how what an OR or a XOR
+/// brings in looks. Throws invalid_argument saying which part of which text.
+SceneTerm parse_range_term(RangeOperator op, const std::string& text);
 
 }  // namespace isostrata

@@ -7,6 +7,7 @@
 #include "encoding/encode_image.h"
 #include "engine/draw_scene.h"
 #include "main/commands.h"
+#include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
 
 namespace isostrata {
@@ -17,7 +18,7 @@ struct RenderArguments {
   std::vector<std::string> intervals;
   std::string size = "800x600", camera = "reset", mode = "sorted", renderer = "auto", background, device = "auto";
   double unit_distance = 0;
-  int step = 0;
+  LayerArguments layers;
   int threads = 0;
   bool json = false;
 };
@@ -30,7 +31,7 @@ Scene make_scene(const RenderArguments& arguments, const Dataset& dataset) {
   const PointArray& array = array_argument(dataset, arguments.array);
   Scene scene;
   scene.dataset = arguments.file;
-  scene.step = arguments.step;
+  set_layers(scene, arguments.layers);
   scene.array = array.name;
   scene.color_by = arguments.color_by;
   scene.intervals = parse_intervals(arguments.intervals, dataset, array);
@@ -89,10 +90,11 @@ void run(const RenderArguments& arguments) {
   const Stopwatch total;
   Stopwatch stage;
   Timing ms;
-  const std::shared_ptr<const Dataset> dataset = open_argument(arguments.file, arguments.step);
+  const StepSource steps = step_source(arguments.file);
+  const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
   const Scene scene = make_scene(arguments, *dataset);
-  const auto extracted = extract_scene(dataset, scene, nullptr, command_task());
+  const auto extracted = extract_scene(steps, scene, nullptr, command_task());
   ms.extract = stage.lap_ms();
   const std::unique_ptr<Renderer> renderer = make_renderer(arguments.device);
   ms.device = stage.lap_ms();
@@ -131,7 +133,7 @@ void add_render_command(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--color-by", arguments->color_by,
                       "The array that colour maps run over, over its whole range (default: --array)");
-  command->add_option("--step", arguments->step, "Time step, counted from 0");
+  add_layer_options(*command, arguments->layers);
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command
       ->add_option("--camera", arguments->camera,

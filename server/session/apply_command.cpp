@@ -136,6 +136,91 @@ void apply(SceneState& state, const v1::SetTimeStep& command, const CommandConte
                std::to_string(steps - 1),
            "step");
   state.scene.step = command.step();
+  state.scene.time.reset();
+}
+
+void apply(SceneState& state, const v1::SetTime& command, const CommandContext& context) {
+  const DatasetFacts& dataset = opened(context);
+  switch (command.mode()) {
+    case v1::TIME_MODE_UNSPECIFIED:
+      break;
+    case v1::TIME_MODE_STEP:
+      state.scene.time_mode = TimeMode::step;
+      break;
+    case v1::TIME_MODE_INTERPOLATE:
+      state.scene.time_mode = TimeMode::interpolate;
+      break;
+    case v1::TIME_MODE_SPACETIME:
+      state.scene.time_mode = TimeMode::spacetime;
+      break;
+    default:
+      refuse("unsupported",
+             "mode " + std::to_string(command.mode()) + " is not known; expected step (1), interpolate (2) or spacetime (3)",
+             "mode");
+  }
+  if (!command.has_time()) return;
+  const double first = dataset.times.empty() ? 0 : dataset.times.front(), last = dataset.times.empty() ? 0 : dataset.times.back();
+  if (!(command.time() >= first && command.time() <= last))
+    refuse("invalid_argument",
+           "time " + number_text(command.time()) + " is not in " + dataset.name + "; expected " + number_text(first) + " to " +
+               number_text(last),
+           "time");
+  state.scene.time = command.time();
+}
+
+RangeOperator operator_of(v1::RangeOperator op, const std::string& field) {
+  switch (op) {
+    case v1::RANGE_OPERATOR_INTERSECT:
+      return RangeOperator::intersect;
+    case v1::RANGE_OPERATOR_UNITE:
+      return RangeOperator::unite;
+    case v1::RANGE_OPERATOR_SUBTRACT:
+      return RangeOperator::subtract;
+    case v1::RANGE_OPERATOR_EXCLUSIVE_OR:
+      return RangeOperator::exclusive_or;
+    default:
+      refuse("invalid_argument",
+             field + " is " + std::to_string(op) + "; expected intersect (1), unite (2), subtract (3) or exclusive_or (4)",
+             field);
+  }
+}
+
+void apply(SceneState& state, const v1::SetCombination& command, const CommandContext& context) {
+  opened(context);
+  if (command.terms_size() > kMaxTerms)
+    refuse("too_large", std::to_string(command.terms_size()) + " terms; expected at most " + std::to_string(kMaxTerms), "terms");
+  std::vector<SceneTerm> terms;
+  for (int i = 0; i < command.terms_size(); ++i) {
+    const v1::RangeTerm& wanted = command.terms(i);
+    const std::string field = "terms[" + std::to_string(i) + "].";
+    SceneTerm term;
+    term.term.op = operator_of(wanted.op(), field + "op");
+    term.term.array = array_of(wanted.array(), context, (field + "array").c_str()).name;
+    check_ends(wanted.lower(), wanted.upper(), field);
+    term.term.range = {wanted.lower(), wanted.upper()};
+    if (wanted.has_color()) term.color = rgb_of(wanted.color(), field + "color");
+    term.color_map = color_map_of(wanted.color_map(), field + "color_map");
+    if (wanted.has_opacity()) term.opacity = unit(wanted.opacity(), field + "opacity");
+    if (wanted.has_priority()) term.priority = wanted.priority();
+    term.visible = !wanted.hidden();
+    terms.push_back(std::move(term));
+  }
+  state.scene.terms = std::move(terms);
+}
+
+void apply(SceneState& state, const v1::SetTriangulation& command, const CommandContext&) {
+  switch (command.triangulation()) {
+    case v1::TRIANGULATION_TABLE:
+      state.scene.triangulation = Triangulation::table;
+      break;
+    case v1::TRIANGULATION_STRICT:
+      state.scene.triangulation = Triangulation::strict;
+      break;
+    default:
+      refuse("invalid_argument",
+             "triangulation is " + std::to_string(command.triangulation()) + "; expected table (1) or strict (2)",
+             "triangulation");
+  }
 }
 
 void apply(SceneState& state, const v1::SetIntervals& command, const CommandContext& context) {
@@ -267,7 +352,8 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
 bool same_scene(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by &&
          a.intervals == b.intervals && a.mode == b.mode && a.camera == b.camera && a.background == b.background &&
-         a.unit_distance == b.unit_distance;
+         a.unit_distance == b.unit_distance && a.terms == b.terms && a.time == b.time && a.time_mode == b.time_mode &&
+         a.triangulation == b.triangulation;
 }
 
 // Does `change` to a copy and keeps it where it was not refused.
@@ -298,6 +384,9 @@ bool is_scene_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kSetCamera:
     case v1::ClientMessage::kSetView:
     case v1::ClientMessage::kSetAppearance:
+    case v1::ClientMessage::kSetCombination:
+    case v1::ClientMessage::kSetTime:
+    case v1::ClientMessage::kSetTriangulation:
       return true;
     default:
       return false;
@@ -325,6 +414,12 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
         return apply(next, message.set_view(), context);
       case v1::ClientMessage::kSetAppearance:
         return apply(next, message.set_appearance(), context);
+      case v1::ClientMessage::kSetCombination:
+        return apply(next, message.set_combination(), context);
+      case v1::ClientMessage::kSetTime:
+        return apply(next, message.set_time(), context);
+      case v1::ClientMessage::kSetTriangulation:
+        return apply(next, message.set_triangulation(), context);
       default:
         refuse("unsupported", "this message does not change a scene", "");
     }
@@ -343,7 +438,19 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       apply(next, arrays, context);
       v1::SetTimeStep step;
       step.set_step(wanted.step());
-      apply(next, step, context);
+      apply(next, step, context);  // and forgets the time, which follows where there is one
+      v1::SetTime time;
+      if (wanted.has_time()) time.set_time(wanted.time());
+      time.set_mode(wanted.time_mode());
+      apply(next, time, context);
+      v1::SetCombination combination;
+      *combination.mutable_terms() = wanted.terms();
+      apply(next, combination, context);
+      if (wanted.triangulation() != v1::TRIANGULATION_UNSPECIFIED) {
+        v1::SetTriangulation triangulation;
+        triangulation.set_triangulation(wanted.triangulation());
+        apply(next, triangulation, context);
+      }
       v1::SetIntervals intervals;
       *intervals.mutable_intervals() = wanted.intervals();
       // A saved state names ids of another session's life: those that are not here any more become new ones.
@@ -357,7 +464,8 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
         *camera.mutable_camera() = wanted.camera();
         apply(next, camera, context);
       }
-    } else if (wanted.intervals_size() > 0 || wanted.has_camera() || !wanted.array().empty()) {
+    } else if (wanted.intervals_size() > 0 || wanted.terms_size() > 0 || wanted.has_time() || wanted.has_camera() ||
+               !wanted.array().empty()) {
       opened(context);
     }
     v1::SetAppearance appearance;
@@ -372,6 +480,8 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
   Scene& scene = state.scene;
   scene.dataset = dataset.id;
   scene.step = 0;
+  scene.time.reset();
+  scene.terms.clear();
   scene.color_by.clear();
   scene.array.clear();
   scene.intervals.clear();

@@ -43,6 +43,33 @@ v1::Interval to_wire(const SceneInterval& interval) {
   return out;
 }
 
+v1::RangeTerm to_wire(const SceneTerm& term) {
+  v1::RangeTerm out;
+  switch (term.term.op) {
+    case RangeOperator::intersect:
+      out.set_op(v1::RANGE_OPERATOR_INTERSECT);
+      break;
+    case RangeOperator::unite:
+      out.set_op(v1::RANGE_OPERATOR_UNITE);
+      break;
+    case RangeOperator::subtract:
+      out.set_op(v1::RANGE_OPERATOR_SUBTRACT);
+      break;
+    case RangeOperator::exclusive_or:
+      out.set_op(v1::RANGE_OPERATOR_EXCLUSIVE_OR);
+      break;
+  }
+  out.set_array(term.term.array);
+  out.set_lower(term.term.range.lower);
+  out.set_upper(term.term.range.upper);
+  if (term.color) *out.mutable_color() = to_wire(*term.color);
+  out.set_color_map(term.color_map);
+  if (term.opacity) out.set_opacity(*term.opacity);
+  if (term.priority) out.set_priority(*term.priority);
+  out.set_hidden(!term.visible);
+  return out;
+}
+
 v1::State to_wire(const Scene& scene) {
   v1::State out;
   out.set_revision(scene.revision);
@@ -55,6 +82,12 @@ v1::State to_wire(const Scene& scene) {
   if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
   *out.mutable_background() = to_wire(scene.background);
   out.set_unit_distance(scene.unit_distance);
+  for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
+  if (scene.time) out.set_time(*scene.time);
+  out.set_time_mode(scene.time_mode == TimeMode::interpolate ? v1::TIME_MODE_INTERPOLATE
+                    : scene.time_mode == TimeMode::spacetime ? v1::TIME_MODE_SPACETIME
+                                                             : v1::TIME_MODE_STEP);
+  out.set_triangulation(scene.triangulation == Triangulation::strict ? v1::TRIANGULATION_STRICT : v1::TRIANGULATION_TABLE);
   return out;
 }
 

@@ -14,6 +14,7 @@ namespace isostrata {
 
 v1::State to_wire(const Scene& scene);
 v1::Interval to_wire(const SceneInterval& interval);
+v1::RangeTerm to_wire(const SceneTerm& term);
 v1::Camera to_wire(const Camera& camera);
 v1::Rgb to_wire(const Rgb& rgb);
 v1::DatasetInfo to_wire(const DatasetFacts& facts);

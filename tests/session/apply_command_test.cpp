@@ -121,7 +121,66 @@ INSTANTIATE_TEST_SUITE_P(
                 "camera.eye.z"},
         Refusal{R"({"setAppearance":{"mode":9}})", "unsupported", "mode"},
         Refusal{R"({"setAppearance":{"background":{"g":-0.1}}})", "invalid_argument", "background.g"},
-        Refusal{R"({"setAppearance":{"unitDistance":-1}})", "invalid_argument", "unit_distance"}));
+        Refusal{R"({"setAppearance":{"unitDistance":-1}})", "invalid_argument", "unit_distance"},
+        Refusal{R"({"setTime":{"time":2.001}})", "invalid_argument", "time"},
+        Refusal{R"({"setTime":{"time":-0.001}})", "invalid_argument", "time"},
+        Refusal{R"({"setTime":{"time":"NaN"}})", "invalid_argument", "time"},
+        Refusal{R"({"setTime":{"time":1,"mode":9}})", "unsupported", "mode"},
+        Refusal{R"({"setTriangulation":{}})", "invalid_argument", "triangulation"},
+        Refusal{R"({"setTriangulation":{"triangulation":7}})", "invalid_argument", "triangulation"},
+        Refusal{R"({"setCombination":{"terms":[{"array":"Energy","lower":1,"upper":2}]}})", "invalid_argument", "terms[0].op"},
+        Refusal{R"({"setCombination":{"terms":[{"op":1,"array":"Nosuch","lower":1,"upper":2}]}})", "not_found", "terms[0].array"},
+        Refusal{R"({"setCombination":{"terms":[{"op":1,"array":"Energy","lower":1,"upper":2},
+                                               {"op":2,"array":"Energy","lower":2,"upper":2}]}})",
+                "invalid_argument", "terms[1].lower"},
+        Refusal{R"({"setCombination":{"terms":[{"op":2,"array":"Energy","lower":1,"upper":2,"opacity":2}]}})", "invalid_argument",
+                "terms[0].opacity"},
+        Refusal{R"({"setCombination":{"terms":[{"op":2,"array":"Energy","lower":1,"upper":2,"colorMap":"nosuch"}]}})",
+                "not_found", "terms[0].color_map"}));
+
+TEST_F(ApplyCommand, ATermSaysHowWhatItBringsInLooksOrLeavesItOpen) {
+  ASSERT_FALSE(apply(R"({"setCombination":{"terms":[
+      {"op":"RANGE_OPERATOR_SUBTRACT","array":"Energy","lower":-50,"upper":0},
+      {"op":"RANGE_OPERATOR_UNITE","array":"Energy","lower":100,"upper":200,"color":{"g":1},"opacity":0.25,"priority":3,"hidden":true}]}})")
+                   .error);
+  const auto& terms = state_.scene.terms;
+  ASSERT_EQ(terms.size(), 2u);
+  EXPECT_EQ(terms[0].term, (RangeTerm{RangeOperator::subtract, "Energy", {-50, 0}}));
+  EXPECT_FALSE(terms[0].color || terms[0].opacity || terms[0].priority);
+  EXPECT_TRUE(terms[0].visible);
+  EXPECT_EQ(terms[1].term.op, RangeOperator::unite);
+  EXPECT_EQ(terms[1].color, (Rgb{0, 1, 0}));
+  EXPECT_EQ(terms[1].opacity, 0.25);
+  EXPECT_EQ(terms[1].priority, 3);
+  EXPECT_FALSE(terms[1].visible);
+  ASSERT_FALSE(apply(R"({"setCombination":{}})").error);
+  EXPECT_TRUE(state_.scene.terms.empty());
+}
+
+TEST_F(ApplyCommand, TakesAsManyTermsAsItSaysAndNotOneMore) {
+  v1::ClientMessage message;
+  for (int i = 0; i < kMaxTerms; ++i) {
+    auto* term = message.mutable_set_combination()->add_terms();
+    term->set_op(v1::RANGE_OPERATOR_INTERSECT);
+    term->set_array("Energy");
+    term->set_upper(1 + i);
+  }
+  EXPECT_FALSE(apply_command(state_, message, {&facts_}).error);
+  *message.mutable_set_combination()->add_terms() = message.set_combination().terms(0);
+  EXPECT_EQ(apply_command(state_, message, {&facts_}).error->code(), "too_large");
+}
+
+TEST_F(ApplyCommand, ATimeHoldsUntilAStepIsChosen) {
+  ASSERT_FALSE(apply(R"({"setTime":{"time":1.25,"mode":"TIME_MODE_SPACETIME"}})").error);
+  EXPECT_EQ(state_.scene.time, 1.25);
+  EXPECT_EQ(state_.scene.time_mode, TimeMode::spacetime);
+  ASSERT_FALSE(apply(R"({"setTime":{"mode":"TIME_MODE_INTERPOLATE"}})").error);
+  EXPECT_EQ(state_.scene.time, 1.25) << "only the mode was given";
+  EXPECT_EQ(state_.scene.time_mode, TimeMode::interpolate);
+  ASSERT_FALSE(apply(R"({"setTimeStep":{"step":2}})").error);
+  EXPECT_FALSE(state_.scene.time.has_value());
+  EXPECT_EQ(state_.scene.step, 2);
+}
 
 TEST_F(ApplyCommand, TakesAsManyIntervalsAsItSaysAndNotOneMore) {
   v1::ClientMessage message;
@@ -176,9 +235,34 @@ TEST_F(ApplyCommand, AWholeStateIsOneChangeOrNone) {
 
 TEST_F(ApplyCommand, ItsOwnStateIsTakenBackAsItIs) {
   ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_PRIORITIZED","background":{"r":0.25},"unitDistance":0.5}})").error);
+  ASSERT_FALSE(apply(R"({"setCombination":{"terms":[{"op":4,"array":"Energy","lower":1,"upper":2,"color":{"b":1}},
+                                                    {"op":3,"array":"Density","lower":1,"upper":2,"colorMap":"viridis"}]}})")
+                   .error);
+  ASSERT_FALSE(apply(R"({"setTime":{"time":0.5,"mode":3}})").error);
+  ASSERT_FALSE(apply(R"({"setTriangulation":{"triangulation":"TRIANGULATION_STRICT"}})").error);
   const auto outcome = apply_state(state_, to_wire(state_.scene), {&facts_});
   EXPECT_FALSE(outcome.error);
   EXPECT_FALSE(outcome.changed);
+}
+
+TEST_F(ApplyCommand, AStateBringsAnotherSessionToTheSameLayers) {
+  ASSERT_FALSE(apply(R"({"setCombination":{"terms":[{"op":2,"array":"Energy","lower":1,"upper":2}]}})").error);
+  ASSERT_FALSE(apply(R"({"setTime":{"time":0.5,"mode":2}})").error);
+  ASSERT_FALSE(apply(R"({"setTriangulation":{"triangulation":2}})").error);
+  SceneState other;
+  open_in_scene(other, facts_);
+  ASSERT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.terms, state_.scene.terms);
+  EXPECT_EQ(other.scene.time, 0.5);
+  EXPECT_EQ(other.scene.time_mode, TimeMode::interpolate);
+  EXPECT_EQ(other.scene.triangulation, Triangulation::strict);
+
+  v1::State plain = to_wire(other.scene);
+  plain.clear_time();
+  plain.clear_terms();
+  ASSERT_FALSE(apply_state(other, plain, {&facts_}).error);
+  EXPECT_FALSE(other.scene.time.has_value());
+  EXPECT_TRUE(other.scene.terms.empty());
 }
 
 TEST(ApplyCommandWithoutDataset, SaysThatNoneIsOpen) {
@@ -268,6 +352,13 @@ void expect_drawable(const Scene& scene, const DatasetFacts& dataset, const std:
     for (const float c : i.color) ASSERT_TRUE(c >= 0 && c <= 1) << trace;
     ASSERT_TRUE(i.id != 0 && ids.insert(i.id).second) << trace;
   }
+  for (const SceneTerm& t : scene.terms) {
+    ASSERT_NE(dataset.find_array(t.term.array), nullptr) << trace;
+    ASSERT_TRUE(std::isfinite(t.term.range.lower) && std::isfinite(t.term.range.upper)) << trace;
+    ASSERT_LT(t.term.range.lower, t.term.range.upper) << trace;
+    ASSERT_TRUE(!t.opacity || (*t.opacity >= 0 && *t.opacity <= 1)) << trace;
+  }
+  ASSERT_TRUE(!scene.time || (*scene.time >= dataset.times.front() && *scene.time <= dataset.times.back())) << trace;
   ASSERT_TRUE(scene.camera) << trace;
   ASSERT_NO_THROW(check(*scene.camera)) << trace;
   ASSERT_TRUE(std::isfinite(scene.unit_distance) && scene.unit_distance >= 0) << trace;
