@@ -19,7 +19,6 @@ bool uses_color_map(const Scene& scene) {
          std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
 }
 
-bool adds(RangeOperator op) { return op == RangeOperator::unite || op == RangeOperator::exclusive_or; }
 
 /// Whether another array can be brought to the finished mesh: its points know the edges they lie on, and the array is that of a
 /// step.
