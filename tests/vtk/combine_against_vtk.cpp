@@ -143,7 +143,7 @@ double vtk_volume(const GridPointer& whole, const LayerRequest& request) {
 enum class Pairs { none, some, all };
 
 void compare(const std::shared_ptr<const Dataset>& dataset, const std::string& first, const std::vector<std::string>& others,
-             bool all_pairs) {
+             Pairs pairs) {
   ASSERT_EQ(dataset->cell_types.size(), dataset->cell_types.count("tetrahedron"))
       << "where cells are no tetrahedra, VTK cuts otherwise";
   std::vector<std::string> names{first};
