@@ -4,6 +4,7 @@
 #include <boost/json.hpp>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "support/run_isostrata.h"
@@ -97,6 +98,55 @@ TEST(ExtractCommand, RefusesWithOneClearLine) {
     EXPECT_EQ(result.status, refusal.status) << refusal.arguments << ": " << result.err;
     EXPECT_THAT(result.err, HasSubstr(refusal.says)) << refusal.arguments;
     EXPECT_EQ(result.out, "") << refusal.arguments;
+  }
+}
+
+TEST(ExtractCommand, VerifiesAndReportsThePartition) {
+  for (const char* more : {"", " --triangulation strict", " --and distance=0.15:0.3"}) {
+    const CommandResult result =
+        run_isostrata("extract torus:24 --interval 0.1:0.2 --interval 0.3:0.4 --verify" + std::string(more));
+    EXPECT_EQ(result.status, 0) << more << result.err;
+    EXPECT_THAT(result.err, HasSubstr("all laws hold"));
+  }
+  const json::value document = extract_json("marschner-lobb:40 --interval 0.3:0.5 --triangulation strict");
+  EXPECT_GE(number(document.at("partition_error")), 0);
+  EXPECT_LE(number(document.at("partition_error")), 1e-12);
+  EXPECT_GT(number(document.at("ms").at("proof")), 0);
+  EXPECT_EQ(number(document.at("intervals").at(0).at("inverted")), 0);
+  EXPECT_EQ(number(document.at("strict").at("tangled_cells")), 0);
+}
+
+TEST(ExtractCommand, VerifyFailsWhereCellsFoldOver) {
+  // Two hexahedra on the same side of the face that they share.
+  const TemporaryFolder folder;
+  const std::string path = (folder / "folded.vtk").string();
+  std::ofstream(path) << "# vtk DataFile Version 3.0\nfolded\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 double\n"
+                         "0 0 0  1 0 0  1 1 0  0 1 0  0 0 1  1 0 1  1 1 1  0 1 1  0.5 0 0  0.5 1 0  0.5 1 1  0.5 0 1\n"
+                         "CELLS 2 18\n8 0 1 2 3 4 5 6 7\n8 0 8 9 3 4 11 10 7\nCELL_TYPES 2\n12\n12\n"
+                         "POINT_DATA 12\nSCALARS f double 1\nLOOKUP_TABLE default\n0 1 1 0 0 1 1 0 0.5 0.5 0.5 0.5\n";
+  const CommandResult result = run_isostrata("extract '" + path + "' --interval -1:0.4 --verify");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, HasSubstr("broken law 'partition'"));
+  EXPECT_THAT(result.err, HasSubstr("expected at most 1e-09"));
+}
+
+TEST(ExtractCommand, WritesTheChosenFacets) {
+  const TemporaryFolder folder;
+  const auto size = [&](const std::string& options) {
+    const std::string path = (folder / "b.stl").string();
+    const CommandResult result =
+        run_isostrata("extract torus:24 --interval 0.1:0.2 --interval 0.2:0.4 --out '" + path + "' " + options);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return std::filesystem::file_size(path);
+  };
+  EXPECT_EQ(size("") + 3 * 84 - 84, size("--facets lower") + size("--facets upper") + size("--facets domain"));
+  EXPECT_EQ(size("--facets lower"), size("--facets lower@0,lower@1"));
+  EXPECT_LT(size("--facets lower@1"), size("--facets lower"));
+  for (const char* wrong : {"middle", "lower@2", "lower@x", "lower@"}) {
+    const CommandResult result =
+        run_isostrata("extract torus:8 --interval 0.1:0.2 --interval 0.2:0.4 --facets " + std::string(wrong));
+    EXPECT_EQ(result.status, 1);
+    EXPECT_THAT(result.err, HasSubstr("facets '" + std::string(wrong) + "'"));
   }
 }
 
