@@ -111,7 +111,13 @@ TEST(ExtractCommand, BenchReportsTheFloorBesideTheTimes) {
     EXPECT_GT(number(run.at("read_floor_ms")), 0);
     EXPECT_LE(number(run.at("ms").at("min")), number(run.at("ms").at("median")));
     EXPECT_LE(number(run.at("ms").at("median")), number(run.at("ms").at("max")));
+    EXPECT_GE(number(run.at("mesh_bytes")), 18 * number(run.at("tetrahedra")));
   }
+  const json::value& drag = runs[0].at("drag");
+  EXPECT_GT(number(drag.at("records_bytes")), 4 * number(runs[0].at("active_cells")));
+  EXPECT_LE(number(drag.at("bricks_taken_over")), number(drag.at("bricks")));
+  EXPECT_GT(number(drag.at("moved_mesh_ms")), 0);
+  EXPECT_TRUE(runs[1].at("drag").is_null()) << "bricks are of structured grids";
   EXPECT_GT(document.at("cpu").as_string().size(), 0u);
 }
 
@@ -163,6 +169,43 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
     EXPECT_NEAR(signed_volume(split), signed_volume(whole), example.tolerance * signed_volume(whole)) << example.file;
   }
   if (found == 0) GTEST_SKIP() << "no test data in " << shared_data();
+}
+
+TEST(ExtractCommand, TermsApplyInTheOrderOfTheCommandLine) {
+  const auto volume = [](const std::string& terms) {
+    return signed_volume(extract_json("tets:16 --array distance --interval 0.2:0.6 " + terms));
+  };
+  const auto plain = [](const std::string& interval) {
+    return signed_volume(extract_json("tets:16 --array distance --interval " + interval));
+  };
+  EXPECT_NEAR(volume("--or distance=0.7:0.8 --and distance=0.7:0.75"), plain("0.7:0.75"), 1e-12);
+  EXPECT_NEAR(volume("--and distance=0.7:0.75 --or distance=0.7:0.8"), plain("0.7:0.8"), 1e-12);
+  EXPECT_NEAR(volume("--minus distance=0.1:0.9 --or distance=0.7:0.8 --minus distance=0.7:0.75"), plain("0.75:0.8"), 1e-12);
+  EXPECT_NEAR(volume("--minus distance=0.1:0.9 --minus distance=0.7:0.75 --or distance=0.7:0.8"), plain("0.7:0.8"), 1e-12);
+  EXPECT_NEAR(volume("--xor distance=0.5:0.8 --and distance=0.55:0.7 --or distance=0.3:0.4 --xor distance=0.65:0.7"),
+              plain("0.3:0.4") + plain("0.6:0.65"), 1e-12);
+}
+
+TEST(ExtractCommand, LabelsWhatATermAdds) {
+  const json::value document = extract_json("torus:24 --interval 0.2:0.3 --or distance=0.4:0.5 --minus distance=0.45:0.6");
+  EXPECT_EQ(number(document.at("unmatched_facets")), 0);
+  const auto& intervals = document.at("intervals").as_array();
+  ASSERT_EQ(intervals.size(), 2u);
+  EXPECT_FALSE(intervals[0].as_object().contains("term"));
+  EXPECT_EQ(number(intervals[1].at("term")), 0);
+  EXPECT_EQ(number(intervals[1].at("lower")), 0.4);
+  EXPECT_GT(number(intervals[1].at("volume")), 0);
+}
+
+TEST(ExtractCommand, RefusesTermsThatAreNone) {
+  const auto refused = [](const std::string& arguments) {
+    const CommandResult result = run_isostrata("extract tets:6 --interval 0.2:0.6 " + arguments);
+    EXPECT_NE(result.status, 0) << arguments;
+    return result.err;
+  };
+  EXPECT_THAT(refused("--and nothing=1:2"), HasSubstr("no array 'nothing'; it has distance"));
+  EXPECT_THAT(refused("--and distance"), HasSubstr("expected NAME=LOWER:UPPER"));
+  EXPECT_THAT(refused("--or distance=2:1"), HasSubstr("lower"));
 }
 
 }  // namespace
