@@ -400,7 +400,7 @@ class Engine::Impl {
       frame.session = request.session;
       frame.request = request.request;
       frame.revision = order.scene.revision;
-      frame.step = order.scene.step;
+      frame.step = order.scene.time ? order.extracted->time.first : order.scene.step;
       frame.lossless = request.lossless;
       frame.jpeg = request.jpeg;
       frame.width = request.width;
