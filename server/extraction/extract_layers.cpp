@@ -17,11 +17,9 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
                    std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
   std::vector<ArrayTerm> terms;
   for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), term.range});
-  const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals,
-                           const ExtractOptions& options) {
-    ExtractOptions own = options;
-    own.strict = request.triangulation == Triangulation::strict;
-    return extract_intervals(grid, on, intervals, own, task);
+  const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals, ExtractOptions options) {
+    options.strict = request.triangulation == Triangulation::strict;
+    return extract_intervals(grid, on, intervals, options, task);
   };
   Combined combined =
       combine_arrays(dataset.grid, array, request.intervals, terms, carry, extract, {request.facets, request.max_bytes}, task);

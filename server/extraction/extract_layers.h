@@ -81,8 +81,8 @@ struct LayerAids {
   Extractor extractor;  // called in place of extract_intervals where that is all there is to do: one field, no terms, tables
 };
 
-/// In space-time mode the volume between the two steps is made and sliced. That mode takes neither terms nor the strict
-/// triangulation (unsupported); a dataset of one step is extracted as it is.
+/// In space-time mode the volume between the two steps is made and sliced; a dataset of one step is extracted as it is. There
+/// the strict triangulation has nothing to change: a slice's tetrahedra are turned over only where the cell's own split is.
 /// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
 /// cancelled, and what `steps` and the aids throw. Any thread.
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids = {});

@@ -87,7 +87,10 @@ std::vector<std::uint8_t> find_idle_cells(const Grid& grid, const PointArray& ar
     visit_cells(grid, *term.array, term.range, task, [&](std::int64_t cell, unsigned bits) {
       may[cell] = may_be_combined(term.op, may[cell] != 0, (bits & kReaches) && (bits & kBegins), !(bits & kLeaves));
     });
-  for (std::int64_t cell = 0; cell < grid.cell_count(); ++cell) may[cell] = !may[cell] || grid.hidden(cell);
+  parallel_for(grid.cell_count(), 1 << 18, [&](std::int64_t begin, std::int64_t end) {
+    task.check();
+    for (std::int64_t cell = begin; cell < end; ++cell) may[cell] = !may[cell] || grid.hidden(cell);
+  });
   return may;
 }
 

@@ -205,7 +205,10 @@ class Pass {
   /// Crossings are numbered by their edge's smaller point, its larger point and the end, after the points that stay.
   void number_points() {
     std::vector<std::uint32_t> rank(mesh_.points() + 1);
-    for (std::int64_t i = 0; i < mesh_.points(); ++i) rank[i + 1] = rank[i] + used_[i];
+    for (std::int64_t i = 0; i < mesh_.points(); ++i) {
+      if (i % (1 << 22) == 0) task_.check();
+      rank[i + 1] = rank[i] + used_[i];
+    }
     kept_ = std::move(rank);
     std::vector<std::uint8_t>().swap(used_);
 

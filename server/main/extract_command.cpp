@@ -82,7 +82,7 @@ boost::json::object to_json(const StrictSummary& strict) {
 boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Proof& proof, const Timing& ms,
                             const std::string& device) {
   boost::json::array intervals;
-  for (const IntervalSummary& row : mesh.summaries)
+  for (const IntervalSummary& row : mesh.summaries) {
     intervals.push_back(boost::json::object{{"lower", row.interval.lower},
                                             {"upper", row.interval.upper},
                                             {"active_cells", row.active_cells},
@@ -90,6 +90,8 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                             {"volume", row.volume},
                                             {"signed_volume", row.signed_volume},
                                             {"inverted", row.inverted}});
+    if (row.term >= 0) intervals.back().as_object().emplace("term", row.term);
+  }
   return {{"cells", mesh.cells},
           {"active_cells", mesh.active_cells},
           {"tetrahedra", mesh.tetrahedra.size()},
@@ -117,9 +119,9 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
   std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "signed volume",
               "inverted");
   for (const IntervalSummary& row : mesh.summaries)
-    std::printf("%14.8g %14.8g %10lld %10lld %16.10g %16.10g %8lld\n", row.interval.lower, row.interval.upper,
+    std::printf("%14.8g %14.8g %10lld %10lld %16.10g %16.10g %8lld%s\n", row.interval.lower, row.interval.upper,
                 static_cast<long long>(row.active_cells), static_cast<long long>(row.tetrahedra), row.volume, row.signed_volume,
-                static_cast<long long>(row.inverted));
+                static_cast<long long>(row.inverted), row.term < 0 ? "" : "  what a term adds");
   std::printf("boundary facets: %lld lower, %lld upper, %lld domain; %lld unmatched\n", static_cast<long long>(facets.lower),
               static_cast<long long>(facets.upper), static_cast<long long>(facets.domain),
               static_cast<long long>(facets.unmatched));

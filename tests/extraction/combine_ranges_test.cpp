@@ -132,11 +132,18 @@ std::set<std::array<std::array<double, 3>, 3>> triangles_on(const IntervalMesh& 
   return out;
 }
 
+/// From one base: without cells that are left out as idle, which differ between the two and with them the points' numbers.
 TEST(CombineRanges, IntersectionAndDifferenceShareTheFacetsBetweenThem) {
+  const Task task;
   for (const Field& f : all_kinds(false, 7)) {
     SCOPED_TRACE(f.name);
-    const IntervalMesh in = combine(f.grid, f.arrays[0], {{0.2, 0.8}}, {{kAnd, &f.arrays[1], {0.4, 0.6}}});
-    const IntervalMesh out = combine(f.grid, f.arrays[0], {{0.2, 0.8}}, {{kMinus, &f.arrays[1], {0.4, 0.6}}});
+    const IntervalMesh base = extract(f.grid, f.arrays[0], {{0.2, 0.8}});
+    const std::vector<Buffer<double>> fields{base.values, carry_values(base, exact_weights(base, f.arrays[0]), f.arrays[1])};
+    const auto part = [&](RangeOperator op) {
+      const std::vector<FieldTerm> terms{{op, 1, {0.4, 0.6}}};
+      return combine_ranges(base, 1, fields, terms, {.facets = true}, task).mesh;
+    };
+    const IntervalMesh in = part(kAnd), out = part(kMinus);
     EXPECT_GT(triangles_on(in, 1).size(), 100u);
     EXPECT_EQ(triangles_on(in, 1), triangles_on(out, 1));
   }
@@ -626,7 +633,9 @@ TEST(CombineRanges, LeavingIdleCellsOutChangesNothing) {
           terms.push_back({term.op, static_cast<int>(term.array - f.arrays.data()), term.range});
         const Combined plain = combine_ranges(base, 1, fields, terms, {.facets = true}, task);
         ASSERT_EQ(quick.summaries.size(), plain.mesh.summaries.size());
-        EXPECT_NEAR(volume(quick), volume(plain.mesh), 1e-12 * grid_volume(f.grid));
+        for (std::size_t i = 0; i < plain.mesh.summaries.size(); ++i)
+          EXPECT_NEAR(quick.summaries[i].signed_volume, plain.mesh.summaries[i].signed_volume, 1e-12 * grid_volume(f.grid));
+        if (!f.grid.structured()) continue;  // points are numbered otherwise there: the same parts fall into other tetrahedra
         EXPECT_EQ(quick.tetrahedra.size(), plain.mesh.tetrahedra.size());
         EXPECT_EQ(quick.facets.size(), plain.mesh.facets.size());
       }

@@ -171,4 +171,41 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
   if (found == 0) GTEST_SKIP() << "no test data in " << shared_data();
 }
 
+TEST(ExtractCommand, TermsApplyInTheOrderOfTheCommandLine) {
+  const auto volume = [](const std::string& terms) {
+    return signed_volume(extract_json("tets:16 --array distance --interval 0.2:0.6 " + terms));
+  };
+  const auto plain = [](const std::string& interval) {
+    return signed_volume(extract_json("tets:16 --array distance --interval " + interval));
+  };
+  EXPECT_NEAR(volume("--or distance=0.7:0.8 --and distance=0.7:0.75"), plain("0.7:0.75"), 1e-12);
+  EXPECT_NEAR(volume("--and distance=0.7:0.75 --or distance=0.7:0.8"), plain("0.7:0.8"), 1e-12);
+  EXPECT_NEAR(volume("--minus distance=0.1:0.9 --or distance=0.7:0.8 --minus distance=0.7:0.75"), plain("0.75:0.8"), 1e-12);
+  EXPECT_NEAR(volume("--minus distance=0.1:0.9 --minus distance=0.7:0.75 --or distance=0.7:0.8"), plain("0.7:0.8"), 1e-12);
+  EXPECT_NEAR(volume("--xor distance=0.5:0.8 --and distance=0.55:0.7 --or distance=0.3:0.4 --xor distance=0.65:0.7"),
+              plain("0.3:0.4") + plain("0.6:0.65"), 1e-12);
+}
+
+TEST(ExtractCommand, LabelsWhatATermAdds) {
+  const json::value document = extract_json("torus:24 --interval 0.2:0.3 --or distance=0.4:0.5 --minus distance=0.45:0.6");
+  EXPECT_EQ(number(document.at("unmatched_facets")), 0);
+  const auto& intervals = document.at("intervals").as_array();
+  ASSERT_EQ(intervals.size(), 2u);
+  EXPECT_FALSE(intervals[0].as_object().contains("term"));
+  EXPECT_EQ(number(intervals[1].at("term")), 0);
+  EXPECT_EQ(number(intervals[1].at("lower")), 0.4);
+  EXPECT_GT(number(intervals[1].at("volume")), 0);
+}
+
+TEST(ExtractCommand, RefusesTermsThatAreNone) {
+  const auto refused = [](const std::string& arguments) {
+    const CommandResult result = run_isostrata("extract tets:6 --interval 0.2:0.6 " + arguments);
+    EXPECT_NE(result.status, 0) << arguments;
+    return result.err;
+  };
+  EXPECT_THAT(refused("--and nothing=1:2"), HasSubstr("no array 'nothing'; it has distance"));
+  EXPECT_THAT(refused("--and distance"), HasSubstr("expected NAME=LOWER:UPPER"));
+  EXPECT_THAT(refused("--or distance=2:1"), HasSubstr("lower"));
+}
+
 }  // namespace
