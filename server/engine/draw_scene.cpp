@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/stopwatch.h"
+#include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
 
 namespace isostrata {
@@ -19,21 +20,21 @@ bool uses_color_map(const Scene& scene) {
          std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
 }
 
-
-/// Whether another array can be brought to the finished mesh: its points know the edges they lie on, and the array is that of a
-/// step.
+/// Whether another array can be brought to the finished mesh: its points know the edges they lie on, in the grid of one step.
 bool can_carry(const ExtractedScene& extracted) {
-  return !extracted.request.time && extracted.mesh->origins.size() == extracted.mesh->positions.size();
+  return extracted.time.first == extracted.time.second && extracted.mesh->origins.size() == extracted.mesh->positions.size();
 }
 
-/// The dataset is immutable and one object per time step, so its identity stands for dataset and step.
+/// The dataset is immutable and one object per time step, so the identity of those that were used stands for dataset and steps.
 bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, const StepSource& steps, const Task& task) {
-  return previous.request == request && steps(previous.dataset->step, task) == previous.dataset;
+  return previous.request == request && std::all_of(previous.steps.begin(), previous.steps.end(),
+                                                    [&](const auto& used) { return steps(used->step, task) == used; });
 }
 
-void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task) {
+void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task, LayerAids aids) {
   if (request.intervals.empty()) {
     made.dataset = steps(request.step, task);
+    made.time.first = made.time.second = request.step;
     made.dataset->array(request.array);
     auto mesh = std::make_shared<IntervalMesh>();
     mesh->cells = made.dataset->grid.cell_count();
@@ -41,8 +42,10 @@ void extract(ExtractedScene& made, const LayerRequest& request, const StepSource
     if (!request.carry.empty()) made.color_values = std::make_shared<const std::vector<float>>();
     return;
   }
-  Layers layers = extract_layers(request, steps, task);
+  if (made.kept) aids.kept = made.kept.get();
+  Layers layers = extract_layers(request, steps, task, aids);
   made.dataset = std::move(layers.dataset);
+  made.time = layers.time;
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
   if (!request.carry.empty())
     made.color_values = std::make_shared<const std::vector<float>>(std::move(layers.carried.front().values));
@@ -87,9 +90,16 @@ LayerRequest layer_request(const Scene& scene) {
   return request;
 }
 
-std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, const Scene& scene,
-                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task) {
+std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                    const LayerAids& aids) {
   const Stopwatch watch;
+  auto made = std::make_shared<ExtractedScene>();
+  const StepSource steps = [&](int step, const Task& of) {
+    auto dataset = source(step, of);
+    if (std::find(made->steps.begin(), made->steps.end(), dataset) == made->steps.end()) made->steps.push_back(dataset);
+    return dataset;
+  };
   LayerRequest request = layer_request(scene);
   if (request.array.empty()) request.array = first_array(*steps(scene.step, task));
   const std::string color_by = scene.color_by.empty() ? request.array : scene.color_by;
@@ -98,8 +108,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, con
   plain.carry.clear();
   if (colored) request.carry.front() = color_by;
 
-  auto made = std::make_shared<ExtractedScene>();
-  const bool keep = previous && same_mesh(*previous, plain, steps, task);
+  const bool keep = previous && same_mesh(*previous, plain, source, task);
   if (keep && previous->color_by == color_by && (previous->color_values || !colored)) {
     if (previous->extract_ms == 0) return previous;
     *made = *previous;
@@ -107,14 +116,19 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, con
     return made;
   }
   if (keep && (!colored || can_carry(*previous))) {
+    made->steps = previous->steps;
     made->dataset = previous->dataset;
+    made->time = previous->time;
+    made->kept = previous->kept;
     made->mesh = previous->mesh;
-    const PointArray& color_array = made->dataset->array(color_by);
+    const PointArray& color_array = made->steps.front()->array(color_by);
     if (colored) made->color_values = std::make_shared<const std::vector<float>>(carry_array(*made->mesh, color_array));
   } else {
-    extract(*made, request, steps, task);
+    if (request.time_mode == TimeMode::spacetime)
+      made->kept = previous && previous->kept ? previous->kept : std::make_shared<KeptSpaceTime>();
+    extract(*made, request, steps, task, aids);
   }
-  const PointArray& color_array = made->dataset->array(color_by);
+  const PointArray& color_array = made->steps.front()->array(color_by);
   if (color_array.lower <= color_array.upper) {
     made->color_lower = color_array.lower;
     made->color_upper = color_array.upper;
@@ -128,7 +142,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, con
 
 std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task) {
-  const StepSource one = [&dataset](int step, const Task&) {
+  const StepSource one = [dataset](int step, const Task&) {
     if (step != dataset->step)
       throw Error(ErrorCode::not_found, dataset->name + ": step " + std::to_string(step) + " is asked for; only step " +
                                             std::to_string(dataset->step) + " is at hand");

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/task.h"
 #include "data/dataset.h"
@@ -21,20 +22,24 @@ LayerRequest layer_request(const Scene& scene);
 
 /// A mesh and what it was made from. Immutable, shared between threads.
 struct ExtractedScene {
-  LayerRequest request;                    // without what it carries; the array's name as it was found
-  std::shared_ptr<const Dataset> dataset;  // whose grid the mesh lies in: of a time between steps, the earlier step's
-  std::string array, color_by;             // the arrays' names, as they were found
+  LayerRequest request;                               // without what it carries; the array's name as it was found
+  std::vector<std::shared_ptr<const Dataset>> steps;  // that were opened for it
+  std::shared_ptr<const Dataset> dataset;             // whose grid the mesh lies in, see Layers
+  LayerTime time;
+  std::shared_ptr<KeptSpaceTime> kept;  // for the next slice; null but in space-time mode
+  std::string array, color_by;          // the arrays' names, as they were found
   std::shared_ptr<const IntervalMesh> mesh;
   std::shared_ptr<const std::vector<float>> color_values;  // null where there is no colour map
-  double color_lower = 0, color_upper = 1;                 // range of the color-by array
+  double color_lower = 0, color_upper = 1;                 // range of the color-by array in the first of `steps`
   double extract_ms = 0;                                   // 0 where `previous` was reused
 };
 
 /// Extracts what layer_request says; `previous` is reused as far as that and the dataset are the same, and its mesh also where
 /// only colours are wanted that can be carried to it. A scene without intervals gives an empty mesh. Scene::array empty: the
 /// dataset's first. Throws not_found (no such array) and what extract_layers throws. Any thread.
-std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& steps, const Scene& scene,
-                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task);
+std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                    const LayerAids& aids = {});
 
 /// The same for one step that is at hand. Throws not_found where the scene's time needs another one.
 std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,

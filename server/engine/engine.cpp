@@ -15,6 +15,7 @@
 #include "engine/draw_scene.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
+#include "extraction/brick_memory.h"
 #include "extraction/first_layers.h"
 
 namespace isostrata {
@@ -236,7 +237,9 @@ class Engine::Impl {
       operation->task().check();
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
-      extracted = extract_scene(steps, scene, previous, operation->task());
+      LayerAids aids;
+      aids.bricks = &bricks_;
+      extracted = extract_scene(steps, scene, previous, operation->task(), aids);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -397,7 +400,7 @@ class Engine::Impl {
       frame.session = request.session;
       frame.request = request.request;
       frame.revision = order.scene.revision;
-      frame.step = order.scene.step;
+      frame.step = order.scene.time ? order.extracted->time.first : order.scene.step;
       frame.lossless = request.lossless;
       frame.jpeg = request.jpeg;
       frame.width = request.width;
@@ -448,6 +451,7 @@ class Engine::Impl {
 
   // Destroyed from the last: every thread ends before what it uses.
   DatasetStore store_;
+  BrickMemory bricks_;  // of all sessions
   WorkerThreads loaders_;
   WorkerThreads jobs_;
   std::vector<std::unique_ptr<WorkerThreads>> encoders_;

@@ -1,8 +1,11 @@
 #include "extraction/active_bricks.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "base/parallel.h"
 #include "extraction/active_cells.h"
@@ -20,11 +23,13 @@ constexpr std::int64_t kBricksPerBlock = 16;
 /// The ends of a request in the array's own type.
 template <class T>
 struct Thresholds {
-  explicit Thresholds(const IsoRules& rules) : of(rules.isovalues().size()) {
-    for (const IsoRule& rule : rules.rules()) {
-      of[rule.lower_index] =
-          value_threshold<T>(rule.lower);  // where an interval begins, those that end there do at the same value
-      of[rule.upper_index] = value_threshold<T>(rule.above);
+  explicit Thresholds(const IsoRules& rules) {
+    std::vector<double> begins;
+    for (const IsoRule& rule : rules.rules()) begins.push_back(rule.lower);
+    std::sort(begins.begin(), begins.end());
+    for (const double isovalue : rules.isovalues()) {  // where an interval begins, those that end there do at the same value
+      const bool one_begins = std::binary_search(begins.begin(), begins.end(), isovalue);
+      of.push_back(value_threshold<T>(one_begins ? isovalue : std::nextafter(isovalue, std::numeric_limits<double>::infinity())));
     }
     lowest = value_threshold<T>(rules.lowest());
     highest = value_threshold<T>(rules.highest());
@@ -100,6 +105,30 @@ std::int64_t find_handedness(const Grid& grid, const BrickLayout& layout, const 
   return balance;
 }
 
+/// What find_handedness returned for the records.
+std::int64_t sum_of_hands(std::span<const CellRecord> records) {
+  std::int64_t balance = 0;
+  int last = -1;
+  for (const CellRecord& record : records) {
+    if (record.cell() != last) balance += record.handedness() == 0 ? 1 : record.handedness() == 1 ? -1 : 0;
+    last = record.cell();
+  }
+  return balance;
+}
+
+/// The intervals that values between lowest and highest of a brick meet.
+void find_intervals(const IsoRules& rules, const ActiveBrick& brick, double lowest, double highest,
+                    std::vector<BrickInterval>& intervals) {
+  intervals.clear();
+  const auto end_of = [&](double end, std::uint32_t isovalue) {
+    if (lowest >= end) return BrickInterval::kEndBelow;
+    return highest >= end ? static_cast<int>(isovalue - brick.first_isovalue) : BrickInterval::kEndAbove;
+  };
+  rules.visit_active(lowest, highest, [&](std::uint16_t interval, const IsoRule& rule) {
+    intervals.push_back({interval, end_of(rule.lower, rule.lower_index), end_of(rule.above, rule.upper_index)});
+  });
+}
+
 /// Whether the axes of a grid of boxes make a left-handed frame.
 bool is_mirrored(const Grid& grid) {
   const auto dims = grid.dims();
@@ -110,15 +139,16 @@ bool is_mirrored(const Grid& grid) {
 }  // namespace
 
 ActiveBricks::ActiveBricks(const Grid& grid, const PointArray& array, const MinMaxBricks& index, const IsoRules& rules,
-                           std::uint64_t max_bytes, const Task& task)
-    : layout_(index.layout()) {
-  std::visit([&](auto values) { classify(grid, values, index, rules, max_bytes, task); }, array.values);
+                           std::uint64_t max_bytes, const Task& task, const ActiveBricks* previous)
+    : layout_(index.layout()), rules_(rules) {
+  std::visit([&](auto values) { classify(grid, values, index, rules, max_bytes, task, previous); }, array.values);
 }
 
 template <class T>
 void ActiveBricks::classify(const Grid& grid, std::span<const T> values, const MinMaxBricks& index, const IsoRules& rules,
-                            std::uint64_t max_bytes, const Task& task) {
+                            std::uint64_t max_bytes, const Task& task, const ActiveBricks* previous) {
   const Thresholds<T> thresholds(rules);
+  const std::optional<Thresholds<T>> had = previous ? std::optional<Thresholds<T>>(previous->rules_) : std::nullopt;
   const MinMaxBricks::Ranges<T>& ranges = index.ranges<T>();
   const auto isovalues = static_cast<std::uint32_t>(thresholds.of.size());
 
@@ -164,6 +194,39 @@ void ActiveBricks::classify(const Grid& grid, std::span<const T> values, const M
   std::vector<std::vector<CellRecord>> found(blocks);
   std::atomic<std::int64_t> balance{0};
   std::atomic<std::uint64_t> listed{0};
+
+  // The brick of the previous request that has the same intervals, with ends at the same places.
+  const auto find_same = [&](const ActiveBrick& brick, double lowest, double highest,
+                             const std::vector<BrickInterval>& intervals) -> const ActiveBrick* {
+    if (!previous) return nullptr;
+    const std::uint32_t at = previous->find(brick.number);
+    if (at == kNotActive) return nullptr;
+    const ActiveBrick& other = previous->bricks_[at];
+    if (other.isovalues != brick.isovalues) return nullptr;
+    for (std::uint32_t v = 0; v < brick.isovalues; ++v) {
+      const std::uint32_t now = brick.first_isovalue + v, then = other.first_isovalue + v;
+      if (rules.isovalues()[now] != previous->rules_.isovalues()[then] || !(thresholds.of[now] == had->of[then])) return nullptr;
+    }
+    thread_local std::vector<BrickInterval> then;
+    find_intervals(previous->rules_, other, lowest, highest, then);
+    return then == intervals ? &other : nullptr;
+  };
+  std::atomic<std::size_t> taken_over{0};
+  const auto take_over = [&](const ActiveBrick& from, ActiveBrick& brick, std::vector<CellRecord>& records) {
+    const auto at = static_cast<std::size_t>(&from - previous->bricks_.data());
+    const std::size_t count = 8 * (1 + 3 * std::size_t{brick.isovalues});
+    std::copy_n(previous->words(from), count, words_.data() + brick.first_word);
+    std::copy_n(previous->bases(from), count, bases_.data() + brick.first_word);
+    brick.first_record = records.size();
+    brick.points = from.points;
+    brick.cells = from.cells;
+    brick.tetrahedra = from.tetrahedra;
+    const std::span<const CellRecord> same = previous->records(at);
+    records.insert(records.end(), same.begin(), same.end());
+    near_absent_[static_cast<std::size_t>(&brick - bricks_.data())] = previous->near_absent_[at];
+    if (curvilinear) balance.fetch_add(sum_of_hands(same), std::memory_order_relaxed);
+    taken_over.fetch_add(1, std::memory_order_relaxed);
+  };
   StageProgress progress(task, "searching", 0.1, 0.4, blocks);
   parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
     BrickReader<T> reader(layout_, values);
@@ -176,19 +239,16 @@ void ActiveBricks::classify(const Grid& grid, std::span<const T> values, const M
       for (std::int64_t b = block * kBricksPerBlock; b < std::min(count, (block + 1) * kBricksPerBlock); ++b) {
         ActiveBrick& brick = bricks_[b];
         const BrickLayout::Place place = layout_.place(brick.number);
+        const auto lowest = static_cast<double>(ranges.lowest[brick.number]);
+        const auto highest = static_cast<double>(ranges.highest[brick.number]);
+        find_intervals(rules, brick, lowest, highest, intervals);
+        if (const ActiveBrick* const same = find_same(brick, lowest, highest, intervals)) {
+          take_over(*same, brick, records);
+          continue;
+        }
         reader.turn_to(place);
         bits.resize(brick.isovalues);
         for (std::uint32_t v = 0; v < brick.isovalues; ++v) reader.test(thresholds.of[brick.first_isovalue + v], bits[v]);
-        intervals.clear();
-        const auto end_of = [&](std::uint32_t isovalue) {
-          if (isovalue < brick.first_isovalue) return BrickInterval::kEndBelow;
-          const std::uint32_t own = isovalue - brick.first_isovalue;
-          return own < brick.isovalues ? static_cast<int>(own) : BrickInterval::kEndAbove;
-        };
-        rules.visit_active(static_cast<double>(ranges.lowest[brick.number]), static_cast<double>(ranges.highest[brick.number]),
-                           [&](std::uint16_t interval, const IsoRule& rule) {
-                             intervals.push_back({interval, end_of(rule.lower_index), end_of(rule.upper_index)});
-                           });
 
         bool absent = !grid.hidden_cells.empty() || !positions_are_finite(grid, layout_, place);
         if (!absent) {  // a value that is not finite in the brick, or before it
@@ -237,6 +297,7 @@ void ActiveBricks::classify(const Grid& grid, std::span<const T> values, const M
       found[block] = {};
     }
   });
+  taken_over_ = taken_over.load();
   for (const ActiveBrick& brick : bricks_) {
     points_ += brick.points;
     cells_ += brick.cells;

@@ -34,8 +34,10 @@ class ActiveBricks {
   /// Classifies the bricks whose range the intervals meet, on the pool; no others are read. The cells, cases and mesh points are
   /// those of find_active_cells and MeshPoints. Preconditions: a structured grid with cells, `index` made for it and the array,
   /// at most kMaxRecordIntervals intervals. Throws too_large where more than max_bytes would be needed, cancelled.
+  /// `previous`, of the same grid and array with other intervals: what it found is taken over for every brick whose values lie
+  /// on the same sides of the same isovalues, so that where an end moves only the bricks whose range meets the change are read.
   ActiveBricks(const Grid& grid, const PointArray& array, const MinMaxBricks& index, const IsoRules& rules,
-               std::uint64_t max_bytes, const Task& task);
+               std::uint64_t max_bytes, const Task& task, const ActiveBricks* previous = nullptr);
 
   const BrickLayout& layout() const { return layout_; }
   std::span<const ActiveBrick> bricks() const { return bricks_; }  // by number
@@ -60,13 +62,15 @@ class ActiveBricks {
   std::uint64_t cells() const { return cells_; }
   std::uint64_t tetrahedra() const { return tetrahedra_; }
   std::uint64_t bytes() const;
+  std::size_t taken_over() const { return taken_over_; }  // bricks that were not read
 
  private:
   template <class T>
   void classify(const Grid& grid, std::span<const T> values, const MinMaxBricks& index, const IsoRules& rules,
-                std::uint64_t max_bytes, const Task& task);
+                std::uint64_t max_bytes, const Task& task, const ActiveBricks* previous);
 
   BrickLayout layout_;
+  IsoRules rules_;
   std::vector<ActiveBrick> bricks_;
   Buffer<std::uint32_t> active_;  // [layout_.count()]
   Buffer<std::uint64_t> words_;   // see classify_brick
@@ -74,6 +78,7 @@ class ActiveBricks {
   Buffer<CellRecord> records_;
   std::vector<std::uint8_t> near_absent_;  // [bricks_]
   std::array<std::uint8_t, 4> turned_{};
+  std::size_t taken_over_ = 0;
   std::uint64_t points_ = 0, cells_ = 0, tetrahedra_ = 0;
 };
 

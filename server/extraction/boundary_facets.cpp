@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <tuple>
 
 #include "base/parallel.h"
 #include "extraction/active_cells.h"
-#include "extraction/keyed_lists.h"
+#include "extraction/match_table.h"
+#include "extraction/memory_budget.h"
+#include "extraction/partitioned_items.h"
 
 namespace isostrata {
 namespace {
@@ -40,57 +41,93 @@ OpenFaces open_faces_structured(const Grid& grid, const PointArray& array, std::
   return open;
 }
 
-/// A cell face under its smallest point: the points it has besides, and whose it is.
-struct FaceUse {
-  std::array<std::int64_t, 3> others{-1, -1, -1};  // increasing; -1 where the face has fewer points
-  std::uint32_t run = 0;
-  std::uint32_t face = 0;
+/// The points of a face in increasing order, without repeats; -1 where it has fewer than four.
+struct FaceKey {
+  std::array<std::int64_t, 4> points{-1, -1, -1, -1};
+
+  bool operator==(const FaceKey&) const = default;
+  std::uint64_t hash() const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t p : points) hash = mixed_hash(hash, static_cast<std::uint64_t>(p));
+    return hash;
+  }
 };
 
-/// Only faces of active cells are looked at: where a face holds a part of an interval, every cell that shares it does.
+FaceKey face_key(const CellFace& face, const std::array<std::int64_t, kMaxCellVertices>& ids) {
+  FaceKey key;
+  int size = 0;
+  for (int i = 0; i < face.size; ++i) {
+    const std::int64_t id = ids[face.vertex[i]];
+    int to = size;
+    while (to > 0 && key.points[to - 1] > id) --to;
+    if (to > 0 && key.points[to - 1] == id) continue;
+    for (int k = size++; k > to; --k) key.points[k] = key.points[k - 1];
+    key.points[to] = id;
+  }
+  return key;
+}
+
+/// Whose a face is, while it is only one cell's.
+struct FaceMeeting {
+  FaceKey points;
+  bool shared = false;
+  std::uint8_t face = 0;  // + 1; 0 for none yet
+  std::uint32_t run = 0;
+
+  const FaceKey& key() const { return points; }
+  void set_key(const FaceKey& key) { points = key; }
+  bool used() const { return face != 0; }
+};
+
+/// Only faces of active cells are looked at: where a face holds a part of an interval, every cell that shares it does. Like
+/// count_unmatched_facets(): runs are listed by the ranges that the smallest points of their faces are in.
 OpenFaces open_faces_unstructured(const Grid& grid, std::span<const CellRun> runs, std::uint64_t max_bytes, const Task& task) {
-  const auto visit = [&](std::int64_t begin, std::int64_t end, const auto& emit) {
-    task.check();
-    std::array<std::int64_t, kMaxCellVertices> ids;
-    for (std::int64_t r = begin; r < end; ++r) {
-      grid.cell_points(runs[r].cell, ids);
-      const CellTopology& cell = topology(grid.cell_type(runs[r].cell));
-      for (std::size_t f = 0; f < cell.faces.size(); ++f) {
-        const CellFace& face = cell.faces[f];
-        std::array<std::int64_t, 4> points{};  // [size] increasing, without repeats
-        int size = 0;
-        for (int i = 0; i < face.size; ++i) {
-          const std::int64_t id = ids[face.vertex[i]];
-          int to = size;
-          while (to > 0 && points[to - 1] > id) --to;
-          if (to > 0 && points[to - 1] == id) continue;
-          for (int k = size++; k > to; --k) points[k] = points[k - 1];
-          points[to] = id;
-        }
-        if (size < 3) continue;  // collapsed to an edge: it holds no facet
-        FaceUse use;
-        for (int i = 1; i < size; ++i) use.others[i - 1] = points[i];
-        use.run = static_cast<std::uint32_t>(r);
-        use.face = static_cast<std::uint32_t>(f);
-        emit(points[0], use);
-      }
-    }
-  };
-  auto uses = list_by_key<FaceUse>(grid.point_count(), static_cast<std::int64_t>(runs.size()), kRunsPerBlock,
-                                   "the faces of the active cells", max_bytes, visit);
+  const auto count = static_cast<std::int64_t>(runs.size());
+  const KeyRanges ranges = KeyRanges::of(grid.point_count(), 2 * count);
+  const auto at_range =
+      partition_items<std::uint32_t>(ranges.parts, count, "the faces of the active cells", max_bytes, task,
+                                     [&](std::int64_t begin, std::int64_t end, const auto& emit) {
+                                       std::array<std::int64_t, kMaxCellVertices> ids;
+                                       for (std::int64_t r = begin; r < end; ++r) {
+                                         grid.cell_points(runs[r].cell, ids);
+                                         std::array<std::int64_t, 6> seen;
+                                         int parts = 0;
+                                         for (const CellFace& face : topology(grid.cell_type(runs[r].cell)).faces) {
+                                           std::int64_t smallest = ids[face.vertex[0]];
+                                           for (int i = 1; i < face.size; ++i) smallest = std::min(smallest, ids[face.vertex[i]]);
+                                           const std::int64_t part = ranges.part(smallest);
+                                           if (std::find(seen.begin(), seen.begin() + parts, part) != seen.begin() + parts)
+                                             continue;
+                                           seen[parts++] = part;
+                                           emit(part, static_cast<std::uint32_t>(r));
+                                         }
+                                       }
+                                     });
   OpenFaces open(runs.size());
-  parallel_for(uses.keys(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
-    task.check();
-    for (std::int64_t key = begin; key < end; ++key) {
-      const auto list = uses.of(key);
-      std::sort(list.begin(), list.end(), [](const FaceUse& a, const FaceUse& b) { return a.others < b.others; });
-      for (std::size_t i = 0; i < list.size();) {
-        std::size_t next = i + 1;
-        while (next < list.size() && list[next].others == list[i].others) ++next;
-        if (next == i + 1)
-          std::atomic_ref(open[list[i].run]).fetch_or(static_cast<std::uint8_t>(1u << list[i].face), std::memory_order_relaxed);
-        i = next;
+  parallel_for(at_range.parts(), 1, [&](std::int64_t begin, std::int64_t end) {
+    MatchTable<FaceMeeting> table;
+    std::array<std::int64_t, kMaxCellVertices> ids;
+    for (std::int64_t part = begin; part < end; ++part) {
+      task.check();
+      table.start(3 * at_range.of(part).size());
+      std::size_t done = 0;
+      for (const std::uint32_t r : at_range.of(part)) {
+        if (++done % 4096 == 0) task.check();
+        grid.cell_points(runs[r].cell, ids);
+        const auto& faces = topology(grid.cell_type(runs[r].cell)).faces;
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+          const FaceKey key = face_key(faces[f], ids);
+          if (ranges.part(key.points[0]) != part || key.points[2] < 0) continue;  // collapsed to an edge: it holds no facet
+          FaceMeeting& meeting = table.at(key);
+          meeting.shared = meeting.face != 0;
+          meeting.face = static_cast<std::uint8_t>(f + 1);
+          meeting.run = r;
+        }
       }
+      for (const FaceMeeting& meeting : table.entries())
+        if (meeting.used() && !meeting.shared)
+          std::atomic_ref(open[meeting.run])
+              .fetch_or(static_cast<std::uint8_t>(1u << (meeting.face - 1)), std::memory_order_relaxed);
     }
   });
   return open;
@@ -163,71 +200,6 @@ std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& a
     }
   });
   return facets;
-}
-
-std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) {
-  std::vector<std::uint8_t> listed(mesh.tetrahedra.size());  // bit i: facet i is in mesh.facets
-  for (const BoundaryFacet& facet : mesh.facets) {
-    const auto& points = mesh.tetrahedra[facet.tetrahedron];
-    for (int i = 0; i < 4; ++i)
-      if (std::find(facet.points.begin(), facet.points.end(), points[i]) == facet.points.end())
-        listed[facet.tetrahedron] |= static_cast<std::uint8_t>(1u << i);
-  }
-
-  struct FacetUse {
-    std::uint32_t middle, largest;  // of the three points
-    std::uint16_t interval;
-    bool odd;  // the points, counter-clockwise from outside, are an odd permutation of their sorted order
-    bool boundary;
-  };
-  const auto same = [](const FacetUse& a, const FacetUse& b) {
-    return a.middle == b.middle && a.largest == b.largest && a.interval == b.interval;
-  };
-  const auto visit = [&](std::int64_t begin, std::int64_t end, const auto& emit) {
-    task.check();
-    for (std::int64_t t = begin; t < end; ++t)
-      for (int i = 0; i < 4; ++i) {
-        std::array<std::uint32_t, 3> p;
-        for (int k = 0; k < 3; ++k) p[k] = mesh.tetrahedra[t][kFacets[i][k]];
-        bool odd = false;
-        const auto order = [&](int a, int b) {
-          if (p[a] > p[b]) {
-            std::swap(p[a], p[b]);
-            odd = !odd;
-          }
-        };
-        order(0, 1);
-        order(1, 2);
-        order(0, 1);
-        emit(p[0], {p[1], p[2], mesh.tetrahedron_interval[t], odd, (listed[t] >> i & 1) != 0});
-      }
-  };
-  auto uses =
-      list_by_key<FacetUse>(static_cast<std::int64_t>(mesh.positions.size()), static_cast<std::int64_t>(mesh.tetrahedra.size()),
-                            8192, "the facets of the mesh", ~std::uint64_t{0}, visit);
-  std::atomic<std::int64_t> unmatched{0};
-  parallel_for(uses.keys(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
-    task.check();
-    std::int64_t own = 0;
-    for (std::int64_t key = begin; key < end; ++key) {
-      const auto list = uses.of(key);
-      std::sort(list.begin(), list.end(), [](const FacetUse& a, const FacetUse& b) {
-        return std::tie(a.middle, a.largest, a.interval) < std::tie(b.middle, b.largest, b.interval);
-      });
-      for (std::size_t i = 0; i < list.size();) {
-        std::size_t next = i + 1;
-        while (next < list.size() && same(list[next], list[i])) ++next;
-        // Boundary facets may coincide where the grid itself does not conform (a tetrahedron standing on half of a hexahedron's
-        // face).
-        const bool bounds = std::all_of(list.begin() + i, list.begin() + next, [](const FacetUse& use) { return use.boundary; });
-        const bool meets = next == i + 2 && !list[i].boundary && !list[i + 1].boundary && list[i].odd != list[i + 1].odd;
-        if (!bounds && !meets) own += static_cast<std::int64_t>(next - i);
-        i = next;
-      }
-    }
-    unmatched.fetch_add(own, std::memory_order_relaxed);
-  });
-  return unmatched.load();
 }
 
 }  // namespace isostrata

@@ -37,7 +37,7 @@ std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& a
 
 /// Facets of tetrahedra that are not in mesh.facets and do not meet exactly one other such facet of the same interval, with
 /// opposite orientation; where such facets meet facets of mesh.facets all of them count. 0 for a conforming mesh. Precondition:
-/// the mesh was extracted with facets. O(tetrahedra), by facets sorted within lists by smallest point. Throws cancelled.
+/// the mesh was extracted with facets. O(tetrahedra) expected; about 9 bytes for each beside 4 MB. Throws cancelled.
 std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task);
 
 }  // namespace isostrata

@@ -43,6 +43,8 @@ struct BrickInterval {
   static constexpr int kEndBelow = -1, kEndAbove = -2;
   int interval = 0;
   int lower = 0, upper = 0;
+
+  bool operator==(const BrickInterval&) const = default;
 };
 
 /// Which cells of a brick and around it hold parts of intervals: bit i + 1 of row 9 (k + 1) + (j + 1) for the cell at i, j, k
@@ -75,8 +77,8 @@ struct BrickPoints {
 /// owners[di + 2 dj + 4 dk]. numbers: [7][9][9][9]; only what owners have is written.
 void fill_numbers(const std::array<BrickPoints, 8>& owners, std::uint32_t* numbers);
 
-/// Writes the tetrahedra of a brick's records. numbers_of[interval]: its table. turned[handedness]: whether tetrahedra are turned.
-/// out: [tetrahedra]. Returns how many were written.
+/// Writes the tetrahedra of a brick's records. numbers_of[interval]: its table. turned[handedness]: whether tetrahedra are
+/// turned. out: [tetrahedra]. Returns how many were written.
 std::size_t write_records(std::span<const CellRecord> records, const std::uint32_t* const* numbers_of,
                           const std::array<std::uint8_t, 4>& turned, std::array<std::uint32_t, 4>* out);
 

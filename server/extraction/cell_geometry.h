@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -10,6 +11,9 @@
 #include "tables/cell_type.h"
 
 namespace isostrata {
+
+/// The facets of a positive tetrahedron, facet i opposite vertex i, counter-clockwise seen from outside.
+inline constexpr std::array<std::array<int, 3>, 4> kTetrahedronFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// The volume inside the cell's faces, positive for a right-handed cell: tetrahedra from a vertex to the faces, a quadrilateral
 /// face taken as the mean of its two triangulations (which is exact for the bilinear face). p: [vertex_count].

@@ -142,7 +142,7 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Bu
 }
 
 Buffer<double> exact_weights(const IntervalMesh& mesh, const PointArray& array) {
-  Buffer<double> weights(mesh.positions.size());
+  Buffer<double> weights(mesh.origins.size());
   std::visit(
       [&](auto values) {
         parallel_for(static_cast<std::int64_t>(weights.size()), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
@@ -158,16 +158,31 @@ Buffer<double> exact_weights(const IntervalMesh& mesh, const PointArray& array) 
 }
 
 Buffer<double> carry_values(const IntervalMesh& mesh, std::span<const double> weights, const PointArray& array) {
-  Buffer<double> carried(mesh.positions.size());
+  const auto on_edges = static_cast<std::int64_t>(mesh.origins.size());
+  const auto inside = static_cast<std::int64_t>(mesh.inner.first.size()) - 1;
+  Buffer<double> carried(static_cast<std::size_t>(on_edges + inside));
   std::visit(
       [&](auto values) {
-        parallel_for(static_cast<std::int64_t>(carried.size()), 1 << 15, [&](std::int64_t begin, std::int64_t end) {
+        const auto check = [&](std::int64_t point) {
+          if (static_cast<std::uint64_t>(point) < values.size()) return;
+          throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values.size()) +
+                                                       " values; the mesh lies on a grid with a point " + std::to_string(point));
+        };
+        parallel_for(on_edges, 1 << 15, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t i = begin; i < end; ++i) {
             const std::int64_t a = mesh.origins[i].a(), b = mesh.origins[i].b();
-            if (static_cast<std::uint64_t>(b) >= values.size())  // b >= a
-              throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values.size()) +
-                                                           " values; the mesh lies on a grid with a point " + std::to_string(b));
+            check(b);  // b >= a
             carried[i] = value_between(static_cast<double>(values[a]), static_cast<double>(values[b]), weights[i]);
+          }
+        });
+        parallel_for(inside, 1 << 12, [&](std::int64_t begin, std::int64_t end) {
+          for (std::int64_t i = begin; i < end; ++i) {
+            double sum = 0;
+            for (std::uint32_t k = mesh.inner.first[i]; k < mesh.inner.first[i + 1]; ++k) {
+              check(mesh.inner.points[k]);
+              sum += mesh.inner.weights[k] * static_cast<double>(values[mesh.inner.points[k]]);
+            }
+            carried[on_edges + i] = sum;
           }
         });
       },

@@ -1,9 +1,12 @@
 #include "extraction/extract_at_time.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "extraction/combine_ranges.h"
+#include "extraction/memory_budget.h"
 #include "extraction/time_steps.h"
 
 namespace isostrata {
@@ -41,18 +44,45 @@ bool moves(const Grid& a, const Grid& b, const Task& task) {
   return false;
 }
 
+/// Cuts the terms' ranges out of a slice, whose tetrahedra are those of any mesh. carry(name) brings an array to the slice's
+/// points.
+template <class Carry>
+void combine_slice(const LayerRequest& request, SpaceTimeSlice& slice, const Carry& carry, Layers& layers, const Task& task) {
+  const std::size_t np = slice.mesh.positions.size();
+  check_budget(std::to_string(request.terms.size() + request.carry.size()) + " arrays at " + std::to_string(np) + " points",
+               (request.terms.size() + request.carry.size()) * np * sizeof(double), request.max_bytes);
+  std::vector<Buffer<double>> fields{std::move(slice.mesh.values)};
+  std::vector<FieldTerm> chain;
+  for (const RangeTerm& term : request.terms) {
+    chain.push_back({term.op, static_cast<int>(fields.size()), term.range});
+    fields.push_back(carry(term.array));
+  }
+  const std::size_t carried = fields.size();
+  for (const std::string& other : request.carry) fields.push_back(carry(other));
+  slice.points = {};
+  Combined combined = combine_ranges(std::move(slice.mesh), request.intervals.size(), std::move(fields), chain,
+                                     {request.facets, request.max_bytes}, task);
+  layers.mesh = std::move(combined.mesh);
+  for (std::size_t i = 0; i < request.carry.size(); ++i) {
+    const Buffer<double>& values = combined.fields[carried + i];
+    layers.carried.push_back({request.carry[i], {values.begin(), values.end()}});
+  }
+}
+
 }  // namespace
 
 KeptSpaceTime::Asked KeptSpaceTime::get(const std::shared_ptr<const Dataset>& first, const std::shared_ptr<const Dataset>& second,
-                                        const std::string& array, const std::vector<Interval>& intervals, std::uint64_t max_bytes,
-                                        const Task& task) {
-  const std::scoped_lock lock(making_);
+                                        const std::string& array, const std::vector<Interval>& intervals, bool complement,
+                                        std::uint64_t max_bytes, const Task& task) {
+  std::unique_lock lock(making_, std::defer_lock);
+  while (!lock.try_lock_for(std::chrono::milliseconds(10))) task.check();  // another may be making one for seconds
   const bool there = volume_ && volume_->first() == first && volume_->second() == second && volume_->array() == array &&
-                     volume_->intervals() == intervals;
+                     intervals_ == intervals && volume_->complement() == complement;
   if (there) return {volume_, 0};
   volume_.reset();  // first: both at once may not fit
   Stopwatch stopwatch;
-  volume_ = std::make_shared<const SpaceTimeVolume>(first, second, array, intervals, max_bytes, task);
+  volume_ = std::make_shared<const SpaceTimeVolume>(first, second, array, intervals, max_bytes, task, complement);
+  intervals_ = intervals;
   return {volume_, stopwatch.lap_ms()};
 }
 
@@ -100,22 +130,20 @@ std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSo
     else
       place.second = place.first + 1;
   }
-  if (!request.terms.empty())
-    throw Error(ErrorCode::unsupported,
-                "ranges cannot be combined in a slice of space-time; expected --time-mode step or interpolate with them");
-  if (request.triangulation == Triangulation::strict)
-    throw Error(
-        ErrorCode::unsupported,
-        "a slice of space-time is cut out of simplices, which leaves the strict triangulation nothing to choose; expected the "
-        "table triangulation, or --time-mode step or interpolate");
-
   const auto first = steps(place.first, task), second = steps(place.second, task);
+  const auto check_array = [&](const std::string& other) {  // before the work is done
+    array_at_step(*first, other);
+    array_at_step(*second, other);
+  };
+  for (const std::string& other : request.carry) check_array(other);
+  for (const RangeTerm& term : request.terms) check_array(term.array);
   layers.time.mode = TimeMode::spacetime;
   layers.time.first = place.first;
   layers.time.second = place.second;
   layers.time.weight = place.weight;
   KeptSpaceTime for_once;
-  const auto asked = (kept ? *kept : for_once).get(first, second, name, request.intervals, request.max_bytes, task);
+  const auto asked = (kept ? *kept : for_once)
+                         .get(first, second, name, request.intervals, needs_complement(request.terms), request.max_bytes, task);
   const SpaceTimeVolume& volume = *asked.volume;
   layers.time.build_ms = asked.build_ms;
   layers.time.simplices = static_cast<std::int64_t>(volume.simplices());
@@ -123,13 +151,23 @@ std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSo
 
   SliceOptions options;
   options.facets = request.facets;
-  options.max_bytes = request.max_bytes;
+  options.measure = request.terms.empty();
+  options.max_bytes = request.max_bytes - std::min(request.max_bytes, volume.bytes());
   Stopwatch stopwatch;
   SpaceTimeSlice slice = volume.slice(place.weight, options, task);
   layers.time.slice_ms = stopwatch.lap_ms();
-  for (const std::string& other : request.carry)
-    layers.carried.push_back({other, volume.carry(slice, array_at_step(*first, other), array_at_step(*second, other))});
-  layers.mesh = std::move(slice.mesh);
+  const auto carry = [&](const std::string& other) {
+    return volume.carry(slice, array_at_step(*first, other), array_at_step(*second, other));
+  };
+  if (request.terms.empty()) {
+    for (const std::string& other : request.carry) {
+      const Buffer<double> values = carry(other);
+      layers.carried.push_back({other, {values.begin(), values.end()}});
+    }
+    layers.mesh = std::move(slice.mesh);
+  } else {
+    combine_slice(request, slice, carry, layers, task);
+  }
 
   layers.dataset = place.weight == 1 ? second : first;
   if (place.weight > 0 && place.weight < 1 && moves(first->grid, second->grid, task)) {

@@ -13,7 +13,7 @@
 namespace isostrata {
 
 /// The space-time volume that was asked for last, for whoever slices it at one time after another. Guarded by a lock: any thread;
-/// two that ask for the same one make it once.
+/// two that ask for the same one make it once, and whoever waits can be cancelled.
 class KeptSpaceTime {
  public:
   struct Asked {
@@ -22,12 +22,13 @@ class KeptSpaceTime {
   };
   /// Throws what SpaceTimeVolume throws.
   Asked get(const std::shared_ptr<const Dataset>& first, const std::shared_ptr<const Dataset>& second, const std::string& array,
-            const std::vector<Interval>& intervals, std::uint64_t max_bytes, const Task& task);
+            const std::vector<Interval>& intervals, bool complement, std::uint64_t max_bytes, const Task& task);
   /// Gives its memory back.
   void forget();
 
  private:
-  std::mutex making_;  // guards volume_
+  std::timed_mutex making_;          // guards what follows
+  std::vector<Interval> intervals_;  // that volume_ was asked for with
   std::shared_ptr<const SpaceTimeVolume> volume_;
 };
 

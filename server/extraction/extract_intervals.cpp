@@ -18,6 +18,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/strict_triangulation.h"
 #include "extraction/structured_points.h"
 
 namespace isostrata {
@@ -295,6 +296,7 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
     throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
+  if (options.strict) return extract_strict(grid, array, intervals, options, task);
   if (auto mesh = extract_structured(grid, array, intervals, options, task)) return std::move(*mesh);
   if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);
   return extract_in_general(grid, array, intervals, options, task);

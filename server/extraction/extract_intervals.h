@@ -11,15 +11,18 @@
 
 namespace isostrata {
 
-class MinMaxBricks;
+class BrickMemory;
+class ClusterIndex;
 
 struct ExtractOptions {
-  bool facets = false;                    // fill IntervalMesh::facets
-  bool values = true;                     // fill IntervalMesh::values
-  bool measure = true;                    // sum the volumes of the summaries and count what is inverted
-  bool complement = false;                // also what is below, between and above the intervals, as further intervals after them
-  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the mesh would need more
-  const MinMaxBricks* bricks = nullptr;   // of this grid and array, where they are at hand: structured grids only
+  bool facets = false;                     // fill IntervalMesh::facets
+  bool values = true;                      // fill IntervalMesh::values
+  bool measure = true;                     // sum the volumes of the summaries and count what is inverted
+  bool complement = false;                 // also what is below, between and above the intervals, as further intervals after them
+  bool strict = false;                     // leave no tetrahedron turned against its cell (strict_triangulation.h)
+  std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, where the mesh would need more
+  BrickMemory* bricks = nullptr;           // keeps what the next extraction of the same field can use: structured grids only
+  const ClusterIndex* clusters = nullptr;  // of this grid and array, where it is at hand: unstructured grids only
 };
 
 /// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra).

@@ -17,8 +17,10 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
                    std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
   std::vector<ArrayTerm> terms;
   for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), term.range});
-  const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals,
-                           const ExtractOptions& options) { return extract_intervals(grid, on, intervals, options, task); };
+  const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals, ExtractOptions options) {
+    options.strict = request.triangulation == Triangulation::strict;
+    return extract_intervals(grid, on, intervals, options, task);
+  };
   Combined combined =
       combine_arrays(dataset.grid, array, request.intervals, terms, carry, extract, {request.facets, request.max_bytes}, task);
   layers.mesh = std::move(combined.mesh);
@@ -31,8 +33,6 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids) {
   if (request.time_mode == TimeMode::spacetime)
     if (auto sliced = slice_space_time(request, steps, aids.kept, task)) return std::move(*sliced);
-  if (request.triangulation == Triangulation::strict)
-    throw Error(ErrorCode::unsupported, "the strict triangulation cannot be extracted yet");
   Layers layers;
   layers.dataset = dataset_at_time(request, steps, layers.time, task);
   const Dataset& dataset = *layers.dataset;
@@ -41,13 +41,15 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   for (const std::string& name : request.carry) carry.push_back(&dataset.array(name));
   ExtractOptions options;
   options.facets = request.facets;
+  options.strict = request.triangulation == Triangulation::strict;
   options.max_bytes = request.max_bytes;
+  options.bricks = aids.bricks;
   if (!request.terms.empty()) {
     combine_terms(request, dataset, array, carry, layers, task);
     return layers;
   }
-  layers.mesh = aids.extractor ? aids.extractor(dataset.grid, array, request.intervals, options, task)
-                               : extract_intervals(dataset.grid, array, request.intervals, options, task);
+  layers.mesh = aids.extractor && !options.strict ? aids.extractor(dataset.grid, array, request.intervals, options, task)
+                                                  : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

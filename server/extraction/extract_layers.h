@@ -67,6 +67,7 @@ struct Layers {
 /// Opens a step of the dataset. The same object again where the same step is asked for again.
 using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const Task& task)>;
 
+class BrickMemory;    // brick_memory.h
 class KeptSpaceTime;  // extract_at_time.h
 
 /// extract_intervals, or what stands in for it on a device.
@@ -75,12 +76,13 @@ using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray&
 
 /// What makes an extraction cheaper and leaves its result as it is.
 struct LayerAids {
+  BrickMemory* bricks = nullptr;  // as ExtractOptions::bricks
   KeptSpaceTime* kept = nullptr;  // keeps the volume between two steps for the next slice
   Extractor extractor;            // called in place of extract_intervals where that is all there is to do: one field, no terms
 };
 
-/// In space-time mode the volume between the two steps is made and sliced. That mode takes neither terms nor the strict
-/// triangulation (unsupported); a dataset of one step is extracted as it is.
+/// In space-time mode the volume between the two steps is made and sliced; a dataset of one step is extracted as it is. There
+/// the strict triangulation has nothing to change: a slice's tetrahedra are turned over only where the cell's own split is.
 /// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
 /// cancelled, and what `steps` and the aids throw. Any thread.
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids = {});

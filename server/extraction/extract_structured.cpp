@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "extraction/active_bricks.h"
 #include "extraction/active_cells.h"
+#include "extraction/brick_memory.h"
 #include "extraction/hexahedron_gather.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
@@ -166,15 +167,17 @@ class Writer {
     const std::int64_t row = layout.dims[0] - 1, plane = row * (layout.dims[1] - 1);
     CellRun* run = mesh_.cell_runs.data() + starts_.runs[b];
     std::uint16_t* interval = mesh_.tetrahedron_interval.data() + first;
+    const bool one_interval = rules_.rules().size() == 1;
+    if (one_interval) std::fill_n(interval, brick.tetrahedra, std::uint16_t{0});
     std::uint32_t to = first;
     int last = -1;
     for (const CellRecord& record : records) {
       const int at = record.cell();
       if (at != last) *run++ = {first_cell + (at & 7) + (at >> 3 & 7) * row + (at >> 6) * plane, to};
       last = at;
-      const int count = gather.count[record.case_index()];
-      for (int t = 0; t < count; ++t) *interval++ = static_cast<std::uint16_t>(record.interval());
-      to += static_cast<std::uint32_t>(count);
+      const std::uint32_t count = gather.count[record.case_index()];
+      if (!one_interval) interval = std::fill_n(interval, count, static_cast<std::uint16_t>(record.interval()));
+      to += count;
     }
   }
 
@@ -231,6 +234,19 @@ class Writer {
   Starts starts_;
 };
 
+std::shared_ptr<const ActiveBricks> find_bricks(const Grid& grid, const PointArray& array, const IsoRules& rules,
+                                                const ExtractOptions& options, const Task& task) {
+  if (!options.bricks) {
+    const MinMaxBricks ranges(grid, array, task);
+    return std::make_shared<const ActiveBricks>(grid, array, ranges, rules, options.max_bytes, task);
+  }
+  const std::shared_ptr<const MinMaxBricks> ranges = options.bricks->ranges(grid, array, task);
+  const std::shared_ptr<const ActiveBricks> last = options.bricks->last(grid, array);
+  auto found = std::make_shared<const ActiveBricks>(grid, array, *ranges, rules, options.max_bytes, task, last.get());
+  options.bricks->keep(grid, array, found);
+  return found;
+}
+
 }  // namespace
 
 std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
@@ -246,9 +262,8 @@ std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArra
   }
   if (mesh.cells > 0) {
     task.report(0.0, "searching");
-    std::optional<MinMaxBricks> own;
-    if (!options.bricks) own.emplace(grid, array, task);
-    const ActiveBricks active(grid, array, options.bricks ? *options.bricks : *own, rules, options.max_bytes, task);
+    const std::shared_ptr<const ActiveBricks> found = find_bricks(grid, array, rules, options, task);
+    const ActiveBricks& active = *found;
     count_records(active, mesh.summaries);
     Writer(grid, array, rules, active, options, task, mesh).write();
     if (options.measure) measure_records(grid, active, mesh, task);

@@ -77,11 +77,30 @@ struct IntervalSummary {
   int term = -1;              // the term of the request that alone brought them in; -1: they lie in an interval
 };
 
+/// Points inside cells, which only the strict triangulation makes. Mesh point origins.size() + i is the sum of weights[k] * grid
+/// point points[k] over k in [first[i], first[i + 1]); the weights add up to 1.
+struct InnerPoints {
+  std::vector<std::uint32_t> first{0};  // [inner points + 1]
+  std::vector<std::int64_t> points;
+  std::vector<float> weights;
+};
+
+/// What the strict triangulation met and did, in active cells; all 0 where it was not asked for.
+struct StrictSummary {
+  std::int64_t turned_cells = 0;      // in which the tables' tetrahedra are turned against the cell; of these:
+  std::int64_t pulled_cells = 0;      //   triangulated from another point, with the same boundary
+  std::int64_t centred_cells = 0;     //   an interval's part from a point inside that part, with the same boundary
+  std::int64_t star_cells = 0;        //   cut around a point inside
+  std::int64_t tangled_cells = 0;     //   left with turned ones: from no point inside are all its faces seen
+  std::int64_t added_tetrahedra = 0;  // more than the tables' (or fewer)
+  std::int64_t added_points = 0;
+};
+
 /// Touching intervals share the points on their common isosurface. Immutable once made.
 struct IntervalMesh {
-  Buffer<Vec3d> positions;                          // [np] world space
-  Buffer<PointOrigin> origins;                      // [np]; empty where ranges were combined: such points lie on no edge
-  Buffer<double> values;                            // [np] the array that was extracted on; empty unless asked for
+  Buffer<Vec3d> positions;      // [np] world space
+  Buffer<PointOrigin> origins;  // [np - inner points]; empty where ranges were combined: such points lie on no edge
+  Buffer<double> values;        // [np] the array that was extracted on; empty unless asked for
   Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices, grouped by cell: see cell_runs
   Buffer<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
   Buffer<CellRun> cell_runs;                        // [active cells] each cell once, those near one another close together
@@ -89,6 +108,8 @@ struct IntervalMesh {
   std::vector<IntervalSummary> summaries;           // one per interval of the request, in its order; then per term that adds
   std::int64_t cells = 0;                           // of the grid, hidden ones included
   std::int64_t active_cells = 0;                    // active in at least one interval
+  InnerPoints inner;                                // the last points
+  StrictSummary strict;
 };
 
 /// A named value at each point of the mesh.

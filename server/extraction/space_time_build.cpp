@@ -423,14 +423,15 @@ class SpaceTimeBuilder {
 
 SpaceTimeVolume::SpaceTimeVolume(std::shared_ptr<const Dataset> first, std::shared_ptr<const Dataset> second,
                                  const std::string& array, std::span<const Interval> intervals, std::uint64_t max_bytes,
-                                 const Task& task)
+                                 const Task& task, bool complement)
     : first_(std::move(first)),
       second_(std::move(second)),
       array_(array),
-      intervals_(intervals.begin(), intervals.end()),
+      complement_(complement),
       grid_points_(first_->grid.point_count()),
       grid_cells_(first_->grid.cell_count()) {
-  const IsoRules rules(intervals);
+  const IsoRules rules(intervals, complement);
+  for (const IsoRule& rule : rules.rules()) intervals_.push_back({rule.lower, rule.upper});
   SpaceTimeBuilder(*this, find_space_time_cells(first_, second_, array, rules, max_bytes, task), rules, max_bytes, task).run();
   task.check();
 }

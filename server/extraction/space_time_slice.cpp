@@ -345,8 +345,8 @@ SpaceTimeSlice SpaceTimeVolume::slice(double weight, const SliceOptions& options
   return SpaceTimeSlicer(*this, weight, options, task).run();
 }
 
-std::vector<float> SpaceTimeVolume::carry(const SpaceTimeSlice& slice, const PointArray& at_first,
-                                          const PointArray& at_second) const {
+Buffer<double> SpaceTimeVolume::carry(const SpaceTimeSlice& slice, const PointArray& at_first,
+                                      const PointArray& at_second) const {
   for (const PointArray* array : {&at_first, &at_second}) {
     const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array->values));
     if (values != grid_points_)
@@ -365,7 +365,7 @@ std::vector<float> SpaceTimeVolume::carry(const SpaceTimeSlice& slice, const Poi
     return between(
         point.weight, [&] { return at_vertex(point.a); }, [&] { return at_vertex(point.b); });
   };
-  std::vector<float> out(slice.points.size());
+  Buffer<double> out(slice.points.size());
   parallel_for(static_cast<std::int64_t>(out.size()), kItemsPerBlock, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const SlicePoint& from = slice.points[i];

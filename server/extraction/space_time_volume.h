@@ -42,28 +42,30 @@ struct SpaceTimeSlice {
 /// Made once for two steps, an array and intervals; immutable, so that any number of threads may slice it at once.
 ///
 /// The field is linear in each 4-simplex: on meshes of tetrahedra a slice at a step's time is that step's own interval volume,
-/// tetrahedron by tetrahedron; other cells are taken as split into tetrahedra (space_time_cells.h). A point that moves between
+/// with the same points; other cells are taken as split into tetrahedra (space_time_cells.h). A point that moves between
 /// the steps moves along a straight line. A cell that is hidden, or not finite, at one of the steps is in no slice.
 ///
-/// Memory: 50 bytes a 4-simplex, 8 an edge, 72 a point; 2790 bytes for each active cell of ts_tornado.
+/// Memory: 50 bytes a 4-simplex, 8 an edge, 72 a point: about 3 kB for each active hexahedron.
 class SpaceTimeVolume {
  public:
   /// Throws unsupported (steps of different cells), not_found, invalid_argument, too_large (with the numbers, before the memory
   /// is taken), cancelled. O(cells) to find the active ones, then O(4-simplices). Any thread.
+  /// complement: also what is below, between and above the intervals, as further intervals after them.
   SpaceTimeVolume(std::shared_ptr<const Dataset> first, std::shared_ptr<const Dataset> second, const std::string& array,
-                  std::span<const Interval> intervals, std::uint64_t max_bytes, const Task& task);
+                  std::span<const Interval> intervals, std::uint64_t max_bytes, const Task& task, bool complement = false);
 
   /// weight: the time as a fraction of the way from the first step to the second, in [0, 1]; else invalid_argument.
   /// O(edges + 4-simplices), without any search or hash. Throws too_large, cancelled. Any thread.
   SpaceTimeSlice slice(double weight, const SliceOptions& options, const Task& task) const;
 
   /// Another array, given at both steps, at the points of a slice: [np], linear along the edges of the 4-simplices.
-  std::vector<float> carry(const SpaceTimeSlice& slice, const PointArray& at_first, const PointArray& at_second) const;
+  Buffer<double> carry(const SpaceTimeSlice& slice, const PointArray& at_first, const PointArray& at_second) const;
 
   const std::shared_ptr<const Dataset>& first() const { return first_; }
   const std::shared_ptr<const Dataset>& second() const { return second_; }
   const std::string& array() const { return array_; }
-  const std::vector<Interval>& intervals() const { return intervals_; }
+  const std::vector<Interval>& intervals() const { return intervals_; }  // the complement's, if any, last
+  bool complement() const { return complement_; }
   std::size_t simplices() const { return simplices_.size(); }
   std::size_t points() const { return points_.size(); }
   std::size_t edges() const { return edges_.size(); }
@@ -100,6 +102,7 @@ class SpaceTimeVolume {
   std::shared_ptr<const Dataset> first_, second_;
   std::string array_;
   std::vector<Interval> intervals_;
+  bool complement_;
   std::int64_t grid_points_ = 0, grid_cells_ = 0;
   Buffer<Point> points_;
   Buffer<double> times_;            // [points] in [0, 1]

@@ -111,10 +111,11 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
             if (label != kLowerFacet && label != kUpperFacet && !in_open_face) continue;
             const auto& points = mesh.tetrahedra[t];
             const auto& v = kFacets[i];
+            const auto interval = static_cast<std::uint16_t>(record.interval());
             const FacetLabel where = label == kLowerFacet   ? FacetLabel::lower
                                      : label == kUpperFacet ? FacetLabel::upper
                                                             : FacetLabel::domain;
-            *to++ = {{points[v[0]], points[v[1]], points[v[2]]}, t, static_cast<std::uint16_t>(record.interval()), where};
+            *to++ = {{points[v[0]], points[v[1]], points[v[2]]}, t, interval, where, interval};
           }
       });
     }

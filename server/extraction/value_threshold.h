@@ -15,6 +15,7 @@ struct ValueThreshold {
   T least{};
   bool none = false;
 
+  bool operator==(const ValueThreshold&) const = default;
   bool reached_by(T value) const { return !none && value >= least; }
 };
 

@@ -3,6 +3,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -67,6 +68,10 @@ std::vector<double> parse_text(const std::string& name, const std::vector<std::b
     double value = 0;
     const auto [parsed, error] = std::from_chars(value_text, static_cast<const char*>(word_end), value);
     if (parsed != word_end || (error != std::errc{} && error != std::errc::result_out_of_range)) refuse(at);
+    if (error == std::errc::result_out_of_range) {  // from_chars leaves the value as it was; strtod makes it infinite, or 0
+      *word_end = '\0';
+      value = std::strtod(value_text, nullptr);
+    }
     if (repeat > max_bytes / 8 || (numbers.size() + repeat) * 8 > max_bytes)
       throw Error(ErrorCode::too_large, name + ": more numbers than the limit of " + std::to_string(max_bytes) + " bytes holds");
     numbers.insert(numbers.end(), repeat, value);

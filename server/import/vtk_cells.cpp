@@ -14,6 +14,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "data/hull_faces.h"
 #include "data/split_polyhedron.h"
 #include "tables/cell_type.h"
 
@@ -135,6 +136,15 @@ class CellKeeper {
         read_prism(c, vtk_type, 6);
         split(c, vtk_type);
         return;
+      case VTK_CONVEX_POINT_SET:
+        cells_->GetCellAtId(c, corners_);
+        if (corners_->GetNumberOfIds() > static_cast<vtkIdType>(kMostHullPoints)) {
+          ++skipped_[vtk_type];
+          return;
+        }
+        read_point_set(c);
+        split(c, vtk_type);
+        return;
       default:
         break;
     }
@@ -181,6 +191,17 @@ class CellKeeper {
       for (vtkIdType v = 0; v < n; ++v) cycle_.push_back(checked(c, next()));
       faces_.add(cycle_);
     }
+  }
+
+  /// The hull of the cell's points, which are in corners_.
+  void read_point_set(vtkIdType c) {
+    std::vector<Vec3d> points;
+    cycle_.clear();
+    for (vtkIdType v = 0; v < corners_->GetNumberOfIds(); ++v) {
+      cycle_.push_back(checked(c, corners_->GetId(v)));
+      points.push_back(position_(cycle_.back()));
+    }
+    hull_faces(points, cycle_, faces_);
   }
 
   /// Two polygons of n points over each other.
@@ -231,7 +252,9 @@ class CellKeeper {
   void note(std::vector<std::string>& notes) const {
     const auto say = [&](std::int64_t n, const std::string& what) { notes.push_back(std::to_string(n) + " " + what); };
     for (const auto& [type, n] : skipped_)
-      say(n, vtk_name(type) + " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms and polyhedra are read");
+      say(n,
+          vtk_name(type) +
+              " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are read");
     for (const auto& [type, n] : open_) say(n, vtk_name(type) + " skipped: their faces do not close up");
     for (const auto& [type, n] : linearised_) say(n, vtk_name(type) + " read as linear cells by their corners");
     for (const auto& [type, n] : whole_)

@@ -4,11 +4,15 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "data/read_once.h"
+#include "extraction/active_bricks.h"
+#include "extraction/brick_memory.h"
 #include "extraction/extract_intervals.h"
+#include "extraction/minmax_bricks.h"
 #include "main/arguments.h"
 #include "main/bench_device.h"
 #include "main/commands.h"
@@ -27,11 +31,23 @@ struct BenchArguments {
   bool json = false;
 };
 
+/// The upper end of the interval moves back and forth by 1 % of the array's range, as a slider does. Medians.
+struct DragRun {
+  double index_ms = 0;          // to measure the bricks' ranges, once for an array; in every extraction above
+  double records_ms = 0;        // all active bricks anew, with the ranges at hand
+  double moved_records_ms = 0;  // only the bricks whose range meets the change
+  double moved_mesh_ms = 0;     // that, and the whole mesh written anew: what the server does
+  std::uint64_t index_bytes = 0, records_bytes = 0;
+  std::size_t bricks = 0, taken_over = 0;  // active ones; those that were not read again
+};
+
 struct BenchRun {
   std::string data, array;
   Interval interval;
   std::int64_t cells = 0, active_cells = 0, tetrahedra = 0;
   double min_ms = 0, median_ms = 0, max_ms = 0, read_floor_ms = 0;
+  std::uint64_t mesh_bytes = 0;
+  std::optional<DragRun> drag;  // of structured grids
 };
 
 std::string cpu_name() {
@@ -50,6 +66,55 @@ Interval default_interval(const std::string& data, const PointArray& array) {
   if (data.starts_with("torus")) return {0.24, 0.26};
   const double span = array.upper - array.lower;
   return {array.lower + 0.45 * span, array.lower + 0.55 * span};
+}
+
+double median(std::vector<double> of) {
+  std::sort(of.begin(), of.end());
+  return of[of.size() / 2];
+}
+
+std::uint64_t bytes_of(const IntervalMesh& mesh) {
+  const auto bytes = [](const auto& array) { return static_cast<std::uint64_t>(array.size() * sizeof(array[0])); };
+  return bytes(mesh.positions) + bytes(mesh.origins) + bytes(mesh.values) + bytes(mesh.tetrahedra) +
+         bytes(mesh.tetrahedron_interval) + bytes(mesh.cell_runs);
+}
+
+DragRun measure_drag(const Grid& grid, const PointArray& array, Interval interval, int repeat, ExtractOptions options) {
+  const Task quiet;
+  DragRun drag;
+  const double step = 0.01 * (array.upper - array.lower);
+  BrickMemory memory;
+  options.bricks = &memory;
+  extract_intervals(grid, array, {&interval, 1}, options, quiet);
+  std::vector<double> index_ms, records_ms, moved_records_ms, moved_mesh_ms;
+  std::optional<ActiveBricks> last;
+  for (int i = 0; i < repeat; ++i) {
+    command_task().check();
+    Interval moved = interval;
+    moved.upper += i % 2 ? 0 : step;
+    const IsoRules rules({&moved, 1});
+    Stopwatch stopwatch;
+    const MinMaxBricks ranges(grid, array, quiet);
+    index_ms.push_back(stopwatch.lap_ms());
+    ActiveBricks all(grid, array, ranges, rules, options.max_bytes, quiet);
+    records_ms.push_back(stopwatch.lap_ms());
+    if (!last) last.emplace(grid, array, ranges, IsoRules({&interval, 1}), options.max_bytes, quiet);
+    stopwatch.lap_ms();
+    ActiveBricks after_move(grid, array, ranges, rules, options.max_bytes, quiet, &*last);
+    moved_records_ms.push_back(stopwatch.lap_ms());
+    extract_intervals(grid, array, {&moved, 1}, options, quiet);
+    moved_mesh_ms.push_back(stopwatch.lap_ms());
+    drag.index_bytes = ranges.bytes();
+    drag.records_bytes = after_move.bytes();
+    drag.bricks = after_move.bricks().size();
+    drag.taken_over = after_move.taken_over();
+    last = std::move(after_move);
+  }
+  drag.index_ms = median(index_ms);
+  drag.records_ms = median(records_ms);
+  drag.moved_records_ms = median(moved_records_ms);
+  drag.moved_mesh_ms = median(moved_mesh_ms);
+  return drag;
 }
 
 BenchRun measure(const std::string& data, const BenchArguments& arguments) {
@@ -76,13 +141,27 @@ BenchRun measure(const std::string& data, const BenchArguments& arguments) {
     run.cells = mesh.cells;
     run.active_cells = mesh.active_cells;
     run.tetrahedra = static_cast<std::int64_t>(mesh.tetrahedra.size());
+    run.mesh_bytes = bytes_of(mesh);
   }
+  if (dataset->grid.structured() && dataset->grid.cell_count() > 0)
+    run.drag = measure_drag(dataset->grid, array, run.interval, arguments.repeat, options);
   std::sort(ms.begin(), ms.end());
   run.min_ms = ms.front();
   run.median_ms = ms[ms.size() / 2];
   run.max_ms = ms.back();
   run.read_floor_ms = *std::min_element(floor_ms.begin(), floor_ms.end());
   return run;
+}
+
+boost::json::value to_json(const DragRun& drag) {
+  return boost::json::object{{"index_ms", drag.index_ms},
+                             {"records_ms", drag.records_ms},
+                             {"moved_records_ms", drag.moved_records_ms},
+                             {"moved_mesh_ms", drag.moved_mesh_ms},
+                             {"index_bytes", drag.index_bytes},
+                             {"records_bytes", drag.records_bytes},
+                             {"bricks", drag.bricks},
+                             {"bricks_taken_over", drag.taken_over}};
 }
 
 boost::json::object to_json(const BenchRun& run) {
@@ -93,7 +172,9 @@ boost::json::object to_json(const BenchRun& run) {
           {"active_cells", run.active_cells},
           {"tetrahedra", run.tetrahedra},
           {"ms", boost::json::object{{"min", run.min_ms}, {"median", run.median_ms}, {"max", run.max_ms}}},
-          {"read_floor_ms", run.read_floor_ms}};
+          {"read_floor_ms", run.read_floor_ms},
+          {"mesh_bytes", run.mesh_bytes},
+          {"drag", run.drag ? to_json(*run.drag) : boost::json::value()}};
 }
 
 void print_text(const BenchRun& run) {
@@ -102,6 +183,15 @@ void print_text(const BenchRun& run) {
       run.data.c_str(), run.array.c_str(), run.interval.lower, run.interval.upper, static_cast<long long>(run.active_cells),
       static_cast<long long>(run.cells), static_cast<long long>(run.tetrahedra), run.min_ms, run.median_ms, run.max_ms,
       run.read_floor_ms);
+  if (!run.drag) return;
+  const DragRun& drag = *run.drag;
+  std::printf(
+      "  of these the bricks' ranges %.2f ms; mesh %.1f MB, ranges %.2f MB, cell records %.1f MB\n"
+      "  upper end moved by 1 %% of the range: cell records %.2f ms (%zu of %zu bricks taken over; all anew %.2f ms), with the "
+      "mesh %.2f ms\n",
+      drag.index_ms, static_cast<double>(run.mesh_bytes) / 1e6, static_cast<double>(drag.index_bytes) / 1e6,
+      static_cast<double>(drag.records_bytes) / 1e6, drag.moved_records_ms, drag.taken_over, drag.bricks, drag.records_ms,
+      drag.moved_mesh_ms);
 }
 
 DeviceRun measure_device(const std::string& data, const BenchArguments& arguments) {

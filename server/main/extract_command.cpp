@@ -60,6 +60,13 @@ boost::json::object to_json(const LayerTime& time) {
   return out;
 }
 
+boost::json::object to_json(const StrictSummary& strict) {
+  return {{"turned_cells", strict.turned_cells},   {"pulled_cells", strict.pulled_cells},
+          {"centred_cells", strict.centred_cells}, {"star_cells", strict.star_cells},
+          {"tangled_cells", strict.tangled_cells}, {"added_tetrahedra", strict.added_tetrahedra},
+          {"added_points", strict.added_points}};
+}
+
 boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms, const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries) {
@@ -79,6 +86,7 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
           {"unmatched_facets", facets.unmatched},
           {"boundary_facets", boost::json::object{{"lower", facets.lower}, {"upper", facets.upper}, {"domain", facets.domain}}},
           {"intervals", std::move(intervals)},
+          {"strict", to_json(mesh.strict)},
           {"ms", boost::json::object{{"load", ms.load},
                                      {"index", ms.index},
                                      {"extract", ms.extract},
@@ -102,6 +110,15 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
   std::printf("boundary facets: %lld lower, %lld upper, %lld domain; %lld unmatched\n", static_cast<long long>(facets.lower),
               static_cast<long long>(facets.upper), static_cast<long long>(facets.domain),
               static_cast<long long>(facets.unmatched));
+  if (mesh.strict.turned_cells > 0)
+    std::printf(
+        "strict: of %lld cells with turned tetrahedra %lld pulled from another point, %lld from a point inside, %lld cut around "
+        "a "
+        "point, %lld tangled and left; %+lld tetrahedra, %lld points\n",
+        static_cast<long long>(mesh.strict.turned_cells), static_cast<long long>(mesh.strict.pulled_cells),
+        static_cast<long long>(mesh.strict.centred_cells), static_cast<long long>(mesh.strict.star_cells),
+        static_cast<long long>(mesh.strict.tangled_cells), static_cast<long long>(mesh.strict.added_tetrahedra),
+        static_cast<long long>(mesh.strict.added_points));
   std::printf("load %.1f ms, index %.1f ms, extract %.1f ms, check %.1f ms, write %.1f ms, total %.1f ms on %d threads\n",
               ms.load, ms.index, ms.extract, ms.check, ms.write, ms.total, thread_count());
 }

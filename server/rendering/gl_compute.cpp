@@ -52,6 +52,9 @@ ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context) : context_(std:
   gl_.GetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
   gl_.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
   gl_.GetIntegerv(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, &shared);
+  GLint groups = 0;
+  gl_.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
+  if (!context_->software()) groups_a_dispatch_ = static_cast<std::uint32_t>(std::max(groups, 65535));
   check();
   if (blocks < STORAGE_BUFFERS || bindings < STORAGE_BUFFERS || shared < 32768)
     throw Error(ErrorCode::unavailable, context_->device() + ": " + std::to_string(blocks) +
@@ -137,7 +140,6 @@ void ComputeDevice::dispatch(GLuint program, std::uint32_t groups, const Task& t
   task.check();
   gl_.UseProgram(program);
   gl_.DispatchCompute(groups, 1, 1);
-  gl_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
 void ComputeDevice::dispatch_indirect(GLuint program, const ComputeBuffer& groups, std::uint32_t slice, const Task& task) {
@@ -145,6 +147,9 @@ void ComputeDevice::dispatch_indirect(GLuint program, const ComputeBuffer& group
   gl_.UseProgram(program);
   gl_.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups.name());
   gl_.DispatchComputeIndirect(static_cast<GLintptr>(slice * sizeof(shaders::WorkGroups)));
+}
+
+void ComputeDevice::barrier() {
   gl_.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 

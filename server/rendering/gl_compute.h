@@ -53,11 +53,13 @@ class ComputeDevice {
   GLuint program(const char* source, const std::string& defines);
   void bind(GLuint binding, const ComputeBuffer& buffer) { gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.name()); }
 
-  /// Work groups that one dispatch may have. A software device gets few, so that cancel is noticed between dispatches.
-  std::uint32_t groups_a_dispatch() const { return context_->software() ? 64 : 65535; }
-  /// Each ends with a barrier, so that what follows sees what was written, and throws cancelled before it begins.
+  /// Work groups that one dispatch may have: all that the driver takes on a GPU; few on a software device, so that cancel is
+  /// noticed between dispatches (a group of 64 takes up to about half a millisecond there).
+  std::uint32_t groups_a_dispatch() const { return groups_a_dispatch_; }
+  /// Throws cancelled before it begins. What follows sees what was written only after barrier().
   void dispatch(GLuint program, std::uint32_t groups, const Task& task);
   void dispatch_indirect(GLuint program, const ComputeBuffer& groups, std::uint32_t slice, const Task& task);
+  void barrier();
 
   /// Waits until the device is done. Throws cancelled (the device is then still at work), unavailable where the context was lost.
   void finish(const Task& task);
@@ -67,6 +69,7 @@ class ComputeDevice {
  private:
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
+  std::uint32_t groups_a_dispatch_ = 16;
   std::uint64_t budget_ = 0, allocated_ = 0, largest_buffer_ = 0;
   std::map<std::pair<const char*, std::string>, GlObject> programs_;
 };

@@ -8,7 +8,7 @@
 #include "extraction/structured_points.h"
 #include "rendering/gl_field.h"
 #include "rendering/shader_sources.h"
-#include "tables/interval_table.h"
+#include "rendering/table_words.h"
 
 namespace isostrata {
 namespace {
@@ -18,35 +18,9 @@ using shaders::WorkGroups;
 
 constexpr std::uint32_t kSaturated = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t kMinCapacity = 4096;
+constexpr const char* kAnyFormat = "#define BYTES_PER_VALUE 4\n";  // programs that look at no values are compiled once
 
 std::uint32_t pieces(std::uint64_t items, std::uint64_t each) { return static_cast<std::uint32_t>((items + each - 1) / each); }
-
-/// See shaders/layout.h: isovertices, cases, tetrahedra.
-std::vector<std::uint32_t> table_words() {
-  const HexahedronTable& table = hexahedron_table();
-  const CellTopology& cell = topology(CellType::hexahedron);
-  std::vector<std::uint32_t> words(ISO_VERTICES);
-  for (std::uint32_t v = 0; v < ISO_VERTICES; ++v) {
-    int owner = static_cast<int>(v);
-    std::uint32_t axis = 3, upper = 0;
-    if (v >= 8) {
-      auto [a, b] = cell.edges[(v - 8) % 12];
-      const auto& at_a = kHexahedronCorners[a];
-      const auto& at_b = kHexahedronCorners[b];
-      axis = at_a[0] != at_b[0] ? 0 : at_a[1] != at_b[1] ? 1 : 2;
-      owner = at_a[axis] < at_b[axis] ? a : b;
-      upper = v >= 20;
-    }
-    const auto& corner = kHexahedronCorners[owner];
-    words[v] = static_cast<std::uint32_t>(corner[0] | corner[1] << 1 | corner[2] << 2) | axis << ISO_AXIS_SHIFT |
-               upper << ISO_UPPER_SHIFT;
-  }
-  for (int i = 0; i < HEXAHEDRON_CASES; ++i)
-    words.push_back(table.first[i] << CASE_COUNT_BITS | (table.first[i + 1] - table.first[i]));
-  for (const auto& t : table.tetrahedra)
-    words.push_back(std::uint32_t{t[0]} | std::uint32_t{t[1]} << 8 | std::uint32_t{t[2]} << 16 | std::uint32_t{t[3]} << 24);
-  return words;
-}
 
 /// Work groups of one list that is gone through in slices.
 struct Slices {
@@ -118,6 +92,7 @@ class GlExtraction::State {
       device_.gl().ProgramUniform1ui(program, UNIFORM_SLICE, s);
       device_.dispatch_indirect(program, groups_, s, task);
     }
+    device_.barrier();
   }
 
   ComputeDevice device_;
@@ -132,12 +107,8 @@ class GlExtraction::State {
 
 /// All but the tables.
 void GlExtraction::State::free_all() {
-  if (field_) {
-    for (FieldPart& part : field_->parts)
-      for (ComputeBuffer* buffer : {&part.values, &part.points}) device_.free(*buffer);
-    for (ComputeBuffer* buffer : {&field_->ranges, &field_->absent, &field_->axes}) device_.free(*buffer);
-    field_.reset();
-  }
+  if (field_) field_->free(device_);
+  field_.reset();
   for (ComputeBuffer* buffer : {&records_, &first_, &positions_, &origins_, &tetrahedra_, &counters_, &grid_block_, &rules_,
                                 &levels_, &tally_, &bricks_, &ranks_, &rows_, &groups_, &sums_, &partials_, &slots_, &owned_})
     device_.free(*buffer);
@@ -154,11 +125,12 @@ void GlExtraction::State::load(const Grid& grid, const PointArray& array, std::u
   has_records_ = has_mesh_ = false;
   field_ = load_field(device_, grid, array, largest_part, task);
   // A guess: most requests are for thin layers. What turns out larger is done again.
-  const std::uint32_t bricks = field_->bricks();
-  capacities_.bricks = std::max(kMinCapacity, bricks / 2);
-  capacities_.bricks = std::min(capacities_.bricks, std::max(bricks, 1u));
+  constexpr std::uint64_t kMostBytesABrick = 512 * 12;  // slots of three words
+  const std::uint32_t bricks = std::max(field_->bricks(), 1u);
+  const auto room = static_cast<std::uint32_t>(device_.largest_buffer() / 4 / kMostBytesABrick);
+  capacities_.bricks = std::min(bricks, std::min(room, std::max(kMinCapacity, bricks / 8)));
   const std::int64_t cells = std::max<std::int64_t>(field_->cells / 16, kMinCapacity);
-  capacities_.records = static_cast<std::uint32_t>(std::min<std::int64_t>(cells, 1 << 24));
+  capacities_.records = static_cast<std::uint32_t>(std::min<std::int64_t>(cells, 1 << 21));
   capacities_.tetrahedra = 4 * capacities_.records;
   capacities_.points = 2 * capacities_.records;
 }
@@ -184,19 +156,20 @@ void GlExtraction::State::plan_slices() {
 void GlExtraction::State::reserve(GlExtent extent) {
   const Capacities& c = capacities_;
   device_.reserve(bricks_, c.bricks * 4ull, "the active bricks");
-  device_.reserve(sums_, c.bricks * 64ull * 8, "sums of " + std::to_string(c.bricks) + " active bricks");
+  device_.reserve(sums_, c.bricks * 64ull * 8, "room for sums of " + std::to_string(c.bricks) + " active bricks");
   const std::uint64_t tiles = std::max(pieces(field_->bricks(), SCAN_GROUP), pieces(c.bricks, SCAN_TILE / 64));
   device_.reserve(partials_, tiles * 8, "sums of tiles");
-  device_.reserve(records_, c.records * sizeof(shaders::CellRecord), std::to_string(c.records) + " records of cells");
+  device_.reserve(records_, c.records * sizeof(shaders::CellRecord),
+                  "room for " + std::to_string(c.records) + " records of cells");
   device_.reserve(first_, c.records * 4ull, "the records' tetrahedra");
   if (extent == GlExtent::records) return;
   device_.reserve(slots_, c.bricks * 512ull * (packed_slots_ ? 4 : 12),
-                  "the points of " + std::to_string(c.bricks) + " active bricks");
+                  "room for the points of " + std::to_string(c.bricks) + " active bricks");
   device_.reserve(owned_, c.bricks * 8ull, "the active bricks' points");
-  device_.reserve(positions_, c.points * 16ull, std::to_string(c.points) + " points");
+  device_.reserve(positions_, c.points * 16ull, "room for " + std::to_string(c.points) + " points");
   device_.reserve(origins_, c.points * sizeof(shaders::MeshPointOrigin),
-                  "the origins of " + std::to_string(c.points) + " points");
-  device_.reserve(tetrahedra_, c.tetrahedra * 16ull, std::to_string(c.tetrahedra) + " tetrahedra");
+                  "room for the origins of " + std::to_string(c.points) + " points");
+  device_.reserve(tetrahedra_, c.tetrahedra * 16ull, "room for " + std::to_string(c.tetrahedra) + " tetrahedra");
 }
 
 /// Sends the request: its rules, its sizes, zeros.
@@ -234,7 +207,7 @@ void GlExtraction::State::prepare(const IsoRules& rules, GlExtent extent, const 
 }
 
 void GlExtraction::State::plan(const char* defines, const Slices& slices, std::array<std::uint32_t, 3> span, const Task& task) {
-  const GLuint program = device_.program(shaders::plan_comp, field_->defines(false) + defines);
+  const GLuint program = device_.program(shaders::plan_comp, std::string(kAnyFormat) + defines);
   device_.bind(BUFFER_COUNTERS, counters_);
   device_.bind(BUFFER_ROWS, rows_);
   device_.bind(BUFFER_GROUPS, groups_);
@@ -242,6 +215,7 @@ void GlExtraction::State::plan(const char* defines, const Slices& slices, std::a
   device_.gl().ProgramUniform1ui(program, UNIFORM_COUNT, slices.count);
   device_.gl().ProgramUniform4ui(program, UNIFORM_SPAN, device_.groups_a_dispatch(), span[0], span[1], span[2]);
   device_.dispatch(program, pieces(slices.count, 64), task);
+  device_.barrier();
 }
 
 /// Sums of all before of `elements` pairs per active brick; the totals go to two counters.
@@ -252,12 +226,13 @@ void GlExtraction::State::scan(const ComputeBuffer& sums, std::uint32_t elements
   device_.bind(BUFFER_PARTIALS, partials_);
   device_.bind(BUFFER_GROUPS, groups_);
   for (const char* pass : {"#define REDUCE\n", "#define SPINE\n", "#define APPLY\n"}) {
-    const GLuint program = device_.program(shaders::scan_comp, field_->defines(false) + pass);
+    const GLuint program = device_.program(shaders::scan_comp, std::string(kAnyFormat) + pass);
     device_.gl().ProgramUniform1ui(program, UNIFORM_FIRST, COUNT_BRICKS);
     device_.gl().ProgramUniform1ui(program, UNIFORM_COUNT, elements);
     if (pass[8] == 'S') {
       device_.gl().ProgramUniform4ui(program, UNIFORM_SPAN, total_x, total_y, 0, 0);
       device_.dispatch(program, 1, task);
+      device_.barrier();
     } else
       dispatch_slices(program, slices, task);
   }
@@ -274,17 +249,21 @@ void GlExtraction::State::find_bricks(const Task& task) {
   device_.bind(BUFFER_SUMS, ranks_);
   for (const bool compact : {false, true}) {
     const GLuint program =
-        device_.program(shaders::cull_bricks_comp, field_->defines(false) + (compact ? "#define COMPACT\n" : ""));
-    for (std::uint32_t first = 0; first < tiles; first += most) {
+        device_.program(shaders::cull_bricks_comp,
+                        std::string(field_->format.bytes == 8 ? "#define BYTES_PER_VALUE 8\n#define KEY_FLOAT\n" : kAnyFormat) +
+                            (compact ? "#define COMPACT\n" : ""));
+    for (std::uint32_t first = 0; first < tiles; first += std::min(most, tiles - first)) {
       device_.gl().ProgramUniform1ui(program, UNIFORM_FIRST, first);
       device_.dispatch(program, std::min(most, tiles - first), task);
     }
+    device_.barrier();
     if (compact) break;
-    const GLuint spine = device_.program(shaders::scan_comp, field_->defines(false) + "#define SPINE\n");
+    const GLuint spine = device_.program(shaders::scan_comp, std::string(kAnyFormat) + "#define SPINE\n");
     device_.gl().ProgramUniform1ui(spine, UNIFORM_FIRST, COUNT_TILES);
     device_.gl().ProgramUniform1ui(spine, UNIFORM_COUNT, 1);
     device_.gl().ProgramUniform4ui(spine, UNIFORM_SPAN, COUNT_BRICKS, COUNT_BRICKS, 0, 0);
     device_.dispatch(spine, 1, task);
+    device_.barrier();
   }
   const std::uint32_t rows = field_->grid.bricks_y;
   for (std::size_t p = 0; p < field_->parts.size(); ++p)
@@ -345,7 +324,7 @@ void GlExtraction::State::expand(const Task& task) {
   plan("#define PLAN_RECORDS\n", record_groups_, {RECORD_GROUP, COUNT_RECORDS, 0}, task);
   const GLuint program =
       device_.program(shaders::write_tetrahedra_comp,
-                      field_->defines(false) + (packed_slots_ ? "#define SLOT_WORDS 1\n" : "#define SLOT_WORDS 3\n"));
+                      std::string(kAnyFormat) + (packed_slots_ ? "#define SLOT_WORDS 1\n" : "#define SLOT_WORDS 3\n"));
   device_.bind(BUFFER_COUNTERS, counters_);
   device_.bind(BUFFER_GROUPS, groups_);
   device_.bind(BUFFER_RANKS, ranks_);
@@ -367,21 +346,26 @@ bool GlExtraction::State::grow(const ExtractionCounters& found, GlExtent extent)
       throw Error(ErrorCode::too_large,
                   std::string("extraction on a device: 2^32 ") + what + " or more; expected fewer: narrow the intervals");
   };
+  // With an eighth to spare where a buffer holds that: a slider that is dragged asks for a little more each time.
+  const auto fit = [&](std::uint32_t count, std::uint32_t& capacity, std::uint64_t bytes_each) {
+    if (count <= capacity) return true;
+    const std::uint64_t most = std::min<std::uint64_t>(device_.largest_buffer() / bytes_each, kSaturated - 1);
+    capacity = static_cast<std::uint32_t>(std::max<std::uint64_t>(count, std::min<std::uint64_t>(count + count / 8ull, most)));
+    return false;
+  };
   // A stage whose input did not fit has counted nothing yet.
-  if (found.bricks > capacities_.bricks) {
-    capacities_.bricks = found.bricks;
+  if (!fit(found.bricks, capacities_.bricks, 512 * 12)) {
+    capacities_.bricks = std::min(capacities_.bricks, field_->bricks());
     return true;
   }
   refuse_saturated(found.records, "records of cells");
   refuse_saturated(found.tetrahedra, "tetrahedra");
-  bool more = found.records > capacities_.records;
-  capacities_.records = std::max(capacities_.records, found.records);
-  if (extent == GlExtent::records) return more;
+  bool fits = fit(found.records, capacities_.records, sizeof(shaders::CellRecord));
+  if (extent == GlExtent::records) return !fits;
   refuse_saturated(found.points, "points");
-  more = more || found.tetrahedra > capacities_.tetrahedra || found.points > capacities_.points;
-  capacities_.tetrahedra = std::max(capacities_.tetrahedra, found.tetrahedra);
-  capacities_.points = std::max(capacities_.points, found.points);
-  return more;
+  fits = fit(found.tetrahedra, capacities_.tetrahedra, 16) && fits;
+  fits = fit(found.points, capacities_.points, 16) && fits;
+  return !fits;
 }
 
 GlCounts GlExtraction::State::extract(std::span<const Interval> intervals, GlExtent extent, const Task& task) {
@@ -445,9 +429,23 @@ GlLoadTimes GlExtraction::load(const Grid& grid, const PointArray& array, const 
     state_->load(grid, array, largest_part_, task);
     return {state_->field()->upload_ms, state_->field()->index_ms};
   } catch (...) {
-    state_.reset();  // whatever state the context is in, the next load starts from a fresh one
+    drop_after_error();
     throw;
   }
+}
+
+/// Called while an exception is handled. What the device itself may have suffered from makes the next load start from a fresh
+/// context; making one takes time, so a cancelled drag does not.
+void GlExtraction::drop_after_error() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    for (const ErrorCode harmless : {ErrorCode::cancelled, ErrorCode::invalid_argument, ErrorCode::unsupported})
+      if (error.code() == harmless) return;
+  } catch (...) {
+    // such as std::bad_alloc
+  }
+  state_.reset();
 }
 
 GlCounts GlExtraction::extract(std::span<const Interval> intervals, GlExtent extent, const Task& task) {
@@ -456,8 +454,8 @@ GlCounts GlExtraction::extract(std::span<const Interval> intervals, GlExtent ext
                 "extraction on a device: no field is loaded (after an error it has to be loaded again)");
   try {
     return state_->extract(intervals, extent, task);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::invalid_argument) state_.reset();
+  } catch (...) {
+    drop_after_error();
     throw;
   }
 }

@@ -94,8 +94,8 @@ struct GlMeshBuffers {
   Vec3d anchor;
 };
 
-/// One field on one device. Belongs to the thread that made it. After an Error other than invalid_argument the field is gone from
-/// the device; load() then opens the device anew.
+/// One field on one device. Belongs to the thread that made it. After an Error of extract() other than invalid_argument,
+/// unsupported and cancelled the field is gone; load() then opens the device anew. After any Error of load() no field is loaded.
 class GlExtraction {
  public:
   /// device as make_renderer takes it. Throws unavailable: no device, or one without what extraction needs, saying which.
@@ -133,10 +133,11 @@ class GlExtraction {
  private:
   class State;
   State& state();
+  void drop_after_error();
   std::string wanted_, device_;
   bool software_ = false;
   std::uint64_t budget_ = 0, largest_part_ = 0;
-  std::unique_ptr<State> state_;  // null after an Error
+  std::unique_ptr<State> state_;  // null after an Error that may have hurt the device
 };
 
 }  // namespace isostrata

@@ -88,11 +88,12 @@ void run_ranges(ComputeDevice& device, GlField& field, GLuint grid_block, const 
     if (field.curvilinear) device.bind(BUFFER_POINTS, part.points);
     device.gl().ProgramUniform1ui(program, UNIFORM_PART_LAYER, part.first_layer * kBrick);
     const std::uint32_t end = part.end_layer * layer, most = device.groups_a_dispatch();
-    for (std::uint32_t first = part.first_layer * layer; first < end; first += most) {
+    for (std::uint32_t first = part.first_layer * layer; first < end; first += std::min(most, end - first)) {
       device.gl().ProgramUniform1ui(program, UNIFORM_FIRST, first);
       device.dispatch(program, std::min(most, end - first), task);
     }
   }
+  device.barrier();
 }
 
 /// Cuts the grid into parts and copies them.
@@ -125,7 +126,33 @@ void load_parts(ComputeDevice& device, const Grid& grid, const PointArray& array
   }
 }
 
+/// Fills the ranges, and `absent` where there is any such cell.
+void index_bricks(ComputeDevice& device, const Grid& grid, GlField& field, GLuint grid_block, const ComputeBuffer& counters,
+                  const Task& task) {
+  run_ranges(device, field, grid_block, counters, false, task);
+  bool absent = !grid.hidden_cells.empty();
+  if (field.format.is_float || field.curvilinear) {
+    shaders::ExtractionCounters found;
+    device.read(counters, 0, std::as_writable_bytes(std::span(&found, 1)), task);
+    absent = absent || found.any_absent != 0;
+  }
+  if (absent) {
+    field.has_absent = true;
+    device.reserve(field.absent, field.bricks() * 64ull, "a bit for each absent cell");
+    const std::vector<std::uint32_t> bits = hidden_bits(grid, field, task);
+    device.upload(field.absent, 0, std::as_bytes(std::span(bits)), task);
+    run_ranges(device, field, grid_block, counters, true, task);
+  }
+  device.finish(task);
+}
+
 }  // namespace
+
+void GlField::free(ComputeDevice& device) {
+  for (FieldPart& part : parts)
+    for (ComputeBuffer* buffer : {&part.values, &part.points}) device.free(*buffer);
+  for (ComputeBuffer* buffer : {&ranges, &absent, &axes}) device.free(*buffer);
+}
 
 std::string GlField::defines(bool load_points) const {
   std::string text = "#define BYTES_PER_VALUE " + std::to_string(format.bytes) + "\n";
@@ -163,37 +190,31 @@ GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& ar
     field.curvilinear = true;
     field.points_double = std::holds_alternative<std::span<const Vec3d>>(curvilinear->points);
   }
-  task.report(0.0, "sending to the device");
   device.make_current();
-  load_parts(device, grid, array, largest_part, field, task);
-  load_axes(device, grid, field, task);
-  device.reserve(field.ranges, field.bricks() * sizeof(shaders::IsoRange), "the bricks' ranges");
-  device.finish(task);
-  field.upload_ms = watch.lap_ms();
-
   ComputeBuffer grid_block, counters;
-  device.reserve(grid_block, sizeof field.grid, "the grid");
-  device.upload(grid_block, 0, std::as_bytes(std::span(&field.grid, 1)), task);
-  device.reserve(counters, sizeof(shaders::ExtractionCounters), "counters");
-  device.clear(counters, sizeof(shaders::ExtractionCounters));
-  task.report(0.5, "indexing on the device");
-  run_ranges(device, field, grid_block.name(), counters, false, task);
-  bool absent = !grid.hidden_cells.empty();
-  if (field.format.is_float || field.curvilinear) {
-    shaders::ExtractionCounters found;
-    device.read(counters, 0, std::as_writable_bytes(std::span(&found, 1)), task);
-    absent = absent || found.any_absent != 0;
+  const auto free_own = [&] {
+    device.free(grid_block);
+    device.free(counters);
+  };
+  try {
+    task.report(0.0, "sending to the device");
+    load_parts(device, grid, array, largest_part, field, task);
+    load_axes(device, grid, field, task);
+    device.reserve(field.ranges, field.bricks() * sizeof(shaders::IsoRange), "the bricks' ranges");
+    device.finish(task);
+    field.upload_ms = watch.lap_ms();
+    device.reserve(grid_block, sizeof field.grid, "the grid");
+    device.upload(grid_block, 0, std::as_bytes(std::span(&field.grid, 1)), task);
+    device.reserve(counters, sizeof(shaders::ExtractionCounters), "counters");
+    device.clear(counters, sizeof(shaders::ExtractionCounters));
+    task.report(0.5, "indexing on the device");
+    index_bricks(device, grid, field, grid_block.name(), counters, task);
+  } catch (...) {
+    free_own();
+    field.free(device);
+    throw;
   }
-  if (absent) {
-    field.has_absent = true;
-    device.reserve(field.absent, field.bricks() * 64ull, "a bit for each absent cell");
-    const std::vector<std::uint32_t> bits = hidden_bits(grid, field, task);
-    device.upload(field.absent, 0, std::as_bytes(std::span(bits)), task);
-    run_ranges(device, field, grid_block.name(), counters, true, task);
-  }
-  device.finish(task);
-  device.free(grid_block);
-  device.free(counters);
+  free_own();
   field.index_ms = watch.lap_ms();
   return field;
 }

@@ -35,6 +35,8 @@ struct GlField {
   double upload_ms = 0;  // wall clock: from the host's memory to the device's
   double index_ms = 0;   // extremes of the bricks, and absent cells
 
+  /// Gives its buffers back.
+  void free(ComputeDevice& device);
   std::uint32_t bricks() const { return grid.bricks_x * grid.bricks_y * grid.bricks_z; }
   /// What the programs are compiled with for this field.
   std::string defines(bool load_points) const;

@@ -48,6 +48,7 @@
   X(PFNGLFLUSHPROC, Flush)                                             \
   X(PFNGLGETERRORPROC, GetError)                                       \
   X(PFNGLGETINTEGER64VPROC, GetInteger64v)                             \
+  X(PFNGLGETINTEGERI_VPROC, GetIntegeri_v)                             \
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                 \
   X(PFNGLGETNAMEDBUFFERSUBDATAPROC, GetNamedBufferSubData)             \
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                     \

@@ -110,6 +110,34 @@ TEST(ImportCells, PrismsAreSplitAboutTheirMiddle) {
   }
 }
 
+TEST(ImportCells, ConvexPointSetsBecomeTheirHull) {
+  const Scratch scratch;
+  VtuText vtu;
+  for (int p = 0; p < 12; ++p) vtu.points.push_back({double(p % 2), double(p / 2 % 2), double(p / 4)});
+  vtu.points.push_back({0.5, 0.5, 3});
+  vtu.add(41, {3, 0, 6, 1, 4, 7, 2, 5});        // a cube in no order
+  vtu.add(41, {4, 5, 6, 7, 8, 9, 10, 11, 12});  // a cube with a roof on it
+  vtu.add(41, {0, 1, 2, 3});                    // flat
+  const auto data = test::open(scratch.write("c.vtu", vtu.text()));
+  EXPECT_NEAR(visible_volume(*data), 1 + 4.0 / 3, 1e-12);
+  EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{"hexahedron", 1}, {"pyramid", 5}, {"tetrahedron", 4}}));
+}
+
+TEST(ImportCells, LegacyFilesHaveTheirPolyhedraReadToo) {
+  const Scratch scratch;
+  // A cube with a roof: five quadrilaterals and four triangles.
+  const auto data =
+      test::open(scratch.write("p.vtk",
+                               "# vtk DataFile Version 3.0\nmade by a test\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 double\n0 "
+                               "0 0 1 0 0 1 1 0 0 1 0 0 0 1 "
+                               "1 0 1 1 1 1 0 1 1 0.5 0.5 2\nCELLS 1 43\n42 9 4 0 3 2 1 4 0 1 5 4 4 1 2 6 5 4 2 3 7 6 4 3 0 4 7 "
+                               "3 4 5 8 3 5 6 8 3 6 7 8 3 7 4 8\n"
+                               "CELL_TYPES 1\n42\nPOINT_DATA 9\nSCALARS f double 1\nLOOKUP_TABLE default\n0 0 0 0 1 1 1 1 2\n"));
+  EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{"pyramid", 5}, {"tetrahedron", 4}}));
+  EXPECT_NEAR(visible_volume(*data), 4.0 / 3, 1e-12);
+  EXPECT_NEAR(data->array("f").at(9), 6.0 / 9, 1e-12);
+}
+
 TEST(ImportCells, OpenAndDamagedPolyhedraEndInANoteOrAnError) {
   const Scratch scratch;
   const std::vector<std::vector<std::int64_t>> cube{{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},

@@ -110,5 +110,88 @@ TEST(CountUnmatchedFacets, TakesATriangleOnAQuadrilateralForTwoBoundaries) {
   EXPECT_EQ(count_label(mesh, FacetLabel::domain), 12 + 4);
 }
 
+/// By the definition: every facet against all others with the same points and interval.
+std::int64_t unmatched_slowly(const IntervalMesh& mesh) {
+  struct Uses {
+    int inside = 0, boundary = 0, odd = 0;
+  };
+  std::map<std::pair<std::array<std::uint32_t, 3>, int>, Uses> uses;
+  constexpr int kFacets[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (int f = 0; f < 4; ++f) {
+      std::array<std::uint32_t, 3> p;
+      for (int k = 0; k < 3; ++k) p[k] = mesh.tetrahedra[t][kFacets[f][k]];
+      const bool boundary = std::any_of(mesh.facets.begin(), mesh.facets.end(), [&](const BoundaryFacet& facet) {
+        auto a = facet.points, b = p;
+        std::sort(a.begin(), a.end());
+        std::sort(b.begin(), b.end());
+        return facet.tetrahedron == t && a == b;
+      });
+      const bool odd = (p[0] > p[1]) ^ (p[1] > p[2]) ^ (p[0] > p[2]);
+      std::sort(p.begin(), p.end());
+      Uses& at = uses[{p, mesh.tetrahedron_interval[t]}];
+      at.inside += !boundary;
+      at.boundary += boundary;
+      at.odd += odd && !boundary;
+    }
+  std::int64_t count = 0;
+  for (const auto& [key, at] : uses)
+    if (at.inside > 0 && !(at.inside == 2 && at.odd == 1 && at.boundary == 0)) count += at.inside + at.boundary;
+  return count;
+}
+
+TEST(CountUnmatchedFacets, AgreesWithItsDefinitionOnTetrahedraThatMeetByChance) {
+  std::int64_t found = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const int points = 5 + static_cast<int>(seed % 4);
+    IntervalMesh mesh;
+    mesh.positions.resize(static_cast<std::size_t>(points));
+    for (int t = 0; t < 30; ++t) {
+      const auto numbers = random_numbers(points, random);
+      mesh.tetrahedra.push_back({static_cast<std::uint32_t>(numbers[0]), static_cast<std::uint32_t>(numbers[1]),
+                                 static_cast<std::uint32_t>(numbers[2]), static_cast<std::uint32_t>(numbers[3])});
+      mesh.tetrahedron_interval.push_back(static_cast<std::uint16_t>(random() % (1 + seed % 3)));
+      if (random() % 3 == 0)
+        mesh.facets.push_back({{mesh.tetrahedra.back()[1], mesh.tetrahedra.back()[3], mesh.tetrahedra.back()[2]},
+                               static_cast<std::uint32_t>(t),
+                               mesh.tetrahedron_interval.back(),
+                               FacetLabel::domain});
+    }
+    const std::int64_t expected = unmatched_slowly(mesh);
+    EXPECT_EQ(unmatched(mesh), expected);
+    found += 120 - expected;
+  }
+  EXPECT_GT(found, 0) << "some facets meet";
+}
+
+TEST(CountUnmatchedFacets, AgreesWithItsDefinitionOnBrokenMeshes) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    IntervalMesh mesh = extract_analytic("mixed:6", tiling({0.2, 0.5, 0.6}));
+    for (int i = 0; i < 20; ++i) {
+      auto& t = mesh.tetrahedra[random() % mesh.tetrahedra.size()];
+      if (i % 2)
+        std::swap(t[0], t[1]);
+      else
+        t[random() % 4] = static_cast<std::uint32_t>(random() % mesh.positions.size());
+    }
+    mesh.facets.clear();
+    EXPECT_EQ(unmatched(mesh), unmatched_slowly(mesh));
+  }
+}
+
+TEST(CountUnmatchedFacets, CountsWhatLiesOverItselfManyTimes) {
+  IntervalMesh mesh;
+  mesh.positions.resize(4);
+  for (int i = 0; i < 1000; ++i) {
+    mesh.tetrahedra.push_back({0, 1, 2, 3});
+    mesh.tetrahedron_interval.push_back(0);
+  }
+  EXPECT_EQ(unmatched(mesh), 4000);
+}
+
 }  // namespace
 }  // namespace isostrata

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "data/analytic.h"
-#include "extraction/minmax_bricks.h"
+#include "extraction/brick_memory.h"
 #include "extraction/same_mesh.h"
 #include "extraction/small_grids.h"
 
@@ -29,9 +29,13 @@ IntervalMesh extract_fast(const Grid& grid, const PointArray& array, const std::
   return std::move(*mesh);
 }
 
-void expect_same_as_in_general(const Grid& grid, const PointArray& array, const std::vector<Interval>& intervals) {
-  const IntervalMesh fast = extract_fast(grid, array, intervals);
-  const IntervalMesh slow = extract_in_general(grid, array, intervals, with_facets(), Task{});
+void expect_same_as_in_general(const Grid& grid, const PointArray& array, const std::vector<Interval>& intervals,
+                               bool complement = false) {
+  ExtractOptions options = with_facets();
+  options.complement = complement;
+  const IntervalMesh fast = extract_fast(grid, array, intervals, options);
+  const IntervalMesh slow = extract_in_general(grid, array, intervals, options, Task{});
+  ASSERT_EQ(fast.summaries.size(), slow.summaries.size());
   const MeshContent one = content_of(fast), other = content_of(slow);
   ASSERT_EQ(one.points.size(), other.points.size());
   ASSERT_EQ(one.tetrahedra.size(), other.tetrahedra.size());
@@ -40,6 +44,7 @@ void expect_same_as_in_general(const Grid& grid, const PointArray& array, const 
   ASSERT_TRUE(one.tetrahedra == other.tetrahedra);
   ASSERT_EQ(one.facets.size(), other.facets.size());
   ASSERT_TRUE(one.facets == other.facets);
+  for (const BoundaryFacet& facet : fast.facets) ASSERT_EQ(facet.range, facet.interval);
   ASSERT_EQ(one.counts, other.counts);
   ASSERT_EQ(fast.active_cells, slow.active_cells);
   ASSERT_EQ(fast.cells, slow.cells);
@@ -200,6 +205,17 @@ TEST(ExtractStructured, FollowsTheHandOfEveryCurvilinearCell) {
   }
 }
 
+TEST(ExtractStructured, GivesWhatLiesBetweenTheIntervalsToo) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const auto dims = random_dims(random);
+    const auto values = random_field<float>(dims, 1, 0.1, random);
+    const Grid grid = random_box_grid(dims, random);
+    ASSERT_NO_FATAL_FAILURE(expect_same_as_in_general(grid, point_array(values), random_intervals(values, 1, random), true));
+  }
+}
+
 TEST(ExtractStructured, TakesManyIntervalsAtOnce) {
   std::mt19937_64 random(5);
   const auto values = random_values(13 * 10 * 9, 0, 1, random);
@@ -231,8 +247,8 @@ TEST(ExtractStructured, MakesOnlyWhatIsAskedFor) {
   const IntervalMesh whole = extract_fast(dataset->grid, dataset->arrays[0], intervals);
   ExtractOptions bare;
   bare.values = bare.measure = false;
-  const MinMaxBricks bricks(dataset->grid, dataset->arrays[0], Task{});
-  bare.bricks = &bricks;
+  BrickMemory memory;
+  bare.bricks = &memory;
   const IntervalMesh mesh = extract_fast(dataset->grid, dataset->arrays[0], intervals, bare);
   EXPECT_EQ(mesh.tetrahedra, whole.tetrahedra);
   EXPECT_EQ(mesh.origins, whole.origins);

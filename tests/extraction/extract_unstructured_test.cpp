@@ -197,5 +197,116 @@ TEST(ExtractUnstructured, ManyIntervalsInOneCell) {
   expect_the_same(extract_fast(grid, point_array(values), intervals), extract_slowly(grid, point_array(values), intervals));
 }
 
+/// A fan of tetrahedra around one point, which is first or last by number.
+UnstructuredParts fan(int cells, bool hub_first) {
+  UnstructuredParts parts;
+  const std::int64_t hub = hub_first ? 0 : cells + 3, shift = hub_first ? 1 : 0;
+  if (hub_first) parts.points.push_back({0, 0, 0});
+  for (int i = 0; i < cells + 3; ++i) {
+    const double turn = 6.28 * i / (cells + 3);
+    parts.points.push_back({std::cos(turn), std::sin(turn), i % 2 ? 0.5 : -0.5});  // a strip of triangles around the point
+  }
+  if (!hub_first) parts.points.push_back({0, 0, 0});
+  for (int i = 0; i < cells; ++i) parts.add(CellType::tetrahedron, {shift + i, shift + i + 1, shift + i + 2, hub});
+  return parts;
+}
+
+TEST(ExtractUnstructured, APointOfAHundredThousandCellsIsOneOfMany) {
+  constexpr int kCells = 100'000;
+  for (const bool hub_first : {true, false}) {
+    const Grid grid = unstructured_grid(fan(kCells, hub_first));
+    std::vector<double> values(static_cast<std::size_t>(grid.point_count()), 1.0);
+    values[hub_first ? 0 : values.size() - 1] = 0;  // every edge to the hub is crossed twice
+    const Task task;
+    ExtractOptions options;
+    options.facets = true;
+    options.max_bytes = std::uint64_t{128} << 20;
+    const auto array = point_array(values);
+    const std::vector<Interval> intervals{{0.25, 0.75}};
+    const auto mesh = extract_unstructured(grid, array, intervals, options, task);
+    ASSERT_TRUE(mesh);
+    EXPECT_EQ(mesh->active_cells, kCells);
+    EXPECT_EQ(mesh->positions.size(), 2u * (kCells + 2));
+    EXPECT_EQ(mesh->tetrahedra.size(), 3u * kCells);
+    EXPECT_EQ(unmatched(*mesh), 0);
+  }
+}
+
+TEST(ExtractUnstructured, CellsThatShareNothingFillALargerTable) {
+  UnstructuredParts parts;
+  std::mt19937_64 random(12);
+  for (int c = 0; c < 20'000; ++c) {
+    const auto first = static_cast<std::int64_t>(parts.points.size());
+    for (const Vec3d corner : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+      parts.points.push_back(corner + Vec3d{2.0 * c, 0, 0});
+    parts.add(CellType::tetrahedron, {first, first + 1, first + 2, first + 3});
+  }
+  const auto values = random_values(static_cast<std::int64_t>(parts.points.size()), 0, 1, random);
+  const Grid grid = unstructured_grid(parts);
+  const std::vector<Interval> intervals{{0.2, 0.6}, {0.4, 0.9}};
+  expect_the_same(extract_fast(grid, point_array(values), intervals), extract_slowly(grid, point_array(values), intervals));
+}
+
+TEST(ExtractUnstructured, DuplicatedPointsStayApart) {
+  UnstructuredParts parts;  // two tetrahedra that touch in place, but not by their points' numbers
+  for (int copy = 0; copy < 2; ++copy)
+    for (const Vec3d corner : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}}) parts.points.push_back(corner);
+  parts.points.push_back({0, 0, 1});
+  parts.points.push_back({0, 0, -1});
+  parts.add(CellType::tetrahedron, {0, 1, 2, 6});
+  parts.add(CellType::tetrahedron, {3, 5, 4, 7});
+  const auto array = point_array(std::vector<double>(8, 0.5));
+  const IntervalMesh mesh = extract_fast(unstructured_grid(parts), array, {{0, 1}});
+  EXPECT_EQ(mesh.positions.size(), 8u);
+  EXPECT_EQ(count_label(mesh, FacetLabel::domain), 8);
+  EXPECT_EQ(unmatched(mesh), 0);
+}
+
+TEST(ExtractUnstructured, RefusesMoreMemoryThanAllowedBeforeItIsTaken) {
+  const Task task;
+  const auto dataset = make_analytic("tets:24", {}, task);
+  ExtractOptions options;
+  int refused = 0;
+  for (std::uint64_t limit = 1000; limit < (std::uint64_t{64} << 20); limit *= 2) {
+    options.max_bytes = limit;
+    try {
+      extract_unstructured(dataset->grid, dataset->arrays[0], std::vector<Interval>{{0.3, 0.5}}, options, task);
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ErrorCode::too_large);
+      EXPECT_NE(std::string(error.what()).find(std::to_string(limit)), std::string::npos) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 5);
+  EXPECT_LT(refused, 16);
+}
+
+TEST(ExtractUnstructured, StopsWhereverItIsCancelled) {
+  const Task quiet;
+  const auto dataset = make_analytic("mixed:20", {}, quiet);
+  std::vector<std::string> stages;
+  for (int report = 1;; ++report) {
+    int seen = 0;
+    Task* self = nullptr;
+    Task task([&](double, std::string_view stage) {
+      if (++seen == report) {
+        if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+        self->cancel();
+      }
+    });
+    self = &task;
+    ExtractOptions options;
+    options.facets = true;
+    try {
+      extract_unstructured(dataset->grid, dataset->arrays[0], std::vector<Interval>{{0.3, 0.5}}, options, task);
+      break;  // the last report comes when all is done
+    } catch (const Error& error) {
+      ASSERT_EQ(error.code(), ErrorCode::cancelled) << error.what();
+    }
+  }
+  for (const char* stage : {"searching", "points", "numbering", "extracting", "facets"})
+    EXPECT_NE(std::find(stages.begin(), stages.end(), stage), stages.end()) << stage;
+}
+
 }  // namespace
 }  // namespace isostrata

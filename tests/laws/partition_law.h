@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -62,7 +63,7 @@ inline Solid measure_solid(const Dataset& data, const PointArray& array, const s
   return solid;
 }
 
-/// The array's range; where the grid has more cells than `most_cells`, the part of it around the median that about so many have.
+/// The array's range; where the grid has more cells than `most_cells`, its upper end that about so many have.
 inline Interval range_of(const Dataset& data, const PointArray& array, std::int64_t most_cells) {
   const std::int64_t cells = data.grid.cell_count();
   Interval range{array.lower, array.upper};
@@ -72,11 +73,13 @@ inline Interval range_of(const Dataset& data, const PointArray& array, std::int6
     for (std::size_t p = 0; p < points; p += std::max<std::size_t>(1, points / 100'000))
       if (const double value = array.at(p); std::isfinite(value)) sample.push_back(value);
     std::sort(sample.begin(), sample.end());
-    const double half = 0.5 * static_cast<double>(most_cells) / static_cast<double>(cells);
-    const auto at = [&](double part) { return sample[static_cast<std::size_t>(part * static_cast<double>(sample.size() - 1))]; };
-    range = {at(0.5 - half), at(0.5 + half)};
+    const double part = 1 - static_cast<double>(most_cells) / static_cast<double>(cells);
+    range.lower = sample[static_cast<std::size_t>(part * static_cast<double>(sample.size() - 1))];
+    // Many may have that very value: then the next one.
+    const auto next = std::upper_bound(sample.begin(), sample.end(), range.lower);
+    if (next != sample.end()) range.lower = *next;
   }
-  if (!(range.lower < range.upper)) range.upper = std::nextafter(range.lower, array.upper + 1);
+  if (!(range.lower < range.upper)) range.upper = std::nextafter(range.lower, std::numeric_limits<double>::infinity());
   return range;
 }
 

@@ -111,7 +111,13 @@ TEST(ExtractCommand, BenchReportsTheFloorBesideTheTimes) {
     EXPECT_GT(number(run.at("read_floor_ms")), 0);
     EXPECT_LE(number(run.at("ms").at("min")), number(run.at("ms").at("median")));
     EXPECT_LE(number(run.at("ms").at("median")), number(run.at("ms").at("max")));
+    EXPECT_GE(number(run.at("mesh_bytes")), 18 * number(run.at("tetrahedra")));
   }
+  const json::value& drag = runs[0].at("drag");
+  EXPECT_GT(number(drag.at("records_bytes")), 4 * number(runs[0].at("active_cells")));
+  EXPECT_LE(number(drag.at("bricks_taken_over")), number(drag.at("bricks")));
+  EXPECT_GT(number(drag.at("moved_mesh_ms")), 0);
+  EXPECT_TRUE(runs[1].at("drag").is_null()) << "bricks are of structured grids";
   EXPECT_GT(document.at("cpu").as_string().size(), 0u);
 }
 

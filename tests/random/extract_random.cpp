@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "random/layer_laws.h"
 #include "random/mesh_laws.h"
 #include "random/random_grids.h"
 
@@ -47,6 +48,7 @@ Checked check_structured(const RandomInput& input) {
 struct Kind {
   std::string name;
   std::function<Checked(Random&)> batch;
+  int share = 1;  // of the cells asked for, one in so many: for what takes several extractions
 };
 
 std::vector<Kind> kinds() {
@@ -67,6 +69,14 @@ std::vector<Kind> kinds() {
                    for (int grid = 0; grid < 10; ++grid) sum += check_structured(structured_grid(random));
                    return sum;
                  }});
+  out.push_back({"combined",
+                 [](Random& random) {
+                   Checked sum = check_combined(mixed_mesh(random), random);
+                   for (int grid = 0; grid < 4; ++grid) sum += check_combined(structured_grid(random), random);
+                   return sum;
+                 },
+                 10});
+  out.push_back({"spacetime", [](Random& random) { return check_space_time(mixed_mesh(random), random); }, 10});
   return out;
 }
 
@@ -84,7 +94,8 @@ bool run_kind(const Kind& kind, const Options& options) {
   Checked sum;
   std::int64_t batches = 0;
   const std::int64_t first = std::max<std::int64_t>(options.batch, 0);
-  for (std::int64_t batch = first; sum.cells < options.cells && (options.batch < 0 || batch == first); ++batch, ++batches) {
+  for (std::int64_t batch = first; sum.cells < options.cells / kind.share && (options.batch < 0 || batch == first);
+       ++batch, ++batches) {
     Random random = random_of(options, kind.name, batch);
     std::string what;
     try {

@@ -12,6 +12,7 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "tables/interval_case.h"
+#include "tables/interval_complex.h"
 #include "tables/lattice_cell.h"
 
 namespace isostrata::random_test {
@@ -49,20 +50,22 @@ class SlowTetrahedra {
       const auto& [a, b] = cell.edges[static_cast<std::size_t>((v - n) % e)];
       return {std::min(id(a), id(b)), std::max(id(a), id(b)), v >= n + e};
     };
+    std::array<Names, kMaxIsoVertices> names{};
+    for (int v = 0; v < n + 2 * e; ++v) names[static_cast<std::size_t>(v)] = name(v);
     std::int64_t total = 0;
-    for (const std::vector<std::set<int>>& faces : polytopes(type, case_index, cell)) {
-      Names first{1 << 30, 0, 0};
+    for (const auto& faces : polytopes(type, case_index, cell)) {
+      int first = faces.front().front();
       for (const auto& face : faces)
-        for (const int v : face) first = std::min(first, name(v));
+        for (const int v : face)
+          if (names[static_cast<std::size_t>(v)] < names[static_cast<std::size_t>(first)]) first = v;
       for (const auto& face : faces)
-        if (std::none_of(face.begin(), face.end(), [&](int v) { return name(v) == first; }))
-          total += static_cast<std::int64_t>(face.size()) - 2;
+        if (std::find(face.begin(), face.end(), first) == face.end()) total += static_cast<std::int64_t>(face.size()) - 2;
     }
     return total;
   }
 
  private:
-  using Polytopes = std::vector<std::vector<std::set<int>>>;  // [polytopes][faces] vertices
+  using Polytopes = std::vector<std::vector<std::vector<int>>>;  // [polytopes][faces] vertices
 
   const Polytopes& polytopes(CellType type, int case_index, const LatticeCell& cell) {
     const auto [entry, fresh] = memo_.try_emplace({type, case_index});
@@ -94,7 +97,7 @@ class SlowTetrahedra {
     }
     for (const auto& [plane, by_beyond] : faces) {
       entry->second.emplace_back();
-      for (const auto& [beyond, vertices] : by_beyond) entry->second.back().push_back(vertices);
+      for (const auto& [beyond, vertices] : by_beyond) entry->second.back().emplace_back(vertices.begin(), vertices.end());
     }
     return entry->second;
   }
@@ -211,12 +214,12 @@ class Laws {
     if (below == cell.n || above == cell.n) return false;
     ++active_[i];
     for (std::size_t v = 0; v < static_cast<std::size_t>(cell.n); ++v)
-      if (classes[v] == 1) points_.insert({cell.ids[v], cell.ids[v], 0.0});
+      if (classes[v] == 1) points_.push_back({cell.ids[v], cell.ids[v], 0.0});
     for (const auto& [a, b] : cell.topology->edges) {
       const std::int64_t ia = cell.ids[static_cast<std::size_t>(a)], ib = cell.ids[static_cast<std::size_t>(b)];
       const int ca = classes[static_cast<std::size_t>(a)], cb = classes[static_cast<std::size_t>(b)];
-      if ((ca > 0) != (cb > 0)) points_.insert({std::min(ia, ib), std::max(ia, ib), intervals_[i].lower});
-      if ((ca > 1) != (cb > 1)) points_.insert({std::min(ia, ib), std::max(ia, ib), intervals_[i].upper});
+      if ((ca > 0) != (cb > 0)) points_.push_back({std::min(ia, ib), std::max(ia, ib), intervals_[i].lower});
+      if ((ca > 1) != (cb > 1)) points_.push_back({std::min(ia, ib), std::max(ia, ib), intervals_[i].upper});
     }
     if (expectation_.count_tetrahedra) tetrahedra = slow_.count(cell.topology->type, case_index, cell.ids);
     return true;
@@ -304,7 +307,9 @@ class Laws {
     broken("cell ", cell.cell, ": a domain facet that lies in no face of the cell");
   }
 
-  void check_counts() const {
+  void check_counts() {
+    std::sort(points_.begin(), points_.end());
+    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
       const IntervalSummary& summary = mesh_.summaries.at(i);
       const auto of = [&](const std::map<std::size_t, std::int64_t>& counts) { return counts.contains(i) ? counts.at(i) : 0; };
@@ -326,7 +331,7 @@ class Laws {
   const IntervalMesh& mesh_;
   const Expectation& expectation_;
   Checked checked_;
-  std::set<std::tuple<std::int64_t, std::int64_t, double>> points_;
+  std::vector<std::tuple<std::int64_t, std::int64_t, double>> points_;  // with repeats until they are counted
   std::map<std::size_t, std::int64_t> active_, tetrahedra_;
   std::vector<std::size_t> facets_of_;  // [nt + 1] into sorted_facets_
   std::vector<const BoundaryFacet*> sorted_facets_;

@@ -1,0 +1,121 @@
+// isostrata extract --time and --time-mode, on built-in and on real series.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+
+#include "support/run_isostrata.h"
+#include "support/shared_data.h"
+
+namespace {
+
+using namespace isostrata::testing;
+using ::testing::HasSubstr;
+namespace json = boost::json;
+
+json::value extract_json(const std::string& arguments) {
+  const CommandResult result = run_isostrata("extract " + arguments + " --json");
+  EXPECT_EQ(result.status, 0) << arguments << ": " << result.err;
+  return result.status == 0 ? json::parse(result.out) : json::value();
+}
+
+double number(const json::value& value) { return value.to_number<double>(); }
+double volume(const json::value& document) { return number(document.at("intervals").at(0).at("signed_volume")); }
+
+TEST(ExtractAtTime, SaysWhichStepsAndWhichModeWereUsed) {
+  const std::string cylinder = "cylinder:20x14x8x5 --interval 0.99:1";  // at the times 0, 0.25294..., ...
+  const json::value first = extract_json(cylinder);
+  ASSERT_TRUE(first.is_object());
+  EXPECT_EQ(first.at("time").at("steps"), (json::array{0}));
+  EXPECT_EQ(first.at("time").at("mode"), "step");
+  EXPECT_FALSE(first.at("ms").as_object().contains("slice"));
+
+  const json::value nearest = extract_json(cylinder + " --time 0.3");
+  EXPECT_EQ(nearest.at("time").at("steps"), (json::array{1}));
+  EXPECT_EQ(number(nearest.at("time").at("value")), 0.3);
+  EXPECT_EQ(volume(nearest), volume(extract_json(cylinder + " --step 1")));
+
+  const json::value between = extract_json(cylinder + " --time 0.3 --time-mode interpolate");
+  EXPECT_EQ(between.at("time").at("steps"), (json::array{1, 2}));
+  EXPECT_EQ(between.at("time").at("mode"), "interpolate");
+  EXPECT_GT(number(between.at("time").at("weight")), 0.1);
+  EXPECT_LT(number(between.at("time").at("weight")), 0.3);
+
+  const json::value sliced = extract_json(cylinder + " --time 0.3 --time-mode spacetime --color-by Energy");
+  EXPECT_EQ(sliced.at("time").at("steps"), (json::array{1, 2}));
+  EXPECT_EQ(sliced.at("time").at("mode"), "spacetime");
+  EXPECT_EQ(number(sliced.at("unmatched_facets")), 0);
+  EXPECT_GT(number(sliced.at("ms").at("build")), 0);
+  EXPECT_GT(number(sliced.at("ms").at("slice")), 0);
+  EXPECT_GT(number(sliced.at("time").at("simplices")), 0);
+  EXPECT_NEAR(volume(sliced), volume(between), 0.05 * volume(between)) << "the same field on different cells";
+}
+
+TEST(ExtractAtTime, TilesTheDomainInEveryMode) {
+  for (const char* mode : {"step", "interpolate", "spacetime"}) {
+    const json::value whole = extract_json("cylinder:16x10x6x3 --interval -9:9 --time 0.1 --time-mode " + std::string(mode));
+    const json::value parts = extract_json(
+        "cylinder:16x10x6x3 --interval -9:0.99 --interval 0.99:1.0 --interval 1.0:9 --time 0.1 "
+        "--time-mode " +
+        std::string(mode));
+    ASSERT_TRUE(whole.is_object() && parts.is_object());
+    double sum = 0;
+    for (const auto& row : parts.at("intervals").as_array()) sum += number(row.at("signed_volume"));
+    EXPECT_NEAR(sum, volume(whole), (mode == std::string("spacetime") ? 1e-11 : 1e-5) * volume(whole)) << mode;
+    EXPECT_EQ(number(parts.at("unmatched_facets")), 0) << mode;
+  }
+}
+
+TEST(ExtractAtTime, RefusesWithOneClearLine) {
+  const std::pair<const char*, const char*> refusals[] = {
+      {"torus:8 --interval 0:1 --time 3", "torus:8: time 3 is outside its times; expected 0, the time of its only step"},
+      {"torus:8 --interval 0:1 --time nan", "time nan is outside"},
+      {"cylinder:8x4x4x3 --interval 0:1 --time -1", "time -1 is outside its times; expected 0 to "},
+      {"cylinder:8x4x4x3 --interval 0:1 --time 0.1 --time-mode spacetime --color-by nothing", "no array 'nothing'"},
+      {"cylinder:8x4x4x3 --interval 0:1 --step 7 --time-mode spacetime", "no step 7"},
+  };
+  for (const auto& [arguments, says] : refusals) {
+    const CommandResult result = run_isostrata(std::string("extract ") + arguments);
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(says)) << arguments;
+    EXPECT_EQ(result.out, "") << arguments;
+  }
+  EXPECT_EQ(run_isostrata("extract cylinder:8x4x4x3 --interval 0:1 --time 0 --step 1").status, 2);
+  EXPECT_EQ(run_isostrata("extract cylinder:8x4x4x3 --interval 0:1 --time-mode sometimes").status, 2);
+  EXPECT_EQ(run_isostrata("extract torus:8 --interval 0:1 --time 0 --time-mode spacetime").status, 0) << "its only step";
+}
+
+TEST(ExtractAtTime, RealSeriesConformAndPassSmoothlyFromStepToStep) {
+  struct Example {
+    const char* file;
+    const char* layer;
+    double from, to;  // times of two successive steps
+  };
+  const Example examples[] = {{"ts_tornado/tornado.pvd", "--array speed --interval 0.2:0.25", 1, 2},
+                              {"exo_mug_transient/mug.pvd", "--array convected --interval 0.3:0.6", 0.5, 0.6},
+                              {"exo_mug_transient/mug.e", "--array diffused --interval 0.3:0.6", 0.5, 0.6}};
+  int found = 0;
+  for (const Example& example : examples) {
+    const auto file = shared_data() / example.file;
+    if (!std::filesystem::exists(file)) continue;
+    ++found;
+    const auto at = [&](double part, const char* mode) {
+      return extract_json("'" + file.string() + "' " + example.layer + " --time " +
+                          std::to_string(example.from + part * (example.to - example.from)) + " --time-mode " + mode);
+    };
+    const json::value begin = at(0.001, "spacetime"), middle = at(0.5, "spacetime"), end = at(0.999, "spacetime");
+    ASSERT_TRUE(begin.is_object() && middle.is_object() && end.is_object());
+    for (const json::value* document : {&begin, &middle, &end}) {
+      EXPECT_EQ(number(document->at("unmatched_facets")), 0) << example.file;
+      EXPECT_EQ(number(document->at("intervals").at(0).at("inverted")), 0) << example.file;
+    }
+    // The steps' own cells are hexahedra, a slice's are split: near, not equal.
+    EXPECT_NEAR(volume(begin), volume(at(0, "step")), 0.03 * volume(begin)) << example.file;
+    EXPECT_NEAR(volume(end), volume(at(1, "step")), 0.03 * volume(end)) << example.file;
+    EXPECT_NEAR(volume(middle), volume(at(0.5, "interpolate")), 0.03 * volume(middle)) << example.file;
+  }
+  if (found == 0) GTEST_SKIP() << "no test data in " << shared_data();
+}
+
+}  // namespace
