@@ -158,10 +158,10 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.mesh = extracted.mesh;
   input.color_values = extracted.color_values;
   for (const SceneInterval& interval : scene.intervals) input.styles.push_back(style_of(interval, extracted));
-  // The mesh's further summaries are what the terms bring in, in their order.
-  if (!scene.intervals.empty())
-    for (const SceneTerm& term : scene.terms)
-      if (adds(term.term.op)) input.styles.push_back(style_of(term, scene.intervals.front(), extracted));
+  for (std::size_t i = scene.intervals.size(); i < extracted.mesh->summaries.size(); ++i) {  // what the terms bring in
+    const int term = extracted.mesh->summaries[i].term;
+    input.styles.push_back(style_of(scene.terms.at(static_cast<std::size_t>(term)), scene.intervals.front(), extracted));
+  }
   input.mode = scene.mode;
   input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset");
   input.width = width;

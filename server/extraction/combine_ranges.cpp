@@ -98,6 +98,7 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Bu
                         std::span<const FieldTerm> terms, const CombineOptions& options, const Task& task) {
   Combined out;
   out.mesh.cells = base.cells;
+  out.mesh.strict = base.strict;
   std::vector<RangeOfField> ranges;
   std::vector<std::uint16_t> own;  // [labels] into ranges
   for (std::size_t i = 0; i < intervals; ++i) {

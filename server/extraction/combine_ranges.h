@@ -60,9 +60,9 @@ struct Combined {
 Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Buffer<double>> fields,
                         std::span<const FieldTerm> terms, const CombineOptions& options, const Task& task);
 
-/// [np] the weight of each point's second end, in double: PointOrigin has it in single precision, so where the edge crosses the
-/// isovalue is worked out again from the array that the mesh was extracted on. Precondition: the mesh has origins and values, and
-/// lies on a grid with as many points as the array has values.
+/// [origins] the weight of each point's second end, in double: PointOrigin has it in single precision, so where the edge crosses
+/// the isovalue is worked out again from the array that the mesh was extracted on. Precondition: the mesh has origins and values,
+/// and lies on a grid with as many points as the array has values.
 Buffer<double> exact_weights(const IntervalMesh& mesh, const PointArray& array);
 
 /// The values of an array at the mesh's points: carry_array without its rounding. Throws invalid_argument (an array that is too

@@ -78,7 +78,7 @@ using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray&
 struct LayerAids {
   BrickMemory* bricks = nullptr;  // as ExtractOptions::bricks
   KeptSpaceTime* kept = nullptr;  // keeps the volume between two steps for the next slice
-  Extractor extractor;            // called in place of extract_intervals where that is all there is to do: one field, no terms
+  Extractor extractor;  // called in place of extract_intervals where that is all there is to do: one field, no terms, tables
 };
 
 /// In space-time mode the volume between the two steps is made and sliced; a dataset of one step is extracted as it is. There

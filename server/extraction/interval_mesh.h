@@ -98,9 +98,9 @@ struct StrictSummary {
 
 /// Touching intervals share the points on their common isosurface. Immutable once made.
 struct IntervalMesh {
-  Buffer<Vec3d> positions;      // [np] world space
-  Buffer<PointOrigin> origins;  // [np - inner points]; empty where ranges were combined: such points lie on no edge
-  Buffer<double> values;        // [np] the array that was extracted on; empty unless asked for
+  Buffer<Vec3d> positions;                          // [np] world space
+  Buffer<PointOrigin> origins;                      // [np - inner points]; empty where ranges were combined: they lie on no edge
+  Buffer<double> values;                            // [np] the array that was extracted on; empty unless asked for
   Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices, grouped by cell: see cell_runs
   Buffer<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
   Buffer<CellRun> cell_runs;                        // [active cells] each cell once, those near one another close together

@@ -31,14 +31,15 @@ std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> t) {
 
 class Star {
  public:
-  Star(const CellGeometry& cell, std::span<const IsoRule> rules, std::span<const std::uint16_t> intervals) : cell_(cell) {
+  Star(const CellGeometry& cell, const IsoRules& rules, std::span<const std::uint16_t> intervals) : cell_(cell) {
     for (const std::uint16_t i : intervals) {
-      const IsoRule& rule = rules[i];
-      if (boundaries_.empty() || boundaries_.back().isovalue != rule.lower) {
-        boundaries_.push_back({rule.lower, rule.lower});
+      const IsoRule& rule = rules.rules()[i];
+      const double lower = rules.isovalues()[rule.lower_index];  // a gap after a closed end begins just above it
+      if (boundaries_.empty() || boundaries_.back().isovalue != lower) {
+        boundaries_.push_back({lower, rule.lower});
         slab_interval_.push_back(kNone);
       }
-      boundaries_.push_back({rule.upper, rule.above});
+      boundaries_.push_back({rules.isovalues()[rule.upper_index], rule.above});
       slab_interval_.push_back(i);
     }
     slab_interval_.push_back(kNone);
@@ -252,8 +253,7 @@ class Star {
 
 }  // namespace
 
-std::optional<StarCell> star_cell(const CellGeometry& cell, std::span<const IsoRule> rules,
-                                  std::span<const std::uint16_t> intervals) {
+std::optional<StarCell> star_cell(const CellGeometry& cell, const IsoRules& rules, std::span<const std::uint16_t> intervals) {
   return Star(cell, rules, intervals).run();
 }
 

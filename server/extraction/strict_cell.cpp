@@ -62,7 +62,7 @@ std::optional<CellFix> StrictCells::fix(std::int64_t run, StrictSummary& done) c
         if (p >= first_new) p += shift;
     for (const Vec3d& position : region.inner) {
       fix.new_points.push_back(point_at(cell, position));
-      const Interval& own = mesh_.summaries[interval].interval;
+      const IsoRule& own = rules_.rules()[interval];
       fix.new_points.back().value = std::clamp(fix.new_points.back().value, own.lower, own.upper);
       centred = true;
     }
@@ -140,7 +140,7 @@ std::vector<std::vector<std::uint16_t>> StrictCells::chains_of(const Parts& part
 /// Replaces the parts of a chain; adds its new points to the fix and its isosurfaces, in the fix's numbers, to facets.
 bool StrictCells::cut_around_a_point(const CellGeometry& cell, Tetrahedra old, std::span<const std::uint16_t> chain, Parts& parts,
                                      CellFix& fix, std::vector<StarCell::Facet>& facets) const {
-  const std::optional<StarCell> star = star_cell(cell, rules_.rules(), chain);
+  const std::optional<StarCell> star = star_cell(cell, rules_, chain);
   if (!star) return false;
   std::vector<std::optional<std::uint32_t>> number(star->points.size());
   std::vector<CellPoint> added;

@@ -1,10 +1,14 @@
 #include <boost/json.hpp>
+#include <charconv>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <sstream>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "extraction/boundary_facets.h"
+#include "extraction/check_laws.h"
 #include "extraction/extract_intervals.h"
 #include "extraction/extract_layers.h"
 #include "extraction/write_mesh.h"
@@ -19,16 +23,24 @@ namespace {
 
 struct ExtractArguments {
   std::string file, array, color_by, out;
-  std::vector<std::string> intervals;
+  std::vector<std::string> intervals, facets;
   LayerArguments layers;
   ExtractDevice device;
-  int threads = 0;
-  bool json = false;
+  int threads = 0, compression = WriteOptions{}.compression;
+  bool json = false, verify = false;
 };
 
 struct Timing {
   double load = 0, index = 0, extract = 0, check = 0, write = 0, total = 0;  // ms
+  double proof = 0;                                                          // apart: not part of total
 };
+
+/// What --json and --verify find out beyond counting.
+struct Proof {
+  std::optional<Partition> partition;  // of plain ranges of one step's array
+  std::vector<BrokenLaw> broken;
+};
+constexpr double kPartitionTolerance = 1e-9;
 
 struct FacetCounts {
   std::int64_t lower = 0, upper = 0, domain = 0, unmatched = 0;
@@ -67,7 +79,8 @@ boost::json::object to_json(const StrictSummary& strict) {
           {"added_points", strict.added_points}};
 }
 
-boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms, const std::string& device) {
+boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Proof& proof, const Timing& ms,
+                            const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries) {
     intervals.push_back(boost::json::object{{"lower", row.interval.lower},
@@ -87,11 +100,13 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
           {"boundary_facets", boost::json::object{{"lower", facets.lower}, {"upper", facets.upper}, {"domain", facets.domain}}},
           {"intervals", std::move(intervals)},
           {"strict", to_json(mesh.strict)},
+          {"partition_error", proof.partition ? boost::json::value(proof.partition->error) : boost::json::value(nullptr)},
           {"ms", boost::json::object{{"load", ms.load},
                                      {"index", ms.index},
                                      {"extract", ms.extract},
                                      {"check", ms.check},
                                      {"write", ms.write},
+                                     {"proof", ms.proof},
                                      {"total", ms.total}}},
           {"threads", thread_count()},
           {"device", device}};
@@ -134,6 +149,64 @@ void print_time(const LayerTime& time) {
                 static_cast<double>(time.bytes) / 1e6, time.build_ms, time.slice_ms);
 }
 
+/// "lower", or "lower@2" for that of interval 2.
+FacetChoice parse_facet_choice(const std::string& text, std::size_t intervals) {
+  const std::size_t at = text.find('@');
+  const std::string label = text.substr(0, at);
+  FacetChoice choice;
+  if (label == "lower")
+    choice.label = FacetLabel::lower;
+  else if (label == "upper")
+    choice.label = FacetLabel::upper;
+  else if (label != "domain")
+    throw Error(ErrorCode::invalid_argument,
+                "facets '" + text + "': expected lower, upper or domain, with @N for interval N only");
+  if (at == std::string::npos) return choice;
+  std::size_t number = 0;
+  const char* const begin = text.data() + at + 1;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, number);
+  if (error != std::errc{} || stop != end || number >= intervals)
+    throw Error(ErrorCode::invalid_argument,
+                "facets '" + text + "': expected the number of an interval after @, 0 to " + std::to_string(intervals - 1));
+  choice.interval = static_cast<std::uint16_t>(number);
+  return choice;
+}
+
+Proof prove(const ExtractArguments& arguments, const LayerRequest& request, const Layers& layers) {
+  Proof proof;
+  const bool plain = request.terms.empty() && !request.time;
+  if (plain) {
+    ExtractOptions options;
+    options.strict = request.triangulation == Triangulation::strict;
+    options.max_bytes = request.max_bytes;
+    proof.partition =
+        partition_error(layers.dataset->grid, layers.dataset->array(request.array), layers.mesh, options, command_task());
+  }
+  if (!arguments.verify) return proof;
+  LawOptions laws;
+  laws.one_range = request.terms.empty();
+  laws.strict = request.triangulation == Triangulation::strict;
+  proof.broken = check_laws(layers.dataset->grid, layers.mesh, laws, command_task());
+  if (proof.partition && !(proof.partition->error <= kPartitionTolerance)) {
+    std::ostringstream text;
+    text << "the intervals and what is between them differ from the volume of their cells, " << proof.partition->volume << ", by "
+         << proof.partition->error << " of it; expected at most " << kPartitionTolerance;
+    proof.broken.push_back({"partition", 1, text.str()});
+  }
+  return proof;
+}
+
+/// Throws where a law is broken, after a line for each but the last.
+void judge(const Proof& proof) {
+  const auto line = [](const BrokenLaw& law) {
+    return "broken law '" + law.law + "', " + std::to_string(law.count) + " times, first: " + law.first;
+  };
+  for (std::size_t i = 0; i + 1 < proof.broken.size(); ++i)
+    std::fprintf(stderr, "isostrata: %s\n", line(proof.broken[i]).c_str());
+  if (!proof.broken.empty()) throw Error(ErrorCode::internal, line(proof.broken.back()));
+}
+
 void run(ExtractArguments& arguments) {
   LayerRequest request = layer_request(arguments.layers);
   for (const std::string& text : arguments.intervals)
@@ -142,6 +215,9 @@ void run(ExtractArguments& arguments) {
   request.facets = true;
   if (!arguments.color_by.empty() && arguments.color_by != arguments.array) request.carry.push_back(arguments.color_by);
   if (!arguments.out.empty()) check_mesh_path(arguments.out);
+  WriteOptions write;
+  write.compression = arguments.compression;
+  for (const std::string& text : arguments.facets) write.facets.push_back(parse_facet_choice(text, request.intervals.size()));
   if (arguments.threads > 0) set_thread_count(arguments.threads);
 
   Stopwatch total, stage;
@@ -166,23 +242,33 @@ void run(ExtractArguments& arguments) {
   const FacetCounts facets = count_facets(mesh);
   ms.check = stage.lap_ms();
   if (!arguments.out.empty()) {
-    write_mesh(arguments.out, mesh, request.array, layers.carried);
+    write_mesh(arguments.out, mesh, request.array, layers.carried, write, command_task());
     ms.write = stage.lap_ms();
   }
   ms.total = total.elapsed_ms();
 
+  Proof proof;
+  if (arguments.json || arguments.verify) {
+    stage.lap_ms();
+    proof = prove(arguments, request, layers);
+    ms.proof = stage.lap_ms();
+  }
   if (arguments.json) {
-    boost::json::object document = to_json(mesh, facets, ms, arguments.device.used);
+    boost::json::object document = to_json(mesh, facets, proof, ms, arguments.device.used);
     document["time"] = to_json(layers.time);
     if (layers.time.mode == TimeMode::spacetime) {
       document["ms"].as_object()["build"] = layers.time.build_ms;
       document["ms"].as_object()["slice"] = layers.time.slice_ms;
     }
     print_json(document);
-    return;
+  } else {
+    print_text(mesh, request.array, facets, ms);
+    print_time(layers.time);
   }
-  print_text(mesh, request.array, facets, ms);
-  print_time(layers.time);
+  if (arguments.verify) {
+    judge(proof);
+    std::fprintf(stderr, "all laws hold%s\n", proof.partition ? "" : " (no partition is defined for combined ranges and times)");
+  }
 }
 
 }  // namespace
@@ -197,6 +283,16 @@ void add_extract_command(CLI::App& app) {
   add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
   command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");
+  command
+      ->add_option("--facets", arguments->facets,
+                   "Which of the boundary goes into .ply and .stl: lower, upper, domain, comma-separated; LABEL@N: of interval N "
+                   "only, counted from 0 (default: all)")
+      ->delimiter(',');
+  command->add_option("--compress", arguments->compression, "zlib's level for .vtu; 0: not compressed")
+      ->check(CLI::Range(0, 9))
+      ->capture_default_str();
+  command->add_flag("--verify", arguments->verify,
+                    "Check every law that the mesh must keep; exit status 1 and a line for each broken one");
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });

@@ -1,4 +1,5 @@
 // isostrata: the server and its offline twin.
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -7,6 +8,7 @@
 #include "main/commands.h"
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, not the end of the program
   CLI::App app{"Isostrata: interval volumes of scalar fields, extracted exactly, rendered here, seen in a browser"};
   app.set_version_flag("--version", "isostrata " ISOSTRATA_VERSION);
   app.require_subcommand(1);

@@ -105,11 +105,13 @@ TEST_F(SceneLayers, AnotherTimeSlicesTheKeptSpaceTimeVolume) {
 }
 
 TEST_F(SceneLayers, WhatATermBringsInLooksAsItSaysElseAsTheFirstInterval) {
-  const auto extracted = extract();
   scene_.intervals[0].color_map = "viridis";
   scene_.intervals[0].opacity = 0.375;
   scene_.intervals[0].priority = 4;
-  SceneTerm keep{{RangeOperator::intersect, "Energy", {0, 1}}}, plain{{RangeOperator::unite, "Energy", {0, 1}}};
+  const PointArray& energy = step(0)->array("Energy");
+  const double middle = (energy.lower + energy.upper) / 2;
+  SceneTerm keep{{RangeOperator::intersect, "Energy", {energy.lower, middle}}};
+  SceneTerm plain{{RangeOperator::unite, "Energy", {middle, energy.upper}}};
   SceneTerm styled = plain;
   styled.term.op = RangeOperator::exclusive_or;
   styled.color = Rgb{0, 0, 1};
@@ -117,6 +119,9 @@ TEST_F(SceneLayers, WhatATermBringsInLooksAsItSaysElseAsTheFirstInterval) {
   styled.priority = -1;
   styled.visible = false;
   scene_.terms = {keep, plain, styled};
+  const auto extracted = extract();
+  EXPECT_EQ(extracted->mesh->summaries.size(), 3u);
+  EXPECT_EQ(extracted->color_values->size(), extracted->mesh->positions.size());
   const auto styles = draw_input(*extracted, scene_, 10, 10).styles;
   ASSERT_EQ(styles.size(), 3u) << "an AND brings nothing in";
   EXPECT_EQ(styles[1].color_map, "viridis");

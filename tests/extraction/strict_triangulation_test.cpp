@@ -214,7 +214,7 @@ TEST(StarCell, TilesEveryCaseOfEveryCellType) {
         cell.ids[v] = numbers[v];
         cell.values[v] = rest % 3 - 1 + inside(random);
       }
-      const auto star = star_cell(cell, rules.rules(), all);
+      const auto star = star_cell(cell, rules, all);
       ASSERT_TRUE(star.has_value());
       double sum = 0;
       std::map<Facet, int> uses;  // by interval and sorted points

@@ -25,8 +25,8 @@ class WriteMesh : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  std::string write(const std::string& name, const std::vector<MeshArray>& more = {}) {
-    write_mesh(folder_ / name, mesh_, "a <\"b\"> & c", more);
+  std::string write(const std::string& name, const std::vector<MeshArray>& more = {}, WriteOptions options = {}) {
+    write_mesh(folder_ / name, mesh_, "a <\"b\"> & c", more, options, Task());
     std::ifstream in(folder_ / name, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();
