@@ -5,18 +5,23 @@
 namespace isostrata::peers {
 namespace {
 
-IntervalMesh extract(const Workload& workload, bool measure, const Task& task) {
+IntervalMesh extract(const Workload& workload, bool measure, BrickMemory* memory, const Task& task) {
   ExtractOptions options;
   options.facets = false;
   options.values = false;
   options.measure = measure;
+  options.bricks = memory;
   return extract_intervals(workload.dataset->grid, workload.values(), {&workload.interval, 1}, options, task);
 }
 
 }  // namespace
 
-IntervalMesh extract_ours(const Workload& workload, const Task& task) { return extract(workload, false, task); }
+IntervalMesh extract_ours(const Workload& workload, const Task& task) { return extract(workload, false, nullptr, task); }
 
-IntervalMesh extract_and_measure(const Workload& workload, const Task& task) { return extract(workload, true, task); }
+IntervalMesh extract_and_measure(const Workload& workload, const Task& task) { return extract(workload, true, nullptr, task); }
+
+IntervalMesh extract_kept(const Workload& workload, BrickMemory& memory, const Task& task) {
+  return extract(workload, false, &memory, task);
+}
 
 }  // namespace isostrata::peers

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/task.h"
+#include "extraction/brick_memory.h"
 #include "extraction/interval_mesh.h"
 #include "workload.h"
 
@@ -9,6 +10,9 @@ namespace isostrata::peers {
 
 /// One extraction from nothing but the grid and the array: whatever is built to find cells quickly is built inside.
 IntervalMesh extract_ours(const Workload& workload, const Task& task);
+
+/// The same with what earlier extractions of this field left in `memory`, as the engine has it.
+IntervalMesh extract_kept(const Workload& workload, BrickMemory& memory, const Task& task);
 
 /// The same with the sums of volumes, which cost time that the peer does not spend either.
 IntervalMesh extract_and_measure(const Workload& workload, const Task& task);

@@ -20,6 +20,7 @@ struct Row {
   std::string peer;     // "table clip x2", ...
   std::string setting;  // what of ours was timed, and how
   Spread ours, theirs;
+  Spread kept;     // ours again, with what earlier extractions of the same field left
   double aim = 0;  // the ratio wished for; 0: none
 
   double our_volume = 0, peer_volume = 0;  // 0 where not compared
