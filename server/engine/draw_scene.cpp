@@ -20,9 +20,11 @@ bool uses_color_map(const Scene& scene) {
          std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
 }
 
-/// Whether another array can be brought to the finished mesh: its points know the edges they lie on, in the grid of one step.
+/// Whether another array can be brought to the finished mesh: its points know what they lie on, in the grid of one step.
 bool can_carry(const ExtractedScene& extracted) {
-  return extracted.time.first == extracted.time.second && extracted.mesh->origins.size() == extracted.mesh->positions.size();
+  const IntervalMesh& mesh = *extracted.mesh;
+  return extracted.time.first == extracted.time.second &&
+         mesh.origins.size() + mesh.inner.first.size() - 1 == mesh.positions.size();
 }
 
 /// The dataset is immutable and one object per time step, so the identity of those that were used stands for dataset and steps.

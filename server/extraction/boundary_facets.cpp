@@ -148,7 +148,8 @@ FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d) {
 
 std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& array, std::span<const CellRun> runs,
                                           std::uint64_t max_bytes, const Task& task) {
-  return grid.structured() ? open_faces_structured(grid, array, runs, task) : open_faces_unstructured(grid, runs, max_bytes, task);
+  return grid.structured() ? open_faces_structured(grid, array, runs, task)
+                           : open_faces_unstructured(grid, runs, max_bytes, task);
 }
 
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,

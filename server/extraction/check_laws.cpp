@@ -83,7 +83,7 @@ class LawCheck {
   void check_numbers() {
     const std::size_t np = mesh_.positions.size(), nt = mesh_.tetrahedra.size();
     if (mesh_.values.size() != np || mesh_.tetrahedron_interval.size() != nt ||
-        mesh_.origins.size() + mesh_.inner.first.size() - 1 != np)
+        (!mesh_.origins.empty() && mesh_.origins.size() + mesh_.inner.first.size() - 1 != np))
       points_.report(0, [&](std::ostream& o) {
         o << np << " positions, " << mesh_.values.size() << " values, " << mesh_.origins.size() << " origins, " << nt
           << " tetrahedra, " << mesh_.tetrahedron_interval.size() << " intervals of tetrahedra; expected as many of each kind";

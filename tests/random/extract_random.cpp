@@ -76,6 +76,13 @@ std::vector<Kind> kinds() {
                    return sum;
                  },
                  10});
+  out.push_back({"strict",
+                 [](Random& random) {
+                   Checked sum = check_strict(mixed_mesh(random));
+                   for (int grid = 0; grid < 4; ++grid) sum += check_strict(structured_grid(random));
+                   return sum;
+                 },
+                 10});
   out.push_back({"spacetime", [](Random& random) { return check_space_time(mixed_mesh(random), random); }, 10});
   return out;
 }

@@ -80,6 +80,37 @@ Checked check_combined(const RandomInput& input, Random& random) {
   return checked;
 }
 
+Checked check_strict(const RandomInput& input) {
+  const auto data = dataset_of(input.grid, {input.array});
+  const StepSource steps = [&](int, const Task&) { return data; };
+  const Task task;
+  LayerRequest request;
+  request.intervals = input.intervals;
+  request.facets = true;
+  const IntervalMesh table = extract_layers(request, steps, task).mesh;
+  request.triangulation = Triangulation::strict;
+  const IntervalMesh strict = extract_layers(request, steps, task).mesh;
+  if (const auto unmatched = count_unmatched_facets(strict, task); unmatched != 0)
+    throw BrokenLaw("strict: " + std::to_string(unmatched) + " unmatched facets");
+  // On the cells' faces both are the same; inside, an isosurface may be cut otherwise.
+  if (count_label(strict, FacetLabel::domain) != count_label(table, FacetLabel::domain))
+    throw BrokenLaw("strict: " + std::to_string(count_label(strict, FacetLabel::domain)) + " domain facets, the tables make " +
+                    std::to_string(count_label(table, FacetLabel::domain)));
+  // Where the intervals tile the range both fill what the same domain facets enclose.
+  const double rounding = 1e-11 * std::pow(input.expectation.scale, 3);
+  if (input.expectation.tiles && !(std::abs(volume_of(strict) - volume_of(table)) <= rounding))
+    differ("the strict volume is the tables'", volume_of(strict), volume_of(table));
+  for (const IntervalSummary& summary : strict.summaries)
+    if (summary.inverted != 0 && input.expectation.flat_faces)
+      throw BrokenLaw("strict: " + std::to_string(summary.inverted) + " inverted tetrahedra");
+  Checked checked;
+  checked.cells = input.grid.cell_count();
+  checked.tetrahedra = static_cast<std::int64_t>(strict.tetrahedra.size());
+  checked.points = static_cast<std::int64_t>(strict.positions.size());
+  checked.facets = static_cast<std::int64_t>(strict.facets.size());
+  return checked;
+}
+
 Checked check_space_time(const RandomInput& input, Random& random) {
   PointArray later = input.second;
   later.name = input.array.name;
