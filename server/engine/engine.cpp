@@ -329,7 +329,7 @@ class Engine::Impl {
   void render(std::promise<std::string>& started) {
     std::unique_ptr<Renderer> renderer;
     try {
-      renderer = options_.renderer ? options_.renderer() : make_renderer(options_.device);
+      renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
       started.set_value(renderer->device());
     } catch (...) {
       started.set_exception(std::current_exception());

@@ -19,9 +19,9 @@ namespace isostrata {
 
 struct EngineOptions {
   Catalogue catalogue;
-  std::string device = "auto";  // as make_renderer
+  RendererChoice renderer_choice;
   DatasetStoreOptions store;
-  /// Makes the renderer, called on the render thread; empty: make_renderer(device). Tests bring their own.
+  /// Makes the renderer, called on the render thread; empty: make_renderer(renderer_choice). Tests bring their own.
   std::function<std::unique_ptr<Renderer>()> renderer;
 };
 

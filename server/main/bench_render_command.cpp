@@ -18,7 +18,7 @@ namespace {
 struct BenchArguments {
   std::vector<std::string> data{"torus:128"};
   std::vector<std::string> intervals;
-  std::string array, size = "800x600", mode = "both", device = "auto";
+  std::string array, size = "800x600", mode = "both", renderer = "auto", device = "auto";
   int repeat = 20;
   int threads = 0;
   bool json = false;
@@ -29,7 +29,7 @@ struct Spread {
 };
 
 struct BenchRun {
-  std::string data, mode, device, order;
+  std::string data, mode, renderer, device, order;
   int width = 0, height = 0;
   std::int64_t tetrahedra = 0;
   double fragments_per_tetrahedron = 0, depth_complexity = 0;
@@ -86,6 +86,7 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
     draw.push_back(result.facts.draw_ms);
     readback.push_back(result.facts.readback_ms);
     run.tetrahedra = result.facts.tetrahedra;
+    run.renderer = result.facts.renderer;
     run.device = result.facts.device;
     run.order = result.facts.order;
   }
@@ -100,7 +101,7 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
 
 boost::json::object to_json(const BenchRun& run) {
   return {{"data", run.data},
-          {"renderer", "raster"},
+          {"renderer", run.renderer},
           {"device", run.device},
           {"size", boost::json::array{run.width, run.height}},
           {"mode", run.mode},
@@ -141,7 +142,7 @@ std::string default_interval(const std::string& data, const PointArray& array) {
 void run(const BenchArguments& arguments) {
   parse_size(arguments.size);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
-  const std::unique_ptr<Renderer> renderer = make_renderer(arguments.device);
+  const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
   boost::json::array runs;
   for (const std::string& data : arguments.data) {
     const std::shared_ptr<const Dataset> dataset = open_argument(data);
@@ -177,6 +178,9 @@ void add_bench_render_command(CLI::App& bench) {
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command->add_option("--mode", arguments->mode, "Colours: constant, linear (viridis) or both")
       ->check(CLI::IsMember({"constant", "linear", "both"}))
+      ->capture_default_str();
+  command->add_option("--renderer", arguments->renderer, "auto, native, raster or compute")
+      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--repeat", arguments->repeat, "Frames to measure")->check(CLI::Range(1, 100000))->capture_default_str();

@@ -57,7 +57,7 @@ Findings examine(const std::string& device) {
   Findings findings;
   findings.attempts = probe_devices();
   try {
-    const std::unique_ptr<Renderer> renderer = make_renderer(device);
+    const std::unique_ptr<Renderer> renderer = make_renderer({"auto", device});
     findings.device = renderer->device();
     for (const DeviceAttempt& attempt : findings.attempts)
       if (attempt.ok && attempt.detail.starts_with(findings.device)) findings.software = attempt.software;

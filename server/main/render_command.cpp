@@ -96,7 +96,7 @@ void run(const RenderArguments& arguments) {
   const Scene scene = make_scene(arguments, *dataset);
   const auto extracted = extract_scene(steps, scene, nullptr, command_task());
   ms.extract = stage.lap_ms();
-  const std::unique_ptr<Renderer> renderer = make_renderer(arguments.device);
+  const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
   ms.device = stage.lap_ms();
   DrawInput input = draw_input(*extracted, scene, width, height);
   input.transparent = transparent;
@@ -143,8 +143,11 @@ void add_render_command(CLI::App& app) {
       ->add_option("--mode", arguments->mode, "sorted: back to front; prioritized: higher priorities are painted over lower ones")
       ->check(CLI::IsMember({"sorted", "prioritized"}))
       ->capture_default_str();
-  command->add_option("--renderer", arguments->renderer, "raster: projected tetrahedra drawn by OpenGL; auto: the same")
-      ->check(CLI::IsMember({"auto", "raster"}))
+  command
+      ->add_option("--renderer", arguments->renderer,
+                   "native: the CPU; raster: projected tetrahedra drawn by OpenGL; compute: OpenGL compute shaders; auto: "
+                   "native where no device is hardware, else the faster of raster and compute")
+      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--background", arguments->background, "#rrggbb or transparent");
   command->add_option(

@@ -40,7 +40,7 @@ struct ServeArguments {
   std::string token_file;
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
-  std::string device = "auto";
+  std::string renderer = "auto", device = "auto";
   std::size_t max_sessions = 32;
   long session_ttl_s = 600;
   long idle_timeout_s = 0;
@@ -143,7 +143,7 @@ void serve(const ServeArguments& arguments) {
   if (options.engine.catalogue.entries().size() >= Catalogue::kMaxEntries)
     log.warn("too_many_files", "only the first " + std::to_string(Catalogue::kMaxEntries) +
                                    " files are offered; name a smaller directory to see others");
-  options.engine.device = arguments.device;
+  options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
@@ -208,7 +208,14 @@ void add_serve_command(CLI::App& app) {
   command->add_flag("--no-auth", arguments->no_auth, "Ask for no token")->excludes(token)->excludes(token_file);
   command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")
       ->type_name("NAME[:PORT]");
-  command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
+  command
+      ->add_option(
+          "--renderer", arguments->renderer,
+          "native: the CPU; raster, compute: OpenGL on the device; auto: native where no device is hardware, else the faster")
+      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
+      ->capture_default_str();
+  command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
+      ->capture_default_str();
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();

@@ -13,7 +13,8 @@ namespace {
 [[noreturn]] void refuse(std::string_view text, const std::string& why) {
   throw Error(ErrorCode::invalid_argument,
               "camera '" + std::string(text) + "': " + why +
-                  "; expected eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees (any of them) or reset, +x, -x, +y, -y, +z, -z");
+                  "; expected eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees;projection=perspective|orthographic (any of them) or "
+                  "reset, +x, -x, +y, -y, +z, -z");
 }
 
 bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -61,6 +62,8 @@ bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
 }
 
 }  // namespace
+
+double half_height(const Camera& camera) { return length(camera.eye - camera.at) * std::tan(radians(camera.fov_deg / 2)); }
 
 void check(const Camera& camera) {
   const auto fail = [](const std::string& why) { throw Error(ErrorCode::invalid_argument, "camera: " + why); };
@@ -114,6 +117,14 @@ Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds) {
   const double near_plane = std::clamp(nearest * 0.999, far_plane * 1e-4, far_plane * 0.9);
   const double scale = 1 / std::tan(radians(camera.fov_deg / 2));
   Mat4d m;
+  if (camera.orthographic) {
+    const double half = half_height(camera), depth = 2 * std::max(farthest, far_plane);  // the eye is no limit
+    m.m[0][0] = 1 / (half * aspect);
+    m.m[1][1] = 1 / half;
+    m.m[2][2] = -1 / depth;
+    m.m[3][3] = 1;
+    return m;
+  }
   m.m[0][0] = scale / aspect;
   m.m[1][1] = scale;
   m.m[2][2] = -(far_plane + near_plane) / (far_plane - near_plane);
@@ -144,6 +155,8 @@ Camera parse_camera(std::string_view text, const Camera& base, const Box3d& boun
       camera.up = parse_vector(value, text);
     else if (key == "fov")
       camera.fov_deg = parse_number(value, text);
+    else if (key == "projection" && (value == "perspective" || value == "orthographic"))
+      camera.orthographic = value == "orthographic";
     else
       refuse(text, "unknown part '" + std::string(part) + "'");
   }

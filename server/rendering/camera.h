@@ -11,10 +11,14 @@ struct Camera {
   Vec3d eye{0, 0, 1};
   Vec3d at{0, 0, 0};
   Vec3d up{0, 1, 0};
-  double fov_deg = 30;  // full vertical angle of view
+  double fov_deg = 30;        // full vertical angle of view
+  bool orthographic = false;  // parallel rays; what is as far away as `at` is as large as in perspective
 
   bool operator==(const Camera&) const = default;
 };
+
+/// Half of what is seen vertically, in world units, at the distance of `at`: what an orthographic camera sees everywhere.
+double half_height(const Camera& camera);
 
 /// Throws invalid_argument where eye == at, up is parallel to the view, fov is not in (0, 180), or a number is not finite.
 void check(const Camera& camera);
@@ -27,8 +31,8 @@ Mat4d view_from_world(const Camera& camera);
 /// OpenGL's clip space; near and far enclose the box as seen from the eye.
 Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds);
 
-/// "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg", every part optional over `base`, or a view name that view_of knows.
-/// Throws invalid_argument naming the part.
+/// "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg;projection=perspective|orthographic", every part optional over `base`, or a view name
+/// that view_of knows. Throws invalid_argument naming the part.
 Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds);
 
 }  // namespace isostrata

@@ -13,7 +13,7 @@ VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_
   bool same_color = true;
   for (const std::size_t i : members) {
     drawn[i] = 1;
-    one_color[i] = input.styles[i].color_map.empty();
+    one_color[i] = input.styles[i].constant();
     same_color = same_color && one_color[i] && input.styles[i].color == input.styles[members[0]].color;
   }
   const OrderRequest request{drawn, one_color};

@@ -176,6 +176,7 @@ void GlState::check_device() {
 DrawResult GlState::draw(const DrawInput& input) {
   context_->make_current();
   DrawResult result;
+  result.facts.renderer = "raster";
   result.facts.device = context_->device();
 
   Stopwatch watch;
@@ -262,10 +263,6 @@ class GlRenderer : public Renderer {
 
 std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, std::string device) {
   return std::make_unique<GlRenderer>(std::move(context), std::move(device));
-}
-
-std::unique_ptr<Renderer> make_renderer(std::string_view device) {
-  return make_gl_renderer(open_context(device), std::string(device));
 }
 
 }  // namespace isostrata

@@ -20,14 +20,33 @@ enum class RenderMode {
   prioritized  // painted by priority, nearer or not (section 4.1.3 of the paper)
 };
 
+/// How light is gathered over a ray's segment in a tetrahedron.
+enum class Integral {
+  exact,   // Gauss-Legendre points in the segment, or one exponential where colour and extinction are constant
+  table2d  // the paper's: a table over length and mean scalar value
+};
+
+/// Keeps the half-space dot(normal, x) >= offset, world space.
+struct ClipPlane {
+  Vec3d normal{1, 0, 0};
+  double offset = 0;
+  bool operator==(const ClipPlane&) const = default;
+};
+
 /// What a picture is made of. Everything pointed to outlives the call.
 struct DrawInput {
   const Grid* grid = nullptr;                              // the mesh's base grid, for the visibility order
   Box3d bounds;                                            // of the grid
   std::shared_ptr<const IntervalMesh> mesh;                // the renderer may keep device copies by this pointer's identity
-  std::shared_ptr<const std::vector<float>> color_values;  // [np] or null where no style has a colour map
+  std::shared_ptr<const std::vector<float>> color_values;  // [np] or null where all styles are constant()
   std::vector<IntervalStyle> styles;                       // one per interval of the mesh
   RenderMode mode = RenderMode::sorted;
+  Integral integral = Integral::exact;
+  std::vector<ClipPlane> clip_planes;  // what is kept by all of them is drawn; the cut is exact, to the pixel
+  // Where a style draws a surface: the mesh then has facets. Unit vectors along the gradient of the extracted array; of either
+  // sign (surfaces are shaded from both sides). Null: the facets' own normals.
+  std::shared_ptr<const std::vector<Vec3f>> normals;         // [np] or null
+  std::shared_ptr<const std::vector<float>> texture_values;  // [np] or null where no surface has a texture
   Camera camera;
   int width = 800, height = 600;  // 1..16384
   double unit_distance = 0;       // scalar_opacity_unit_distance in world units; 0: default_unit_distance
@@ -39,8 +58,9 @@ struct DrawInput {
 
 /// Facts of a frame, as they are sent to clients and printed by bench.
 struct DrawFacts {
-  std::string device;  // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
-  std::string order;   // "index distance (exact)", "centroid (approximate)", "none needed"
+  std::string renderer;  // "native", "raster", "compute"
+  std::string device;    // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
+  std::string order;     // "index distance (exact)", "centroid (approximate)", "none needed"
   bool order_exact = false;
   std::int64_t tetrahedra = 0;  // drawn
   std::int64_t fragments = 0;   // pixels of tetrahedra that were blended, each tetrahedron for itself; 0 where not asked for
@@ -68,10 +88,18 @@ struct DeviceAttempt {
   bool software = false;
 };
 
-/// device: "auto", "egl:INDEX", "egl:UUID", "surfaceless", "osmesa". auto takes the first that works of: each EGL device that is
-/// hardware, EGL surfaceless, OSMesa. The renderer must be used and destroyed on the thread that made it. Throws unavailable
-/// saying what was tried and why each failed.
-std::unique_ptr<Renderer> make_renderer(std::string_view device);
+/// What draws, as it is asked for.
+struct RendererChoice {
+  std::string renderer = "auto";  // "auto", "native", "raster", "compute"
+  std::string device = "auto";    // "auto", "native", "egl:INDEX", "egl:UUID", "surfaceless", "osmesa"
+};
+
+/// native draws on the CPU's cores and needs no device. raster and compute draw with OpenGL on `device`: auto takes the first
+/// that works of each EGL device that is hardware, EGL surfaceless, OSMesa. renderer auto: native where the device is "native" or
+/// no device is hardware; else the faster of raster and compute in a short trial on that device; raster on a named software
+/// device. The renderer must be used and destroyed on the thread that made it. Throws unavailable saying what was tried and why
+/// each failed, invalid_argument for words that are none of these.
+std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
 std::vector<DeviceAttempt> probe_devices();
 
 }  // namespace isostrata

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,13 +31,37 @@ std::string format_rgb(const Rgb& rgb);
 /// The colour that a new interval gets: red, green, blue, yellow, then further distinct ones.
 Rgb default_interval_color(std::size_t index);
 
+/// How an interval's boundary surfaces look. A surface lies where its interval ends, in the right order with the volume.
+struct SurfaceStyle {
+  bool lower = false, upper = false;  // which ends are drawn: f = lower, f = upper
+  bool domain = false;                // and where the grid ends
+  bool own_color = false;             // `color`, else the interval's colour (constant or mapped) at that point
+  Rgb color{1, 1, 1};
+  double opacity = 1;                                                     // of the surface itself, in [0, 1]
+  double ambient = 0.25, diffuse = 0.75, specular = 0.3, shininess = 30;  // Blinn-Phong, two-sided, a light at the eye
+  double silhouette = 0;  // in [0, 1]: how far the surface turns black and opaque where it is seen edge-on
+  std::string texture;    // 1D: a colour map's name, or "stripes"; runs with DrawInput::texture_values; empty: none
+  double texture_lower = 0, texture_upper = 1;
+  double texture_repeat = 1;  // periods over [texture_lower, texture_upper]
+
+  bool drawn() const { return (lower || upper || domain) && (opacity > 0 || silhouette > 0); }
+  bool operator==(const SurfaceStyle&) const = default;
+};
+
 struct IntervalStyle {
   Rgb color{1, 0, 0};     // where color_map is empty
   std::string color_map;  // else colour runs linearly with the color-by array over color_range
   double color_lower = 0, color_upper = 1;
   double opacity = 0.5;  // of a layer one unit distance thick, in [0, 1]: extinction = -ln(1 - opacity) / unit distance
-  int priority = 0;      // with RenderMode::prioritized higher ones are painted over lower ones
+  // Opacity at color_upper; extinction then runs linearly with the color-by value, from that of `opacity` at color_lower. Needs
+  // DrawInput::color_values, with a colour map or without.
+  std::optional<double> opacity_upper;
+  int priority = 0;  // with RenderMode::prioritized higher ones are painted over lower ones
   bool visible = true;
+  SurfaceStyle surface;
+
+  /// One colour and one extinction everywhere inside.
+  bool constant() const { return color_map.empty() && !opacity_upper; }
 };
 
 /// Extinction per world unit of length. An opacity of 1 is treated as 1 - 1e-6.

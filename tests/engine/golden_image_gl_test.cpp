@@ -39,7 +39,8 @@ TEST(GoldenImage, FourIntervalsAroundATorus) {
   scene.intervals[1].opacity = 0.8;
   scene.camera = Camera{{2.4, 2.6, 4.2}, {0, 0, 0}, {0, 1, 0}, 25};
   const auto extracted = extract_scene(dataset, scene, nullptr, Task{});
-  const Image image = std::get<Image>(make_renderer("surfaceless")->draw(draw_input(*extracted, scene, 192, 144)).image);
+  const Image image =
+      std::get<Image>(make_renderer({"raster", "surfaceless"})->draw(draw_input(*extracted, scene, 192, 144)).image);
 
   const Image golden = read_golden(ISOSTRATA_SOURCE_DIR "/tests/engine/golden/torus_four_intervals.png");
   int worst = 256;

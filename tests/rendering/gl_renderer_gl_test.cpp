@@ -191,7 +191,7 @@ TEST(GlRenderer, CountsFragments) {
 }
 
 TEST(GlRenderer, OsmesaDrawsTheSamePictureInTheSameThread) {
-  const std::unique_ptr<Renderer> osmesa = make_renderer("osmesa");
+  const std::unique_ptr<Renderer> osmesa = make_renderer({"raster", "osmesa"});
   EXPECT_THAT(osmesa->device(), HasSubstr("OSMesa"));
   EXPECT_THAT(osmesa->device(), HasSubstr("SOFTWARE"));
   for (int turn = 0; turn < 3; ++turn) {  // the two contexts take turns
@@ -206,7 +206,7 @@ TEST(GlRenderer, RenderersLiveOnTheirOwnThreads) {
   std::vector<Image> images(3);
   for (Image& image : images)
     threads.emplace_back([&image] {
-      const std::unique_ptr<Renderer> renderer = make_renderer("surfaceless");
+      const std::unique_ptr<Renderer> renderer = make_renderer({"raster", "surfaceless"});
       for (int i = 0; i < 3; ++i) image = draw_bytes(cube(), *renderer);
     });
   for (std::thread& thread : threads) thread.join();
@@ -216,7 +216,7 @@ TEST(GlRenderer, RenderersLiveOnTheirOwnThreads) {
 TEST(GlContext, SaysWhichDeviceIsNotThere) {
   const auto message = [](const char* device) -> std::string {
     try {
-      make_renderer(device);
+      make_renderer({"raster", device});
       return "";
     } catch (const Error& error) {
       return error.what();
@@ -235,7 +235,7 @@ TEST(GlContext, ADeviceIsFoundByItsUuid) {
     if (attempt.ok && attempt.name.starts_with("EGL device"))
       if (const auto at = attempt.detail.find("UUID "); at != std::string::npos) uuid = attempt.detail.substr(at + 5);
   if (uuid.empty()) GTEST_SKIP() << "no EGL device tells its UUID";
-  EXPECT_THAT(make_renderer("egl:" + uuid)->device(), HasSubstr("EGL device"));
+  EXPECT_THAT(make_renderer({"raster", "egl:" + uuid})->device(), HasSubstr("EGL device"));
 }
 
 }  // namespace

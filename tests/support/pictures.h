@@ -10,7 +10,7 @@ namespace isostrata::testing {
 
 /// One renderer for all tests of a thread: the software one, which every machine that runs the tests has.
 inline Renderer& test_renderer() {
-  static const std::unique_ptr<Renderer> renderer = make_renderer("surfaceless");
+  static const std::unique_ptr<Renderer> renderer = make_renderer({"raster", "surfaceless"});
   return *renderer;
 }
 
