@@ -121,7 +121,7 @@ Vec3d ordering_eye(const Camera& camera) {
   if (!camera.orthographic) return camera.eye;
   const Vec3d back = camera.eye - camera.at;
   const double distance = length(back);
-  return camera.eye + back * (1e6 * std::max(distance, half_height(camera)) / distance);
+  return camera.eye + back * (1e7 * std::max(distance, half_height(camera)) / distance);
 }
 
 VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera) {

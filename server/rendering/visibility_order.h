@@ -28,7 +28,7 @@ struct OrderRequest {
 VisibilityOrder mesh_order(const IntervalMesh& mesh, const OrderRequest& request);
 
 /// Where an order looks from: the eye, or for an orthographic camera a point so far behind it that its rays are parallel to a
-/// millionth of the picture.
+/// ten-millionth of the picture.
 Vec3d ordering_eye(const Camera& camera);
 
 /// By the distance of the centroid from the eye (along parallel rays: from its plane): right where tetrahedra are alike in size,
