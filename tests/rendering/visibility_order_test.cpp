@@ -37,7 +37,7 @@ Violations count_violations(const IntervalMesh& mesh, const std::vector<std::uin
     std::vector<OracleSegment> met;
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
       OracleSegment segment{};
-      if (rank[t] >= 0 && oracle_segment(mesh, nullptr, t, eye, direction, segment) && segment.leave - segment.enter > epsilon)
+      if (rank[t] >= 0 && oracle_segment(mesh, nullptr, t, {eye, direction}, segment) && segment.leave - segment.enter > epsilon)
         met.push_back(segment);
     }
     for (std::size_t a = 0; a < met.size(); ++a)
@@ -121,7 +121,7 @@ TEST(VisibilityOrder, IntervalsOfOneColourNeedNoOrderAmongThemselvesButKeepItAga
     std::vector<OracleSegment> met;
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
       OracleSegment segment{};
-      if (oracle_segment(mesh, nullptr, t, eye, direction, segment)) met.push_back(segment);
+      if (oracle_segment(mesh, nullptr, t, {eye, direction}, segment)) met.push_back(segment);
     }
     for (const OracleSegment& a : met)
       for (const OracleSegment& b : met) {
