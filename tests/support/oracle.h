@@ -39,7 +39,10 @@ class Oracle {
   /// input outlives it.
   explicit Oracle(const DrawInput& input) : input_(input), forward_(oracle_frame(input.camera)[2]) {
     const double unit = input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal());
-    for (const IntervalStyle& style : input.styles) optics_.emplace_back(style, unit);
+    for (const IntervalStyle& style : input.styles) {
+      optics_.emplace_back(style, unit);
+      materials_.push_back(surface_material(style.surface));
+    }
   }
 
   OraclePixel pixel(int x, int y, const OracleBins::Bin& bin) const {
@@ -95,14 +98,16 @@ class Oracle {
       const IntervalStyle& style = input_.styles[facet.interval];
       OracleCrossing crossing{};
       if (!style.visible || !oracle_draws(style.surface, facet.label) || !oracle_crossing(mesh, f, ray, crossing)) continue;
-      groups[group_of(facet.interval)].push_back({crossing.at, crossing.entering ? 2 : 0, facet.tetrahedron, crossing.at,
-                                                  oracle_surface(input_, optics_[facet.interval], ray, crossing)});
+      groups[group_of(facet.interval)].push_back(
+          {crossing.at, crossing.entering ? 2 : 0, facet.tetrahedron, crossing.at,
+           oracle_surface(input_, optics_[facet.interval], materials_[facet.interval], ray, crossing)});
     }
   }
 
   const DrawInput& input_;
   Vec3d forward_;
-  std::vector<OracleOptics> optics_;  // [intervals]
+  std::vector<OracleOptics> optics_;        // [intervals]
+  std::vector<SurfaceMaterial> materials_;  // [intervals]
 };
 
 /// The whole picture. Parallel over rows.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "rendering/renderer.h"
 
@@ -27,7 +29,7 @@ class OracleOptics {
  public:
   OracleOptics(const IntervalStyle& style, double unit_distance)
       : style_(style),
-        map_(style.color_map.empty() ? nullptr : &color_map(style.color_map)),
+        map_(style.color_map.empty() ? std::nullopt : std::optional(color_map(style.color_map))),
         extinction_{extinction(style.opacity, unit_distance),
                     extinction(style.opacity_upper.value_or(style.opacity), unit_distance)} {}
 
@@ -96,7 +98,7 @@ class OracleOptics {
   }
 
   const IntervalStyle& style_;
-  const ColorMap* map_;
+  std::optional<ColorMap> map_;
   double extinction_[2];  // at u = 0, 1
 };
 

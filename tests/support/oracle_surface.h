@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rendering/surface_shading.h"
 #include "support/oracle_light.h"
 #include "support/oracle_ray.h"
 
@@ -14,19 +15,34 @@ inline bool oracle_draws(const SurfaceStyle& surface, FacetLabel label) {
   return label == FacetLabel::lower ? surface.lower : label == FacetLabel::upper ? surface.upper : surface.domain;
 }
 
-/// optics: of the facet's interval.
-inline OracleLight oracle_surface(const DrawInput& input, const OracleOptics& optics, const OracleRay& ray,
-                                  const OracleCrossing& crossing) {
-  const BoundaryFacet& facet = input.mesh->facets[crossing.facet];
-  const SurfaceStyle& surface = input.styles[facet.interval].surface;
-  double value = 0;
-  if (input.color_values)
-    for (std::size_t v = 0; v < 3; ++v) value += crossing.weights[v] * (*input.color_values)[facet.points[v]];
-  const std::array<double, 3> own{surface.color[0], surface.color[1], surface.color[2]};
-  OracleLight light{surface.own_color ? own : optics.color(optics.place(value)), surface.opacity};
-  for (double& c : light.color) c *= light.alpha;
-  (void)ray;
-  return light;
+/// optics, material: of the facet's interval. Values and normals run linearly over the facet; the shading is the renderers' own
+/// reference, in single precision.
+inline OracleLight oracle_surface(const DrawInput& input, const OracleOptics& optics, const SurfaceMaterial& material,
+                                  const OracleRay& ray, const OracleCrossing& crossing) {
+  const IntervalMesh& mesh = *input.mesh;
+  const BoundaryFacet& facet = mesh.facets[crossing.facet];
+  const auto value_of = [&](const std::shared_ptr<const std::vector<float>>& values) {
+    double value = 0;
+    if (values)
+      for (std::size_t v = 0; v < 3; ++v) value += crossing.weights[v] * (*values)[facet.points[v]];
+    return value;
+  };
+  Vec3d normal;
+  if (input.normals) {
+    for (std::size_t v = 0; v < 3; ++v) {
+      const Vec3f n = (*input.normals)[facet.points[v]];
+      normal = normal + Vec3d{n.x, n.y, n.z} * crossing.weights[v];
+    }
+  } else {
+    const Vec3d a = mesh.positions[facet.points[0]];
+    normal = normalized(cross(mesh.positions[facet.points[1]] - a, mesh.positions[facet.points[2]] - a));
+  }
+  const auto color = optics.color(optics.place(value_of(input.color_values)));
+  const auto single = [](Vec3d v) { return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; };
+  const SurfaceColor shaded =
+      shade_surface(material, {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])},
+                    single(normal), single(ray.direction * -1.0), static_cast<float>(value_of(input.texture_values)));
+  return {{shaded.color[0], shaded.color[1], shaded.color[2]}, shaded.alpha};
 }
 
 }  // namespace isostrata::testing
