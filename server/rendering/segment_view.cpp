@@ -23,8 +23,9 @@ SegmentView make_segment_view(const DrawInput& input) {
   view.scale = diagonal > 0 ? diagonal : distance;
   view.focal = camera.orthographic ? 0.5 * input.height * view.scale / half_height(camera)
                                    : 0.5 * input.height / std::tan(camera.fov_deg * std::numbers::pi / 360);
-  view.center_x = 0.5 * input.width - 0.5 - kRayShiftX;
-  view.center_y = 0.5 * input.height - 0.5 - kRayShiftY;
+  const double side = std::max({input.width, input.height, 128});
+  view.center_x = 0.5 * input.width - 0.5 - kRayShiftX * side;
+  view.center_y = 0.5 * input.height - 0.5 - kRayShiftY * side;
   view.near_depth = 1e-4 * std::min(1.0, distance / view.scale);
   view.guard = std::max(2 * std::max(input.width, input.height), 8192);
   const Vec3d middle = input.bounds.empty() ? camera.at : input.bounds.center();
