@@ -45,13 +45,14 @@ struct SceneInterval {
   double lower = 0, upper = 1;
   Rgb color{1, 0, 0};
   std::string color_map;  // empty: the constant colour
-  bool own_range =
-      false;  // colour map and opacity run from `lower` to `upper` of this interval, not over the array's whole range
   double opacity = 0.5;
-  std::optional<double> opacity_upper;  // at the top of that range; `opacity` is then that at its bottom
   int priority = 0;
   bool visible = true;
-  SurfaceStyle surface;  // its texture runs over the whole range of Scene::texture
+  // Opacity at the top of the range that colour runs over; `opacity` is then that at its bottom, and extinction is linear
+  // between.
+  std::optional<double> opacity_upper;
+  bool own_range = false;  // colour and opacity run from `lower` to `upper`, not over the colour array's whole range
+  SurfaceStyle surface;    // its texture runs over the whole range of Scene::texture
 
   bool operator==(const SceneInterval&) const = default;
 };
