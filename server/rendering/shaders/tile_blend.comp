@@ -230,13 +230,13 @@ vec4 segment_light(uint interval, float path, float front, float back) {
 // shade_surface of surface_shading.h, line by line.
 vec4 shade_surface(uint interval, vec3 base, vec3 normal, vec3 view, float texture_value) {
   vec4 own = style_row(interval, TILE_STYLE_SURFACE), shading = style_row(interval, TILE_STYLE_SHADING),
-       look = style_row(interval, TILE_STYLE_TEXTURE), texture = style_row(interval, TILE_STYLE_TEXTURED);
+       look = style_row(interval, TILE_STYLE_TEXTURE), pattern = style_row(interval, TILE_STYLE_TEXTURED);
   vec3 color = look.y > 0.5 ? own.rgb : base;
-  float periods = texture.x * texture_value + texture.y;
+  float periods = pattern.x * texture_value + pattern.y;
   if (look.z > 0.5 && abs(periods) < 1e6) {
     if (look.z > 1.5) {
       float s = periods - 2.0 * floor(0.5 * periods);
-      color = map_color(look.w, texture.z, 1.0 - abs(1.0 - s));
+      color = map_color(look.w, pattern.z, 1.0 - abs(1.0 - s));
     } else {
       float s = periods - floor(periods);
       color *= 1.0 - 0.8 * clamp(0.5 + 16.0 * (0.25 - abs(s - 0.5)), 0.0, 1.0);
@@ -439,10 +439,12 @@ void main() {
 #ifdef SURFACES
         vec4 fronts = front_planes(j, u), backs = back_planes(j, u);
         float first = least_of(fronts), last = greatest_of(backs);
+        // Of two surfaces at one place the one through which the ray leaves comes first, however their u are rounded.
+        float aside = min(2e-6 * abs(from + enter), 0.25 * (enter - leave));
         uint face = fronts.x == first ? 0u : fronts.y == first ? 1u : fronts.z == first ? 2u : 3u;
         if (first < range.x - from && first < kFar && draws_surface(j, face)) {
           vec4 surface = surface_light(j, face, at, enter);
-          put(from + enter, surface);
+          put(from + enter - aside, surface);
 #ifdef NEAREST_DEPTH
           if (surface.a > 0.0) nearest_u = max(nearest_u, from + enter);
 #endif
@@ -456,7 +458,7 @@ void main() {
         face = backs.x == last ? 0u : backs.y == last ? 1u : backs.z == last ? 2u : 3u;
         if (last > range.y - from && last > -kFar && draws_surface(j, face)) {
           vec4 surface = surface_light(j, face, at, leave);
-          put(from + leave, surface);
+          put(from + leave + aside, surface);
 #ifdef NEAREST_DEPTH
           if (surface.a > 0.0) nearest_u = max(nearest_u, from + leave);
 #endif

@@ -30,7 +30,7 @@ vec3 view_origin() { return vec3(frame.right.w, frame.down.w, frame.forward.w); 
 
 // Pixels are sampled a little beside their middles, so that no ray lies in a face that is seen edge-on: common in straight views of regular
 // grids, where the face's two tetrahedra would have to agree which of them has the ray.
-const vec2 kBesideMiddle = vec2(1.0 / 2048.0, 1.0 / 3072.0);
+const vec2 kBesideMiddle = vec2(1.0 / 8192.0, 1.0 / 12288.0);
 // Of the part's pixel, counted from the middle of the picture.
 vec2 sample_of(ivec2 pixel) { return vec2(pixel) + 0.5 + kBesideMiddle - frame.lens.zw; }
 
