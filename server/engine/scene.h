@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "extraction/extract_layers.h"
+#include "rendering/annotations.h"
 #include "rendering/camera.h"
 #include "rendering/renderer.h"
 #include "rendering/style.h"
@@ -23,6 +24,7 @@ struct SceneInterval {
   double opacity = 0.5;
   int priority = 0;
   bool visible = true;
+  std::string name;  // for the legend; may be empty
 
   bool operator==(const SceneInterval&) const = default;
 };
@@ -54,7 +56,9 @@ struct Scene {
   RenderMode mode = RenderMode::sorted;
   std::optional<Camera> camera;  // none: the whole dataset
   Rgb background{0.05f, 0.06f, 0.08f};
-  double unit_distance = 0;  // 0: the default
+  double unit_distance = 0;            // 0: the default
+  std::vector<ClipPlane> clip_planes;  // what is kept by all of them is shown
+  Annotations annotations;             // drawn by the server, beside the volume
 };
 
 }  // namespace isostrata

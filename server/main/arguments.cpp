@@ -63,8 +63,10 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index) {
     } else if (key == "priority") {
       out.style.priority = number<int>(value, text, "priority");
       out.has_priority = true;
+    } else if (key == "name") {
+      out.name = value;
     } else {
-      refuse(text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity= or priority=");
+      refuse(text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity=, priority= or name=");
     }
   }
   return out;

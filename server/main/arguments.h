@@ -16,10 +16,12 @@ namespace isostrata {
 struct IntervalArgument {
   Interval interval;
   IntervalStyle style;  // defaults where the text says nothing; color from default_interval_color(index)
+  std::string name;     // for the legend
   bool has_color = false, has_opacity = false, has_priority = false;  // in the text
 };
 
-/// "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]". Throws invalid_argument saying which part of which text.
+/// "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N][,name=TEXT]". Throws invalid_argument saying which part of
+/// which text.
 IntervalArgument parse_interval(std::string_view text, std::size_t index);
 
 /// A Task that shows a progress line on standard error where that is a terminal, and is cancelled by SIGINT and SIGTERM.

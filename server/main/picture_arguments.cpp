@@ -19,6 +19,7 @@ SceneInterval scene_interval(const IntervalArgument& argument, std::size_t index
   interval.color_map = argument.style.color_map;
   interval.opacity = argument.style.opacity;
   interval.priority = argument.style.priority;
+  interval.name = argument.name;
   return interval;
 }
 

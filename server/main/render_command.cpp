@@ -5,10 +5,13 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "encoding/encode_image.h"
+#include "encoding/image_file.h"
 #include "engine/draw_scene.h"
+#include "engine/draw_still.h"
 #include "main/commands.h"
 #include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
+#include "main/still_arguments.h"
 
 namespace isostrata {
 namespace {
@@ -19,15 +22,16 @@ struct RenderArguments {
   std::string size = "800x600", camera = "reset", mode = "sorted", renderer = "auto", background, device = "auto";
   double unit_distance = 0;
   LayerArguments layers;
+  StillArguments still;
   int threads = 0;
   bool json = false;
 };
 
 struct Timing {
-  double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms
+  double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
 };
 
-Scene make_scene(const RenderArguments& arguments, const Dataset& dataset) {
+Scene make_scene(const RenderArguments& arguments, const Dataset& dataset, double aspect) {
   const PointArray& array = array_argument(dataset, arguments.array);
   Scene scene;
   scene.dataset = arguments.file;
@@ -36,9 +40,10 @@ Scene make_scene(const RenderArguments& arguments, const Dataset& dataset) {
   scene.color_by = arguments.color_by;
   scene.intervals = parse_intervals(arguments.intervals, dataset, array);
   scene.mode = arguments.mode == "prioritized" ? RenderMode::prioritized : RenderMode::sorted;
-  scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset"), dataset.bounds);
+  scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset", aspect), dataset.bounds, aspect);
   if (!arguments.background.empty() && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
   scene.unit_distance = arguments.unit_distance;
+  set_still(scene, arguments.still);
   return scene;
 }
 
@@ -59,7 +64,7 @@ boost::json::object to_json(const RenderArguments& arguments, const DrawInput& i
   }
   return {{"out", arguments.out},
           {"size", boost::json::array{input.width, input.height}},
-          {"renderer", "raster"},
+          {"renderer", facts.renderer},
           {"device", facts.device},
           {"order", facts.order},
           {"order_exact", facts.order_exact},
@@ -80,11 +85,9 @@ boost::json::object to_json(const RenderArguments& arguments, const DrawInput& i
 }
 
 void run(const RenderArguments& arguments) {
-  check_image_path(arguments.out);
   const auto [width, height] = parse_size(arguments.size);
   const bool transparent = arguments.background == "transparent";
-  if (transparent && (arguments.out.ends_with(".jpg") || arguments.out.ends_with(".jpeg")))
-    throw Error(ErrorCode::invalid_argument, arguments.out + ": JPEG has no transparency; expected .png, .webp, .tif or .exr");
+  check_image_file(arguments.out, width, height, transparent);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
 
   const Stopwatch total;
@@ -93,7 +96,7 @@ void run(const RenderArguments& arguments) {
   const StepSource steps = step_source(arguments.file);
   const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
-  const Scene scene = make_scene(arguments, *dataset);
+  const Scene scene = make_scene(arguments, *dataset, static_cast<double>(width) / height);
   const auto extracted = extract_scene(steps, scene, nullptr, command_task());
   ms.extract = stage.lap_ms();
   const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
@@ -101,21 +104,27 @@ void run(const RenderArguments& arguments) {
   DrawInput input = draw_input(*extracted, scene, width, height);
   input.transparent = transparent;
   input.float_image = is_float_format(arguments.out);
-  const DrawResult result = renderer->draw(input);
+  const Still still{input, annotate(annotation_input(*extracted, scene, input)), arguments.still.samples};
+  ImageFile file(arguments.out, width, height, {transparent, input.float_image});
+  const DrawFacts facts = draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {
+    const Stopwatch writing;
+    std::visit([&](const auto& image) { file.put(image); }, rows);
+    ms.write += writing.elapsed_ms();
+  });
   stage.lap_ms();
-  std::visit([&](const auto& image) { write_image(arguments.out, image); }, result.image);
-  ms.write = stage.lap_ms();
+  file.finish();
+  ms.write += stage.lap_ms();
   ms.total = total.elapsed_ms();
 
   if (arguments.json) {
-    print_json(to_json(arguments, input, result.facts, ms));
+    print_json(to_json(arguments, input, facts, ms));
     return;
   }
   std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), width, height,
-              static_cast<long long>(result.facts.tetrahedra), result.facts.order.c_str());
-  std::printf("drawn by %s\n", result.facts.device.c_str());
+              static_cast<long long>(facts.tetrahedra), facts.order.c_str());
+  std::printf("drawn by %s\n", facts.device.c_str());
   std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n",
-              ms.load, ms.extract, ms.device, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, ms.write);
+              ms.load, ms.extract, ms.device, facts.order_ms, facts.draw_ms, facts.readback_ms, ms.write);
 }
 
 }  // namespace
@@ -136,8 +145,10 @@ void add_render_command(CLI::App& app) {
   add_layer_options(*command, arguments->layers);
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command
-      ->add_option("--camera", arguments->camera,
-                   "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees (any of them), or reset, +x, -x, +y, -y, +z, -z")
+      ->add_option(
+          "--camera", arguments->camera,
+          "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees;projection=perspective|orthographic (any of them), or reset, +x, -x, +y, -y, "
+          "+z, -z, or such a view with changes: +x;projection=orthographic")
       ->capture_default_str();
   command
       ->add_option("--mode", arguments->mode, "sorted: back to front; prioritized: higher priorities are painted over lower ones")
@@ -149,6 +160,7 @@ void add_render_command(CLI::App& app) {
                    "native where no device is hardware, else the faster of raster and compute")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
+  add_still_options(*command, arguments->still);
   command->add_option("--background", arguments->background, "#rrggbb or transparent");
   command->add_option(
       "--unit-distance", arguments->unit_distance,

@@ -144,8 +144,9 @@ void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projecti
                        static_cast<float>((half_width - tile.x - viewport_x) / guard - 1),
                        static_cast<float>((half_height - tile.y - viewport_y) / guard - 1));
   gl_.ProgramUniform4f(program, UNIFORM_RAY_FROM_FRAGMENT, static_cast<float>(1 / projection.focal),
-                       static_cast<float>(1 / projection.focal), static_cast<float>((tile.x - half_width) / projection.focal),
-                       static_cast<float>((tile.y - half_height) / projection.focal));
+                       static_cast<float>(1 / projection.focal),
+                       static_cast<float>((tile.x - half_width - projection.axis_x) / projection.focal),
+                       static_cast<float>((tile.y - half_height - projection.axis_y) / projection.focal));
   gl_.Enable(GL_BLEND);
   gl_.BlendEquationi(0, GL_FUNC_ADD);
   gl_.BlendFunci(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
@@ -188,7 +189,7 @@ DrawResult GlState::draw(const DrawInput& input) {
 
   bool linear = false;
   for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.color_map.empty());
-  const Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
+  const Projection projection = make_projection(input);
   const std::vector<ScreenPoint> points = project_points(*input.mesh, projection);
   styles_.set(input.styles, input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal()),
               projection.scale);

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "rendering/clip_tetrahedron.h"
+#include "rendering/pixel_grid.h"
 
 namespace isostrata {
 namespace {
@@ -138,7 +139,8 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
 
 Corner corner_of(const ClipVertex& v, const Projection& projection) {
   const double q = 1 / v.position.z;
-  return {v.position.x * projection.focal * q, v.position.y * projection.focal * q, q, v.scalar * q};
+  return {v.position.x * projection.focal * q + projection.axis_x, v.position.y * projection.focal * q + projection.axis_y, q,
+          v.scalar * q};
 }
 
 void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
@@ -170,11 +172,10 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
     if constexpr (std::is_same_v<Vertex, LinearVertex>) whole[v].scalar = (*source.color_values)[point];
   }
   std::vector<ClipTetrahedron> pieces{whole};
-  const double slope = projection.guard() / projection.focal;
   clip_tetrahedra(pieces, {0, 0, 1}, projection.near_depth);
   for (const double sign : {1.0, -1.0}) {
-    clip_tetrahedra(pieces, {sign, 0, slope}, 0);
-    clip_tetrahedra(pieces, {0, sign, slope}, 0);
+    clip_tetrahedra(pieces, {sign, 0, (projection.guard() + sign * projection.axis_x) / projection.focal}, 0);
+    clip_tetrahedra(pieces, {0, sign, (projection.guard() + sign * projection.axis_y) / projection.focal}, 0);
   }
   slice_by_depth(pieces, projection.near_depth);
   const auto distance = [](const ClipTetrahedron& t) {
@@ -232,6 +233,15 @@ Projection make_projection(const Camera& camera, const Box3d& bounds, int width,
   return projection;
 }
 
+Projection make_projection(const DrawInput& input) {
+  const PixelGrid grid = pixel_grid(input);
+  Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
+  projection.focal = grid.focal;
+  projection.axis_x = grid.axis_x - 0.5 * input.width;
+  projection.axis_y = 0.5 * input.height - grid.axis_y;
+  return projection;
+}
+
 std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projection& projection) {
   std::vector<ScreenPoint> points(mesh.positions.size());
   const double inverse_scale = 1 / projection.scale, half_width = 0.5 * projection.width, half_height = 0.5 * projection.height;
@@ -240,7 +250,8 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3d w = mesh.positions[i];
       const auto row = [&](std::size_t r) { return (m[0][r] * w.x + m[1][r] * w.y + m[2][r] * w.z + m[3][r]) * inverse_scale; };
-      const double x = row(0) * projection.focal, y = row(1) * projection.focal, z = -row(2);
+      const double z = -row(2);
+      const double x = row(0) * projection.focal + projection.axis_x * z, y = row(1) * projection.focal + projection.axis_y * z;
       ScreenPoint& p = points[i];
       // Against the pyramid of view, whose sides pass through the eye: right for points behind it too.
       p.outside = (z < projection.near_depth ? kTooNear : 0) | (x < -half_width * z ? kLeft : 0) |

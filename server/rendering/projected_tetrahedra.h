@@ -21,6 +21,7 @@
 
 #include "extraction/interval_mesh.h"
 #include "rendering/camera.h"
+#include "rendering/renderer.h"
 
 namespace isostrata {
 
@@ -31,11 +32,14 @@ struct Projection {
   double scale = 1;          // world units
   double focal = 1;          // pixels
   double near_depth = 1e-4;  // in units of scale; what is nearer to the eye is cut off
+  double axis_x = 0, axis_y = 0;  // the axis of view, in pixels right of and above the middle of the picture
   int width = 1, height = 1;
   int guard() const;  // pixels from the middle of the picture; what reaches beyond is clipped there
 };
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height);
+/// For the part of the picture that the input asks for.
+Projection make_projection(const DrawInput& input);
 
 /// A point of the mesh on the screen.
 struct ScreenPoint {
