@@ -109,7 +109,7 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
       const auto place = [&](double v) { return (v - style.color_lower) / (style.color_upper - style.color_lower); };
       drawing.over.emplace_back(Ramp{{left, top},
                                      {right, bottom},
-                                     &color_map(style.color_map),
+                                     color_map(style.color_map),
                                      own ? std::clamp(place(rows[i]->lower), 0.0, 1.0) : 0,
                                      own ? std::clamp(place(rows[i]->upper), 0.0, 1.0) : 1,
                                      false});
@@ -131,7 +131,7 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
     const double left = x0 + pad, right = x1 - pad, name = y + 0.5 * em + font.cap_height(em);
     plain({left, name}, fit(input.color_by, font, em, right - left), Text::Align::left);
     const double top = name + 0.5 * em, bottom = top + 0.95 * em;
-    drawing.over.emplace_back(Ramp{{left, top}, {right, bottom}, &color_map(bar.map), 0, 1, false});
+    drawing.over.emplace_back(Ramp{{left, top}, {right, bottom}, color_map(bar.map), 0, 1, false});
     frame(left, top, right, bottom, theme, drawing);
     AxisTicks ticks;
     std::vector<std::string> texts;

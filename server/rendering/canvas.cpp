@@ -51,7 +51,7 @@ class Painter {
   }
 
   void operator()(const Ramp& ramp) {
-    if (!ramp.map) return;
+    if (ramp.map.rgb.size() < 2) return;
     const Point2 a = ramp.upper_left, b = ramp.lower_right;
     rows(a, b, [&](int x, int y, float* pixel) {
       const double cx = x + 0.5, cy = y + 0.5;
@@ -59,7 +59,7 @@ class Painter {
                              std::clamp(std::min({cy - a.y, b.y - cy, 0.5}) + 0.5, 0.0, 1.0);
       const double along = ramp.vertical ? (b.y - cy) / (b.y - a.y) : (cx - a.x) / (b.x - a.x);
       const double at = ramp.at_start + (ramp.at_end - ramp.at_start) * std::clamp(along, 0.0, 1.0);
-      blend(pixel, sample(*ramp.map, static_cast<float>(at)), covered);
+      blend(pixel, sample(ramp.map, static_cast<float>(at)), covered);
     });
   }
 

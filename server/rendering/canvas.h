@@ -37,7 +37,7 @@ struct Polygon {
 /// A rectangle filled with a colour map, from `at_start` at its left (or bottom) to `at_end` at its right (or top).
 struct Ramp {
   Point2 upper_left, lower_right;
-  const ColorMap* map = nullptr;
+  ColorMap map;
   double at_start = 0, at_end = 1;
   bool vertical = false;
 };
