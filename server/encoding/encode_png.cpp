@@ -3,6 +3,7 @@
 // method of Mark Adler's pigz).
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -109,54 +110,70 @@ Band make_band(const Image& image, int channels, int first_row, int rows, std::s
   return {deflate_raw(filtered), adler32(1, filtered.data(), static_cast<uInt>(filtered.size())), filtered.size()};
 }
 
-}  // namespace
-
-PngStream::PngStream(int width, int height, bool alpha)
-    : width_(width), rows_left_(height), channels_(alpha ? 4 : 3), adler_(adler32(0, nullptr, 0)) {
-  begun_ = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  std::array<std::uint8_t, 13> header{};
-  put_u32(&header[0], static_cast<std::uint32_t>(width));
-  put_u32(&header[4], static_cast<std::uint32_t>(height));
-  header[8] = 8;                                         // bits a channel
-  header[9] = static_cast<std::uint8_t>(alpha ? 6 : 2);  // RGBA, RGB
-  put_chunk(begun_, "IHDR", header);
-  put_chunk(begun_, "sRGB", std::array<std::uint8_t, 1>{0});
-}
-
-Bytes PngStream::put(const Image& rows) {
-  check_image(rows);
-  if (rows.width != width_ || rows.height > rows_left_)
-    throw Error(ErrorCode::internal, "PNG: " + std::to_string(rows.width) + "x" + std::to_string(rows.height) + " rows where " +
-                                         std::to_string(width_) + "x" + std::to_string(rows_left_) + " are left");
-  const bool first = before_.empty();
-  const std::size_t row_bytes = static_cast<std::size_t>(width_) * static_cast<std::size_t>(channels_) + 1;
+/// Rows as parts of one zlib stream: its beginning where they are the first, its end where they are the last. `before`: the
+/// packed row above them, where there is one; adler: the stream's sum so far.
+std::vector<Bytes> deflate_rows(const Image& rows, int channels, std::span<const std::uint8_t> before, uLong& adler, bool first,
+                                bool last) {
+  const std::size_t row_bytes = static_cast<std::size_t>(rows.width) * static_cast<std::size_t>(channels) + 1;
   const int rows_per_band = static_cast<int>(std::max<std::size_t>(1, kBandBytes / row_bytes));
   const int bands = (rows.height + rows_per_band - 1) / rows_per_band;
   std::vector<Band> band(static_cast<std::size_t>(bands));
   parallel_for(bands, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t b = begin; b < end; ++b) {
       const int at = static_cast<int>(b) * rows_per_band;
-      band[static_cast<std::size_t>(b)] = make_band(rows, channels_, at, std::min(rows_per_band, rows.height - at), before_);
+      band[static_cast<std::size_t>(b)] = make_band(rows, channels, at, std::min(rows_per_band, rows.height - at), before);
     }
   });
-  before_.resize(row_bytes - 1);
-  pack_row(&rows.rgba[rows.rgba.size() - 4 * static_cast<std::size_t>(width_)], width_, channels_, before_.data());
-  rows_left_ -= rows.height;
-
-  Bytes out = std::move(begun_);
-  begun_.clear();
-  for (std::size_t b = 0; b < band.size(); ++b) {  // one IDAT a band: their data form one zlib stream
+  std::vector<Bytes> parts;
+  for (std::size_t b = 0; b < band.size(); ++b) {
     Bytes data;
     if (first && b == 0) data = {0x78, 0x01};
     data.insert(data.end(), band[b].deflated.begin(), band[b].deflated.end());
-    adler_ = adler32_combine(adler_, band[b].adler, static_cast<z_off_t>(band[b].bytes));
-    if (rows_left_ == 0 && b + 1 == band.size()) {
+    adler = adler32_combine(adler, band[b].adler, static_cast<z_off_t>(band[b].bytes));
+    if (last && b + 1 == band.size()) {
       data.insert(data.end(), {0x03, 0x00});  // an empty last block ends the raw deflate data
       data.resize(data.size() + 4);
-      put_u32(&data[data.size() - 4], static_cast<std::uint32_t>(adler_));
+      put_u32(&data[data.size() - 4], static_cast<std::uint32_t>(adler));
     }
-    put_chunk(out, "IDAT", data);
+    parts.push_back(std::move(data));
   }
+  return parts;
+}
+
+std::vector<Bytes> deflate_image(const Image& image, int channels) {
+  uLong adler = 1;
+  return deflate_rows(image, channels, {}, adler, true, true);
+}
+
+Bytes begin_png(int width, int height, int channels) {
+  Bytes out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  std::array<std::uint8_t, 13> header{};
+  put_u32(&header[0], static_cast<std::uint32_t>(width));
+  put_u32(&header[4], static_cast<std::uint32_t>(height));
+  header[8] = 8;                                                 // bits a channel
+  header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);  // RGBA, RGB
+  put_chunk(out, "IHDR", header);
+  put_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
+  return out;
+}
+
+}  // namespace
+
+PngStream::PngStream(int width, int height, bool alpha)
+    : width_(width), rows_left_(height), channels_(alpha ? 4 : 3), begun_(begin_png(width, height, channels_)) {}
+
+Bytes PngStream::put(const Image& rows) {
+  check_image(rows);
+  if (rows.width != width_ || rows.height > rows_left_)
+    throw Error(ErrorCode::internal, "PNG: " + std::to_string(rows.width) + "x" + std::to_string(rows.height) + " pixels where " +
+                                         std::to_string(width_) + "x" + std::to_string(rows_left_) + " are left");
+  rows_left_ -= rows.height;
+  Bytes out = std::move(begun_);
+  begun_.clear();
+  for (const Bytes& part : deflate_rows(rows, channels_, before_, adler_, before_.empty(), rows_left_ == 0))
+    put_chunk(out, "IDAT", part);  // together one zlib stream
+  before_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(channels_));
+  pack_row(&rows.rgba[rows.rgba.size() - 4 * static_cast<std::size_t>(width_)], width_, channels_, before_.data());
   if (rows_left_ == 0) put_chunk(out, "IEND", {});
   return out;
 }
@@ -164,6 +181,44 @@ Bytes PngStream::put(const Image& rows) {
 Bytes encode_png(const Image& image) {
   check_image(image);
   return PngStream(image.width, image.height, !opaque(image)).put(image);
+}
+
+// The chunks acTL, fcTL and fdAT of "Portable Network Graphics (PNG) Specification (Third Edition)", section 11.3.6.
+Bytes encode_animated_png(const std::vector<Image>& images, double seconds) {
+  if (images.empty()) throw Error(ErrorCode::invalid_argument, "PNG: no picture to animate");
+  int channels = 3;
+  for (const Image& image : images) {
+    check_image(image);
+    if (image.width != images[0].width || image.height != images[0].height)
+      throw Error(ErrorCode::invalid_argument, "PNG: the pictures of an animation differ in size");
+    if (!opaque(image)) channels = 4;
+  }
+  Bytes out = begin_png(images[0].width, images[0].height, channels);
+  std::array<std::uint8_t, 8> animation{};
+  put_u32(&animation[0], static_cast<std::uint32_t>(images.size()));  // then 0: again and again
+  put_chunk(out, "acTL", animation);
+  std::uint32_t sequence = 0;
+  for (const Image& image : images) {
+    std::array<std::uint8_t, 26> control{};
+    put_u32(&control[0], sequence++);
+    put_u32(&control[4], static_cast<std::uint32_t>(image.width));
+    put_u32(&control[8], static_cast<std::uint32_t>(image.height));
+    const auto hundredths = static_cast<std::uint32_t>(std::clamp(seconds * 100 + 0.5, 1.0, 65535.0));
+    control[20] = static_cast<std::uint8_t>(hundredths >> 8), control[21] = static_cast<std::uint8_t>(hundredths);
+    control[23] = 100;  // hundredths of a second; each picture then replaces the one before
+    put_chunk(out, "fcTL", control);
+    for (Bytes& part : deflate_image(image, channels)) {
+      if (sequence == 1) {
+        put_chunk(out, "IDAT", part);
+        continue;
+      }
+      part.insert(part.begin(), 4, 0);
+      put_u32(part.data(), sequence++);
+      put_chunk(out, "fdAT", part);
+    }
+  }
+  put_chunk(out, "IEND", {});
+  return out;
 }
 
 }  // namespace isostrata

@@ -196,6 +196,17 @@ void ImageFile::put(const FloatImage& rows) {
 
 void ImageFile::finish() { writer_->finish(); }
 
+void write_animation(const std::filesystem::path& path, const std::vector<Image>& images, double seconds) {
+  if (extension_of(path) != ".png")
+    throw Error(ErrorCode::invalid_argument,
+                path.string() + ": only .png can hold several pictures; expected .png, or %02d in the name for one file each");
+  const Bytes bytes = encode_animated_png(images, seconds);
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) cannot_write(path, "the folder is missing, not writable or full");
+}
+
 void write_image(const std::filesystem::path& path, const Image& image) {
   check_image_path(path);
   check_image(image);

@@ -20,7 +20,7 @@ class PngStream {
 
  private:
   int width_, rows_left_, channels_;
-  unsigned long adler_;
+  unsigned long adler_ = 1;
   Bytes begun_;                       // the header, until the first rows come
   std::vector<std::uint8_t> before_;  // the last row so far, packed
 };
