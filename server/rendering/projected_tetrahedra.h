@@ -22,6 +22,7 @@
 
 #include "extraction/interval_mesh.h"
 #include "rendering/camera.h"
+#include "rendering/renderer.h"
 #include "rendering/surface_facets.h"
 
 namespace isostrata {
@@ -35,6 +36,7 @@ struct Projection {
   double near_depth = 1e-4;  // in units of scale; what is nearer to the eye is cut off
   bool orthographic = false;
   double base = 0;  // orthographic: nearness is base - depth, and above 0 in the bounds
+  double axis_x = 0, axis_y = 0;  // the axis of view, in pixels right of and above the middle of the picture
   int width = 1, height = 1;
 
   double nearness(double depth) const { return orthographic ? base - depth : 1 / depth; }
@@ -48,6 +50,8 @@ struct Projection {
 inline constexpr double kLargestDepthRatio = 8;
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height);
+/// For the part of the picture that the input asks for.
+Projection make_projection(const DrawInput& input);
 
 /// A point of the mesh on the screen.
 struct ScreenPoint {
