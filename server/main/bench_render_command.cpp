@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "engine/draw_scene.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
+#include "rendering/turn_camera.h"
 
 namespace isostrata {
 namespace {
@@ -40,15 +40,6 @@ struct BenchRun {
 Spread spread_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return {values.front(), values[values.size() / 2], values.back()};
-}
-
-/// The camera turned about its up axis through `at`.
-Camera turned(const Camera& camera, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
-  const Vec3d axis = normalized(camera.up), from = camera.eye - camera.at;
-  Camera out = camera;
-  out.eye = camera.at + from * c + cross(axis, from) * s + axis * (dot(axis, from) * (1 - c));  // Rodrigues
-  return out;
 }
 
 /// How many fragments a pixel that shows anything gets, and a tetrahedron makes, counted by the device in one frame.
