@@ -1,9 +1,9 @@
 // A steady flow as *implicit* data: stream surfaces are isosurfaces.
 //
 // Source: J. J. van Wijk, "Implicit Stream Surfaces", 1993: a function that is constant along streamlines is made by following
-// each grid point backwards to where its streamline comes in and taking a function of that place; its isosurfaces are stream surfaces. D. Xue,
-// C. Zhang, R. Crawfis, "Rendering Implicit Flow Volumes", 2004, keep the time that it takes, too, and so does section 4.1.4 of
-// the paper: an interval of either is a flow volume, of both a piece of one.
+// each grid point backwards to where its streamline comes in and taking a function of that place; its isosurfaces are stream
+// surfaces. D. Xue, C. Zhang, R. Crawfis, "Rendering Implicit Flow Volumes", 2004, keep the time that it takes, too, and so does
+// section 4.1.4 of the paper: an interval of either is a flow volume, of both a piece of one.
 //
 // The flow, on [-1,1]^3, lengths and speeds in units of half the box and of the free stream: potential flow along x past a sphere
 // of radius 0.3 at (-0.25, 0, 0) (G. G. Stokes' stream function psi = r^2/2 (1 - a^3/R^3), r the distance from the x axis),
@@ -29,7 +29,7 @@
 
 namespace isostrata {
 
-inline constexpr double kFlowStep = 0.02;  // of time, of the classical fourth-order Runge-Kutta method; the last one is cut
+inline constexpr double kFlowStep = 0.02;   // of time, of the classical fourth-order Runge-Kutta method; the last one is cut
 inline constexpr double kFlowLongest = 16;  // eight times what the free stream needs through the box
 
 Vec3d implicit_flow_velocity(Vec3d p);

@@ -89,7 +89,8 @@ void add_extract(CLI::App& app) {
 }
 
 constexpr const char* kFrame =
-    "a frame: from a new camera to 8 bits a channel in memory, order, projection and readback included; what is derived once from the mesh "
+    "a frame: from a new camera to 8 bits a channel in memory, order, projection and readback included; what is derived once "
+    "from the mesh "
     "(buffers, shaders, neighbours) is not. Difference: of colours, in steps of 8 bits, over the pixels that either side covers";
 
 struct RenderArguments {
@@ -137,6 +138,9 @@ void add_render(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--renderer", options.renderer, "Ours: auto, native, raster or compute")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
+      ->capture_default_str();
+  command->add_option("--seconds", options.seconds, "For our frames of one row, before and after the peer's")
+      ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   command->add_flag("--full", options.full, "The long rows too, and more frames of each");
   command->add_option("--threads", options.threads, "Threads for either side")->check(CLI::Range(1, 4096))->capture_default_str();

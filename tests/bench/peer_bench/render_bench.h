@@ -18,6 +18,7 @@ struct RenderBenchOptions {
   std::string renderer = "native";   // ours
   bool full = false;                 // the long rows too, and more frames of each
   double budget_s = 45;              // without full: frames and then rows are left out as this passes
+  double seconds = 0.7;              // for our frames of one row, before and after the peer's; at least three frames (full: 4)
   int threads = 2;
 };
 

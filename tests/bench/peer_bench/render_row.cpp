@@ -59,8 +59,7 @@ boost::json::object to_json(const RenderRow& row) {
     out["theirs"] = spread_json(row.theirs);
     out["ratio"] = row.ratio();
     out["ratio_of_minima"] = row.ratio_of_minima();
-    out["difference"] =
-        boost::json::object{{"pixels", row.apart.pixels}, {"mean", row.apart.mean}, {"max", row.apart.max}};
+    out["difference"] = boost::json::object{{"pixels", row.apart.pixels}, {"mean", row.apart.mean}, {"max", row.apart.max}};
   }
   if (row.aim > 0) out["aim"] = row.aim;
   if (row.aim_fps > 0) out["aim_fps"] = row.aim_fps;
@@ -70,8 +69,8 @@ boost::json::object to_json(const RenderRow& row) {
 
 void print_text(const RenderRow& row) {
   std::printf("%s %.6g:%.6g, %s, %dx%d: %lld tetrahedra, %.1f fragments each, depth complexity %.1f\n", row.data.c_str(),
-              row.interval.lower, row.interval.upper, row.mode.c_str(), row.size, row.size, static_cast<long long>(row.tetrahedra),
-              row.fragments_per_tetrahedron, row.depth_complexity);
+              row.interval.lower, row.interval.upper, row.mode.c_str(), row.size, row.size,
+              static_cast<long long>(row.tetrahedra), row.fragments_per_tetrahedron, row.depth_complexity);
   std::printf("  %-24s %.1f / %.1f / %.1f ms: %.1f frames/s", row.renderer.c_str(), row.ours.min, row.ours.median, row.ours.max,
               row.fps());
   if (row.aim_fps > 0) std::printf(" (aim %.3g)", row.aim_fps);

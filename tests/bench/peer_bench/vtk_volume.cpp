@@ -101,9 +101,12 @@ vtkSmartPointer<vtkUnstructuredGridVolumeMapper> make_mapper(VtkMapper which, in
 
 const char* name_of(VtkMapper mapper) {
   switch (mapper) {
-    case VtkMapper::projected_tetrahedra: return "projected tetrahedra";
-    case VtkMapper::bunyk_ray_cast: return "Bunyk ray cast";
-    case VtkMapper::zsweep: return "ZSweep";
+    case VtkMapper::projected_tetrahedra:
+      return "projected tetrahedra";
+    case VtkMapper::bunyk_ray_cast:
+      return "Bunyk ray cast";
+    case VtkMapper::zsweep:
+      return "ZSweep";
   }
   return "";
 }

@@ -15,8 +15,8 @@ enum class VtkMapper { projected_tetrahedra, bunyk_ray_cast, zsweep };
 const char* name_of(VtkMapper mapper);
 
 /// The picture of one mesh, its style and its size, from changing cameras. Lives on one thread. Points and tetrahedra are copied
-/// once; the mappers keep what they derive from them between frames. Every frame has all its pixels (VTK would lower the resolution of a slow
-/// one) and is read back as 8 bits.
+/// once; the mappers keep what they derive from them between frames. Every frame has all its pixels (VTK would lower the
+/// resolution of a slow one) and is read back as 8 bits.
 class VtkVolume {
  public:
   /// The first of input.styles is everybody's. Throws unavailable where there is no EGL surfaceless context.
