@@ -216,7 +216,7 @@ class RenderBench {
     int frame = 0;
     const int least = left_s() > 6 * once_s ? 2 : 1;
     sample(
-        {least, kViews, options_.full ? 6000.0 : std::clamp(left_s() * 1e3 / 12, 0.0, 2000.0)}, [&] { volume.draw(camera); },
+        {least, kViews, options_.full ? 6000.0 : std::clamp(left_s() * 1e3 / 12, 0.0, 3000 * options_.seconds)}, [&] { volume.draw(camera); },
         [&] { camera = turned(view(input, 0), 360.0 / kViews * ++frame); }, samples);
     return first;
   }
