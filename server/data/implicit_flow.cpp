@@ -11,7 +11,7 @@ namespace isostrata {
 namespace {
 
 constexpr double kRadius = 0.3, kSphereX = -0.25;  // the obstacle
-constexpr double kTurn = 2;                        // radians per unit of time in the free stream
+constexpr double kTurn = 3;                        // radians per unit of length in the undisturbed stream
 constexpr double kInletX = -1;
 constexpr double kSeedZ = 0.32;
 
@@ -35,11 +35,12 @@ struct Storage {
 Vec3d implicit_flow_velocity(Vec3d p) {
   const double x = p.x - kSphereX, r2 = p.y * p.y + p.z * p.z, distance2 = x * x + r2;
   const double ratio = kRadius * kRadius / distance2, cube = ratio * std::sqrt(ratio);  // (a/R)^3
-  // u_x = 1/r d(psi)/dr, u_r = -1/r d(psi)/dx; u_phi = 2 kTurn psi / r, so that u_phi = kTurn r far away.
+  // u_x = 1/r d(psi)/dr, u_r = -1/r d(psi)/dx; u_phi = 2 kTurn psi / r, so that u_phi = kTurn r far away, all by the speed below.
   const double along = 1 - cube * (1 - 1.5 * r2 / distance2);
   const double outwards = -1.5 * cube * x / distance2;  // by r
   const double around = kTurn * (1 - cube);             // by r
-  return {along, outwards * p.y - around * p.z, outwards * p.z + around * p.y};
+  const double psi = r2 / 2 * (1 - cube), speed = 0.4 + 0.6 / (1 + psi / 0.06);
+  return Vec3d{along, outwards * p.y - around * p.z, outwards * p.z + around * p.y} * speed;
 }
 
 InletCrossing trace_to_inlet(Vec3d p) {

@@ -5,11 +5,13 @@
 // surfaces. D. Xue, C. Zhang, R. Crawfis, "Rendering Implicit Flow Volumes", 2004, keep the time that it takes, too, and so does
 // section 4.1.4 of the paper: an interval of either is a flow volume, of both a piece of one.
 //
-// The flow, on [-1,1]^3, lengths and speeds in units of half the box and of the free stream: potential flow along x past a sphere
-// of radius 0.3 at (-0.25, 0, 0) (G. G. Stokes' stream function psi = r^2/2 (1 - a^3/R^3), r the distance from the x axis),
-// with a swirl about that axis whose angular momentum r u_phi = 4 psi is constant along each streamline: undisturbed, the fluid
-// turns like a rigid body, by 2 radians per unit of time. It is steady and free of divergence, and always moves along +x outside
-// the sphere; the swirl's effect on the pressure is left out, so it is a model and no solution of Euler's equations.
+// The flow, on [-1,1]^3, lengths in halves of the box: along x past a sphere of radius a = 0.3 at (-0.25, 0, 0), turning about
+// that axis. The streamlines are those of the potential flow past a sphere (G. G. Stokes' stream function psi = r^2/2 (1 -
+// a^3/R^3), r the distance from the axis, R from the sphere's middle) with an angular momentum r u_phi = 2 w psi, constant along
+// each: undisturbed, the fluid turns like a rigid body, by w = 3 radians per unit of length. All of the velocity is multiplied by
+// 0.4 + 0.6 / (1 + psi / 0.06), fast near the axis and slow outside, which changes no streamline and makes fronts of equal time
+// bulge. It is steady, free of divergence, and outside the sphere always on its way along +x. What it does to the pressure is
+// left out: a model, no solution of Euler's equations.
 //
 // Arrays, float32. NaN inside the sphere, and where the streamline takes longer than kLongest (just behind the sphere on the
 // axis, where it never arrives).
@@ -30,7 +32,7 @@
 namespace isostrata {
 
 inline constexpr double kFlowStep = 0.02;   // of time, of the classical fourth-order Runge-Kutta method; the last one is cut
-inline constexpr double kFlowLongest = 16;  // eight times what the free stream needs through the box
+inline constexpr double kFlowLongest = 16;  // a stream at the axis' speed passes the box in 2, one at the edge in less than 5
 
 Vec3d implicit_flow_velocity(Vec3d p);
 
