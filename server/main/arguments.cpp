@@ -52,7 +52,7 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index) {
     const auto value = at == std::string_view::npos ? std::string_view{} : parts[i].substr(at + 1);
     if (key == "color") {
       if (value.starts_with("map:"))
-        out.style.color_map = color_map(value.substr(4)).name;
+        out.style.color_map = color_map(value.substr(4)).name;  // throws where there is none
       else
         out.style.color = parse_rgb(value);
       out.has_color = true;

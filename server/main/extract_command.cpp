@@ -26,6 +26,7 @@ struct ExtractArguments {
   std::vector<std::string> intervals, facets;
   LayerArguments layers;
   ExtractDevice device;
+  std::uint64_t max_memory = LayerRequest{}.max_bytes;
   int threads = 0, compression = WriteOptions{}.compression;
   bool json = false, verify = false;
 };
@@ -209,6 +210,7 @@ void judge(const Proof& proof) {
 
 void run(ExtractArguments& arguments) {
   LayerRequest request = layer_request(arguments.layers);
+  request.max_bytes = arguments.max_memory;
   for (const std::string& text : arguments.intervals)
     request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
   request.array = arguments.array;
@@ -293,6 +295,11 @@ void add_extract_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--verify", arguments->verify,
                     "Check every law that the mesh must keep; exit status 1 and a line for each broken one");
+  command
+      ->add_option("--max-memory", arguments->max_memory,
+                   "The most bytes that extraction may need (suffixes KB, MB, GB): more is refused before it is taken")
+      ->transform(CLI::AsSizeValue(false))
+      ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });

@@ -27,6 +27,8 @@
 
 namespace isostrata {
 namespace {
+constexpr std::size_t kMaxRampColors = 16;
+
 constexpr std::string_view kViridis =
     "44015446085c471063481769481d6f482475472a7a46307e453781433d844142873f48893d4e8a3a538b38598c355e8d33638d31688e2e6d8e2c718e"
     "2a768e297b8e27808e25848e23898e218e8d20928c1f978b1e9c891fa18821a58524aa8328ae802eb37c35b7793dbc7446c06f50c46a5ac86465cb5e"
@@ -60,7 +62,7 @@ constexpr std::string_view kVik =
 int hex_digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
 
 ColorMap unpack(std::string_view name, std::string_view hex) {
-  ColorMap map{name, {}};
+  ColorMap map{std::string(name), {}};
   for (std::size_t i = 0; i + 5 < hex.size(); i += 6) {
     Rgb rgb{};
     for (std::size_t c = 0; c < 3; ++c)
@@ -141,18 +143,45 @@ const std::vector<ColorMap>& all_maps() {
   return maps;
 }
 
+// "#rrggbb-#rrggbb-...": straight between colours at equal distances.
+ColorMap ramp(std::string_view name) {
+  ColorMap map{std::string(name), {}};
+  for (std::string_view rest = name;;) {
+    const auto end = rest.find('-');
+    map.rgb.push_back(parse_rgb(rest.substr(0, end)));
+    if (end == std::string_view::npos) break;
+    rest.remove_prefix(end + 1);
+    if (map.rgb.size() == kMaxRampColors) break;
+  }
+  if (map.rgb.size() < 2 || std::count(name.begin(), name.end(), '-') + 1 > static_cast<std::ptrdiff_t>(kMaxRampColors))
+    throw Error(ErrorCode::invalid_argument,
+                "colour ramp '" + std::string(name.substr(0, 80)) + "': expected 2 to 16 colours, as #0000ff-#ffffff");
+  return map;
+}
+
 }  // namespace
 
-const ColorMap& color_map(std::string_view name) {
+ColorMap color_map(std::string_view name) {
+  if (name.starts_with('#')) return ramp(name);
   for (const ColorMap& map : all_maps())
     if (map.name == name) return map;
   std::string known;
   for (const ColorMap& map : all_maps()) known += (known.empty() ? "" : ", ") + std::string(map.name);
-  throw Error(ErrorCode::not_found, "colour map '" + std::string(name) + "' is not built in; there are " + known);
+  throw Error(ErrorCode::not_found,
+              "colour map '" + std::string(name) + "' is not built in; there are " + known + " and ramps as #0000ff-#ffffff");
+}
+
+bool is_color_map(std::string_view name) {
+  try {
+    color_map(name);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 Rgb sample(const ColorMap& map, float t) {
-  const float at = std::clamp(t, 0.0f, 1.0f) * static_cast<float>(map.rgb.size() - 1);
+  const float at = (t > 0 ? std::min(t, 1.0f) : 0.0f) * static_cast<float>(map.rgb.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(at), map.rgb.size() - 2);
   Rgb rgb{};
   for (std::size_t c = 0; c < 3; ++c) rgb[c] = map.rgb[i][c] + (map.rgb[i + 1][c] - map.rgb[i][c]) * (at - static_cast<float>(i));

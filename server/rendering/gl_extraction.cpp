@@ -119,7 +119,12 @@ void GlExtraction::State::load(const Grid& grid, const PointArray& array, std::u
   if (!tables_.object) {
     const std::vector<std::uint32_t> words = table_words();
     device_.reserve(tables_, words.size() * sizeof(std::uint32_t), "the interval table");
-    device_.upload(tables_, 0, std::as_bytes(std::span(words)), task);
+    try {
+      device_.upload(tables_, 0, std::as_bytes(std::span(words)), task);
+    } catch (...) {
+      device_.free(tables_);  // or a cancelled load would leave a table of zeros
+      throw;
+    }
   }
   free_all();
   has_records_ = has_mesh_ = false;

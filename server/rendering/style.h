@@ -14,14 +14,18 @@ using Rgb = std::array<float, 3>;  // display values in [0, 1]
 
 /// A colour map sampled at equal steps over [0, 1].
 struct ColorMap {
-  std::string_view name;
+  std::string name;
   std::vector<Rgb> rgb;  // at least 2
 };
 
-/// The maps built in: "viridis", "plasma", "inferno", "magma", "gray", "coolwarm", ... Throws not_found listing the names.
-const ColorMap& color_map(std::string_view name);
+/// The maps built in: "viridis", "plasma", "inferno", "magma", "gray", "coolwarm", ...; or a ramp through the colours of its
+/// name, "#rrggbb-#rrggbb", with up to 16 of them. Throws not_found listing the names, invalid_argument for a ramp that is none.
+ColorMap color_map(std::string_view name);
+/// Whether color_map knows it.
+bool is_color_map(std::string_view name);
+/// Those built in.
 std::vector<std::string_view> color_map_names();
-/// The map's colour at t, clamped to [0, 1]; linear between its samples.
+/// The map's colour at t, clamped to [0, 1] (NaN: 0); linear between its samples.
 Rgb sample(const ColorMap& map, float t);
 
 /// "#rrggbb" or "#rgb". Throws invalid_argument.
@@ -30,6 +34,8 @@ std::string format_rgb(const Rgb& rgb);
 
 /// The colour that a new interval gets: red, green, blue, yellow, then further distinct ones.
 Rgb default_interval_color(std::size_t index);
+
+inline constexpr std::string_view kStripes = "stripes";  // a texture that is no colour map: dark stripes on the surface's colour
 
 /// How an interval's boundary surfaces look. A surface lies where its interval ends, in the right order with the volume.
 struct SurfaceStyle {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "rendering/cell_order.h"
@@ -23,6 +24,12 @@ std::vector<std::uint32_t> drawn_tetrahedra(const IntervalMesh& mesh, std::span<
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
     if (is_drawn(mesh, drawn, t)) ids.push_back(static_cast<std::uint32_t>(t));
   return ids;
+}
+
+/// The bits of a float as an integer that is smaller for larger numbers.
+std::uint32_t far_first_key(float distance) {
+  const auto bits = std::bit_cast<std::uint32_t>(distance);
+  return bits >> 31 ? bits : ~bits & 0x7fffffffu;
 }
 
 struct Keyed {
@@ -63,7 +70,12 @@ std::int64_t cell_index(double x, std::int64_t points, Coordinate coordinate) {
   return low;
 }
 
-std::array<std::int64_t, 3> eye_cell(const Grid& grid, Vec3d eye) {
+/// Parallel rays come from infinitely far away, however near the camera's eye is.
+std::array<std::int64_t, 3> eye_cell(const Grid& grid, const Camera& camera) {
+  Vec3d eye = camera.eye;
+  if (camera.orthographic)
+    for (int axis = 0; axis < 3; ++axis)
+      eye[axis] = std::copysign(std::numeric_limits<double>::infinity(), camera.eye[axis] - camera.at[axis]);
   std::array<std::int64_t, 3> cell{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -79,10 +91,10 @@ std::array<std::int64_t, 3> eye_cell(const Grid& grid, Vec3d eye) {
 }
 
 /// The mesh's runs of cells, far cells first.
-std::vector<std::uint32_t> sort_runs(const Grid& grid, const IntervalMesh& mesh, Vec3d eye) {
+std::vector<std::uint32_t> sort_runs(const Grid& grid, const IntervalMesh& mesh, const Camera& camera) {
   const auto dims = grid.dims();
   const std::int64_t nx = std::max<std::int64_t>(dims[0] - 1, 1), ny = std::max<std::int64_t>(dims[1] - 1, 1);
-  const auto origin = eye_cell(grid, eye);
+  const auto origin = eye_cell(grid, camera);
   std::vector<std::uint32_t> keys(mesh.cell_runs.size());
   const auto farthest = static_cast<std::size_t>(dims[0] + dims[1] + dims[2]);
   std::vector<std::size_t> start(farthest + 2, 0);
@@ -105,17 +117,25 @@ VisibilityOrder mesh_order(const IntervalMesh& mesh, const OrderRequest& request
   return {drawn_tetrahedra(mesh, request.drawn), "none needed", true};
 }
 
-VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
+Vec3d ordering_eye(const Camera& camera) {
+  if (!camera.orthographic) return camera.eye;
+  const Vec3d back = camera.eye - camera.at;
+  const double distance = length(back);
+  return camera.eye + back * (1e7 * std::max(distance, half_height(camera)) / distance);
+}
+
+VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera) {
   VisibilityOrder order{drawn_tetrahedra(mesh, request.drawn), "centroid (approximate)", false};
   std::vector<Keyed> items(order.tetrahedra.size());
+  const Vec3d forward = normalized(camera.at - camera.eye);
   parallel_for(static_cast<std::int64_t>(items.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const std::uint32_t id = order.tetrahedra[i];
       Vec3d sum;
       for (const std::uint32_t p : mesh.tetrahedra[id]) sum = sum + mesh.positions[p];
-      const float distance = static_cast<float>(length(sum * 0.25 - eye));
-      items[i] = {~std::bit_cast<std::uint32_t>(distance),
-                  id};  // bits of floats that are not negative sort as integers; far first
+      const Vec3d from_eye = sum * 0.25 - camera.eye;
+      const double distance = camera.orthographic ? dot(forward, from_eye) : length(from_eye);
+      items[i] = {far_first_key(static_cast<float>(distance)), id};
     }
   });
   radix_sort(items);
@@ -123,8 +143,10 @@ VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& req
   return order;
 }
 
-VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
-  const std::vector<std::uint32_t> runs = sort_runs(grid, mesh, eye);
+VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request,
+                                     const Camera& camera) {
+  const Vec3d eye = ordering_eye(camera);
+  const std::vector<std::uint32_t> runs = sort_runs(grid, mesh, camera);
   std::vector<std::uint32_t> first(runs.size() + 1, 0);  // where each run's tetrahedra go
   const auto run_end = [&](std::uint32_t r) {
     return r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron
@@ -156,9 +178,9 @@ VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh,
   return order;
 }
 
-VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye) {
-  if (grid && grid->rectilinear() && !mesh.cell_runs.empty()) return index_distance_order(*grid, mesh, request, eye);
-  return centroid_order(mesh, request, eye);
+VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera) {
+  if (grid && grid->rectilinear() && !mesh.cell_runs.empty()) return index_distance_order(*grid, mesh, request, camera);
+  return centroid_order(mesh, request, camera);
 }
 
 }  // namespace isostrata

@@ -89,6 +89,7 @@ TEST(ExtractCommand, RefusesWithOneClearLine) {
       {"torus:8 --interval 0:1 --out mesh.obj", 1, "expected .vtu, .ply or .stl"},
       {"torus:8 --interval 0:1 --out /no/such/folder/mesh.vtu", 1, "cannot create"},
       {"torus:8 --interval 0:1 --step 3", 1, "step"},
+      {"torus:32 --interval 0:1 --max-memory 1MB", 1, "the limit is 1048576"},
       {"no-such-file.vtk --interval 0:1", 1, "no-such-file.vtk"},
       {"torus:8", 2, "--interval is required"},
       {"torus:8 --interval 0:1 --threads -1", 2, "--threads"},

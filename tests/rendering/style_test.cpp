@@ -46,7 +46,7 @@ TEST(Style, NewIntervalsGetColoursThatDiffer) {
 
 TEST(Style, EveryMapIsWithinTheGamutAndKnownByItsName) {
   for (const std::string_view name : color_map_names()) {
-    const ColorMap& map = color_map(name);
+    const ColorMap map = color_map(name);
     EXPECT_EQ(map.name, name);
     ASSERT_GE(map.rgb.size(), 2u);
     for (const Rgb& rgb : map.rgb)
@@ -62,20 +62,37 @@ TEST(Style, EveryMapIsWithinTheGamutAndKnownByItsName) {
 }
 
 TEST(Style, SamplingMeetsTheTableAndIsClamped) {
-  const ColorMap& gray = color_map("gray");
+  const ColorMap gray = color_map("gray");
   EXPECT_FLOAT_EQ(sample(gray, 0.25f)[1], 0.25f);
   EXPECT_EQ(sample(gray, -3.0f), gray.rgb.front());
   EXPECT_EQ(sample(gray, 7.0f), gray.rgb.back());
-  const ColorMap& viridis = color_map("viridis");
+  const ColorMap viridis = color_map("viridis");
   for (std::size_t i = 0; i < viridis.rgb.size(); ++i) {
     const Rgb rgb = sample(viridis, static_cast<float>(i) / static_cast<float>(viridis.rgb.size() - 1));
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], viridis.rgb[i][c], 1e-5f);
   }
 }
 
+TEST(Style, ARampRunsStraightThroughItsColours) {
+  const ColorMap two = color_map("#ff0000-#0000ff"), three = color_map("#000-#fff-#000");
+  EXPECT_EQ(sample(two, 0.25f), (Rgb{0.75f, 0, 0.25f}));
+  EXPECT_EQ(sample(three, 0.5f), (Rgb{1, 1, 1}));
+  EXPECT_EQ(sample(three, 1), (Rgb{0, 0, 0}));
+  for (const char* wrong : {"#ff0000", "#ff0000-", "#ff0000-blue", "-#fff", "#1-#2",
+                            "#fff-#fff-#fff-#fff-#fff-#fff-#fff-#fff-#fff-#fff-"
+                            "#fff-#fff-#fff-#fff-#fff-#fff-#fff"}) {
+    EXPECT_THROW(color_map(wrong), Error) << wrong;
+    EXPECT_FALSE(is_color_map(wrong)) << wrong;
+  }
+}
+
+TEST(Style, SamplingWhatIsNoNumberShowsTheFirstColour) {
+  EXPECT_EQ(sample(color_map("viridis"), std::nanf("")), color_map("viridis").rgb.front());
+}
+
 // The ends and the middle that Moreland publishes: (59, 76, 192), (221, 221, 221), (180, 4, 38).
 TEST(Style, CoolwarmMeetsThePublishedColours) {
-  const ColorMap& map = color_map("coolwarm");
+  const ColorMap map = color_map("coolwarm");
   const std::array<std::array<int, 3>, 3> published{{{59, 76, 192}, {221, 221, 221}, {180, 4, 38}}};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t c = 0; c < 3; ++c)
