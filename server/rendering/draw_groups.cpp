@@ -19,7 +19,8 @@ VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_
     same_color = same_color && one_color[i] && input.styles[i].color == input.styles[members[0]].color;
   }
   const OrderRequest request{drawn, one_color};
-  return same_color ? mesh_order(*input.mesh, request) : visibility_order(input.grid, *input.mesh, request, input.camera);
+  return same_color ? mesh_order(*input.mesh, request)
+                    : visibility_order(input.grid, *input.mesh, request, input.camera, input.width, input.height);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "base/stopwatch.h"
 #include "rendering/check_draw_input.h"
 #include "rendering/device_mesh.h"
+#include "rendering/device_projection.h"
 #include "rendering/draw_groups.h"
 #include "rendering/draw_target.h"
 #include "rendering/gl_objects.h"
@@ -33,7 +34,7 @@ constexpr std::size_t kRegionBytes = 12 << 20;  // of vertices drawn at once
 /// Everything that lives in one context.
 class GlState {
  public:
-  explicit GlState(std::unique_ptr<GlContext> context);
+  GlState(std::unique_ptr<GlContext> context, ProjectOn project_on);
   ~GlState() {
     try {
       context_->make_current();  // the objects are deleted in their own context
@@ -49,6 +50,7 @@ class GlState {
   /// What the drawing program must know; each is compiled when first drawn with.
   struct Variant {
     bool linear, table, orthographic, planes, surfaces, nearest;
+    bool wide = false;  // has what is projected on the device: KIND_WIDE
     auto operator<=>(const Variant&) const = default;
   };
   /// What is the same for all tiles of a frame.
@@ -61,7 +63,7 @@ class GlState {
     std::vector<std::uint32_t> parts;  // [intervals]
   };
   GLuint program(const Variant& variant);
-  void prepare(const Frame& frame);
+  void prepare(Frame& frame);
   void draw_tile(const Tile& tile, const Frame& frame);
   template <class Vertex>
   void draw_tetrahedra(const Frame& frame, std::array<std::vector<Vertex>, kChunk / kBlock>& blocks);
@@ -76,12 +78,15 @@ class GlState {
   StyleTable styles_;
   DrawTarget target_;
   DeviceMesh mesh_;
+  DeviceProjection projection_;
+  bool project_here_;  // on the device
   std::array<std::vector<ConstantVertex>, kChunk / kBlock> constant_blocks_;
   std::array<std::vector<LinearVertex>, kChunk / kBlock> linear_blocks_;
 };
 
-GlState::GlState(std::unique_ptr<GlContext> context)
-    : context_(std::move(context)), gl_(context_->gl()), styles_(gl_), target_(gl_), mesh_(gl_) {
+GlState::GlState(std::unique_ptr<GlContext> context, ProjectOn project_on)
+    : context_(std::move(context)), gl_(context_->gl()), styles_(gl_), target_(gl_), mesh_(gl_), projection_(gl_, mesh_.largest_buffer()),
+      project_here_(project_on == ProjectOn::device || (project_on == ProjectOn::automatic && !context_->software())) {
   GLint largest = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   largest_tile_ = std::min(largest_tile_, static_cast<int>(largest));
@@ -131,6 +136,7 @@ GLuint GlState::program(const Variant& variant) {
     define(variant.planes, "CLIP_PLANES");
     define(variant.surfaces, "SURFACES");
     define(variant.nearest, "NEAREST_DEPTH");
+    define(variant.wide, "WIDE");
     const std::string vertex = std::string(shaders::frame_glsl) + shaders::tetrahedra_vert;
     const std::string fragment =
         std::string(shaders::frame_glsl) + shaders::optics_glsl + shaders::surface_shading_glsl + shaders::tetrahedra_frag;
@@ -169,11 +175,15 @@ void GlState::draw_tetrahedra(const Frame& frame, std::array<std::vector<Vertex>
   stream_->flush(sizeof(Vertex), draw);
 }
 
-void GlState::prepare(const Frame& frame) {
+void GlState::prepare(Frame& frame) {
   const DrawInput& input = frame.input;
   styles_.set(input.styles, input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal()),
               frame.projection.scale, frame.variant.table);
   if (frame.variant.surfaces) mesh_.set_facets(input, frame.projection.scale);
+  if (project_here_ && mesh_.set_mesh(input, frame.projection.scale))
+    frame.variant.wide = projection_.prepare({frame.variant.linear, frame.variant.orthographic, frame.variant.surfaces},
+                                             frame.order, frame.parts);
+  if (!frame.variant.wide) frame.points = project_points(*input.mesh, frame.projection);
   if (frame.variant.planes) {
     const auto planes = view_planes(input, frame.projection);
     planes_ = make_buffer(gl_);
@@ -203,13 +213,16 @@ void GlState::draw_tile(const Tile& tile, const Frame& frame) {
     gl_.BlendFunci(1, GL_ONE, GL_ONE);
   }
   gl_.BindVertexArray(vertex_array_.name());
-  if (frame.variant.linear) {
+  if (frame.variant.linear)
     gl_.EnableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
-    draw_tetrahedra(frame, linear_blocks_);
-  } else {
+  else
     gl_.DisableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
+  if (frame.variant.wide)
+    projection_.draw(program(frame.variant), vertex_array_.name());
+  else if (frame.variant.linear)
+    draw_tetrahedra(frame, linear_blocks_);
+  else
     draw_tetrahedra(frame, constant_blocks_);
-  }
   gl_.Disable(GL_BLEND);
 }
 
@@ -243,10 +256,10 @@ DrawResult GlState::draw(const DrawInput& input) {
                         !input.clip_planes.empty(),
                         draws_surfaces(input) && !input.mesh->facets.empty(),
                         input.float_image};
-  const Frame frame{input,
+  Frame frame{input,
                     variant,
                     projection,
-                    project_points(*input.mesh, projection),
+                    {},
                     std::move(order.tetrahedra),
                     drawn_parts(input.styles)};
   prepare(frame);
@@ -291,15 +304,16 @@ DrawResult GlState::draw(const DrawInput& input) {
 
 class GlRenderer : public Renderer {
  public:
-  GlRenderer(std::unique_ptr<GlContext> context, std::string wanted) : wanted_(std::move(wanted)) {
-    state_ = std::make_unique<GlState>(std::move(context));
+  GlRenderer(std::unique_ptr<GlContext> context, std::string wanted, ProjectOn project_on)
+      : wanted_(std::move(wanted)), project_on_(project_on) {
+    state_ = std::make_unique<GlState>(std::move(context), project_on_);
     device_ = state_->context().device();
   }
 
   DrawResult draw(const DrawInput& input) override {
     check(input);
     try {
-      if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_));
+      if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_), project_on_);
       return state_->draw(input);
     } catch (const std::bad_alloc&) {
       state_.reset();
@@ -315,13 +329,14 @@ class GlRenderer : public Renderer {
 
  private:
   std::string wanted_, device_;
+  const ProjectOn project_on_;
   std::unique_ptr<GlState> state_;
 };
 
 }  // namespace
 
-std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, std::string device) {
-  return std::make_unique<GlRenderer>(std::move(context), std::move(device));
+std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, std::string device, ProjectOn project_on) {
+  return std::make_unique<GlRenderer>(std::move(context), std::move(device), project_on);
 }
 
 }  // namespace isostrata

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "rendering/cell_order.h"
+#include "rendering/mpvo.h"
 
 namespace isostrata {
 namespace {
@@ -143,10 +144,11 @@ VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& req
   return order;
 }
 
-VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request,
-                                     const Camera& camera) {
-  const Vec3d eye = ordering_eye(camera);
-  const std::vector<std::uint32_t> runs = sort_runs(grid, mesh, camera);
+namespace {
+
+/// The tetrahedra of these runs of cells, in this order of the cells.
+VisibilityOrder order_in_cells(const IntervalMesh& mesh, const OrderRequest& request, Vec3d eye,
+                               std::span<const std::uint32_t> runs, std::int64_t& unresolved_pairs) {
   std::vector<std::uint32_t> first(runs.size() + 1, 0);  // where each run's tetrahedra go
   const auto run_end = [&](std::uint32_t r) {
     return r + 1 < mesh.cell_runs.size() ? mesh.cell_runs[r + 1].first_tetrahedron
@@ -172,14 +174,72 @@ VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh,
     }
     unresolved += mine;
   });
-  order.exact = unresolved == 0;
-  order.method = order.exact ? "index distance (exact)"
-                             : "index distance (exact but for " + std::to_string(unresolved.load()) + " pairs inside cells)";
+  unresolved_pairs = unresolved;
   return order;
 }
 
-VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera) {
-  if (grid && grid->rectilinear() && !mesh.cell_runs.empty()) return index_distance_order(*grid, mesh, request, camera);
+/// The mesh's runs in the order of their cells. A cell may have several (join_meshes), which then follow one another.
+std::vector<std::uint32_t> runs_in_sequence(const IntervalMesh& mesh, const CellSequence& sequence) {
+  constexpr std::uint32_t kNone = 0xffffffffu;
+  const std::size_t cells = sequence.cells.size();
+  std::vector<std::uint64_t> active((cells + 63) / 64, 0);
+  Buffer<std::uint32_t> run_of_cell(cells);  // written where active
+  std::vector<std::uint32_t> next;           // [runs] another run of the same cell; empty where there is none
+  for (std::uint32_t r = 0; r < mesh.cell_runs.size(); ++r) {
+    const auto cell = static_cast<std::size_t>(mesh.cell_runs[r].cell);
+    std::uint64_t& word = active[cell / 64];
+    const std::uint64_t bit = std::uint64_t{1} << (cell % 64);
+    if (word & bit) {
+      if (next.empty()) next.assign(mesh.cell_runs.size(), kNone);
+      next[r] = run_of_cell[cell];
+    }
+    word |= bit;
+    run_of_cell[cell] = r;
+  }
+  std::vector<std::uint32_t> runs;
+  runs.reserve(mesh.cell_runs.size());
+  for (const std::uint32_t cell : sequence.cells) {
+    if (!(active[cell / 64] >> (cell % 64) & 1)) continue;
+    for (std::uint32_t r = run_of_cell[cell]; r != kNone; r = next.empty() ? kNone : next[r]) runs.push_back(r);
+  }
+  return runs;
+}
+
+std::string mpvo_name(const CellSequence& sequence, std::int64_t unresolved) {
+  std::string name = sequence.convex ? "MPVO" : "MPVONC";
+  if (sequence.exact && unresolved == 0) return name + " (exact)";
+  name += " (" + std::to_string(sequence.cycles) + (sequence.cycles == 1 ? " cycle" : " cycles");
+  if (unresolved > 0) name += ", " + std::to_string(unresolved) + " pairs inside cells";
+  return name + ")";
+}
+
+}  // namespace
+
+VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request,
+                                     const Camera& camera) {
+  std::int64_t unresolved = 0;
+  VisibilityOrder order = order_in_cells(mesh, request, ordering_eye(camera), sort_runs(grid, mesh, camera), unresolved);
+  order.exact = unresolved == 0;
+  order.method = order.exact ? "index distance (exact)"
+                             : "index distance (exact but for " + std::to_string(unresolved) + " pairs inside cells)";
+  return order;
+}
+
+VisibilityOrder mpvo_order(const Grid& grid, const std::shared_ptr<const FaceGraph>& graph, const IntervalMesh& mesh,
+                           const OrderRequest& request, const Camera& camera, int width, int height) {
+  const auto sequence = cell_sequence(grid, graph, camera, width, height);
+  std::int64_t unresolved = 0;
+  VisibilityOrder order = order_in_cells(mesh, request, ordering_eye(camera), runs_in_sequence(mesh, *sequence), unresolved);
+  order.exact = sequence->exact && unresolved == 0;
+  order.method = mpvo_name(*sequence, unresolved);
+  return order;
+}
+
+VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera,
+                                 int width, int height) {
+  if (!grid || mesh.cell_runs.empty()) return centroid_order(mesh, request, camera);
+  if (grid->rectilinear()) return index_distance_order(*grid, mesh, request, camera);
+  if (const auto graph = face_graph(*grid)) return mpvo_order(*grid, graph, mesh, request, camera, width, height);
   return centroid_order(mesh, request, camera);
 }
 

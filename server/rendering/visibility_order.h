@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "data/grid.h"
 #include "extraction/interval_mesh.h"
 #include "rendering/camera.h"
+#include "rendering/face_graph.h"
 
 namespace isostrata {
 
@@ -42,7 +44,14 @@ VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& req
 VisibilityOrder index_distance_order(const Grid& grid, const IntervalMesh& mesh, const OrderRequest& request,
                                      const Camera& camera);
 
-/// index_distance_order where the grid allows it, else centroid_order. grid may be null.
-VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera);
+/// Curvilinear and unstructured grids: all cells in the order of mpvo.h, the tetrahedra inside a cell by order_in_cell. Exact
+/// where the grid is convex, its faces are plane and there are no cycles; the method says how many there are.
+VisibilityOrder mpvo_order(const Grid& grid, const std::shared_ptr<const FaceGraph>& graph, const IntervalMesh& mesh,
+                           const OrderRequest& request, const Camera& camera, int width, int height);
+
+/// index_distance_order where the grid allows it, else mpvo_order; centroid_order where the mesh has no cells, or the grid more
+/// than mpvo_order takes. grid may be null. width, height: of the picture, for mpvo_order.
+VisibilityOrder visibility_order(const Grid* grid, const IntervalMesh& mesh, const OrderRequest& request, const Camera& camera,
+                                 int width = 256, int height = 256);
 
 }  // namespace isostrata

@@ -24,6 +24,9 @@
 // Uniform block of the drawing programs and of projection.
 #define BLOCK_FRAME 1
 
+// Uniform of projection.
+#define UNIFORM_BATCH 0         // uvec4: the first tetrahedron of the list, how many, 0, 0
+
 // Uniforms of the resolve program.
 #define UNIFORM_BACKGROUND 0    // vec4: rgb, 1 = keep alpha instead
 #define UNIFORM_SIZE 1          // vec2: of the tile
@@ -142,7 +145,7 @@ struct RasterFrame {            // uniform block. View space: x right, y up, z a
   vec4 clip_from_pixels;        // scale x, y, offset x, y
   vec4 ray_from_fragment;       // scale x, y, offset x, y: the ray (x, y, 1) of gl_FragCoord; orthographic: its x and y
   vec4 table;                   // unit distance of the tables' lengths; guard in pixels; largest depth ratio; 0
-  uvec4 counts;                 // clip planes, tetrahedra of the list to project, the first of them, 1 = points have normals
+  uvec4 counts;                 // clip planes, 0, 0, 1 = points have normals
 };
 
 struct FacetCorner {
