@@ -3,6 +3,7 @@
 // Mark Adler's pigz).
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -105,11 +106,8 @@ Band make_band(const Image& image, int channels, int first_row, int rows, bool l
   return {deflate_raw(filtered, last), adler32(1, filtered.data(), static_cast<uInt>(filtered.size())), filtered.size()};
 }
 
-}  // namespace
-
-Bytes encode_png(const Image& image) {
-  check_image(image);
-  const int channels = opaque(image) ? 3 : 4;
+/// The picture as one zlib stream, in parts.
+std::vector<Bytes> deflate_image(const Image& image, int channels) {
   const std::size_t row_bytes = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels) + 1;
   const int rows_per_band = static_cast<int>(std::max<std::size_t>(1, kBandBytes / row_bytes));
   const int bands = (image.height + rows_per_band - 1) / rows_per_band;
@@ -121,17 +119,9 @@ Bytes encode_png(const Image& image) {
           make_band(image, channels, first, std::min(rows_per_band, image.height - first), b == bands - 1);
     }
   });
-
-  Bytes out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  std::array<std::uint8_t, 13> header{};
-  put_u32(&header[0], static_cast<std::uint32_t>(image.width));
-  put_u32(&header[4], static_cast<std::uint32_t>(image.height));
-  header[8] = 8;                                                 // bits a channel
-  header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);  // RGBA, RGB
-  put_chunk(out, "IHDR", header);
-  put_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
+  std::vector<Bytes> parts;
   uLong adler = 1;
-  for (std::size_t b = 0; b < band.size(); ++b) {  // one IDAT a band: their data form one zlib stream
+  for (std::size_t b = 0; b < band.size(); ++b) {
     Bytes data;
     if (b == 0) data = {0x78, 0x01};
     data.insert(data.end(), band[b].deflated.begin(), band[b].deflated.end());
@@ -140,7 +130,67 @@ Bytes encode_png(const Image& image) {
       data.resize(data.size() + 4);
       put_u32(&data[data.size() - 4], static_cast<std::uint32_t>(adler));
     }
-    put_chunk(out, "IDAT", data);
+    parts.push_back(std::move(data));
+  }
+  return parts;
+}
+
+Bytes begin_png(const Image& image, int channels) {
+  Bytes out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  std::array<std::uint8_t, 13> header{};
+  put_u32(&header[0], static_cast<std::uint32_t>(image.width));
+  put_u32(&header[4], static_cast<std::uint32_t>(image.height));
+  header[8] = 8;                                                 // bits a channel
+  header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);  // RGBA, RGB
+  put_chunk(out, "IHDR", header);
+  put_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
+  return out;
+}
+
+}  // namespace
+
+Bytes encode_png(const Image& image) {
+  check_image(image);
+  const int channels = opaque(image) ? 3 : 4;
+  Bytes out = begin_png(image, channels);
+  for (const Bytes& part : deflate_image(image, channels)) put_chunk(out, "IDAT", part);  // together one zlib stream
+  put_chunk(out, "IEND", {});
+  return out;
+}
+
+// The chunks acTL, fcTL and fdAT of "Portable Network Graphics (PNG) Specification (Third Edition)", section 11.3.6.
+Bytes encode_animated_png(const std::vector<Image>& images, double seconds) {
+  if (images.empty()) throw Error(ErrorCode::invalid_argument, "PNG: no picture to animate");
+  int channels = 3;
+  for (const Image& image : images) {
+    check_image(image);
+    if (image.width != images[0].width || image.height != images[0].height)
+      throw Error(ErrorCode::invalid_argument, "PNG: the pictures of an animation differ in size");
+    if (!opaque(image)) channels = 4;
+  }
+  Bytes out = begin_png(images[0], channels);
+  std::array<std::uint8_t, 8> animation{};
+  put_u32(&animation[0], static_cast<std::uint32_t>(images.size()));  // then 0: again and again
+  put_chunk(out, "acTL", animation);
+  std::uint32_t sequence = 0;
+  for (const Image& image : images) {
+    std::array<std::uint8_t, 26> control{};
+    put_u32(&control[0], sequence++);
+    put_u32(&control[4], static_cast<std::uint32_t>(image.width));
+    put_u32(&control[8], static_cast<std::uint32_t>(image.height));
+    const auto hundredths = static_cast<std::uint32_t>(std::clamp(seconds * 100 + 0.5, 1.0, 65535.0));
+    control[20] = static_cast<std::uint8_t>(hundredths >> 8), control[21] = static_cast<std::uint8_t>(hundredths);
+    control[23] = 100;  // hundredths of a second; each picture then replaces the one before
+    put_chunk(out, "fcTL", control);
+    for (Bytes& part : deflate_image(image, channels)) {
+      if (sequence == 1) {
+        put_chunk(out, "IDAT", part);
+        continue;
+      }
+      part.insert(part.begin(), 4, 0);
+      put_u32(part.data(), sequence++);
+      put_chunk(out, "fdAT", part);
+    }
   }
   put_chunk(out, "IEND", {});
   return out;

@@ -58,6 +58,13 @@ void check_image_path(const std::filesystem::path& path) {
   unknown_extension(path);
 }
 
+void write_animation(const std::filesystem::path& path, const std::vector<Image>& images, double seconds) {
+  if (extension_of(path) != ".png")
+    throw Error(ErrorCode::invalid_argument,
+                path.string() + ": only .png can hold several pictures; expected .png, or %02d in the name for one file each");
+  write_bytes(path, encode_animated_png(images, seconds));
+}
+
 void write_image(const std::filesystem::path& path, const Image& image) {
   check_image_path(path);
   check_image(image);

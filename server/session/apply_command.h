@@ -28,7 +28,8 @@ struct SceneState {
 };
 
 /// Whether the message is one that apply_command takes: SelectArrays, SetTimeStep, SetIntervals, PatchInterval, RemoveInterval,
-/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetTriangulation.
+/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetTriangulation, SetCycle, SetSmear,
+/// SetTransferFunction.
 bool is_scene_command(const v1::ClientMessage& message);
 
 /// Does the command to the scene, or to nothing at all. A command that changes nothing does not make a revision.
@@ -38,6 +39,10 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
 /// mode, camera, background and unit distance; its dataset must be the open one, its revision is ignored. Empty and absent fields
 /// stay as they are, except that the lists of intervals and terms are always taken, and that no time means the step.
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
+
+/// Shows the interval that comes `steps` after the one that a cycle shows. False where nothing changes: another mode, fewer than
+/// two that could be shown.
+bool advance_cycle(SceneState& state, std::int64_t steps);
 
 /// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow,
 /// the higher the denser, seen from the three-quarter view. Appearance stays as it is.

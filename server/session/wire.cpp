@@ -30,6 +30,23 @@ v1::Camera to_wire(const Camera& camera) {
   return out;
 }
 
+v1::Surface to_wire(const SurfaceStyle& surface) {
+  v1::Surface out;
+  out.set_lower(surface.lower);
+  out.set_upper(surface.upper);
+  out.set_domain(surface.domain);
+  if (surface.own_color) *out.mutable_color() = to_wire(surface.color);
+  out.set_opacity(surface.opacity);
+  out.set_ambient(surface.ambient);
+  out.set_diffuse(surface.diffuse);
+  out.set_specular(surface.specular);
+  out.set_shininess(surface.shininess);
+  out.set_silhouette(surface.silhouette);
+  out.set_texture(surface.texture);
+  out.set_texture_repeat(surface.texture_repeat);
+  return out;
+}
+
 v1::Interval to_wire(const SceneInterval& interval) {
   v1::Interval out;
   out.set_id(interval.id);
@@ -40,6 +57,9 @@ v1::Interval to_wire(const SceneInterval& interval) {
   out.set_opacity(interval.opacity);
   out.set_priority(interval.priority);
   out.set_visible(interval.visible);
+  if (interval.opacity_upper) out.set_opacity_upper(*interval.opacity_upper);
+  out.set_own_range(interval.own_range);
+  if (interval.surface != SurfaceStyle{}) *out.mutable_surface() = to_wire(interval.surface);
   return out;
 }
 
@@ -78,7 +98,17 @@ v1::State to_wire(const Scene& scene) {
   out.set_array(scene.array);
   out.set_color_by(scene.color_by);
   for (const SceneInterval& interval : scene.intervals) *out.add_intervals() = to_wire(interval);
-  out.set_mode(scene.mode == SceneMode::prioritized ? v1::RENDER_MODE_PRIORITIZED : v1::RENDER_MODE_SORTED);
+  out.set_mode(scene.mode == SceneMode::prioritized ? v1::RENDER_MODE_PRIORITIZED
+               : scene.mode == SceneMode::cycled    ? v1::RENDER_MODE_CYCLED
+               : scene.mode == SceneMode::smear     ? v1::RENDER_MODE_SMEAR
+                                                    : v1::RENDER_MODE_SORTED);
+  out.set_integral(scene.integral == Integral::table2d ? v1::INTEGRAL_TABLE2D : v1::INTEGRAL_EXACT);
+  out.set_texture(scene.texture);
+  out.mutable_cycle()->set_seconds(scene.cycle.seconds);
+  out.mutable_cycle()->set_phase(scene.cycle.phase);
+  out.mutable_cycle()->set_playing(scene.cycle.playing);
+  for (const int step : scene.smear.steps) out.mutable_smear()->add_steps(step);
+  for (const Rgb& color : scene.smear.colors) *out.mutable_smear()->add_colors() = to_wire(color);
   if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
   *out.mutable_background() = to_wire(scene.background);
   out.set_unit_distance(scene.unit_distance);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
@@ -86,6 +87,60 @@ TEST(EncodePng, EveryPixelComesBack) {
     expect_same(clear, with_alpha, size + " with alpha, seed 2");
     expect_same(smooth, read_png(encode_png(smooth)), size + " smooth");
   }
+}
+
+void append_chunk(Bytes& out, const std::string& type, const Bytes& data) {
+  const auto put = [&out](std::uint32_t v) {
+    for (int i = 3; i >= 0; --i) out.push_back(static_cast<std::uint8_t>(v >> (8 * i)));
+  };
+  put(static_cast<std::uint32_t>(data.size()));
+  const std::size_t at = out.size();
+  out.insert(out.end(), type.begin(), type.end());
+  out.insert(out.end(), data.begin(), data.end());
+  put(static_cast<std::uint32_t>(crc32(0, &out[at], static_cast<uInt>(out.size() - at))));
+}
+
+/// The pictures of an animated PNG as single ones, in the order of their sequence numbers.
+std::vector<Bytes> frames_of(const Bytes& bytes) {
+  std::vector<Bytes> frames;
+  Bytes header;
+  std::uint32_t expected = 0;
+  const auto u32 = [&](std::size_t at) {
+    return static_cast<std::uint32_t>(bytes[at]) << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 | bytes[at + 3];
+  };
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    const std::size_t size = u32(at);
+    const std::string type(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4,
+                           bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8);
+    const auto data = bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8;
+    const Bytes content(data, data + static_cast<std::ptrdiff_t>(size));
+    if (type == "IHDR") header = content;
+    if (type == "acTL") EXPECT_EQ(u32(at + 12), 0u) << "again and again";
+    if (type == "fcTL" || type == "fdAT") EXPECT_EQ(u32(at + 8), expected++);
+    if (type == "fcTL") {
+      frames.push_back(Bytes(bytes.begin(), bytes.begin() + 8));
+      append_chunk(frames.back(), "IHDR", header);
+    }
+    if (type == "IDAT") append_chunk(frames.back(), "IDAT", content);
+    if (type == "fdAT") append_chunk(frames.back(), "IDAT", Bytes(content.begin() + 4, content.end()));
+    at += 12 + size;
+  }
+  for (Bytes& frame : frames) append_chunk(frame, "IEND", {});
+  return frames;
+}
+
+TEST(EncodeAnimatedPng, EveryPictureComesBackInItsOrder) {
+  const std::vector<Image> images{noise(300, 401, true, 1), noise(300, 401, false, 2), gradient(300, 401)};
+  const auto frames = frames_of(encode_animated_png(images, 0.25));
+  ASSERT_EQ(frames.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) expect_same(images[i], read_png(frames[i]), "picture " + std::to_string(i));
+  EXPECT_EQ(frames_of(encode_animated_png({gradient(5, 4)}, 0)).size(), 1u);
+}
+
+TEST(EncodeAnimatedPng, RefusesNoneDifferentSizesAndOtherFormats) {
+  EXPECT_THROW(encode_animated_png({}, 1), Error);
+  EXPECT_THROW(encode_animated_png({gradient(5, 4), gradient(4, 5)}, 1), Error);
+  EXPECT_THROW(write_animation("a.webp", {gradient(5, 4)}, 1), Error);
 }
 
 TEST(EncodePng, SmoothPicturesGetSmall) {
