@@ -11,7 +11,7 @@ namespace {
 
 class DrawStill : public ::testing::Test {
  protected:
-  DrawStill() : dataset_(std::make_shared<const Dataset>(make_analytic("torus:12"))) {
+  DrawStill() : dataset_(make_analytic("torus:12", {}, Task{})) {
     scene_.array = dataset_->arrays[0].name;
     for (const auto& [lower, upper] : {std::pair{-0.2, 0.1}, {0.15, 0.4}}) {
       SceneInterval interval;
@@ -113,7 +113,8 @@ class GridRenderer final : public Renderer {
                 std::vector<std::uint8_t>(4 * static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height))};
     for (int y = 0; y < input.height; ++y)
       for (int x = 0; x < input.width; x += 257) {
-        std::uint8_t* pixel = &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(input.width) + static_cast<std::size_t>(x))];
+        std::uint8_t* pixel =
+            &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(input.width) + static_cast<std::size_t>(x))];
         pixel[0] = static_cast<std::uint8_t>(y + input.window.y);
         pixel[1] = static_cast<std::uint8_t>((y + input.window.y) >> 8);
       }
@@ -188,7 +189,8 @@ TEST_F(DrawStill, TheFarEdgesOfTheBoxShowThroughTheVolumeAndNotOverIt) {
   for (const bool exact : {true, false}) {
     DrawInput asked = boxed.input;
     ask_for_annotated(asked, exact);
-    const Image streamed = finish_annotated(testing::test_renderer().draw(asked).image, boxed.annotations, scene_.background, false);
+    const Image streamed =
+        finish_annotated(testing::test_renderer().draw(asked).image, boxed.annotations, scene_.background, false);
     int largest = 0;
     for (std::size_t i = 0; i < image.rgba.size(); ++i) largest = std::max(largest, std::abs(image.rgba[i] - streamed.rgba[i]));
     EXPECT_LE(largest, exact ? 0 : 2);

@@ -94,8 +94,9 @@ TEST(RenderCommand, RefusesWithOneClearLine) {
 TEST(RenderCommand, DrawsAnnotationsSamplesAndClipPlanes) {
   const TemporaryFolder folder;
   const auto size_of = [&](const std::string& options) {
-    const CommandResult result = run_isostrata("render sphere:12 --interval 0.2:0.6,name=shell --size 200x150 --device surfaceless " +
-                                               options + " --json --out '" + (folder / "a.png").string() + "'");
+    const CommandResult result =
+        run_isostrata("render sphere:12 --interval 0.2:0.6,name=shell --size 200x150 --device surfaceless " + options +
+                      " --json --out '" + (folder / "a.png").string() + "'");
     EXPECT_EQ(result.status, 0) << options << ": " << result.err;
     return read_text(folder / "a.png");
   };

@@ -36,7 +36,9 @@ std::vector<Box> text_boxes(const Drawing& drawing) {
   for (const Shape& shape : drawing.over)
     if (const auto* text = std::get_if<Text>(&shape)) {
       const double width = font.width(text->text, text->size), height = font.cap_height(text->size);
-      const double x = text->at.x - (text->align == Text::Align::left ? 0 : text->align == Text::Align::right ? width : width / 2);
+      const double x = text->at.x - (text->align == Text::Align::left    ? 0
+                                     : text->align == Text::Align::right ? width
+                                                                         : width / 2);
       boxes.push_back({x, text->at.y - height, x + width, text->at.y});
     }
   return boxes;
@@ -67,7 +69,8 @@ TEST(Annotations, NumbersAndNamesNeverOverlapAndStayInThePicture) {
       EXPECT_TRUE(boxes[i].x0 >= 0 && boxes[i].y0 >= 0 && boxes[i].x1 <= width && boxes[i].y1 <= height)
           << "trial " << trial << ", seed 5";
       for (std::size_t j = 0; j < i; ++j)
-        EXPECT_FALSE(boxes[i].x0 < boxes[j].x1 && boxes[j].x0 < boxes[i].x1 && boxes[i].y0 < boxes[j].y1 && boxes[j].y0 < boxes[i].y1)
+        EXPECT_FALSE(boxes[i].x0 < boxes[j].x1 && boxes[j].x0 < boxes[i].x1 && boxes[i].y0 < boxes[j].y1 &&
+                     boxes[j].y0 < boxes[i].y1)
             << "trial " << trial << ", seed 5, texts " << i << " and " << j;
     }
   }

@@ -24,7 +24,8 @@ Drawing some_drawing(unsigned seed) {
   Drawing drawing;
   const auto point = [&] { return Point2{place(random), place(random)}; };
   const auto ink = [&] {
-    return Ink{{static_cast<float>(unit(random)), static_cast<float>(unit(random)), static_cast<float>(unit(random))}, unit(random)};
+    return Ink{{static_cast<float>(unit(random)), static_cast<float>(unit(random)), static_cast<float>(unit(random))},
+               unit(random)};
   };
   for (auto* list : {&drawing.under, &drawing.over}) {
     for (int i = 0; i < 6; ++i) list->emplace_back(Stroke{point(), point(), 0.5 + 4 * unit(random), ink(), i % 3 ? 0.0 : 6, 3});
@@ -36,7 +37,8 @@ Drawing some_drawing(unsigned seed) {
 }
 
 TEST(Canvas, CoverageOfALineIsItsArea) {
-  for (const auto& [to, width] : {std::pair{Point2{80, 20}, 1.0}, {Point2{80, 47.3}, 3.0}, {Point2{20, 90}, 2.0}, {Point2{71, 88}, 0.4}}) {
+  for (const auto& [to, width] :
+       {std::pair{Point2{80, 20}, 1.0}, {Point2{80, 47.3}, 3.0}, {Point2{20, 90}, 2.0}, {Point2{71, 88}, 0.4}}) {
     FloatImage image = clear(100, 100);
     const Point2 from{20, 20};
     paint({{}, {Stroke{from, to, width, {}}}}, image);
@@ -116,8 +118,9 @@ TEST(Canvas, LettersAreWhereTheyWereAskedFor) {
 TEST(Canvas, BrokenUtf8AndPlacesFarOutsideDoNoHarm) {
   FloatImage image = clear(40, 40);
   const double inf = std::numeric_limits<double>::infinity();
-  paint({{}, {Text{{5, 20}, "\xff\xc3\xe2\x82", 12, {}, Text::Align::left, 1, {}}, Stroke{{-1e9, 5}, {1e9, 5}, 2, {}},
-              Stroke{{0, 0}, {inf, inf}, 2, {}}, Text{{1e7, -1e7}, "far", 12, {}, Text::Align::left, 0, {}}}},
+  paint({{},
+         {Text{{5, 20}, "\xff\xc3\xe2\x82", 12, {}, Text::Align::left, 1, {}}, Stroke{{-1e9, 5}, {1e9, 5}, 2, {}},
+          Stroke{{0, 0}, {inf, inf}, 2, {}}, Text{{1e7, -1e7}, "far", 12, {}, Text::Align::left, 0, {}}}},
         image);
   for (const float v : image.rgba) EXPECT_TRUE(v >= 0 && v <= 1.0001f);
   EXPECT_GT(alpha_sum(image), 60);
