@@ -61,25 +61,28 @@ void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std
     const auto& points = mesh.tetrahedra[item.id];
     Vec3d sum;
     for (std::size_t v = 0; v < 4; ++v) {
-      item.p[v] = mesh.positions[points[v]] - eye;
+      item.p[v] = mesh.positions[points[v]];
       sum = sum + item.p[v];
       box.include(item.p[v]);
     }
-    item.distance2 = dot(sum, sum);
+    item.distance2 = dot(sum * 0.25 - eye, sum * 0.25 - eye);
   }
   const double size = box.diagonal();
-  tolerance_ = 1e-9 * size + 4e-16 * length(eye);
+  const Vec3d center = box.center();
+  eye_ = eye - center;  // all else is seen from the middle of the cell, so that an eye far away costs no digits
+  tolerance_ = 1e-9 * size + 4e-16 * length(center);
 
   // A frame that looks at the middle of the cell.
-  const double middle_distance = length(box.center());
+  const double middle_distance = length(eye_);
   in_front_ = middle_distance > 0.51 * size;
-  const Vec3d z = in_front_ ? box.center() / middle_distance : Vec3d{0, 0, 1};
+  const Vec3d z = in_front_ ? eye_ / -middle_distance : Vec3d{0, 0, 1};
   const Vec3d x = normalized(cross(std::abs(z.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, z)), y = cross(z, x);
 
   for (Item& item : items_) {
     Range range[3];
-    for (const Vec3d& p : item.p) {
-      const double depth = dot(z, p), inverse = 1 / depth;
+    for (Vec3d& p : item.p) {
+      p = p - center;
+      const double depth = dot(z, p), inverse = middle_distance / (middle_distance + depth);
       range[0].include(dot(x, p) * inverse);
       range[1].include(dot(y, p) * inverse);
       range[2].include(depth);
@@ -112,9 +115,8 @@ void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std
 CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
   if (a.flat || b.flat) return Relation::none;
   if (in_front_) {
-    const double margin = tolerance_ / std::min(a.lower[2], b.lower[2]);
     for (int axis = 0; axis < 2; ++axis)
-      if (a.lower[axis] >= b.upper[axis] - margin || b.lower[axis] >= a.upper[axis] - margin) return Relation::none;
+      if (a.lower[axis] >= b.upper[axis] - tolerance_ || b.lower[axis] >= a.upper[axis] - tolerance_) return Relation::none;
     if (a.lower[2] >= b.upper[2]) return Relation::a_behind;
     if (b.lower[2] >= a.upper[2]) return Relation::b_behind;
   }
@@ -123,7 +125,7 @@ CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
       double nearest = kInfinity;
       for (const Vec3d& p : outside.p) nearest = std::min(nearest, dot(plane.normal, p) - plane.offset);
       if (nearest < -tolerance_) continue;
-      const double eye = -plane.offset;  // the eye's distance from the plane
+      const double eye = dot(plane.normal, eye_) - plane.offset;  // the eye's distance from the plane
       if (eye < -tolerance_) return outside_behind;
       if (eye > std::max(nearest, 0.0) + tolerance_) return inside_behind;
       return Relation::none;  // the eye is between the two: no ray meets both
@@ -146,10 +148,11 @@ CellOrder::Relation CellOrder::relate_by_edges(const Item& a, const Item& b) con
       Range ra, rb;
       for (const Vec3d& p : a.p) ra.include(dot(n, p) / size);
       for (const Vec3d& p : b.p) rb.include(dot(n, p) / size);
-      // Along n: one wholly below the other. The eye is at 0.
-      const auto side = [this](const Range& below, const Range& above, Relation below_behind, Relation above_behind) {
-        if (0 < below.upper - tolerance_) return above_behind;
-        if (0 > above.lower + tolerance_) return below_behind;
+      // Along n: one wholly below the other.
+      const double eye = dot(n, eye_) / size;
+      const auto side = [&](const Range& below, const Range& above, Relation below_behind, Relation above_behind) {
+        if (eye < below.upper - tolerance_) return above_behind;
+        if (eye > above.lower + tolerance_) return below_behind;
         return Relation::none;
       };
       if (ra.upper <= rb.lower + tolerance_) return side(ra, rb, Relation::a_behind, Relation::b_behind);
@@ -162,12 +165,13 @@ CellOrder::Relation CellOrder::relate_by_edges(const Item& a, const Item& b) con
 bool CellOrder::silhouettes_meet(const Item& a, const Item& b) const {
   const auto apart = [this](const Item& edges_of, const Item& one, const Item& other) {
     for (const auto& edge : kEdges) {
-      const Vec3d n = cross(edges_of.p[edge[0]], edges_of.p[edge[1]]);
+      const Vec3d& at = edges_of.p[edge[0]];
+      const Vec3d n = cross(at - eye_, edges_of.p[edge[1]] - at);
       const double size = length(n);
       if (!(size > 0)) continue;
       Range r1, r2;
-      for (const Vec3d& p : one.p) r1.include(dot(n, p) / size);
-      for (const Vec3d& p : other.p) r2.include(dot(n, p) / size);
+      for (const Vec3d& p : one.p) r1.include(dot(n, p - at) / size);
+      for (const Vec3d& p : other.p) r2.include(dot(n, p - at) / size);
       if ((r1.upper <= tolerance_ && r2.lower >= -tolerance_) || (r2.upper <= tolerance_ && r1.lower >= -tolerance_)) return true;
     }
     return false;

@@ -25,15 +25,16 @@ class CellOrder {
   enum class Relation { none, a_behind, b_behind, unknown };
   struct Plane {
     Vec3d normal;   // unit length, outwards
-    double offset;  // dot(normal, x) <= offset inside; the eye is the origin
+    double offset;  // dot(normal, x) <= offset inside
   };
   struct Item {
     std::uint32_t id;
     std::uint16_t interval;
-    bool flat;                  // of no volume: hides nothing
-    double distance2;           // of the centroid, squared
-    double lower[3], upper[3];  // of (x/z, y/z, z) in a frame that looks at the cell; only where in_front_
-    Vec3d p[4];                 // seen from the eye
+    bool flat;         // of no volume: hides nothing
+    double distance2;  // of the centroid, squared
+    // Of the picture on a plane through the middle of the cell, and of the depth behind that plane; only where in_front_.
+    double lower[3], upper[3];
+    Vec3d p[4];  // seen from the middle of the cell
     Plane plane[4];
   };
 
@@ -49,6 +50,7 @@ class CellOrder {
   std::vector<std::uint64_t> behind_;       // [items][words] bit j of row i: j must be drawn before i
   std::vector<std::uint64_t> left_;         // [words] not drawn yet
   std::size_t words_ = 0;
+  Vec3d eye_;              // seen from the middle of the cell
   double tolerance_ = 0;   // lengths below it do not count
   bool in_front_ = false;  // the whole cell is in front of the eye, so that it has a projection
 };

@@ -6,18 +6,21 @@ namespace isostrata {
 namespace {
 
 /// Invisible and wholly transparent intervals are not drawn.
-bool is_drawn(const IntervalStyle& style) { return style.visible && style.opacity > 0; }
+bool is_drawn(const IntervalStyle& style) {
+  return style.visible && (style.opacity > 0 || style.opacity_upper.value_or(0) > 0 || style.surface.drawn());
+}
 
 VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_t>& members) {
   std::vector<std::uint8_t> drawn(input.styles.size(), 0), one_color(input.styles.size(), 0);
   bool same_color = true;
   for (const std::size_t i : members) {
     drawn[i] = 1;
-    one_color[i] = input.styles[i].constant();
+    one_color[i] = input.styles[i].constant() && !input.styles[i].surface.drawn();  // a surface has a place among them
     same_color = same_color && one_color[i] && input.styles[i].color == input.styles[members[0]].color;
   }
   const OrderRequest request{drawn, one_color};
-  return same_color ? mesh_order(*input.mesh, request) : visibility_order(input.grid, *input.mesh, request, input.camera.eye);
+  return same_color ? mesh_order(*input.mesh, request)
+                    : visibility_order(input.grid, *input.mesh, request, input.camera, input.width, input.height);
 }
 
 }  // namespace

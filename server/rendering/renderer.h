@@ -64,6 +64,12 @@ struct DrawInput {
   bool count_fragments = false;  // fill DrawFacts::fragments (costs a little)
 };
 
+/// How long one stage of a frame took.
+struct StageTime {
+  std::string name;
+  double ms = 0;
+};
+
 /// Facts of a frame, as they are sent to clients and printed by bench.
 struct DrawFacts {
   std::string renderer;  // "native", "raster", "compute"
@@ -73,6 +79,7 @@ struct DrawFacts {
   std::int64_t tetrahedra = 0;  // drawn
   std::int64_t fragments = 0;   // pixels of tetrahedra that were blended, each tetrahedron for itself; 0 where not asked for
   double order_ms = 0, draw_ms = 0, readback_ms = 0;
+  std::vector<StageTime> stages;  // of those, as far as the renderer tells; on a GPU by its own clock
 };
 
 struct DrawResult {

@@ -9,11 +9,21 @@
 #include "rendering/cell_order.h"
 #include "support/box_mesh.h"
 #include "support/oracle.h"
+#include "support/order_errors.h"
+#include "support/pictures.h"
 
 namespace isostrata {
 namespace {
 
 using namespace testing;
+
+Camera camera_at(Vec3d eye) {
+  Camera camera;
+  camera.eye = eye;
+  camera.at = {0.01, 0.02, 0.03};
+  camera.up = {0.1, 1, 0.2};
+  return camera;
+}
 
 struct Violations {
   std::int64_t pairs = 0;        // of tetrahedra that a ray meets one after the other
@@ -37,7 +47,7 @@ Violations count_violations(const IntervalMesh& mesh, const std::vector<std::uin
     std::vector<OracleSegment> met;
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
       OracleSegment segment{};
-      if (rank[t] >= 0 && oracle_segment(mesh, nullptr, t, eye, direction, segment) && segment.leave - segment.enter > epsilon)
+      if (rank[t] >= 0 && oracle_segment(mesh, nullptr, t, {eye, direction}, segment) && segment.leave - segment.enter > epsilon)
         met.push_back(segment);
     }
     for (std::size_t a = 0; a < met.size(); ++a)
@@ -79,7 +89,7 @@ TEST(VisibilityOrder, IndexDistanceIsExactFromOutsideInsideAndOnTheWalls) {
     const Box3d box = bounds_of(mesh);
     for (const Vec3d eye :
          {Vec3d{9, 7, 5}, Vec3d{-6, 0.3, 0.1}, Vec3d{0.2, 0.1, -8}, box.center(), wall, box.lower, Vec3d{0.05, 20, 0.07}}) {
-      const VisibilityOrder order = visibility_order(&grid, mesh, {drawn, mixed}, eye);
+      const VisibilityOrder order = visibility_order(&grid, mesh, {drawn, mixed}, camera_at(eye));
       EXPECT_TRUE(order.exact) << order.method << ", seed " << seed;
       EXPECT_EQ(order.tetrahedra.size(), mesh.tetrahedra.size());
       const Violations violations = count_violations(mesh, order.tetrahedra, eye, 60, seed);
@@ -90,13 +100,33 @@ TEST(VisibilityOrder, IndexDistanceIsExactFromOutsideInsideAndOnTheWalls) {
   }
 }
 
+TEST(VisibilityOrder, IndexDistanceIsExactForParallelRaysFromAnywhere) {
+  std::mt19937 random(12);
+  std::normal_distribution<double> number;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const RectilinearGrid shape = uneven_grid(seed);
+    const Grid grid{shape, {}, {}};
+    DrawInput input = input_of(box_mesh(shape, [](auto i, auto j, auto k) { return static_cast<int>((i + 2 * j + k) % 3); }));
+    input.camera.at = input.bounds.center();
+    input.camera.eye = input.camera.at + Vec3d{number(random), number(random), seed == 1 ? 0.0 : number(random)};  // often inside
+    input.camera.fov_deg = 120;
+    input.camera.orthographic = true;
+    const std::vector<std::uint8_t> drawn(3, 1), mixed(3, 0);
+    const VisibilityOrder order = visibility_order(&grid, *input.mesh, {drawn, mixed}, input.camera);
+    EXPECT_TRUE(order.exact) << order.method << ", seed " << seed;
+    const OrderErrors errors = order_errors(input, order.tetrahedra);
+    EXPECT_GT(errors.fragments, 1000);
+    EXPECT_EQ(errors.wrong, 0) << "of " << errors.fragments << ", seed " << seed;
+  }
+}
+
 TEST(VisibilityOrder, IndexDistanceIsExactForExtractedIntervals) {
   const auto dataset = make_analytic("marschner-lobb:12", {}, Task{});
   const std::vector<Interval> intervals{{0.1, 0.35}, {0.35, 0.5}, {0.6, 0.9}};
   const IntervalMesh mesh = extract_intervals(dataset->grid, dataset->arrays[0], intervals, {}, Task{});
   const std::vector<std::uint8_t> drawn{1, 1, 1}, mixed{0, 0, 0};
   for (const Vec3d eye : {Vec3d{3, 2, 4}, Vec3d{-5, 0.01, 0.02}, Vec3d{0.1, -0.2, 0.15}}) {
-    const VisibilityOrder order = visibility_order(&dataset->grid, mesh, {drawn, mixed}, eye);
+    const VisibilityOrder order = visibility_order(&dataset->grid, mesh, {drawn, mixed}, camera_at(eye));
     const Violations violations = count_violations(mesh, order.tetrahedra, eye, 150, 11);
     EXPECT_GT(violations.pairs, 1000);
     // Inverted tetrahedra overlap their neighbours and can make a cell's order undefined; nothing else may be wrong.
@@ -110,7 +140,7 @@ TEST(VisibilityOrder, IntervalsOfOneColourNeedNoOrderAmongThemselvesButKeepItAga
   const IntervalMesh mesh = extract_intervals(dataset->grid, dataset->arrays[0], intervals, {}, Task{});
   const std::vector<std::uint8_t> drawn{1, 1}, one_color{1, 1};
   const Vec3d eye{3, 2, 4};
-  const VisibilityOrder order = visibility_order(&dataset->grid, mesh, {drawn, one_color}, eye);
+  const VisibilityOrder order = visibility_order(&dataset->grid, mesh, {drawn, one_color}, camera_at(eye));
   std::vector<std::int64_t> rank(mesh.tetrahedra.size());
   for (std::size_t i = 0; i < order.tetrahedra.size(); ++i) rank[order.tetrahedra[i]] = static_cast<std::int64_t>(i);
   std::mt19937 random(5);
@@ -121,7 +151,7 @@ TEST(VisibilityOrder, IntervalsOfOneColourNeedNoOrderAmongThemselvesButKeepItAga
     std::vector<OracleSegment> met;
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
       OracleSegment segment{};
-      if (oracle_segment(mesh, nullptr, t, eye, direction, segment)) met.push_back(segment);
+      if (oracle_segment(mesh, nullptr, t, {eye, direction}, segment)) met.push_back(segment);
     }
     for (const OracleSegment& a : met)
       for (const OracleSegment& b : met) {
@@ -140,8 +170,9 @@ TEST(VisibilityOrder, LeavesOutWhatIsNotDrawn) {
   const Grid grid{shape, {}, {}};
   const IntervalMesh mesh = box_mesh(shape, [](auto i, auto, auto) { return static_cast<int>(i % 2); });
   const std::vector<std::uint8_t> drawn{0, 1}, mixed{0, 0};
-  for (const VisibilityOrder& order : {visibility_order(&grid, mesh, {drawn, mixed}, {3, 3, 3}),
-                                       centroid_order(mesh, {drawn, mixed}, {3, 3, 3}), mesh_order(mesh, {drawn, mixed})}) {
+  for (const VisibilityOrder& order :
+       {visibility_order(&grid, mesh, {drawn, mixed}, camera_at({3, 3, 3})),
+        centroid_order(mesh, {drawn, mixed}, camera_at({3, 3, 3})), mesh_order(mesh, {drawn, mixed})}) {
     EXPECT_EQ(order.tetrahedra.size(), static_cast<std::size_t>(mesh.summaries[1].tetrahedra)) << order.method;
     for (const std::uint32_t t : order.tetrahedra) EXPECT_EQ(mesh.tetrahedron_interval[t], 1);
   }
@@ -152,7 +183,7 @@ TEST(VisibilityOrder, CentroidsComeFarFirst) {
   const IntervalMesh mesh = box_mesh(shape, [](auto, auto, auto) { return 0; });
   const Vec3d eye{0.3, 0.2, 0.1};
   const std::vector<std::uint8_t> one{1};
-  const VisibilityOrder order = visibility_order(nullptr, mesh, {one, one}, eye);
+  const VisibilityOrder order = visibility_order(nullptr, mesh, {one, one}, camera_at(eye));
   EXPECT_FALSE(order.exact);
   EXPECT_EQ(order.method, "centroid (approximate)");
   const auto distance = [&](std::uint32_t t) {

@@ -1,102 +1,138 @@
-// The picture as it should be, slowly: in double precision, each pixel's ray through every tetrahedron, segments in their exact
-// order along the ray, the exact integral of each. The renderers are measured against it.
+// The picture as it should be, slowly: in double precision, each pixel's ray through every tetrahedron and facet, in their exact
+// order along the ray, the exact integral of each segment. The renderers are measured against it (picture_error.h).
+//
+// What it decides where DrawInput leaves it open:
+//  * Segments follow one another by their middles, so that those that touch are in order however their ends are rounded.
+//    Segments that overlap (inverted tetrahedra) have no right order; they too go by their middles.
+//  * A surface comes right before the segments that begin at it or right after those that end at it. Of two at the same place the
+//    one through which the ray leaves its interval is nearer.
+//  * Clip planes cut the ray: what begins at a cut has no surface there.
+//  * The depth is that of the nearest segment with any opacity, where it begins, or of the nearest surface with any.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <map>
+#include <tuple>
 #include <vector>
 
+#include "base/parallel.h"
 #include "rendering/renderer.h"
+#include "support/oracle_bins.h"
+#include "support/oracle_light.h"
+#include "support/oracle_ray.h"
+#include "support/oracle_surface.h"
 
 namespace isostrata::testing {
 
-struct OracleSegment {
-  double enter, leave;  // along the ray, world units
-  std::size_t tetrahedron;
-  double scalar_enter, scalar_leave;
+struct OracleImage {
+  int width = 0, height = 0;
+  std::vector<std::array<double, 4>> rgba;  // [height][width] premultiplied
+  std::vector<double> depth;                // [height][width] along the view direction, infinity where nothing is
 };
 
-/// Where the ray eye + t * direction (unit length), t >= 0, is inside the tetrahedron. False where it misses or only touches.
-inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* scalars, std::size_t tetrahedron, Vec3d eye,
-                           Vec3d direction, OracleSegment& out) {
-  const auto& ids = mesh.tetrahedra[tetrahedron];
-  Vec3d p[4];
-  for (std::size_t v = 0; v < 4; ++v) p[v] = mesh.positions[ids[v]] - eye;
-  double enter = 0, leave = 1e300;
-  for (int f = 0; f < 4; ++f) {
-    const Vec3d a = p[(f + 1) % 4], b = p[(f + 2) % 4], c = p[(f + 3) % 4];
-    Vec3d n = cross(b - a, c - a);
-    if (dot(n, p[f] - a) > 0) n = n * -1.0;  // outwards
-    const double along = dot(n, direction), at = dot(n, a);
-    if (along == 0) {
-      if (at < 0) return false;
-      continue;
+struct OraclePixel {
+  std::array<double, 4> rgba{};
+  double depth = std::numeric_limits<double>::infinity();
+};
+
+class Oracle {
+ public:
+  /// input outlives it.
+  explicit Oracle(const DrawInput& input) : input_(input), forward_(oracle_frame(input.camera)[2]) {
+    const double unit = input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal());
+    for (const IntervalStyle& style : input.styles) {
+      optics_.emplace_back(style, unit);
+      materials_.push_back(surface_material(style.surface));
     }
-    const double t = at / along;
-    if (along < 0)
-      enter = std::max(enter, t);
-    else
-      leave = std::min(leave, t);
   }
-  if (!(leave > enter)) return false;
-  out = {enter, leave, tetrahedron, 0, 0};
-  if (scalars) {
-    const double volume = orient3d(p[0], p[1], p[2], p[3]);
-    const auto scalar_at = [&](Vec3d x) {
-      const double w0 = orient3d(x, p[1], p[2], p[3]), w1 = orient3d(p[0], x, p[2], p[3]), w2 = orient3d(p[0], p[1], x, p[3]),
-                   w3 = orient3d(p[0], p[1], p[2], x);
-      return (w0 * (*scalars)[ids[0]] + w1 * (*scalars)[ids[1]] + w2 * (*scalars)[ids[2]] + w3 * (*scalars)[ids[3]]) / volume;
-    };
-    out.scalar_enter = scalar_at(direction * enter);
-    out.scalar_leave = scalar_at(direction * leave);
+
+  OraclePixel pixel(int x, int y, const OracleBins::Bin& bin) const {
+    const OracleRay ray = oracle_ray(input_, x, y);
+    std::map<int, std::vector<Met>> groups;  // by priority
+    meet(ray, bin, groups);
+    OraclePixel pixel;
+    OracleLight sum;
+    for (auto& [priority, met] : groups) {
+      std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) {
+        return std::tie(a.at, a.rank, a.tetrahedron) < std::tie(b.at, b.rank, b.tetrahedron);
+      });
+      OracleLight group;
+      for (const Met& m : met) {
+        group.over(m.light);
+        if (m.light.alpha > 0) pixel.depth = std::min(pixel.depth, depth_at(ray, m.begin));
+      }
+      group.over(sum);  // painted over the lower priorities
+      sum = group;
+    }
+    pixel.rgba = {sum.color[0], sum.color[1], sum.color[2], sum.alpha};
+    return pixel;
   }
-  return true;
+
+ private:
+  struct Met {
+    double at;  // a segment's middle, or where a surface is
+    int rank;   // at the same place: surfaces that are left through, segments, surfaces that are entered through
+    std::uint32_t tetrahedron;
+    double begin;  // where it is first seen
+    OracleLight light;
+  };
+
+  int group_of(std::uint16_t interval) const {
+    return input_.mode == RenderMode::prioritized ? input_.styles[interval].priority : 0;
+  }
+  double depth_at(const OracleRay& ray, double t) const {
+    return dot(forward_, ray.origin + ray.direction * t - input_.camera.eye);
+  }
+
+  void meet(const OracleRay& ray, const OracleBins::Bin& bin, std::map<int, std::vector<Met>>& groups) const {
+    const IntervalMesh& mesh = *input_.mesh;
+    for (const std::uint32_t t : bin.tetrahedra) {
+      const std::uint16_t interval = mesh.tetrahedron_interval[t];
+      OracleSegment s{};
+      if (!input_.styles[interval].visible || !oracle_segment(mesh, input_.color_values.get(), t, ray, s)) continue;
+      groups[group_of(interval)].push_back(
+          {(s.enter + s.leave) / 2, 1, t, s.enter,
+           optics_[interval].light(s.leave - s.enter, s.scalar_enter, s.scalar_leave, input_.integral)});
+    }
+    for (const std::uint32_t f : bin.facets) {
+      const BoundaryFacet& facet = mesh.facets[f];
+      const IntervalStyle& style = input_.styles[facet.interval];
+      OracleCrossing crossing{};
+      if (!style.visible || !oracle_draws(style.surface, facet.label) || !oracle_crossing(mesh, f, ray, crossing)) continue;
+      groups[group_of(facet.interval)].push_back(
+          {crossing.at, crossing.entering ? 2 : 0, facet.tetrahedron, crossing.at,
+           oracle_surface(input_, optics_[facet.interval], materials_[facet.interval], ray, crossing)});
+    }
+  }
+
+  const DrawInput& input_;
+  Vec3d forward_;
+  std::vector<OracleOptics> optics_;        // [intervals]
+  std::vector<SurfaceMaterial> materials_;  // [intervals]
+};
+
+/// The whole picture. Parallel over rows.
+inline OracleImage oracle_image(const DrawInput& input) {
+  OracleImage image{input.width, input.height, {}, {}};
+  const auto width = static_cast<std::size_t>(input.width), pixels = width * static_cast<std::size_t>(input.height);
+  image.rgba.resize(pixels);
+  image.depth.resize(pixels);
+  const Oracle oracle(input);
+  const OracleBins bins(input);
+  parallel_for(input.height, 1, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y)
+      for (int x = 0; x < input.width; ++x) {
+        const OraclePixel pixel = oracle.pixel(x, static_cast<int>(y), bins.of_pixel(x, static_cast<int>(y)));
+        const std::size_t at = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+        image.rgba[at] = pixel.rgba;
+        image.depth[at] = pixel.depth;
+      }
+  });
+  return image;
 }
 
-/// The ray of pixel (x, y), y down, through its middle.
-inline Vec3d oracle_direction(const DrawInput& input, double x, double y) {
-  const Vec3d forward = normalized(input.camera.at - input.camera.eye);
-  const Vec3d right = normalized(cross(forward, input.camera.up)), up = cross(right, forward);
-  const double focal = 0.5 * input.height / std::tan(input.camera.fov_deg * std::numbers::pi / 360);
-  return normalized(forward + right * ((x + 0.5 - 0.5 * input.width) / focal) + up * ((0.5 * input.height - y - 0.5) / focal));
-}
-
-/// Premultiplied colour and alpha of one pixel, RenderMode::sorted.
+/// Premultiplied colour and alpha of one pixel, by brute force: every tetrahedron and every facet is tried.
 inline std::array<double, 4> oracle_pixel(const DrawInput& input, int x, int y) {
-  const Vec3d direction = oracle_direction(input, x, y);
-  const std::vector<float>* scalars = input.color_values.get();
-  std::vector<OracleSegment> segments;
-  for (std::size_t t = 0; t < input.mesh->tetrahedra.size(); ++t) {
-    OracleSegment segment{};
-    if (input.styles[input.mesh->tetrahedron_interval[t]].visible &&
-        oracle_segment(*input.mesh, scalars, t, input.camera.eye, direction, segment))
-      segments.push_back(segment);
-  }
-  std::sort(segments.begin(), segments.end(),
-            [](const OracleSegment& a, const OracleSegment& b) { return a.enter + a.leave < b.enter + b.leave; });
-  const double unit = input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal());
-  std::array<double, 4> sum{};
-  double through = 1;
-  for (const OracleSegment& s : segments) {
-    const IntervalStyle& style = input.styles[input.mesh->tetrahedron_interval[s.tetrahedron]];
-    const double tau = extinction(style.opacity, unit) * (s.leave - s.enter);
-    const double alpha = -std::expm1(-tau);
-    const double back = tau > 1e-6 ? alpha / tau - (1 - alpha) : tau / 2;
-    Rgb front_color = style.color, back_color = style.color;
-    if (!style.color_map.empty()) {
-      const auto map = [&](double scalar) {
-        return sample(color_map(style.color_map),
-                      static_cast<float>((scalar - style.color_lower) / (style.color_upper - style.color_lower)));
-      };
-      front_color = map(s.scalar_enter);
-      back_color = map(s.scalar_leave);
-    }
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += through * ((alpha - back) * front_color[c] + back * back_color[c]);
-    sum[3] += through * alpha;
-    through *= 1 - alpha;
-  }
-  return sum;
+  return Oracle(input).pixel(x, y, whole_mesh(*input.mesh)).rgba;
 }
 
 struct OracleError {
@@ -106,30 +142,30 @@ struct OracleError {
   double above_a_percent = 0;  // the share of channel values that differ by more than 0.01
 };
 
-/// The picture's error against the oracle, over all pixels and channels.
-inline OracleError compare_with_oracle(const DrawInput& input, const FloatImage& image) {
+/// The picture's error, over all pixels and channels. NaN counts as 1e9.
+inline OracleError compare_images(const OracleImage& expected, const FloatImage& image) {
   OracleError error;
-  for (int y = 0; y < input.height; ++y)
-    for (int x = 0; x < input.width; ++x) {
-      const auto expected = oracle_pixel(input, x, y);
-      error.covered += expected[3] > 0 ? 1 : 0;
-      for (std::size_t c = 0; c < 4; ++c) {
-        const double d =
-            std::abs(static_cast<double>(image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                                         static_cast<std::size_t>(x)) +
-                                                    c]) -
-                     expected[c]);
-        const double e = std::isnan(d) ? 1e9 : d;
-        error.mean += e;
-        error.above_a_percent += e > 0.01 ? 1 : 0;
-        if (e > error.max) error.max = e, error.max_x = x, error.max_y = y;
-      }
+  for (std::size_t i = 0; i < expected.rgba.size(); ++i) {
+    error.covered += expected.rgba[i][3] > 0 ? 1 : 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const double d = std::abs(double{image.rgba[4 * i + c]} - expected.rgba[i][c]), e = std::isnan(d) ? 1e9 : d;
+      error.mean += e;
+      error.above_a_percent += e > 0.01 ? 1 : 0;
+      if (!(e > error.max)) continue;
+      error.max = e;
+      error.max_x = static_cast<int>(i) % expected.width;
+      error.max_y = static_cast<int>(i) / expected.width;
     }
-  const double pixels = static_cast<double>(input.width) * input.height;
+  }
+  const auto pixels = static_cast<double>(expected.rgba.size());
   error.mean /= 4 * pixels;
   error.covered /= pixels;
   error.above_a_percent /= 4 * pixels;
   return error;
+}
+
+inline OracleError compare_with_oracle(const DrawInput& input, const FloatImage& image) {
+  return compare_images(oracle_image(input), image);
 }
 
 }  // namespace isostrata::testing
