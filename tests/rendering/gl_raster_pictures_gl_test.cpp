@@ -41,10 +41,8 @@ Extracted extracted(const char* data, int intervals, double opacity) {
 
 class RasterPictures : public ::testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override {
-    renderer_ = make_gl_renderer(open_context("surfaceless"), "surfaceless",
-                                 GetParam() == std::string("cpu") ? ProjectOn::cpu : ProjectOn::device);
-  }
+  void SetUp() override { renderer_ = make_gl_renderer(open_context("surfaceless"), "surfaceless",
+                                 GetParam() == std::string("cpu") ? ProjectOn::cpu : ProjectOn::device); }
   void meets(const DrawInput& input, double mean, double max, const std::string& what) {
     const OracleError error = compare_with_oracle(input, draw_floats(input, *renderer_));
     RecordProperty(what + " mean", std::to_string(error.mean * 1e6) + "e-6");
@@ -182,8 +180,7 @@ TEST_P(RasterPictures, PrioritiesArePaintedWithTheirSurfaces) {
   meets(e.input, 1e-3, 1.0, "priorities");
 }
 
-INSTANTIATE_TEST_SUITE_P(Projection, RasterPictures, ::testing::Values("cpu", "device"),
-                         [](const auto& test) { return test.param; });
+INSTANTIATE_TEST_SUITE_P(Projection, RasterPictures, ::testing::Values("cpu", "device"), [](const auto& test) { return test.param; });
 
 }  // namespace
 }  // namespace isostrata
