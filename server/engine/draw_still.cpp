@@ -83,6 +83,10 @@ DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, c
   DrawInput part = input;
   part.window = {};
   check(part);
+  if (std::max(input.width, input.height) * samples > kMaxWholeSize)
+    throw Error(ErrorCode::too_large, "picture of " + std::to_string(input.width) + "x" + std::to_string(input.height) +
+                                          " with " + std::to_string(samples) + " samples each way: expected at most " +
+                                          std::to_string(kMaxWholeSize) + " samples across");
   const std::int64_t row_samples = static_cast<std::int64_t>(input.width) * samples * samples;
   const bool plain = samples == 1 && still.annotations.empty();
   if (plain && row_samples * input.height <= kPartSamples) {

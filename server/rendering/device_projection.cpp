@@ -57,7 +57,7 @@ bool DeviceProjection::prepare(const Variant& variant, std::span<const std::uint
     if (variant.linear) defines += "#define LINEAR_COLOR\n";
     if (variant.orthographic) defines += "#define ORTHOGRAPHIC\n";
     if (variant.surfaces) defines += "#define SURFACES\n";
-    program = make_compute_program(gl_, shaders::frame_glsl, shaders::project_tetrahedra_comp, "#define PROJECTS\n" + defines);
+    program = make_compute_program(gl_, shaders::frame_glsl, shaders::project_tetrahedra_comp, defines);
   }
   return gl_.GetError() == GL_NO_ERROR;
 }

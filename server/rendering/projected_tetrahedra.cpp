@@ -178,17 +178,18 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
     if constexpr (std::is_same_v<Vertex, LinearVertex>) whole[v].scalar = (*source.color_values)[point];
   }
   std::vector<ClipTetrahedron> pieces{whole};
-  const double guard = projection.guard(), focal = projection.focal;
+  const auto slope_x = [&](double sign) { return (projection.guard() + sign * projection.axis_x) / projection.focal; };
+  const auto slope_y = [&](double sign) { return (projection.guard() + sign * projection.axis_y) / projection.focal; };
   if (projection.orthographic) {
     for (const double sign : {1.0, -1.0}) {
-      clip_tetrahedra(pieces, {sign, 0, 0}, -(guard + sign * projection.axis_x) / focal);
-      clip_tetrahedra(pieces, {0, sign, 0}, -(guard + sign * projection.axis_y) / focal);
+      clip_tetrahedra(pieces, {sign, 0, 0}, -slope_x(sign));
+      clip_tetrahedra(pieces, {0, sign, 0}, -slope_y(sign));
     }
   } else {
     clip_tetrahedra(pieces, {0, 0, 1}, projection.near_depth);
     for (const double sign : {1.0, -1.0}) {
-      clip_tetrahedra(pieces, {sign, 0, (guard + sign * projection.axis_x) / focal}, 0);
-      clip_tetrahedra(pieces, {0, sign, (guard + sign * projection.axis_y) / focal}, 0);
+      clip_tetrahedra(pieces, {sign, 0, slope_x(sign)}, 0);
+      clip_tetrahedra(pieces, {0, sign, slope_y(sign)}, 0);
     }
     slice_by_depth(pieces, projection.near_depth);
   }
@@ -311,10 +312,7 @@ Projection make_projection(const Camera& camera, const Box3d& bounds, int width,
 Projection make_projection(const DrawInput& input) {
   const PixelGrid grid = pixel_grid(input);
   Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
-  if (!projection.orthographic)
-    projection.focal = grid.focal;
-  else
-    projection.focal = grid.per_unit * projection.scale;
+  projection.focal = input.camera.orthographic ? grid.per_unit * projection.scale : grid.focal;
   projection.axis_x = grid.axis_x - 0.5 * input.width;
   projection.axis_y = 0.5 * input.height - grid.axis_y;
   return projection;
@@ -328,9 +326,9 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3d w = mesh.positions[i];
       const auto row = [&](std::size_t r) { return (m[0][r] * w.x + m[1][r] * w.y + m[2][r] * w.z + m[3][r]) * inverse_scale; };
-      const double z = -row(2);
-      const double along = projection.orthographic ? 1 : z;
-      const double x = row(0) * projection.focal + projection.axis_x * along, y = row(1) * projection.focal + projection.axis_y * along;
+      const double z = -row(2), away = projection.orthographic ? 1 : z;
+      const double x = row(0) * projection.focal + projection.axis_x * away,
+                   y = row(1) * projection.focal + projection.axis_y * away;
       ScreenPoint& p = points[i];
       if (projection.orthographic) {
         p.outside = (x < -half_width ? kLeft : 0) | (x > half_width ? kRight : 0) | (y < -half_height ? kBelow : 0) |

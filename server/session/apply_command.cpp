@@ -323,6 +323,7 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     interval.opacity = unit(wanted.opacity(), field + "opacity");
     interval.priority = wanted.priority();
     interval.visible = wanted.visible();
+    interval.name = name(wanted.name(), field + "name");
     if (wanted.has_opacity_upper()) interval.opacity_upper = unit(wanted.opacity_upper(), field + "opacity_upper");
     interval.own_range = wanted.own_range();
     if (wanted.has_surface()) interval.surface = surface_of(wanted.surface(), field + "surface");
@@ -356,6 +357,7 @@ void apply(SceneState& state, const v1::PatchInterval& command, const CommandCon
   if (command.has_color_map()) interval.color_map = color_map_of(command.color_map(), "color_map");
   if (command.has_opacity()) interval.opacity = unit(command.opacity(), "opacity");
   if (command.has_visible()) interval.visible = command.visible();
+  if (command.has_name()) interval.name = name(command.name(), "name");
   if (command.clear_opacity_upper()) interval.opacity_upper.reset();
   if (command.has_opacity_upper()) interval.opacity_upper = unit(command.opacity_upper(), "opacity_upper");
   if (command.has_own_range()) interval.own_range = command.own_range();
@@ -392,7 +394,7 @@ void apply(SceneState& state, const v1::SetCamera& command, const CommandContext
   if (!command.has_camera() || !wanted.has_eye() || !wanted.has_at() || !wanted.has_up())
     refuse("invalid_argument", "a camera needs eye, at and up", "camera");
   const Camera camera{vector(wanted.eye(), "camera.eye"), vector(wanted.at(), "camera.at"), vector(wanted.up(), "camera.up"),
-                      finite(wanted.fov_deg(), "camera.fov_deg")};
+                      finite(wanted.fov_deg(), "camera.fov_deg"), wanted.orthographic()};
   try {
     check(camera);
   } catch (const Error& error) {
@@ -406,7 +408,9 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
   static const std::set<std::string, std::less<>> kViews = {"reset", "+x", "-x", "+y", "-y", "+z", "-z"};
   if (!kViews.contains(name(command.view(), "view")))
     refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
-  state.scene.camera = view_of(dataset.bounds, command.view());
+  const bool orthographic = state.scene.camera && state.scene.camera->orthographic;
+  state.scene.camera = view_of(dataset.bounds, command.view(), context.aspect);
+  state.scene.camera->orthographic = orthographic;
 }
 
 void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext&) {
@@ -469,12 +473,38 @@ bool advance_cycle(SceneState& state, std::int64_t steps) {
 
 namespace {
 
+void apply(SceneState& state, const v1::SetClipPlanes& command, const CommandContext& context) {
+  opened(context);
+  if (command.clip_planes_size() > kMaxClipPlanes)
+    refuse("too_large",
+           std::to_string(command.clip_planes_size()) + " clip planes; expected at most " + std::to_string(kMaxClipPlanes),
+           "clip_planes");
+  std::vector<ClipPlane> planes;
+  for (int i = 0; i < command.clip_planes_size(); ++i) {
+    const v1::ClipPlane& wanted = command.clip_planes(i);
+    const std::string field = "clip_planes[" + std::to_string(i) + "].";
+    ClipPlane plane;
+    plane.normal = {finite(wanted.normal().x(), field + "normal.x", kMaxCoordinate),
+                    finite(wanted.normal().y(), field + "normal.y", kMaxCoordinate),
+                    finite(wanted.normal().z(), field + "normal.z", kMaxCoordinate)};
+    plane.offset = finite(wanted.offset(), field + "offset");
+    if (!(length(plane.normal) > 0)) refuse("invalid_argument", field + "normal must not be zero", field + "normal");
+    planes.push_back(plane);
+  }
+  state.scene.clip_planes = std::move(planes);
+}
+
+void apply(SceneState& state, const v1::SetAnnotations& command, const CommandContext&) {
+  const v1::Annotations& wanted = command.annotations();
+  state.scene.annotations = {wanted.axes(), wanted.box(), wanted.legend()};
+}
+
 bool same_scene(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by &&
          a.intervals == b.intervals && a.mode == b.mode && a.camera == b.camera && a.background == b.background &&
          a.unit_distance == b.unit_distance && a.terms == b.terms && a.time == b.time && a.time_mode == b.time_mode &&
          a.triangulation == b.triangulation && a.integral == b.integral && a.texture == b.texture && a.cycle == b.cycle &&
-         a.smear == b.smear;
+         a.smear == b.smear && a.clip_planes == b.clip_planes && a.annotations == b.annotations;
 }
 
 // Does `change` to a copy and keeps it where it was not refused.
@@ -511,6 +541,8 @@ bool is_scene_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kSetCycle:
     case v1::ClientMessage::kSetSmear:
     case v1::ClientMessage::kSetTransferFunction:
+    case v1::ClientMessage::kSetClipPlanes:
+    case v1::ClientMessage::kSetAnnotations:
       return true;
     default:
       return false;
@@ -550,6 +582,10 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
         return apply(next, message.set_smear(), context);
       case v1::ClientMessage::kSetTransferFunction:
         return apply(next, message.set_transfer_function(), context);
+      case v1::ClientMessage::kSetClipPlanes:
+        return apply(next, message.set_clip_planes(), context);
+      case v1::ClientMessage::kSetAnnotations:
+        return apply(next, message.set_annotations(), context);
       default:
         refuse("unsupported", "this message does not change a scene", "");
     }
@@ -611,6 +647,16 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       cycle.set_playing(wanted.cycle().playing());
       apply(next, cycle, context);
     }
+    if (context.dataset || wanted.clip_planes_size() > 0) {
+      v1::SetClipPlanes planes;
+      *planes.mutable_clip_planes() = wanted.clip_planes();
+      apply(next, planes, context);
+    }
+    if (wanted.has_annotations()) {
+      v1::SetAnnotations annotations;
+      *annotations.mutable_annotations() = wanted.annotations();
+      apply(next, annotations, context);
+    }
     v1::SetAppearance appearance;
     appearance.set_mode(wanted.mode());
     appearance.set_integral(wanted.integral());
@@ -620,19 +666,20 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
   });
 }
 
-void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
+void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect) {
   Scene& scene = state.scene;
   scene.dataset = dataset.id;
   scene.step = 0;
   scene.time.reset();
   scene.terms.clear();
+  scene.clip_planes.clear();  // they stood in the other dataset's space
   scene.color_by.clear();
   scene.texture.clear();
   scene.smear.steps.clear();
   scene.cycle.phase = 0;
   scene.array.clear();
   scene.intervals.clear();
-  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset");
+  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset", aspect);
   if (const ArrayFacts* first = dataset.first_array()) {
     scene.array = first->name;
     constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range

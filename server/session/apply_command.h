@@ -13,6 +13,7 @@ namespace isostrata {
 /// What commands are judged against.
 struct CommandContext {
   const DatasetFacts* dataset = nullptr;  // of scene.dataset; null where none is open
+  double aspect = 1;                      // of the asker's viewport: a view shows the whole dataset in it
 };
 
 /// What a command did. With an error (code, message, field; in_reply_to is the caller's) the scene is as it was.
@@ -46,7 +47,7 @@ bool advance_cycle(SceneState& state, std::int64_t steps);
 
 /// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow,
 /// the higher the denser, seen from the three-quarter view. Appearance stays as it is.
-void open_in_scene(SceneState& state, const DatasetFacts& dataset);
+void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect = 1);
 
 /// Null where the size is one that can be drawn; names the field that is not.
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);

@@ -16,6 +16,7 @@ constexpr double kMinCycleSeconds = 0.02, kMaxCycleSeconds = 3600;
 constexpr int kMaxSide = 16384;                 // of a viewport or an image, in pixels
 constexpr std::int64_t kMaxPixels = 1ll << 26;  // of one picture: 67 million, 256 MiB as RGBA
 constexpr int kMaxBins = 4096;
+constexpr int kMaxClipPlanes = 32;
 constexpr std::size_t kMaxNameBytes = 1024;  // of ids, array names, colour maps
 constexpr std::size_t kMaxMessageBytes = 1 << 20;
 constexpr double kMaxMagnitude = 1e300;  // of any coordinate or value: sums and squares of differences stay apart from overflow

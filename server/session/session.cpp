@@ -171,7 +171,7 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
     });
     return;
   }
-  CommandOutcome outcome = apply_command(state_, message, context());
+  CommandOutcome outcome = apply_command(state_, message, context(viewer));
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
   if (outcome.changed) changed(now);
   reply(std::move(outcome.error));
@@ -221,7 +221,8 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     opening.reply(wire_error(*failed));
   } else if (const auto* ready = std::get_if<DatasetReady>(&event)) {
     dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
-    open_in_scene(state_, *dataset_);
+    const Viewer* asker = living(opening.viewer);
+    open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
     if (Viewer* viewer = living(opening.viewer)) viewer->note_input(opening.seq, state_.scene.revision);
     broadcast(dataset_message(*dataset_));
     changed(now);

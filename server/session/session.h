@@ -87,7 +87,7 @@ class Session {
   };
 
   Viewer* living(ViewerKey key);
-  CommandContext context() const { return {dataset_.get()}; }
+  CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.get(), viewer ? viewer->frames.aspect() : 1}; }
   void changed(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
   void run_deferred(TimePoint now);

@@ -27,6 +27,7 @@ v1::Camera to_wire(const Camera& camera) {
   *out.mutable_at() = to_wire(camera.at);
   *out.mutable_up() = to_wire(camera.up);
   out.set_fov_deg(camera.fov_deg);
+  out.set_orthographic(camera.orthographic);
   return out;
 }
 
@@ -57,6 +58,7 @@ v1::Interval to_wire(const SceneInterval& interval) {
   out.set_opacity(interval.opacity);
   out.set_priority(interval.priority);
   out.set_visible(interval.visible);
+  out.set_name(interval.name);
   if (interval.opacity_upper) out.set_opacity_upper(*interval.opacity_upper);
   out.set_own_range(interval.own_range);
   if (interval.surface != SurfaceStyle{}) *out.mutable_surface() = to_wire(interval.surface);
@@ -90,6 +92,13 @@ v1::RangeTerm to_wire(const SceneTerm& term) {
   return out;
 }
 
+v1::ClipPlane to_wire(const ClipPlane& plane) {
+  v1::ClipPlane out;
+  *out.mutable_normal() = to_wire(plane.normal);
+  out.set_offset(plane.offset);
+  return out;
+}
+
 v1::State to_wire(const Scene& scene) {
   v1::State out;
   out.set_revision(scene.revision);
@@ -112,6 +121,10 @@ v1::State to_wire(const Scene& scene) {
   if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
   *out.mutable_background() = to_wire(scene.background);
   out.set_unit_distance(scene.unit_distance);
+  for (const ClipPlane& plane : scene.clip_planes) *out.add_clip_planes() = to_wire(plane);
+  out.mutable_annotations()->set_axes(scene.annotations.axes);
+  out.mutable_annotations()->set_box(scene.annotations.box);
+  out.mutable_annotations()->set_legend(scene.annotations.legend);
   for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
   if (scene.time) out.set_time(*scene.time);
   out.set_time_mode(scene.time_mode == TimeMode::interpolate ? v1::TIME_MODE_INTERPOLATE

@@ -144,9 +144,9 @@ struct RasterFrame {            // uniform block. View space: x right, y up, z a
   vec4 picture;                 // half width and height in pixels; where pixel centres lie against whole numbers, x and y
   vec4 clip_from_pixels;        // scale x, y, offset x, y
   vec4 ray_from_fragment;       // scale x, y, offset x, y: the ray (x, y, 1) of gl_FragCoord; orthographic: its x and y
-  vec4 shear;                   // of projected view space: (x, y) of z, then (x, y) in all: where the axis of view is off the middle
   vec4 table;                   // unit distance of the tables' lengths; guard in pixels; largest depth ratio; 0
   uvec4 counts;                 // clip planes, 0, 0, 1 = points have normals
+  vec4 axis;                    // where the axis of view meets the picture: pixels right of and above its middle; 0, 0
 };
 
 struct FacetCorner {
