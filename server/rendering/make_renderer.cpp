@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "rendering/compute_renderer.h"
 #include "rendering/gl_renderer.h"
 #include "rendering/native_renderer.h"
 #include "rendering/renderer.h"
@@ -22,7 +23,7 @@ std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice) {
     return make_native_renderer();
   if (choice.device == "native")
     throw Error(ErrorCode::invalid_argument, "renderer " + choice.renderer + " draws with OpenGL; the device native has none");
-  if (choice.renderer == "compute") throw Error(ErrorCode::unavailable, "renderer compute: under construction");
+  if (choice.renderer == "compute") return make_compute_renderer(open_context(choice.device), choice.device);
   return make_gl_renderer(open_context(choice.device), choice.device);
 }
 
