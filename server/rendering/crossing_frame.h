@@ -28,25 +28,6 @@ struct CrossingFrame {
   std::vector<DrawGroup> groups;                          // the first is painted first
   std::vector<float> extinction;                          // [intervals] per unit of ScreenTransform::scale
   std::vector<std::optional<SurfaceMaterial>> materials;  // [intervals]
-
-  /// Calls visit(a, b, c, facet, interval) for the facets of a group that may lie in the tile.
-  template <class Visit>
-  ISOSTRATA_INLINE void visit_facets(std::span<const TileEntry> entries, const Visit& visit) const {
-    for (const TileEntry& entry : entries)
-      for (std::uint32_t f = entry.first; f < entry.end; ++f) {
-        const ScreenVertex *a, *b, *c;
-        std::uint32_t facet = f;
-        if (entry.clipped) {
-          const ClippedFacet& piece = bins.clipped[f];
-          a = &piece.triangle[0], b = &piece.triangle[1], c = &piece.triangle[2];
-          facet = piece.facet;
-        } else {
-          const auto& p = set.points[f];
-          a = &vertices[p[0]], b = &vertices[p[1]], c = &vertices[p[2]];
-        }
-        visit(*a, *b, *c, facet, entry.interval);
-      }
-  }
 };
 
 /// A tile's pixels, in rows of kTileWidth: premultiplied colour and alpha, and depth in world units.

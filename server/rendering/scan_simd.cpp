@@ -32,18 +32,78 @@ HWY_INLINE void for_depths(const DepthPlane::Row& row, int count, const Visit& v
   }
 }
 
+/// Which of the facets [first, end) of the set hold a pixel centre of the rect within their bounds: as may_cover, many at a time,
+/// because which do cannot be predicted. Returns how many it wrote to `out`, which has room for a vector more.
+HWY_INLINE std::size_t covering_facets(const CrossingFrame& frame, std::uint32_t first, std::uint32_t end, const PixelRect& rect,
+                                       std::uint32_t* out) {
+  const hn::CappedTag<std::uint32_t, 16> du;
+  const hn::RebindToSigned<decltype(du)> di;
+  using VI = hn::Vec<decltype(di)>;
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(du));
+  const auto* const vertices = reinterpret_cast<const std::int32_t*>(frame.vertices.data());
+  const auto first_centers = [&](VI low, VI high, int from, int to) __attribute__((always_inline)) {
+    const VI half = hn::Set(di, kSubpixels / 2 - 1);
+    const VI a = hn::Max(hn::ShiftRight<kSubpixelBits>(hn::Add(low, half)), hn::Set(di, from));
+    const VI b = hn::Min(hn::ShiftRight<kSubpixelBits>(hn::Add(high, half)), hn::Set(di, to));
+    return hn::Lt(a, b);
+  };
+  std::size_t count = 0;
+  std::uint32_t f = first;
+  for (; f + lanes <= end; f += lanes) {
+    hn::Vec<decltype(du)> p, q, r;
+    hn::LoadInterleaved3(du, frame.set.points[f].data(), p, q, r);
+    const auto coordinate = [&](auto point, std::size_t which) __attribute__((always_inline)) {
+      return hn::GatherIndex(di, vertices + which, hn::BitCast(di, hn::ShiftLeft<2>(point)));  // 4 numbers each
+    };
+    const VI py = coordinate(p, 1), qy = coordinate(q, 1), ry = coordinate(r, 1);
+    const VI px = coordinate(p, 0), qx = coordinate(q, 0), rx = coordinate(r, 0);
+    const auto in_rows = first_centers(hn::Min(py, hn::Min(qy, ry)), hn::Max(py, hn::Max(qy, ry)), rect.y0, rect.y1);
+    const auto in_columns = first_centers(hn::Min(px, hn::Min(qx, rx)), hn::Max(px, hn::Max(qx, rx)), rect.x0, rect.x1);
+    const auto covers = hn::And(in_rows, in_columns);
+    const auto numbers = hn::Add(hn::Set(du, f), hn::Iota(du, 0));
+    const auto kept = hn::RebindMask(du, covers);
+    hn::StoreU(hn::Compress(numbers, kept), du, out + count);
+    count += hn::CountTrue(du, kept);
+  }
+  for (; f < end; ++f) {
+    const auto& p = frame.set.points[f];
+    int from, to;
+    out[count] = f;
+    count += may_cover(frame.vertices[p[0]], frame.vertices[p[1]], frame.vertices[p[2]], rect, from, to);
+  }
+  return count;
+}
+
+/// span(facet, row, first column, count, enters, depths) for what the facets cover of the rect.
 template <class Span>
 HWY_INLINE void scan_entries(const CrossingFrame& frame, std::span<const TileEntry> entries, const PixelRect& rect,
                              const Span& span) {
-  frame.visit_facets(
-      entries, [&](const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, std::uint32_t facet, std::uint16_t) {
+  constexpr std::uint32_t kAtOnce = 256;
+  HWY_ALIGN std::uint32_t covering[kAtOnce + 16];
+  const bool small = frame.vertices.size() < (std::size_t{1} << 29);  // so that four numbers each are counted in 32 bits
+  for (const TileEntry& entry : entries)
+    for (std::uint32_t begin = entry.first; begin < entry.end; begin += kAtOnce) {
+      const std::uint32_t end = std::min(entry.end, begin + kAtOnce);
+      std::size_t count = end - begin;
+      if (entry.clipped || !small)
+        for (std::uint32_t i = 0; i < count; ++i) covering[i] = begin + i;
+      else
+        count = covering_facets(frame, begin, end, rect, covering);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t f = covering[i];
+        const auto& p = frame.set.points[entry.clipped ? frame.bins.clipped[f].facet : f];
+        const ScreenVertex* const piece = entry.clipped ? frame.bins.clipped[f].triangle.data() : nullptr;
+        const ScreenVertex &a = piece ? piece[0] : frame.vertices[p[0]], &b = piece ? piece[1] : frame.vertices[p[1]],
+                           &c = piece ? piece[2] : frame.vertices[p[2]];
+        const std::uint32_t facet = piece ? frame.bins.clipped[f].facet : f;
         int first_row, end_row;
-        if (!may_cover(a, b, c, rect, first_row, end_row)) return;
+        if (!may_cover(a, b, c, rect, first_row, end_row)) continue;
         const DepthPlane plane(a, b, c);
-        scan_facet(a, b, c, rect, [&](int row, int first, int end, bool enters) {
-          span(facet, row, first, end - first, enters, plane.row(first, row));
+        scan_facet(a, b, c, rect, [&](int row, int first, int last, bool enters) {
+          span(facet, row, first, last - first, enters, plane.row(first, row));
         });
-      });
+      }
+    }
 }
 
 template <bool kCut>
