@@ -61,7 +61,7 @@ std::int64_t OpticalDepthTile::draw(const CrossingFrame& frame, const DrawGroup&
       if (entries[end].interval != last && ++intervals > kIntervalsPerSum) break;
       last = entries[end].interval;
     }
-    sum_.assign(kPixels, 0);
+    sum_.assign(kPixels + kDepthSumsPadding, 0);
     if (cut) balance_.assign(kPixels, 0);
     const auto part = entries.subspan(begin, end - begin);
     DepthSums to{tile.rect, static_cast<float>(steps_), sum_.data()};

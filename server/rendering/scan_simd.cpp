@@ -12,8 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Columns of a row at a time. What a vector brings forth is added to memory one by one unless it is full: a vector that is stored
-// and, for the next facet, loaded from another column would wait for the store to arrive.
+// Columns of a row at a time.
 using DF = hn::CappedTag<float, 8>;  // spans are short, and wide divisions slow
 using DI = hn::RebindToSigned<DF>;
 using VF = hn::Vec<DF>;
@@ -110,7 +109,6 @@ template <bool kCut>
 std::int64_t AddAll(const CrossingFrame& frame, std::span<const TileEntry> entries, const DepthSums& to) {
   const DF d;
   const DI di;
-  HWY_ALIGN std::int32_t depth[8];
   HWY_ALIGN float held[8];
   std::int64_t crossings = 0;
   scan_entries(
@@ -136,12 +134,9 @@ std::int64_t AddAll(const CrossingFrame& frame, std::span<const TileEntry> entri
                     z = hn::Load(d, held);
                   }
                   const auto whole = hn::NearestInt(hn::Mul(z, steps));
-                  if (valid == static_cast<int>(hn::Lanes(d))) {
-                    hn::StoreU(hn::Add(hn::LoadU(di, sum), whole), di, sum);
-                  } else {
-                    hn::Store(whole, di, depth);
-                    for (int j = 0; j < valid; ++j) sum[j] += depth[j];
-                  }
+                  // Whole vectors, also where few columns are covered: how many cannot be predicted.
+                  const auto covered = hn::IfThenElseZero(hn::FirstN(di, static_cast<std::size_t>(valid)), whole);
+                  hn::StoreU(hn::Add(hn::LoadU(di, sum), covered), di, sum);
                 });
           });
   return crossings;

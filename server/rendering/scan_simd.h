@@ -9,6 +9,9 @@
 
 namespace isostrata {
 
+/// So many numbers after the last row of DepthSums::sum are read and written, unchanged.
+inline constexpr std::size_t kDepthSumsPadding = 16;
+
 /// Where the crossings of a tile are summed up: rows of kTileWidth from the rect's upper left pixel.
 struct DepthSums {
   PixelRect rect;
