@@ -133,7 +133,8 @@ void CrossingListTile::walk(const CrossingFrame& frame, int x, int y, std::span<
     nearest = static_cast<float>(transform.near_depth - transform.reference);
   }
   open_.clear();
-  for (const std::uint64_t key : crossings) open(frame.set.intervals[facet_of(key)], enters(key) ? -1 : 1);
+  if (frame.bins.too_near)  // else every ray begins outside
+    for (const std::uint64_t key : crossings) open(frame.set.intervals[facet_of(key)], enters(key) ? -1 : 1);
   const auto stretch = static_cast<float>(transform.stretch(x + 0.5, y + 0.5));
   Ray ray;
   float first = std::numeric_limits<float>::infinity();

@@ -16,6 +16,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using DF = hn::CappedTag<float, 8>;  // spans are short, and wide divisions slow
 using DI = hn::RebindToSigned<DF>;
 using VF = hn::Vec<DF>;
+constexpr int kLanes = 8;  // at most
 
 /// visit(k, z): the depths of pixels k, k + 1, ... of a span.
 template <class Visit>
@@ -109,7 +110,7 @@ template <bool kCut>
 std::int64_t AddAll(const CrossingFrame& frame, std::span<const TileEntry> entries, const DepthSums& to) {
   const DF d;
   const DI di;
-  HWY_ALIGN float held[8];
+  HWY_ALIGN float held[kLanes];
   std::int64_t crossings = 0;
   scan_entries(
       frame, entries, to.rect,
@@ -149,7 +150,7 @@ std::int64_t AddDepths(const CrossingFrame& frame, std::span<const TileEntry> en
 bool Gather(const CrossingFrame& frame, std::span<const TileEntry> entries, const PixelRect& part, std::size_t most,
             CrossingRecords& to) {
   const DI di;
-  HWY_ALIGN std::int32_t ordered[8];
+  HWY_ALIGN std::int32_t ordered[kLanes] = {};
   to.count = 0;
   bool too_many = false;
   scan_entries(
@@ -161,7 +162,7 @@ bool Gather(const CrossingFrame& frame, std::span<const TileEntry> entries, cons
               too_many = true;
               return;
             }
-            if (to.count + size > to.keys.size()) {
+            if (to.count + size + kLanes > to.keys.size()) {
               const std::size_t larger = std::max<std::size_t>(2 * to.keys.size(), to.count + size + 4096);
               to.keys.resize(larger);
               to.pixels.resize(larger);
@@ -171,12 +172,12 @@ bool Gather(const CrossingFrame& frame, std::span<const TileEntry> entries, cons
             to.count += size;
             const int pixel = (row - part.y0) * (part.x1 - part.x0) + first - part.x0;
             for_depths(
-                depths, count, [&](int k, int valid, VF z) __attribute__((always_inline)) {
+                depths, count, [&](int k, int, VF z) __attribute__((always_inline)) {
                   // Negative numbers have all their bits turned over, others the first: they then sort as unsigned ones.
                   const auto bits = hn::BitCast(di, z);
                   const auto turn = hn::Or(hn::ShiftRight<31>(bits), hn::Set(di, static_cast<std::int32_t>(0x80000000u)));
                   hn::Store(hn::Xor(bits, turn), di, ordered);
-                  for (int j = 0; j < valid; ++j) {
+                  for (int j = 0; j < kLanes; ++j) {  // what is beyond the span will be written over
                     keys[k + j] = crossing_key(static_cast<std::uint32_t>(ordered[j]), facet, enters);
                     pixels[k + j] = static_cast<std::uint16_t>(pixel + k + j);
                   }
