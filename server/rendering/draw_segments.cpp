@@ -32,6 +32,7 @@ struct TileMemory {
   PixelLists lists;
   TilePixels pixels;
   CoverBatch batch;
+  CoverScratch scratch;
   std::vector<TileEntry> nearest_first, sorted;
   std::vector<std::uint32_t> surfaces;
   float q_low[kTilePixels], q_high[kTilePixels];
@@ -167,6 +168,27 @@ class TilePainter {
     paint_part(part, memory);
   }
 
+  /// The corners of the entries from `begin` on. They lie about in memory, so they are asked for some time before.
+  void gather(const std::vector<TileEntry>& entries, std::size_t begin, CoverBatch& batch) const {
+    constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
+    const auto& tetrahedra = input_.mesh->tetrahedra;
+    const std::uint16_t* const intervals = input_.mesh->tetrahedron_interval.data();
+    const std::size_t count = tetrahedra.size();
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const std::size_t at = begin + i;
+      if (const std::size_t ahead = at + kIdsAhead; ahead < entries.size() && entries[ahead].id < count) {
+        __builtin_prefetch(&tetrahedra[entries[ahead].id]);
+        __builtin_prefetch(&intervals[entries[ahead].id]);
+      }
+      if (const std::size_t ahead = at + kPointsAhead; ahead < entries.size() && entries[ahead].id < count)
+        for (const std::uint32_t point : tetrahedra[entries[ahead].id]) __builtin_prefetch(&placed_.points[point]);
+      const std::uint32_t id = entries[at].id;
+      batch.interval[i] = interval_of(id);
+      for (std::size_t v = 0; v < 4; ++v)
+        batch.vertex[v][i] = id < count ? placed_.points[tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
+    }
+  }
+
   /// The group's tetrahedra and surfaces in a part of the tile; in four parts of that where its fragments take too much memory.
   void paint_part(const CoverInput& part, TileMemory& memory) {
     FragmentStore& store = memory.store;
@@ -177,20 +199,14 @@ class TilePainter {
       memory.reserve(std::max(2 * store.capacity, store.count + wanted), store.q_in != nullptr);
       return true;
     };
-    const std::size_t count = input_.mesh->tetrahedra.size();
     const auto& entries = memory.nearest_first;
     for (std::size_t begin = 0; begin < entries.size(); begin += CoverBatch::kCapacity) {
       CoverBatch& batch = memory.batch;
       batch.count = std::min(CoverBatch::kCapacity, entries.size() - begin);
-      for (std::size_t i = 0; i < batch.count; ++i) {
-        const std::uint32_t id = entries[begin + i].id;
-        batch.interval[i] = interval_of(id);
-        for (std::size_t v = 0; v < 4; ++v)
-          batch.vertex[v][i] = id < count ? placed_.points[input_.mesh->tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
-      }
+      gather(entries, begin, batch);
       for (std::size_t done = 0; done < batch.count;) {
         if (!make_room(kLightRoom)) return paint_quarters(part, memory);
-        done = cover_tile(part, batch, done, store);
+        done = cover_tile(part, batch, done, memory.scratch, store);
       }
     }
     for (const std::uint32_t triangle : memory.surfaces) {

@@ -51,8 +51,17 @@ struct CoverBatch {
   std::size_t count = 0;
 };
 
+/// What cover_tile writes on the way; one for each thread.
+struct CoverScratch {
+  static constexpr std::size_t kMost = 16 * kTileSize * kTileSize + 64;
+  alignas(64) std::uint16_t rows[16 * kTileSize + 64];
+  alignas(64) std::uint16_t pixels[kMost];
+  alignas(64) std::int32_t met[kMost];
+  alignas(64) float in[kMost], out[kMost];
+};
+
 /// Appends the batch's fragments to `store`, up to its capacity: returns how many tetrahedra of the batch were done (all of
 /// them, or a multiple of the vectors' length where the store is full). Any thread.
-std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, FragmentStore& store);
+std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch, FragmentStore& store);
 
 }  // namespace isostrata
