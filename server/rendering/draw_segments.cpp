@@ -78,6 +78,10 @@ void sort_by_nearness(std::vector<TileEntry>& entries, std::vector<TileEntry>& s
 
 struct SegmentsRenderer::State {
   PlacedMesh placed;
+  // Of the mesh and values that were drawn last:
+  std::weak_ptr<const IntervalMesh> mesh;
+  std::weak_ptr<const std::vector<float>> values;
+  std::vector<ValueRange> ranges;
   std::mutex mutex;  // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
@@ -267,7 +271,13 @@ SegmentsRenderer::~SegmentsRenderer() = default;
 void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
   const Stopwatch order_watch;
   const SegmentView view = make_segment_view(input);
-  const SegmentOptics optics = make_segment_optics(input, view.scale);
+  SegmentOptics optics = make_segment_optics(input, view.scale);
+  if (state_->ranges.empty() || state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
+    state_->ranges = value_ranges(*input.mesh, input.color_values.get());
+    state_->mesh = input.mesh;
+    state_->values = input.color_values;
+  }
+  straighten(state_->ranges, optics);
   place_mesh(input, view, optics, state_->placed);
   const SegmentSurfaces surfaces(input, view, optics, state_->placed.tiles_x, state_->placed.tiles_y);
   facts.order = "per pixel (exact)";

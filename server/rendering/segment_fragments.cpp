@@ -104,8 +104,13 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   // The color-by value in the style's range.
   const auto interval = hn::LoadU(di, &batch.interval[first]);
   hn::Store(interval, di, g.interval);
-  const V lower = hn::GatherIndex(d, optics.lower.data(), interval),
-          range = hn::GatherIndex(d, optics.inverse_range.data(), interval);
+  // Most vectors hold one interval only, which spares them the gathers.
+  const auto one_interval = static_cast<std::size_t>(batch.interval[first]);
+  const bool uniform = hn::AllTrue(di, hn::Eq(interval, hn::Set(di, batch.interval[first])));
+  const auto of_interval = [&](const std::vector<float>& table) {
+    return uniform ? hn::Set(d, table[one_interval]) : hn::GatherIndex(d, table.data(), interval);
+  };
+  const V lower = of_interval(optics.lower), range = of_interval(optics.inverse_range);
   for (V& value : u) value = hn::Mul(hn::Sub(value, lower), range);
   const V sum = hn::Add(hn::Add(u[0], u[1]), hn::Add(u[2], u[3]));
   const auto number = hn::Eq(hn::Sub(sum, sum), zero);
@@ -128,7 +133,17 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   hn::Store(hn::Mul(u_y, over_volume), d, g.u_y);
   hn::Store(hn::Mul(u_q, over_volume), d, g.u_q);
 
-  // The colours as a line over u.
+  hn::Store(of_interval(optics.extinction), d, g.extinction);
+  if (uniform && optics.straight[one_interval] && input.integral == Integral::exact) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const V slope = hn::Set(d, optics.line_rise[one_interval][c]);
+      hn::Store(slope, d, g.color_u[c]);
+      hn::Store(hn::MulAdd(slope, u[0], hn::Set(d, optics.line_start[one_interval][c])), d, g.color[c]);
+    }
+    hn::Store(faces, di, g.faces);
+    return;
+  }
+  // The colours as a line over u, for each tetrahedron its own.
   const auto map = hn::GatherIndex(di, optics.map_first.data(), interval),
              last = hn::GatherIndex(di, optics.map_last.data(), interval);
   const V samples = hn::ConvertTo(d, last);
@@ -156,7 +171,6 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V turn = hn::Sub(hn::GatherIndex(d, optics.turn.data(), index_high), hn::GatherIndex(d, optics.turn.data(), index_low));
   const auto bent = hn::Gt(hn::Mul(turn, width), hn::Set(d, 4 * kStraight));
   const V rise = hn::GatherIndex(d, optics.extinction_rise.data(), interval);
-  hn::Store(hn::GatherIndex(d, optics.extinction.data(), interval), d, g.extinction);
   auto own = hn::Or(hn::Or(beyond, bent), hn::Ne(rise, zero));
   if (input.integral == Integral::table2d) own = hn::Eq(zero, zero);
   faces = hn::Or(faces, hn::IfThenElseZero(hn::RebindMask(di, own), hn::Set(di, kOwnLight)));

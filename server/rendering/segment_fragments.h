@@ -20,9 +20,6 @@
 
 namespace isostrata {
 
-/// The colour map is taken as straight within a tetrahedron where it errs by less, in display values of [0, 1].
-inline constexpr float kStraight = 1e-3f;
-
 /// Fragments of a part of a tile.
 struct FragmentStore {
   float* light = nullptr;            // [capacity][4] premultiplied colour and minus alpha

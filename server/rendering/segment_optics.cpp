@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <string>
+
+#include "base/parallel.h"
 
 namespace isostrata {
 namespace {
@@ -61,6 +64,63 @@ SegmentOptics make_segment_optics(const DrawInput& input, double scale) {
     optics.map_last.push_back(static_cast<std::int32_t>(map.rgb.size()) - 1);
   }
   return optics;
+}
+
+std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values) {
+  std::vector<ValueRange> ranges(mesh.summaries.size());
+  if (!values) return ranges;
+  std::mutex mutex;
+  parallel_for(static_cast<std::int64_t>(mesh.tetrahedra.size()), 65536, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<ValueRange> mine(ranges.size());
+    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+      ValueRange& range = mine[mesh.tetrahedron_interval[t]];
+      for (const std::uint32_t point : mesh.tetrahedra[t]) {
+        const float value = (*values)[point];
+        if (std::isnan(value)) {
+          range = {-std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
+          break;
+        }
+        range = {std::min(range.least, value), std::max(range.most, value)};
+      }
+    }
+    const std::lock_guard lock(mutex);
+    for (std::size_t i = 0; i < ranges.size(); ++i)
+      ranges[i] = {std::min(ranges[i].least, mine[i].least), std::max(ranges[i].most, mine[i].most)};
+  });
+  return ranges;
+}
+
+void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics) {
+  const std::size_t count = optics.lower.size();
+  optics.straight.assign(count, 0);
+  optics.line_start.assign(count, {});
+  optics.line_rise.assign(count, {});
+  for (std::size_t i = 0; i < count; ++i) {
+    if (optics.extinction_rise[i] != 0) continue;
+    if (optics.inverse_range[i] == 0) {  // u is 0
+      optics.straight[i] = 1;
+      optics.line_start[i] = optics.color(i, 0);
+      continue;
+    }
+    const float a = (ranges[i].least - optics.lower[i]) * optics.inverse_range[i],
+                b = (ranges[i].most - optics.lower[i]) * optics.inverse_range[i];
+    float low = std::min(a, b), high = std::max(a, b);
+    if (!(low >= -1e-4f && high <= 1 + 1e-4f)) continue;
+    low = std::clamp(low, 0.0f, 1.0f);
+    high = std::clamp(high, 0.0f, 1.0f);
+    const auto turn_at = [&](float u) {
+      const auto sample = static_cast<std::int32_t>(u * static_cast<float>(optics.map_last[i]));
+      return optics.turn[static_cast<std::size_t>(optics.map_first[i] + std::min(sample, optics.map_last[i] - 1))];
+    };
+    // Kinks whose slopes change by s in sum lie at most width / 4 * s off the chord.
+    if ((turn_at(high) - turn_at(low)) * (high - low) > 4 * kStraight) continue;
+    optics.straight[i] = 1;
+    const Rgb from = optics.color(i, low), to = optics.color(i, high);
+    for (std::size_t c = 0; c < 3; ++c) {
+      optics.line_rise[i][c] = (to[c] - from[c]) / std::max(high - low, 1e-7f);
+      optics.line_start[i][c] = from[c] - optics.line_rise[i][c] * low;
+    }
+  }
 }
 
 Rgb SegmentOptics::color(std::size_t interval, float u) const {
