@@ -355,7 +355,8 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
   store.count += count;
 }
 
-std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch, FragmentStore& store) {
+std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,
+                      FragmentStore& store) {
   const hn::CappedTag<float, kMaxLanes> d;
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t i = batch.count; i % lanes != 0; ++i) {  // copies fill the last vector; they have no rows

@@ -59,6 +59,7 @@ struct CoverScratch {
 
 /// Appends the batch's fragments to `store`, up to its capacity: returns how many tetrahedra of the batch were done (all of
 /// them, or a multiple of the vectors' length where the store is full). Any thread.
-std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch, FragmentStore& store);
+std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,
+                       FragmentStore& store);
 
 }  // namespace isostrata

@@ -61,8 +61,9 @@ void expect_oracle(const DrawInput& input, double most, const std::string& what)
   const OracleImage expected = oracle_image(input);
   const OracleError error = compare_images(expected, image);
   EXPECT_GT(error.covered, 0.05) << what;
-  EXPECT_LT(error.max, most) << what << " at " << error.max_x << "," << error.max_y << ": " << text(pixel(image, error.max_x, error.max_y))
-                            << ", expected " << text(expected.rgba[static_cast<std::size_t>(error.max_y * input.width + error.max_x)]);
+  EXPECT_LT(error.max, most) << what << " at " << error.max_x << "," << error.max_y << ": "
+                             << text(pixel(image, error.max_x, error.max_y)) << ", expected "
+                             << text(expected.rgba[static_cast<std::size_t>(error.max_y * input.width + error.max_x)]);
   EXPECT_LT(error.mean, 1e-4) << what;
 }
 
@@ -153,7 +154,8 @@ TEST(DrawSegments, ThePapersTableLooksAtTheMean) {
 TEST(DrawSegments, BentMapsOverWideTetrahedraAreIntegratedInPanels) {
   for (const double range : {0.1, 1.0}) {
     DrawInput input = extracted_input("torus:6", 0.1, 0.5, 0.9);
-    for (IntervalStyle& style : input.styles) style.color_upper = style.color_lower + range * (style.color_upper - style.color_lower);
+    for (IntervalStyle& style : input.styles)
+      style.color_upper = style.color_lower + range * (style.color_upper - style.color_lower);
     expect_oracle(input, 2 * kHalfStep, "range " + std::to_string(range));
   }
 }
@@ -167,7 +169,8 @@ TEST(DrawSegments, ConstantIntervalsBesideMappedOnes) {
 TEST(DrawSegments, ValuesThatAreNoNumbersShowTheBeginningOfTheMap) {
   DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
   const auto other = std::make_shared<std::vector<float>>(input.color_values->size(), std::numeric_limits<float>::quiet_NaN());
-  const auto lowest = std::make_shared<std::vector<float>>(input.color_values->size(), static_cast<float>(input.styles[0].color_lower));
+  const auto lowest =
+      std::make_shared<std::vector<float>>(input.color_values->size(), static_cast<float>(input.styles[0].color_lower));
   input.color_values = other;
   const FloatImage nan = draw_segments(input);
   input.color_values = lowest;
