@@ -81,7 +81,8 @@ struct SegmentsRenderer::State {
   // Of the mesh and values that were drawn last:
   std::weak_ptr<const IntervalMesh> mesh;
   std::weak_ptr<const std::vector<float>> values;
-  std::vector<ValueRange> ranges;
+  std::vector<ValueRange> ranges;  // [intervals]
+  std::vector<ValueRange> blocks;  // block_ranges, made when they are first asked for
   std::mutex mutex;  // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
@@ -151,8 +152,8 @@ class TilePainter {
     part.q_high = memory.q_high;
   }
 
-  std::uint16_t interval_of(std::uint32_t id) const {
-    const std::size_t count = input_.mesh->tetrahedra.size();
+  std::uint32_t interval_of(std::uint32_t id) const {
+    const std::size_t count = placed_.first_piece;
     return id < count ? input_.mesh->tetrahedron_interval[id] : placed_.pieces[id - count].interval;
   }
 
@@ -177,7 +178,7 @@ class TilePainter {
     constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
     const auto& tetrahedra = input_.mesh->tetrahedra;
     const std::uint16_t* const intervals = input_.mesh->tetrahedron_interval.data();
-    const std::size_t count = tetrahedra.size();
+    const std::size_t count = placed_.first_piece;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t at = begin + i;
       if (const std::size_t ahead = at + kIdsAhead; ahead < entries.size() && entries[ahead].id < count) {
@@ -187,7 +188,7 @@ class TilePainter {
       if (const std::size_t ahead = at + kPointsAhead; ahead < entries.size() && entries[ahead].id < count)
         for (const std::uint32_t point : tetrahedra[entries[ahead].id]) __builtin_prefetch(&placed_.points[point]);
       const std::uint32_t id = entries[at].id;
-      batch.interval[i] = interval_of(id);
+      batch.interval[i] = static_cast<std::int32_t>(interval_of(id));
       for (std::size_t v = 0; v < 4; ++v)
         batch.vertex[v][i] = id < count ? placed_.points[tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
     }
@@ -272,13 +273,23 @@ void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& f
   const Stopwatch order_watch;
   const SegmentView view = make_segment_view(input);
   SegmentOptics optics = make_segment_optics(input, view.scale);
-  if (state_->ranges.empty() || state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
-    state_->ranges = value_ranges(*input.mesh, input.color_values.get());
+  if (state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
+    state_->ranges.clear();
+    state_->blocks.clear();
     state_->mesh = input.mesh;
     state_->values = input.color_values;
   }
-  straighten(state_->ranges, optics);
-  place_mesh(input, view, optics, state_->placed);
+  if (optics.cut) {
+    if (state_->blocks.empty()) state_->blocks = block_ranges(*input.mesh, *input.color_values);
+    std::vector<ValueRange> inside;
+    for (const Interval& interval : input.cut_intervals)
+      inside.push_back({static_cast<float>(interval.lower), static_cast<float>(interval.upper)});
+    straighten(inside, optics);
+  } else {
+    if (state_->ranges.empty()) state_->ranges = value_ranges(*input.mesh, input.color_values.get());
+    straighten(state_->ranges, optics);
+  }
+  place_mesh(input, view, optics, state_->blocks, state_->placed);
   const SegmentSurfaces surfaces(input, view, optics, state_->placed.tiles_x, state_->placed.tiles_y);
   facts.order = "per pixel (exact)";
   facts.order_exact = true;

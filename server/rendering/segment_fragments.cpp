@@ -116,7 +116,7 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const auto number = hn::Eq(hn::Sub(sum, sum), zero);
   for (V& value : u) value = hn::IfThenElseZero(number, value);
   V u_low = least(u), u_high = most(u);
-  const auto beyond = hn::Or(hn::Lt(u_low, hn::Set(d, -1e-4f)), hn::Gt(u_high, hn::Set(d, 1 + 1e-4f)));
+  auto beyond = hn::Or(hn::Lt(u_low, hn::Set(d, -1e-4f)), hn::Gt(u_high, hn::Set(d, 1 + 1e-4f)));
   hn::Store(u[0], d, g.u0);
   hn::Store(hn::Sub(u_low, u[0]), d, g.u_low);
   hn::Store(hn::Sub(u_high, u[0]), d, g.u_high);
@@ -171,6 +171,7 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V turn = hn::Sub(hn::GatherIndex(d, optics.turn.data(), index_high), hn::GatherIndex(d, optics.turn.data(), index_low));
   const auto bent = hn::Gt(hn::Mul(turn, width), hn::Set(d, 4 * kStraight));
   const V rise = hn::GatherIndex(d, optics.extinction_rise.data(), interval);
+  if (optics.cut) beyond = hn::Ne(zero, zero);
   auto own = hn::Or(hn::Or(beyond, bent), hn::Ne(rise, zero));
   if (input.integral == Integral::table2d) own = hn::Eq(zero, zero);
   faces = hn::Or(faces, hn::IfThenElseZero(hn::RebindMask(di, own), hn::Set(di, kOwnLight)));
@@ -309,6 +310,23 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
       q_in = hn::Min(q_in, hn::Sub(hn::GatherIndex(d, input.q_high, pixel), q0));
       q_out = hn::Max(q_out, hn::Sub(hn::GatherIndex(d, input.q_low, pixel), q0));
     }
+    const V flat = hn::MulAdd(of(g.u_x), x, hn::Mul(of(g.u_y), y)), u_q = of(g.u_q);
+    V u_low = of(g.u_low), u_high = of(g.u_high);
+    if (input.optics->cut) {
+      // u - u0 = (flat + u_q q) / w, with w = w0 + q or 1: what keeps u above 0 and below 1 is a bound on q.
+      const V u0 = of(g.u0), w0 = hn::MulAdd(q0, perspective, orthographic);
+      const auto bound = [&](V beyond, auto keep_if_positive) {  // (u - end) w = at + rise q has the sign that is kept
+        const V rise = hn::MulAdd(beyond, perspective, u_q), at = hn::MulAdd(beyond, w0, flat);
+        const V end = hn::Neg(hn::Div(at, hn::CopySign(hn::Max(hn::Abs(rise), hn::Set(d, 1e-20f)), rise)));
+        const auto farther_is_out = hn::Xor(hn::Lt(rise, zero), keep_if_positive);
+        q_out = hn::IfThenElse(farther_is_out, hn::Max(q_out, end), q_out);
+        q_in = hn::IfThenElse(farther_is_out, q_in, hn::Min(q_in, end));
+      };
+      bound(u0, hn::Eq(zero, zero));                     // u >= 0
+      bound(hn::Sub(u0, one), hn::Ne(zero, zero));       // u <= 1
+      u_low = hn::Max(u_low, hn::Neg(u0));
+      u_high = hn::Min(u_high, hn::Sub(one, u0));
+    }
     q_in = hn::Max(q_in, q_low);
     q_out = hn::Min(q_out, q_in);
     const V w_in = hn::MulAdd(hn::Add(q0, q_in), perspective, orthographic),
@@ -317,8 +335,6 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
     const V right = hn::Mul(hn::Sub(column, center_x), inverse_focal), down = hn::Mul(hn::Sub(row, center_y), inverse_focal);
     const V slant = hn::Sqrt(hn::MulAdd(right, right, hn::MulAdd(down, down, one)));
     const V length = hn::Mul(hn::Mul(hn::Sub(q_in, q_out), over), slant);
-    const V flat = hn::MulAdd(of(g.u_x), x, hn::Mul(of(g.u_y), y)), u_q = of(g.u_q);
-    const V u_low = of(g.u_low), u_high = of(g.u_high);
     const auto clamp = [&](V v) { return hn::Min(hn::Max(v, u_low), u_high); };
     const V u_in = clamp(hn::Mul(hn::MulAdd(u_q, q_in, flat), hn::Mul(over, w_out)));
     const V u_out = clamp(hn::Mul(hn::MulAdd(u_q, q_out, flat), hn::Mul(over, w_in)));

@@ -25,6 +25,9 @@ struct SegmentOptics {
   std::vector<std::uint8_t> straight;
   std::vector<Rgb> line_start, line_rise;
   int groups = 0;
+  // The tetrahedra are cut here: u is the value's place in its interval, lower and inverse_range are the interval's, and what has
+  // u below 0 or above 1 is left out. Maps are sampled anew over the interval.
+  bool cut = false;
 
   /// The straight colour at u.
   Rgb color(std::size_t interval, float u) const;
@@ -41,6 +44,10 @@ struct ValueRange {
 };
 /// [intervals]. O(tetrahedra), parallel. values may be null.
 std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values);
+
+/// The values of every kRangeBlock tetrahedra; parallel.
+inline constexpr std::size_t kRangeBlock = 64;
+std::vector<ValueRange> block_ranges(const IntervalMesh& mesh, const std::vector<float>& values);
 
 /// Finds the intervals over which colours run along a line.
 void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics);

@@ -177,6 +177,38 @@ TEST(DrawSegments, ValuesThatAreNoNumbersShowTheBeginningOfTheMap) {
   EXPECT_EQ(nan.rgba, draw_segments(input).rgba);
 }
 
+/// The tetrahedra of the data's grid as they are, to be cut by the renderer into the intervals of extracted_input.
+DrawInput uncut_input(const char* data, double lower, double middle, double upper) {
+  const auto dataset = make_analytic(data, {}, Task{});
+  const PointArray& array = dataset->arrays[0];
+  const double span = array.upper - array.lower;
+  ExtractOptions options;
+  const std::vector<Interval> all{{array.lower - 1, array.upper + 1}};
+  DrawInput input = extracted_input(data, lower, middle, upper);
+  auto mesh = std::make_shared<IntervalMesh>(extract_intervals(dataset->grid, array, all, options, Task{}));
+  input.color_values = std::make_shared<const std::vector<float>>(mesh->values.begin(), mesh->values.end());
+  input.mesh = mesh;
+  input.cut_intervals = {{array.lower + lower * span, array.lower + middle * span},
+                         {array.lower + middle * span, array.lower + upper * span}};
+  return input;
+}
+
+TEST(DrawSegments, IntervalsCutInTheRayAreThePictureOfTheSplitMesh) {
+  for (const bool orthographic : {false, true})
+    for (const bool inside : {false, true})
+      for (const bool constant : {false, true}) {
+        DrawInput split = extracted_input("tets:8", 0.2, 0.3, 0.5), cut = uncut_input("tets:8", 0.2, 0.3, 0.5);
+        for (DrawInput* input : {&split, &cut}) {
+          input->camera.orthographic = orthographic;
+          if (inside) input->camera.eye = input->bounds.center() + Vec3d{0.05, 0.02, 0.01} * input->bounds.diagonal();
+          if (constant) input->styles[1].color_map.clear();
+          input->styles[0].opacity_upper = 0.9;
+        }
+        EXPECT_LT(compare_images(oracle_image(split), draw_segments(cut)).max, kHalfStep)
+            << (orthographic ? "parallel " : "") << (inside ? "inside " : "") << (constant ? "constant" : "");
+      }
+}
+
 TEST(DrawSegments, ManyFragmentsInATileAreDoneInParts) {
   // 400 layers of one pixel's depth, each covering the picture: more than a tile's memory holds.
   IntervalMesh mesh;
