@@ -312,6 +312,8 @@ class GlRenderer : public Renderer {
 
   DrawResult draw(const DrawInput& input) override {
     check(input);
+    if (!input.cut_intervals.empty())
+      throw Error(ErrorCode::unavailable, "picture: intervals that the renderer cuts are drawn by the native renderer only");
     try {
       if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_), project_on_);
       return state_->draw(input);
