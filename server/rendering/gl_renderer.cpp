@@ -255,7 +255,7 @@ DrawResult GlState::draw(const DrawInput& input) {
 
   bool linear = false;
   for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.constant());
-  const Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
+  const Projection projection = make_projection(input);
   const Variant variant{linear,
                         linear && input.integral == Integral::table2d,
                         input.camera.orthographic,
