@@ -43,16 +43,20 @@ RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, 
   return failed;
 }
 
-// The parts of a scene that a picture of older intervals can still follow.
+// The parts of a scene that a picture of older intervals can still follow. A smear's mesh is another one, so its mode stays with
+// what was extracted.
 void take_view(Scene& of, const Scene& from) {
   of.camera = from.camera;
   of.background = from.background;
-  of.mode = from.mode;
+  if ((of.mode == SceneMode::smear) == (from.mode == SceneMode::smear)) of.mode = from.mode;
+  of.integral = from.integral;
+  of.cycle = from.cycle;
   of.unit_distance = from.unit_distance;
 }
 
 bool same_view(const Scene& a, const Scene& b) {
-  return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.unit_distance == b.unit_distance;
+  return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.integral == b.integral &&
+         a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance;
 }
 
 struct SessionState {
@@ -83,7 +87,9 @@ bool is_software_device(const std::string& device) {
   return false;
 }
 
-bool same_extraction(const Scene& a, const Scene& b) { return a.dataset == b.dataset && layer_request(a) == layer_request(b); }
+bool same_extraction(const Scene& a, const Scene& b) {
+  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b);
+}
 
 class Engine::Impl {
  public:
@@ -400,7 +406,7 @@ class Engine::Impl {
       frame.session = request.session;
       frame.request = request.request;
       frame.revision = order.scene.revision;
-      frame.step = order.scene.time ? order.extracted->time.first : order.scene.step;
+      frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
       frame.lossless = request.lossless;
       frame.jpeg = request.jpeg;
       frame.width = request.width;
@@ -411,8 +417,8 @@ class Engine::Impl {
       frame.order = std::move(result.facts.order);
       frame.order_exact = result.facts.order_exact;
       frame.tetrahedra = result.facts.tetrahedra;
-      const auto& summaries = order.extracted->mesh->summaries;
-      for (std::size_t i = 0; i < std::min(order.scene.intervals.size(), summaries.size()); ++i)
+      const auto summaries = interval_summaries(*order.extracted, order.scene);
+      for (std::size_t i = 0; i < summaries.size(); ++i)
         frame.intervals.push_back(
             {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
       auto image = std::make_shared<Image>(std::get<Image>(std::move(result.image)));

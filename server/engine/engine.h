@@ -52,7 +52,8 @@ class Engine {
 /// Whether a GL renderer's name is that of one that runs on the CPU.
 bool is_software_device(const std::string& device);
 
-/// Whether the extraction made for one scene serves the other: same dataset, and the same layer_request (draw_scene.h).
+/// Whether the extraction made for one scene serves the other: same dataset, the same layer_request and steps of a smear
+/// (draw_scene.h).
 bool same_extraction(const Scene& a, const Scene& b);
 
 }  // namespace isostrata

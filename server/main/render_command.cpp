@@ -35,7 +35,7 @@ Scene make_scene(const RenderArguments& arguments, const Dataset& dataset) {
   scene.array = array.name;
   scene.color_by = arguments.color_by;
   scene.intervals = parse_intervals(arguments.intervals, dataset, array);
-  scene.mode = arguments.mode == "prioritized" ? RenderMode::prioritized : RenderMode::sorted;
+  scene.mode = arguments.mode == "prioritized" ? SceneMode::prioritized : SceneMode::sorted;
   scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset"), dataset.bounds);
   if (!arguments.background.empty() && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
   scene.unit_distance = arguments.unit_distance;

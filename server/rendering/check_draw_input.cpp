@@ -31,13 +31,15 @@ void check(const DrawInput& input) {
     const std::string which = "interval " + std::to_string(i) + ": ";
     if (!finite(style.color)) fail(which + "its colour is not a number");
     if (!(style.opacity >= 0 && style.opacity <= 1)) fail(which + "opacity must be in [0, 1]");
-    if (style.color_map.empty()) continue;
-    color_map(style.color_map);  // throws where there is no such map
+    if (style.opacity_upper && !(*style.opacity_upper >= 0 && *style.opacity_upper <= 1))
+      fail(which + "the upper opacity must be in [0, 1]");
+    if (style.constant()) continue;
+    if (!style.color_map.empty()) color_map(style.color_map);  // throws where there is no such map
     if (!std::isfinite(style.color_lower) || !std::isfinite(style.color_upper))
-      fail(which + "the colour map's range is not finite");
+      fail(which + "the range of colour and opacity is not finite");
     if (!input.color_values || input.color_values->size() != input.mesh->positions.size())
-      fail(which + "a colour map needs one value for each of the mesh's " + std::to_string(input.mesh->positions.size()) +
-           " points");
+      fail(which + "a colour map or an upper opacity needs one value for each of the mesh's " +
+           std::to_string(input.mesh->positions.size()) + " points");
   }
 }
 

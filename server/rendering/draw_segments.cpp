@@ -1,14 +1,273 @@
 #include "rendering/draw_segments.h"
 
-#include "base/error.h"
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "base/buffer.h"
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "rendering/segment_bins.h"
+#include "rendering/segment_fragments.h"
+#include "rendering/segment_lists.h"
+#include "rendering/segment_optics.h"
+#include "rendering/segment_surfaces.h"
+#include "rendering/segment_view.h"
 
 namespace isostrata {
+namespace {
 
-struct SegmentsRenderer::State {};
-SegmentsRenderer::SegmentsRenderer() = default;
+constexpr std::size_t kFirstCapacity = std::size_t{1} << 16, kMostFragments = std::size_t{1} << 20;
+
+/// A thread's memory: of one tile, kept from tile to tile.
+struct TileMemory {
+  Buffer<float> light;
+  Buffer<std::uint32_t> far_key;
+  Buffer<std::uint16_t> pixel;
+  Buffer<float> q_in;
+  FragmentStore store;
+  PixelLists lists;
+  TilePixels pixels;
+  CoverBatch batch;
+  std::vector<TileEntry> nearest_first, sorted;
+  std::vector<std::uint32_t> surfaces;
+  float q_low[kTilePixels], q_high[kTilePixels];
+  float planes[5][kTilePixels];
+
+  /// Room for `capacity` fragments, and for what vectors write beyond the last one.
+  void reserve(std::size_t capacity, bool depth) {
+    light.resize(4 * (capacity + 64));
+    far_key.resize(capacity + 64);
+    pixel.resize(capacity + 64);
+    if (depth) q_in.resize(capacity + 64);
+    store.light = light.data();
+    store.far_key = far_key.data();
+    store.pixel = pixel.data();
+    store.q_in = depth ? q_in.data() : nullptr;
+    store.capacity = capacity;
+  }
+};
+
+/// The nearest first, nearly: by counting into steps of equal size. Enough for lists that are sorted exactly later.
+void sort_by_nearness(std::vector<TileEntry>& entries, std::vector<TileEntry>& sorted) {
+  constexpr std::size_t kSteps = 1024;
+  if (entries.size() < 64) {
+    std::sort(entries.begin(), entries.end(), [](const TileEntry& a, const TileEntry& b) { return a.nearness > b.nearness; });
+    return;
+  }
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  for (const TileEntry& e : entries) least = std::min(least, e.nearness), most = std::max(most, e.nearness);
+  const float per_step = most > least ? (kSteps - 1) / (most - least) : 0.0f;
+  std::array<std::uint32_t, kSteps> at{};
+  const auto step = [&](const TileEntry& e) {
+    return std::min(static_cast<std::size_t>((most - e.nearness) * per_step), kSteps - 1);
+  };
+  for (const TileEntry& e : entries) ++at[step(e)];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& count : at) sum += std::exchange(count, sum);
+  sorted.resize(entries.size());
+  for (const TileEntry& e : entries) sorted[at[step(e)]++] = e;
+  entries.swap(sorted);
+}
+
+}  // namespace
+
+struct SegmentsRenderer::State {
+  PlacedMesh placed;
+  std::mutex mutex;  // of memory
+  std::vector<std::unique_ptr<TileMemory>> memory;
+
+  std::unique_ptr<TileMemory> lend() {
+    const std::lock_guard lock(mutex);
+    if (memory.empty()) return std::make_unique<TileMemory>();
+    auto one = std::move(memory.back());
+    memory.pop_back();
+    return one;
+  }
+  void give_back(std::unique_ptr<TileMemory> one) {
+    const std::lock_guard lock(mutex);
+    memory.push_back(std::move(one));
+  }
+};
+
+namespace {
+
+/// A frame's tiles.
+class TilePainter {
+ public:
+  TilePainter(const DrawInput& input, TileSink& sink, const SegmentView& view, const SegmentOptics& optics,
+              const PlacedMesh& placed, const SegmentSurfaces& surfaces)
+      : input_(input), sink_(sink), view_(view), optics_(optics), placed_(placed), surfaces_(surfaces) {
+    for (const ClipPlane& plane : input.clip_planes) half_spaces_.push_back(on_screen(plane, view));
+  }
+
+  void paint(std::size_t tile, TileMemory& memory) {
+    const int tile_x = static_cast<int>(tile) % placed_.tiles_x * kTileSize,
+              tile_y = static_cast<int>(tile) / placed_.tiles_x * kTileSize;
+    CoverInput part;
+    part.view = &view_;
+    part.optics = &optics_;
+    part.integral = input_.integral;
+    part.tile_x = tile_x;
+    part.tile_y = tile_y;
+    part.x1 = std::min(kTileSize, view_.width - tile_x) - 1;
+    part.y1 = std::min(kTileSize, view_.height - tile_y) - 1;
+    memory.pixels.clear();
+    const auto entries = placed_.bins.of(tile), surfaces = surfaces_.in_tile(tile);
+    if (!entries.empty() || !surfaces.empty()) {
+      if (memory.store.capacity == 0 || (sink_.wants_depth() != (memory.store.q_in != nullptr)))
+        memory.reserve(kFirstCapacity, sink_.wants_depth());
+      if (!half_spaces_.empty()) limit_rays(part, memory);
+      for (int group = 0; group < optics_.groups; ++group) paint_group(group, entries, surfaces, part, memory);
+    }
+    put(part, memory);
+  }
+  std::int64_t fragments() const { return fragments_; }
+
+ private:
+  void limit_rays(CoverInput& part, TileMemory& memory) const {
+    for (int p = 0; p < kTilePixels; ++p) {
+      double low = -1e30, high = 1e30;
+      const double x = part.tile_x + p % kTileSize, y = part.tile_y + p / kTileSize;
+      for (const ScreenHalfSpace& half : half_spaces_) {
+        const double q = half.at + half.per_x * x + half.per_y * y;
+        if (half.keeps_nearer)
+          low = std::max(low, q);
+        else
+          high = std::min(high, q);
+      }
+      memory.q_low[p] = static_cast<float>(std::min(low, 1e30));
+      memory.q_high[p] = static_cast<float>(std::max(high, -1e30));
+    }
+    part.q_low = memory.q_low;
+    part.q_high = memory.q_high;
+  }
+
+  std::uint16_t interval_of(std::uint32_t id) const {
+    const std::size_t count = input_.mesh->tetrahedra.size();
+    return id < count ? input_.mesh->tetrahedron_interval[id] : placed_.pieces[id - count].interval;
+  }
+
+  void paint_group(int group, std::span<const TileEntry> entries, std::span<const TileEntry> surfaces, const CoverInput& part,
+                   TileMemory& memory) {
+    memory.nearest_first.clear();
+    if (optics_.groups == 1)
+      memory.nearest_first.assign(entries.begin(), entries.end());
+    else
+      for (const TileEntry& e : entries)
+        if (optics_.group[interval_of(e.id)] == group) memory.nearest_first.push_back(e);
+    memory.surfaces.clear();
+    for (const TileEntry& e : surfaces)
+      if (optics_.surface_group[surfaces_.interval(e.id)] == group) memory.surfaces.push_back(e.id);
+    if (memory.nearest_first.empty() && memory.surfaces.empty()) return;
+    sort_by_nearness(memory.nearest_first, memory.sorted);
+    paint_part(part, memory);
+  }
+
+  /// The group's tetrahedra and surfaces in a part of the tile; in four parts of that where its fragments take too much memory.
+  void paint_part(const CoverInput& part, TileMemory& memory) {
+    FragmentStore& store = memory.store;
+    store.count = 0;
+    const auto make_room = [&](std::size_t wanted) {  // false: the part must be split
+      if (store.capacity - store.count >= wanted) return true;
+      if (store.capacity >= kMostFragments && (part.x1 - part.x0 > 1 || part.y1 - part.y0 > 1)) return false;
+      memory.reserve(std::max(2 * store.capacity, store.count + wanted), store.q_in != nullptr);
+      return true;
+    };
+    const std::size_t count = input_.mesh->tetrahedra.size();
+    const auto& entries = memory.nearest_first;
+    for (std::size_t begin = 0; begin < entries.size(); begin += CoverBatch::kCapacity) {
+      CoverBatch& batch = memory.batch;
+      batch.count = std::min(CoverBatch::kCapacity, entries.size() - begin);
+      for (std::size_t i = 0; i < batch.count; ++i) {
+        const std::uint32_t id = entries[begin + i].id;
+        batch.interval[i] = interval_of(id);
+        for (std::size_t v = 0; v < 4; ++v)
+          batch.vertex[v][i] = id < count ? placed_.points[input_.mesh->tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
+      }
+      for (std::size_t done = 0; done < batch.count;) {
+        if (!make_room(kLightRoom)) return paint_quarters(part, memory);
+        done = cover_tile(part, batch, done, store);
+      }
+    }
+    for (const std::uint32_t triangle : memory.surfaces) {
+      if (!make_room(surfaces_.room(triangle, part))) return paint_quarters(part, memory);
+      surfaces_.add(triangle, part, store);
+    }
+    fragments_ += static_cast<std::int64_t>(store.count);
+    blend_fragments(store, memory.lists, memory.pixels);
+  }
+
+  void paint_quarters(const CoverInput& part, TileMemory& memory) {
+    const int x_middle = (part.x0 + part.x1) / 2, y_middle = (part.y0 + part.y1) / 2;
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      CoverInput one = part;
+      (quarter & 1 ? one.x0 : one.x1) = x_middle + (quarter & 1);
+      (quarter & 2 ? one.y0 : one.y1) = y_middle + (quarter >> 1);
+      if (one.x0 <= one.x1 && one.y0 <= one.y1) paint_part(one, memory);
+    }
+  }
+
+  void put(const CoverInput& part, TileMemory& memory) {
+    FinishedTile tile;
+    tile.x = part.tile_x;
+    tile.y = part.tile_y;
+    tile.width = part.x1 + 1;
+    tile.height = part.y1 + 1;
+    tile.stride = kTileSize;
+    for (int p = 0; p < kTilePixels; ++p) {
+      for (int c = 0; c < 3; ++c) memory.planes[c][p] = memory.pixels.light[p][c];
+      memory.planes[3][p] = 1 - memory.pixels.light[p][3];
+    }
+    for (int c = 0; c < 4; ++c) tile.rgba[c] = memory.planes[c];
+    if (sink_.wants_depth()) {
+      for (int p = 0; p < kTilePixels; ++p) {
+        const float q = memory.pixels.nearest_q[p];
+        memory.planes[4][p] = q > -1e29f ? static_cast<float>(view_.depth_of(double{q})) : std::numeric_limits<float>::infinity();
+      }
+      tile.depth = memory.planes[4];
+    }
+    sink_.put(tile);
+  }
+
+  const DrawInput& input_;
+  TileSink& sink_;
+  const SegmentView& view_;
+  const SegmentOptics& optics_;
+  const PlacedMesh& placed_;
+  const SegmentSurfaces& surfaces_;
+  std::vector<ScreenHalfSpace> half_spaces_;
+  std::atomic<std::int64_t> fragments_{0};
+};
+
+}  // namespace
+
+SegmentsRenderer::SegmentsRenderer() : state_(std::make_unique<State>()) {}
 SegmentsRenderer::~SegmentsRenderer() = default;
-void SegmentsRenderer::draw(const DrawInput&, TileSink&, DrawFacts&) {
-  throw Error(ErrorCode::unavailable, "segments: under construction");
+
+void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
+  const Stopwatch order_watch;
+  const SegmentView view = make_segment_view(input);
+  const SegmentOptics optics = make_segment_optics(input, view.scale);
+  place_mesh(input, view, optics, state_->placed);
+  const SegmentSurfaces surfaces(input, view, optics, state_->placed.tiles_x, state_->placed.tiles_y);
+  facts.order = "per pixel (exact)";
+  facts.order_exact = true;
+  facts.tetrahedra = state_->placed.drawn;
+  facts.order_ms = order_watch.elapsed_ms();
+
+  const Stopwatch draw_watch;
+  TilePainter painter(input, sink, view, optics, state_->placed, surfaces);
+  parallel_for(std::int64_t{state_->placed.tiles_x} * state_->placed.tiles_y, 1, [&](std::int64_t begin, std::int64_t end) {
+    auto memory = state_->lend();
+    for (std::int64_t tile = begin; tile < end; ++tile) painter.paint(static_cast<std::size_t>(tile), *memory);
+    state_->give_back(std::move(memory));
+  });
+  if (input.count_fragments) facts.fragments = painter.fragments();
+  facts.draw_ms = draw_watch.elapsed_ms();
 }
 
 }  // namespace isostrata

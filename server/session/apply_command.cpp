@@ -329,10 +329,10 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
     case v1::RENDER_MODE_UNSPECIFIED:
       break;
     case v1::RENDER_MODE_SORTED:
-      scene.mode = RenderMode::sorted;
+      scene.mode = SceneMode::sorted;
       break;
     case v1::RENDER_MODE_PRIORITIZED:
-      scene.mode = RenderMode::prioritized;
+      scene.mode = SceneMode::prioritized;
       break;
     default:
       refuse("unsupported", "mode " + std::to_string(command.mode()) + " is not known; expected sorted (1) or prioritized (2)",

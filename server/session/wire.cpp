@@ -78,7 +78,7 @@ v1::State to_wire(const Scene& scene) {
   out.set_array(scene.array);
   out.set_color_by(scene.color_by);
   for (const SceneInterval& interval : scene.intervals) *out.add_intervals() = to_wire(interval);
-  out.set_mode(scene.mode == RenderMode::prioritized ? v1::RENDER_MODE_PRIORITIZED : v1::RENDER_MODE_SORTED);
+  out.set_mode(scene.mode == SceneMode::prioritized ? v1::RENDER_MODE_PRIORITIZED : v1::RENDER_MODE_SORTED);
   if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
   *out.mutable_background() = to_wire(scene.background);
   out.set_unit_distance(scene.unit_distance);

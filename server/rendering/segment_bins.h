@@ -1,0 +1,52 @@
+// Which tiles of the picture a mesh's tetrahedra and facets reach.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/buffer.h"
+#include "rendering/segment_optics.h"
+#include "rendering/segment_points.h"
+
+namespace isostrata {
+
+struct TileEntry {
+  std::uint32_t id;
+  float nearness;  // as in PlacedTetrahedron
+};
+
+/// The entries of tile t (row by row) are [first[t], first[t + 1]), in the order in which they were placed.
+struct TileBins {
+  std::vector<std::uint32_t> first;
+  Buffer<TileEntry> entries;
+
+  std::span<const TileEntry> of(std::size_t tile) const {
+    return first.empty() ? std::span<const TileEntry>{} : std::span(entries).subspan(first[tile], first[tile + 1] - first[tile]);
+  }
+};
+
+/// Counts, then fills: the same for any number of threads. Parallel over the chunks. Throws too_large beyond 2^32 entries.
+void fill_bins(const std::vector<std::span<const PlacedTetrahedron>>& chunks, int tiles_x, int tiles_y, TileBins& bins);
+
+/// A piece of a tetrahedron that was cut at the eye or far outside the picture.
+struct CutTetrahedron {
+  std::array<ScreenVertex, 4> vertex;
+  std::uint16_t interval = 0;
+};
+
+/// The drawn tetrahedra on the screen. ids from mesh.tetrahedra.size() on are pieces. Memory is kept from frame to frame.
+struct PlacedMesh {
+  Buffer<ScreenVertex> points;  // [np]
+  std::vector<CutTetrahedron> pieces;
+  TileBins bins;
+  std::int64_t drawn = 0;  // tetrahedra of drawn intervals, whether they cover a pixel or not
+  int tiles_x = 0, tiles_y = 0;
+
+  Buffer<PlacedTetrahedron> placed;  // [tetrahedra], of each chunk from its first tetrahedron on
+};
+
+void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, PlacedMesh& out);
+
+}  // namespace isostrata

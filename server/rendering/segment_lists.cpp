@@ -1,0 +1,153 @@
+#include "rendering/segment_lists.h"
+
+#include <algorithm>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "rendering/segment_lists.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace isostrata::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int kPasses = 12;
+
+void sort_one_by_one(std::uint64_t* items, std::size_t length) {
+  std::vector<std::uint64_t> list(length);
+  for (std::size_t lane = 0; lane < kListLanes; ++lane) {
+    for (std::size_t k = 0; k < length; ++k) list[k] = items[k * kListLanes + lane];
+    std::sort(list.begin(), list.end());
+    for (std::size_t k = 0; k < length; ++k) items[k * kListLanes + lane] = list[k];
+  }
+}
+
+/// kListLanes lists side by side, ascending.
+HWY_INLINE void sort_lists(std::uint64_t* items, std::size_t length) {
+  const hn::CappedTag<std::uint64_t, kListLanes> d;
+  const std::size_t lanes = hn::Lanes(d);
+  bool sorted = length < 2;
+  for (int pass = 0; !sorted; ++pass) {
+    if (pass == kPasses) return sort_one_by_one(items, length);
+    sorted = true;
+    for (std::size_t part = 0; part < kListLanes; part += lanes) {
+      std::uint64_t* const at = items + part;
+      if (pass % 2 == 0) {  // the greatest sinks to the end
+        auto carry = hn::Load(d, at);
+        auto moved = hn::MaskFromVec(hn::Zero(d));
+        for (std::size_t k = 1; k < length; ++k) {
+          const auto next = hn::Load(d, at + k * kListLanes);
+          moved = hn::Or(moved, hn::Lt(next, carry));
+          hn::Store(hn::Min(carry, next), d, at + (k - 1) * kListLanes);
+          carry = hn::Max(carry, next);
+        }
+        hn::Store(carry, d, at + (length - 1) * kListLanes);
+        sorted = sorted && hn::AllFalse(d, moved);
+      } else {  // the least rises to the front
+        auto carry = hn::Load(d, at + (length - 1) * kListLanes);
+        auto moved = hn::MaskFromVec(hn::Zero(d));
+        for (std::size_t k = length - 1; k-- > 0;) {
+          const auto next = hn::Load(d, at + k * kListLanes);
+          moved = hn::Or(moved, hn::Lt(carry, next));
+          hn::Store(hn::Max(carry, next), d, at + (k + 1) * kListLanes);
+          carry = hn::Min(carry, next);
+        }
+        hn::Store(carry, d, at);
+        sorted = sorted && hn::AllFalse(d, moved);
+      }
+    }
+  }
+}
+
+/// Front to back. The pixels' chains of dependence run side by side.
+HWY_INLINE void blend_lists(const std::uint64_t* items, std::size_t length, const float* light, float (*pixels)[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  for (std::size_t i = 0; i < length * kListLanes; ++i) {
+    float* const pixel = pixels[i % kListLanes];
+    const float* const fragment = light + 4 * static_cast<std::size_t>(static_cast<std::uint32_t>(items[i]));
+    const float through = pixel[3];
+    for (int c = 0; c < 4; ++c) pixel[c] += through * fragment[c];
+  }
+#else
+  const hn::FixedTag<float, 4> d4;
+  using V = hn::Vec<decltype(d4)>;
+  static_assert(kListLanes == 8);
+  V p0 = hn::Load(d4, pixels[0]), p1 = hn::Load(d4, pixels[1]), p2 = hn::Load(d4, pixels[2]), p3 = hn::Load(d4, pixels[3]),
+    p4 = hn::Load(d4, pixels[4]), p5 = hn::Load(d4, pixels[5]), p6 = hn::Load(d4, pixels[6]), p7 = hn::Load(d4, pixels[7]);
+  const auto add = [&](V& pixel, std::uint64_t item) {
+    const V fragment = hn::Load(d4, light + 4 * static_cast<std::size_t>(static_cast<std::uint32_t>(item)));
+    pixel = hn::MulAdd(hn::Broadcast<3>(pixel), fragment, pixel);  // its last number is minus alpha
+  };
+  for (std::size_t k = 0; k < length; ++k, items += kListLanes) {
+    add(p0, items[0]), add(p1, items[1]), add(p2, items[2]), add(p3, items[3]);
+    add(p4, items[4]), add(p5, items[5]), add(p6, items[6]), add(p7, items[7]);
+  }
+  hn::Store(p0, d4, pixels[0]), hn::Store(p1, d4, pixels[1]), hn::Store(p2, d4, pixels[2]), hn::Store(p3, d4, pixels[3]);
+  hn::Store(p4, d4, pixels[4]), hn::Store(p5, d4, pixels[5]), hn::Store(p6, d4, pixels[6]), hn::Store(p7, d4, pixels[7]);
+#endif
+}
+
+void BlendFragments(FragmentStore& store, PixelLists& lists, TilePixels& pixels) {
+  // A fragment of no light fills the shorter lists.
+  std::memset(store.light + 4 * store.count, 0, 4 * sizeof(float));
+  const std::uint64_t nothing = std::uint64_t{0xffffffff} << 32 | store.count;
+
+  std::memset(lists.count, 0, sizeof lists.count);
+  for (std::size_t i = 0; i < store.count; ++i) ++lists.count[store.pixel[i]];
+  std::size_t room = 0;
+  std::uint32_t longest[kTilePixels / kListLanes];
+  for (std::size_t block = 0; block < kTilePixels; block += kListLanes) {
+    const std::uint32_t most = *std::max_element(lists.count + block, lists.count + block + kListLanes);
+    longest[block / kListLanes] = most;
+    for (std::size_t lane = 0; lane < kListLanes; ++lane) lists.first[block + lane] = static_cast<std::uint32_t>(room + lane);
+    room += most * kListLanes;
+  }
+  if (lists.items.size() < room + 8) lists.items.resize(room + room / 2 + 64);
+  // Lists are aligned to their vectors.
+  std::uint64_t* items = lists.items.data();
+  while (reinterpret_cast<std::uintptr_t>(items) % 64 != 0) ++items;
+  std::fill(items, items + room, nothing);
+  for (std::size_t i = 0; i < store.count; ++i) {
+    std::uint32_t& at = lists.first[store.pixel[i]];
+    items[at] = std::uint64_t{store.far_key[i]} << 32 | i;
+    at += kListLanes;
+  }
+  if (store.q_in)
+    for (std::size_t i = 0; i < store.count; ++i) {
+      float& nearest = pixels.nearest_q[store.pixel[i]];
+      nearest = std::max(nearest, store.q_in[i]);
+    }
+  for (std::size_t block = 0; block < kTilePixels; block += kListLanes) {
+    const std::size_t length = longest[block / kListLanes];
+    if (length == 0) continue;
+    sort_lists(items, length);
+    blend_lists(items, length, store.light, pixels.light + block);
+    items += length * kListLanes;
+  }
+}
+
+}  // namespace isostrata::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace isostrata {
+
+HWY_EXPORT(BlendFragments);
+
+void blend_fragments(FragmentStore& store, PixelLists& lists, TilePixels& pixels) {
+  if (store.count == 0) return;
+  HWY_DYNAMIC_DISPATCH(BlendFragments)(store, lists, pixels);
+}
+
+void TilePixels::clear() {
+  for (int p = 0; p < kTilePixels; ++p) {
+    light[p][0] = light[p][1] = light[p][2] = 0;
+    light[p][3] = 1;
+    nearest_q[p] = -1e30f;
+  }
+}
+
+}  // namespace isostrata
+#endif  // HWY_ONCE

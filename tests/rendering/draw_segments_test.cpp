@@ -1,0 +1,194 @@
+// The native renderer for segments against the oracle, on every kind of grid.
+#include "rendering/draw_segments.h"
+
+#include <gtest/gtest.h>
+
+#include "data/analytic.h"
+#include "extraction/extract_intervals.h"
+#include "support/oracle.h"
+#include "support/pictures.h"
+
+namespace isostrata::testing {
+namespace {
+
+constexpr double kHalfStep = 1.0 / 510;  // of 8 bits
+
+FloatImage draw_segments(DrawInput input) {
+  input.float_image = true;
+  TileSink sink(input);
+  DrawFacts facts;
+  SegmentsRenderer().draw(input, sink, facts);
+  EXPECT_TRUE(facts.order_exact);
+  return std::get<FloatImage>(sink.take());
+}
+
+/// Two touching intervals of the data, coloured by the array that they are cut from.
+DrawInput extracted_input(const char* data, double lower, double middle, double upper) {
+  static std::vector<std::shared_ptr<const Dataset>> alive;
+  alive.push_back(make_analytic(data, {}, Task{}));
+  const Dataset& dataset = *alive.back();
+  const PointArray& array = dataset.arrays[0];
+  const double span = array.upper - array.lower;
+  const std::vector<Interval> intervals{{array.lower + lower * span, array.lower + middle * span},
+                                        {array.lower + middle * span, array.lower + upper * span}};
+  ExtractOptions options;
+  options.facets = true;
+  IntervalMesh mesh = extract_intervals(dataset.grid, array, intervals, options, Task{});
+  std::vector<float> values(mesh.values.begin(), mesh.values.end());
+  DrawInput input = input_of(std::move(mesh));
+  input.grid = &dataset.grid;
+  input.bounds = dataset.bounds;
+  input.camera = view_of(input.bounds, "reset");
+  input.color_values = std::make_shared<const std::vector<float>>(std::move(values));
+  input.unit_distance = input.bounds.diagonal() / 30;
+  for (IntervalStyle& style : input.styles) {
+    style.color_map = "viridis";
+    style.color_lower = array.lower;
+    style.color_upper = array.upper;
+  }
+  return input;
+}
+
+void expect_oracle(const DrawInput& input, double most, const std::string& what) {
+  const FloatImage image = draw_segments(input);
+  const OracleImage expected = oracle_image(input);
+  const OracleError error = compare_images(expected, image);
+  EXPECT_GT(error.covered, 0.05) << what;
+  EXPECT_LT(error.max, most) << what << " at " << error.max_x << "," << error.max_y;
+  EXPECT_LT(error.mean, 1e-4) << what;
+}
+
+const char* const kGrids[] = {"torus:12", "cylinder:12x10x6", "tets:8", "mixed:7"};
+
+TEST(DrawSegments, MeetsTheOracleToHalfAStepOfEightBitsOnEveryGrid) {
+  for (const char* data : kGrids) {
+    const DrawInput input = extracted_input(data, 0.2, 0.4, 0.6);
+    expect_oracle(input, kHalfStep, data);
+    for (const char* side : {"+x", "-y", "+z"}) {
+      DrawInput turned = input;
+      turned.camera = view_of(input.bounds, side);
+      expect_oracle(turned, 2 * kHalfStep, std::string(data) + side);  // faces seen edge-on end at pixels' edges
+    }
+  }
+}
+
+TEST(DrawSegments, ParallelRaysMeetTheOracle) {
+  for (const char* data : kGrids) {
+    DrawInput input = extracted_input(data, 0.2, 0.4, 0.6);
+    input.camera.orthographic = true;
+    expect_oracle(input, kHalfStep, data);
+  }
+}
+
+TEST(DrawSegments, AnEyeInsideMeetsTheOracle) {
+  for (const char* data : kGrids) {
+    DrawInput input = extracted_input(data, 0.1, 0.5, 0.9);
+    input.camera.eye = input.bounds.center() + Vec3d{0.05, 0.02, 0.01} * input.bounds.diagonal();
+    expect_oracle(input, 2 * kHalfStep, data);
+  }
+}
+
+TEST(DrawSegments, ClipPlanesCutToThePixel) {
+  for (const char* data : kGrids)
+    for (const bool orthographic : {false, true}) {
+      DrawInput input = extracted_input(data, 0.1, 0.5, 0.9);
+      input.camera.orthographic = orthographic;
+      for (const Vec3d n : {Vec3d{1, 0.3, 0.2}, Vec3d{-0.2, 1, -0.4}}) {
+        const Vec3d normal = normalized(n);
+        input.clip_planes.push_back({normal, dot(normal, input.bounds.center())});
+      }
+      expect_oracle(input, kHalfStep, data);
+    }
+}
+
+TEST(DrawSegments, SurfacesLieInTheOrderOfTheVolume) {
+  for (const char* data : kGrids) {
+    DrawInput input = extracted_input(data, 0.2, 0.4, 0.6);
+    for (IntervalStyle& style : input.styles) {
+      style.surface.lower = style.surface.domain = true;
+      style.surface.opacity = 0.4;
+      style.surface.silhouette = 0.5;
+    }
+    expect_oracle(input, 2 * kHalfStep, data);
+  }
+}
+
+TEST(DrawSegments, HigherPrioritiesArePaintedOverLowerOnes) {
+  DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
+  input.mode = RenderMode::prioritized;
+  for (const int priority : {-1, 1}) {
+    input.styles[0].priority = priority;
+    expect_oracle(input, kHalfStep, "priority " + std::to_string(priority));
+  }
+}
+
+TEST(DrawSegments, ExtinctionRunsWithTheValue) {
+  for (const double upper : {0.0, 0.9}) {
+    DrawInput input = extracted_input("tets:8", 0.2, 0.4, 0.6);
+    input.styles[0].opacity_upper = upper;
+    expect_oracle(input, kHalfStep, "opacity " + std::to_string(upper));
+  }
+}
+
+TEST(DrawSegments, ThePapersTableLooksAtTheMean) {
+  DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
+  input.integral = Integral::table2d;
+  expect_oracle(input, kHalfStep, "table");
+}
+
+TEST(DrawSegments, BentMapsOverWideTetrahedraAreIntegratedInPanels) {
+  for (const double range : {0.1, 1.0}) {
+    DrawInput input = extracted_input("torus:6", 0.1, 0.5, 0.9);
+    for (IntervalStyle& style : input.styles) style.color_upper = style.color_lower + range * (style.color_upper - style.color_lower);
+    expect_oracle(input, 2 * kHalfStep, "range " + std::to_string(range));
+  }
+}
+
+TEST(DrawSegments, ConstantIntervalsBesideMappedOnes) {
+  DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
+  input.styles[1].color_map.clear();
+  expect_oracle(input, kHalfStep, "one constant");
+}
+
+TEST(DrawSegments, ValuesThatAreNoNumbersShowTheBeginningOfTheMap) {
+  DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
+  const auto other = std::make_shared<std::vector<float>>(input.color_values->size(), std::numeric_limits<float>::quiet_NaN());
+  const auto lowest = std::make_shared<std::vector<float>>(input.color_values->size(), static_cast<float>(input.styles[0].color_lower));
+  input.color_values = other;
+  const FloatImage nan = draw_segments(input);
+  input.color_values = lowest;
+  EXPECT_EQ(nan.rgba, draw_segments(input).rgba);
+}
+
+TEST(DrawSegments, ManyFragmentsInATileAreDoneInParts) {
+  // 400 layers of one pixel's depth, each covering the picture: more than a tile's memory holds.
+  IntervalMesh mesh;
+  for (int layer = 0; layer < 400; ++layer) {
+    const double z = -layer * 1e-3;
+    add_box(mesh, {-1, -1, z - 1e-3}, {1, 1, z}, 0, layer);
+  }
+  DrawInput input = input_of(std::move(mesh));
+  input.styles[0].color_map = "gray";
+  auto values = std::make_shared<std::vector<float>>();
+  for (const Vec3d& p : input.mesh->positions) values->push_back(static_cast<float>(-p.z / 0.4));
+  input.color_values = values;
+  input.unit_distance = 0.1;
+  input.camera = view_of(input.bounds, "+z");
+  input.camera.eye = input.camera.eye + Vec3d{0.01, 0.02, 0};
+  input.camera.fov_deg = 3;
+  input.width = input.height = 32;
+  expect_oracle(input, kHalfStep, "layers");
+}
+
+TEST(DrawSegments, ThePictureDoesNotDependOnTheSize) {
+  DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
+  for (const auto& [width, height] : {std::pair{1, 1}, {33, 31}, {65, 7}}) {
+    input.width = width;
+    input.height = height;
+    const FloatImage image = draw_segments(input);
+    EXPECT_LT(compare_with_oracle(input, image).max, 2 * kHalfStep) << width << "x" << height;
+  }
+}
+
+}  // namespace
+}  // namespace isostrata::testing
