@@ -69,7 +69,10 @@ RendererTrial run_trial(const std::string& device) {
       error = failure.what();
     }
   };
-  attempt(make_gl_renderer, trial.raster_ms, trial.raster_error);
+  const auto make_raster = [](std::unique_ptr<GlContext> context, const std::string& name) {
+    return make_gl_renderer(std::move(context), name);
+  };
+  attempt(make_raster, trial.raster_ms, trial.raster_error);
   attempt(make_compute_renderer, trial.compute_ms, trial.compute_error);
   return trial;
 }

@@ -316,6 +316,25 @@ TEST(Compute, AWidePictureInPartsIsRastersPicture) {
   EXPECT_LE(different, 40);
 }
 
+TEST(Compute, AWindowOfALargerPictureIsThatPartOfIt) {
+  DrawInput input = extracted_input("torus:10");
+  use_map(input, "viridis");
+  for (const bool orthographic : {false, true}) {
+    input.camera.orthographic = orthographic;
+    const FloatImage whole = draw_floats(input, compute());
+    DrawInput part = input;
+    part.window = {11, 7, input.width, input.height};
+    part.width = 20;
+    part.height = 15;
+    const FloatImage image = draw_floats(part, compute());
+    for (int y = 0; y < 15; ++y)
+      for (int x = 0; x < 20; ++x) {
+        EXPECT_NEAR(pixel(image, x, y)[0], pixel(whole, x + 11, y + 7)[0], 1e-4) << x << "," << y;
+        EXPECT_NEAR(pixel(image, x, y)[3], pixel(whole, x + 11, y + 7)[3], 1e-4) << x << "," << y;
+      }
+  }
+}
+
 TEST(Compute, RoomForPairsGrowsWithThePictures) {
   DrawInput small = extracted_input("torus:6"), large = extracted_input("torus:10");
   const auto renderer = make_renderer({"compute", "surfaceless"});  // knows no need yet
