@@ -111,14 +111,17 @@ struct DeviceAttempt {
 struct RendererChoice {
   std::string renderer = "auto";  // "auto", "native", "raster", "compute"
   std::string device = "auto";    // "auto", "native", "egl:INDEX", "egl:UUID", "surfaceless", "osmesa"
+  bool trial = false;             // renderer auto: hold the trial of raster and compute on a software device, too
 };
 
 /// native draws on the CPU's cores and needs no device. raster and compute draw with OpenGL on `device`: auto takes the first
 /// that works of each EGL device that is hardware, EGL surfaceless, OSMesa. renderer auto: native where the device is "native" or
-/// no device is hardware; else the faster of raster and compute in a short trial on that device; raster on a named software
-/// device. The renderer must be used and destroyed on the thread that made it. Throws unavailable saying what was tried and why
+/// no device is hardware; else the faster of raster and compute in a short trial on that device (renderer_trial.h), held once in
+/// a process; raster on a named software device. The renderer must be used and destroyed on the thread that made it. Throws unavailable saying what was tried and why
 /// each failed, invalid_argument for words that are none of these.
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
 std::vector<DeviceAttempt> probe_devices();
+/// How the last trial of this process went, for the log; empty where there was none. Any thread.
+std::string renderer_trial_report();
 
 }  // namespace isostrata
