@@ -384,12 +384,41 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.integral = scene.integral;
   input.normals = extracted.normals;
   input.texture_values = extracted.texture_values;
-  input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset");
+  input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset", static_cast<double>(width) / height);
   input.width = width;
   input.height = height;
   input.unit_distance = scene.unit_distance;
   input.background = scene.background;
+  input.clip_planes = scene.clip_planes;
   return input;
+}
+
+AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& scene, const DrawInput& input) {
+  AnnotationInput out;
+  out.show = scene.annotations;
+  out.bounds = input.bounds;
+  out.camera = input.camera;
+  out.width = input.width;
+  out.height = input.height;
+  out.background = input.background;
+  out.transparent = input.transparent;
+  out.array = extracted.array;
+  out.color_by = extracted.color_by;
+  for (std::size_t i = 0; i < input.styles.size() && i < input.mesh->summaries.size(); ++i) {
+    const IntervalSummary& summary = input.mesh->summaries[i];
+    LegendEntry entry{summary.interval.lower, summary.interval.upper, {}, input.styles[i]};
+    std::size_t of = i;  // within its step
+    const SmearPart* part = nullptr;
+    for (const SmearPart& candidate : extracted.parts)
+      if (i >= candidate.first_summary) part = &candidate, of = i - candidate.first_summary;
+    if (of < scene.intervals.size())
+      entry.name = scene.intervals[of].name;
+    else if (summary.term >= 0)
+      entry.name = scene.terms.at(static_cast<std::size_t>(summary.term)).term.array;
+    if (part) entry.name += (entry.name.empty() ? "step " : ", step ") + std::to_string(part->step);
+    out.entries.push_back(std::move(entry));
+  }
+  return out;
 }
 
 }  // namespace isostrata

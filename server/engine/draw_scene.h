@@ -11,6 +11,7 @@
 #include "engine/scene.h"
 #include "extraction/extract_layers.h"
 #include "extraction/interval_mesh.h"
+#include "rendering/annotations.h"
 #include "rendering/renderer.h"
 
 namespace isostrata {
@@ -71,5 +72,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Datase
 
 /// What the renderer needs for the scene at this size. `extracted` must belong to the scene's ends, terms and arrays.
 DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int width, int height);
+
+/// What the scene wants beside that picture. `input` is of draw_input for the same scene.
+AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& scene, const DrawInput& input);
 
 }  // namespace isostrata

@@ -13,6 +13,7 @@
 
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
+#include "engine/draw_still.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
 #include "extraction/brick_memory.h"
@@ -52,11 +53,14 @@ void take_view(Scene& of, const Scene& from) {
   of.integral = from.integral;
   of.cycle = from.cycle;
   of.unit_distance = from.unit_distance;
+  of.clip_planes = from.clip_planes;
+  of.annotations = from.annotations;
 }
 
 bool same_view(const Scene& a, const Scene& b) {
   return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.integral == b.integral &&
-         a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance;
+         a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance && a.clip_planes == b.clip_planes &&
+         a.annotations == b.annotations;
 }
 
 struct SessionState {
@@ -400,7 +404,12 @@ class Engine::Impl {
     send(FrameStarted{request.session, request.request});
     Stopwatch watch;
     try {
-      const DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      const auto annotations = std::make_shared<Drawing>();
+      if (order.scene.annotations.any()) {
+        *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
+        if (!annotations->empty()) ask_for_annotated(input, request.lossless);
+      }
       DrawResult result = renderer.draw(input);
       FrameReady frame;
       frame.session = request.session;
@@ -421,19 +430,23 @@ class Engine::Impl {
       for (std::size_t i = 0; i < summaries.size(); ++i)
         frame.intervals.push_back(
             {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
-      auto image = std::make_shared<Image>(std::get<Image>(std::move(result.image)));
-      encoders_[request.session % encoders_.size()]->post(
-          [this, image, frame = std::move(frame), watch, quality = request.jpeg_quality]() mutable {
-            encode(*image, std::move(frame), watch, quality);
-          });
+      auto image = std::make_shared<AnyImage>(std::move(result.image));
+      encoders_[request.session % encoders_.size()]->post([this, image, annotations, background = input.background,
+                                                           frame = std::move(frame), watch,
+                                                           quality = request.jpeg_quality]() mutable {
+        encode(*image, *annotations, background, std::move(frame), watch, quality);
+      });
     } catch (...) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
     }
   }
 
-  void encode(const Image& image, FrameReady frame, const Stopwatch& since_taken, int quality) {
+  void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,
+              int quality) {
     try {
       Stopwatch watch;
+      if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
+      const Image& image = std::get<Image>(drawn);
       frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, quality) : encode_png(image));
       frame.stages.encode_ms = watch.elapsed_ms();
       frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "extraction/extract_layers.h"
+#include "rendering/annotations.h"
 #include "rendering/camera.h"
 #include "rendering/renderer.h"
 #include "rendering/style.h"
@@ -53,6 +54,7 @@ struct SceneInterval {
   std::optional<double> opacity_upper;
   bool own_range = false;  // colour and opacity run from `lower` to `upper`, not over the colour array's whole range
   SurfaceStyle surface;    // its texture runs over the whole range of Scene::texture
+  std::string name;  // for the legend; may be empty
 
   bool operator==(const SceneInterval&) const = default;
 };
@@ -88,7 +90,9 @@ struct Scene {
   SceneSmear smear;
   std::optional<Camera> camera;  // none: the whole dataset
   Rgb background{0.05f, 0.06f, 0.08f};
-  double unit_distance = 0;  // 0: the default
+  double unit_distance = 0;            // 0: the default
+  std::vector<ClipPlane> clip_planes;  // what is kept by all of them is shown
+  Annotations annotations;             // drawn by the server, beside the volume
 };
 
 }  // namespace isostrata

@@ -20,6 +20,13 @@ void check(const DrawInput& input) {
   if (input.width < 1 || input.width > kMaxImageSize || input.height < 1 || input.height > kMaxImageSize)
     fail("size " + std::to_string(input.width) + "x" + std::to_string(input.height) + ", expected 1 to " +
          std::to_string(kMaxImageSize) + " pixels each way");
+  if (const PictureWindow& window = input.window; window.width != 0 || window.height != 0) {
+    if (window.width < 1 || window.width > kMaxWholeSize || window.height < 1 || window.height > kMaxWholeSize || window.x < 0 ||
+        window.y < 0 || window.x > window.width - input.width || window.y > window.height - input.height)
+      fail(std::to_string(input.width) + "x" + std::to_string(input.height) + " pixels at (" + std::to_string(window.x) + ", " +
+           std::to_string(window.y) + ") are no part of a picture of " + std::to_string(window.width) + "x" +
+           std::to_string(window.height) + ", each side at most " + std::to_string(kMaxWholeSize));
+  }
   check(input.camera);
   if (!std::isfinite(input.unit_distance) || input.unit_distance < 0) fail("unit distance must be a finite number, 0 or above");
   if (!finite(input.background)) fail("the background is not a colour");

@@ -116,8 +116,7 @@ CrossingsRenderer::~CrossingsRenderer() = default;
 void CrossingsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
   const FacetSet& set = state_->facets_of(input.mesh);
   Stopwatch watch;
-  const ScreenTransform transform = make_screen_transform(
-      input.camera, set.points.empty() ? Box3d{{0, 0, 0}, {0, 0, 0}} : set.bounds, input.width, input.height);
+  const ScreenTransform transform = make_screen_transform(input, set.points.empty() ? Box3d{{0, 0, 0}, {0, 0, 0}} : set.bounds);
   std::vector<std::uint8_t> drawn;
   for (const IntervalStyle& style : input.styles) drawn.push_back(is_drawn(style));
   Buffer<ScreenVertex>& vertices = state_->vertices;

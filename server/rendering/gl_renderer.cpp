@@ -85,7 +85,12 @@ class GlState {
 };
 
 GlState::GlState(std::unique_ptr<GlContext> context, ProjectOn project_on)
-    : context_(std::move(context)), gl_(context_->gl()), styles_(gl_), target_(gl_), mesh_(gl_), projection_(gl_, mesh_.largest_buffer()),
+    : context_(std::move(context)),
+      gl_(context_->gl()),
+      styles_(gl_),
+      target_(gl_),
+      mesh_(gl_),
+      projection_(gl_, mesh_.largest_buffer()),
       project_here_(project_on == ProjectOn::device || (project_on == ProjectOn::automatic && !context_->software())) {
   GLint largest = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
@@ -181,8 +186,8 @@ void GlState::prepare(Frame& frame) {
               frame.projection.scale, frame.variant.table);
   if (frame.variant.surfaces) mesh_.set_facets(input, frame.projection.scale);
   if (project_here_ && mesh_.set_mesh(input, frame.projection.scale))
-    frame.variant.wide = projection_.prepare({frame.variant.linear, frame.variant.orthographic, frame.variant.surfaces},
-                                             frame.order, frame.parts);
+    frame.variant.wide =
+        projection_.prepare({frame.variant.linear, frame.variant.orthographic, frame.variant.surfaces}, frame.order, frame.parts);
   if (!frame.variant.wide) frame.points = project_points(*input.mesh, frame.projection);
   if (frame.variant.planes) {
     const auto planes = view_planes(input, frame.projection);
@@ -249,19 +254,14 @@ DrawResult GlState::draw(const DrawInput& input) {
 
   bool linear = false;
   for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.constant());
-  const Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
+  const Projection projection = make_projection(input);
   const Variant variant{linear,
                         linear && input.integral == Integral::table2d,
                         input.camera.orthographic,
                         !input.clip_planes.empty(),
                         draws_surfaces(input) && !input.mesh->facets.empty(),
                         input.float_image};
-  Frame frame{input,
-                    variant,
-                    projection,
-                    {},
-                    std::move(order.tetrahedra),
-                    drawn_parts(input.styles)};
+  Frame frame{input, variant, projection, {}, std::move(order.tetrahedra), drawn_parts(input.styles)};
   prepare(frame);
   const GlObject query = input.count_fragments ? make_query(gl_, GL_SAMPLES_PASSED) : GlObject{};
 

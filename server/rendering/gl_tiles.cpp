@@ -1,4 +1,5 @@
 #include "rendering/gl_tiles.h"
+#include "rendering/pixel_grid.h"
 
 #include <algorithm>
 #include <bit>
@@ -117,10 +118,10 @@ shaders::TileFrame TilePipeline::frame_of(const TilePicture& picture, const Tile
   axis(f.right, 0, 1);
   axis(f.down, 1, -1);
   axis(f.forward, 2, -1);
-  const double pixels = camera.orthographic ? 0.5 * input.height / (half_height(camera) / scale)
-                                            : 0.5 * input.height / std::tan(camera.fov_deg * std::numbers::pi / 360);
-  f.lens = {static_cast<float>(pixels), static_cast<float>(1 / pixels), static_cast<float>(0.5 * input.width - part.x),
-            static_cast<float>(0.5 * input.height - part.y)};
+  const PixelGrid grid = pixel_grid(input);
+  const double pixels = camera.orthographic ? grid.per_unit * scale : grid.focal;
+  f.lens = {static_cast<float>(pixels), static_cast<float>(1 / pixels), static_cast<float>(grid.axis_x - part.x),
+            static_cast<float>(grid.axis_y - part.y)};
   const double distance = length(camera.at - camera.eye) / scale;
   f.limits = {static_cast<float>(kNearest * std::min(1.0, distance)),
               input.count_fragments ? -1.0f

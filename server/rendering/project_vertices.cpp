@@ -30,8 +30,8 @@ std::size_t ProjectWhole(const double* points, std::size_t count, const double* 
                    hn::Set(d, m[3]));
   };
   const auto half = hn::Set(d, 0.5), one = hn::Set(d, 1.0);
-  const auto center_x = hn::Set(d, 0.5 * transform.width * kSubpixels),
-             center_y = hn::Set(d, 0.5 * transform.height * kSubpixels);
+  const auto center_x = hn::Set(d, transform.axis_x * kSubpixels),
+             center_y = hn::Set(d, transform.axis_y * kSubpixels);
   const auto guard = hn::Set(d, kGuardPixels * 1.01 * kSubpixels);
   const auto near_depth = hn::Set(d, transform.near_depth), reference = hn::Set(d, transform.reference);
   std::size_t i = 0;

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "rendering/clip_tetrahedron.h"
+#include "rendering/pixel_grid.h"
 
 namespace isostrata {
 namespace {
@@ -137,9 +138,11 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
 
 Corner corner_of(const ClipVertex& v, const Projection& projection) {
   if (projection.orthographic)
-    return {v.position.x * projection.focal, v.position.y * projection.focal, projection.nearness(v.position.z), v.scalar};
+    return {v.position.x * projection.focal + projection.axis_x, v.position.y * projection.focal + projection.axis_y,
+            projection.nearness(v.position.z), v.scalar};
   const double q = 1 / v.position.z;
-  return {v.position.x * projection.focal * q, v.position.y * projection.focal * q, q, v.scalar * q};
+  return {v.position.x * projection.focal * q + projection.axis_x, v.position.y * projection.focal * q + projection.axis_y, q,
+          v.scalar * q};
 }
 
 void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
@@ -175,17 +178,18 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
     if constexpr (std::is_same_v<Vertex, LinearVertex>) whole[v].scalar = (*source.color_values)[point];
   }
   std::vector<ClipTetrahedron> pieces{whole};
-  const double slope = projection.guard() / projection.focal;
+  const auto slope_x = [&](double sign) { return (projection.guard() + sign * projection.axis_x) / projection.focal; };
+  const auto slope_y = [&](double sign) { return (projection.guard() + sign * projection.axis_y) / projection.focal; };
   if (projection.orthographic) {
     for (const double sign : {1.0, -1.0}) {
-      clip_tetrahedra(pieces, {sign, 0, 0}, -slope);
-      clip_tetrahedra(pieces, {0, sign, 0}, -slope);
+      clip_tetrahedra(pieces, {sign, 0, 0}, -slope_x(sign));
+      clip_tetrahedra(pieces, {0, sign, 0}, -slope_y(sign));
     }
   } else {
     clip_tetrahedra(pieces, {0, 0, 1}, projection.near_depth);
     for (const double sign : {1.0, -1.0}) {
-      clip_tetrahedra(pieces, {sign, 0, slope}, 0);
-      clip_tetrahedra(pieces, {0, sign, slope}, 0);
+      clip_tetrahedra(pieces, {sign, 0, slope_x(sign)}, 0);
+      clip_tetrahedra(pieces, {0, sign, slope_y(sign)}, 0);
     }
     slice_by_depth(pieces, projection.near_depth);
   }
@@ -220,8 +224,9 @@ void emit_facet(const TetrahedraSource& source, std::uint32_t index, const Bound
   for (std::size_t v = 0; v < 3; ++v) {
     if (homogeneous) {
       const Vec3d view = view_of_point(*source.mesh, facet.points[v], *source.projection);
-      const double focal = source.projection->focal;
-      corner[v] = {view.x * focal, view.y * focal, source.projection->orthographic ? 1.0 : view.z, 0};
+      const Projection& to = *source.projection;
+      const double w = to.orthographic ? 1.0 : view.z;
+      corner[v] = {view.x * to.focal + to.axis_x * w, view.y * to.focal + to.axis_y * w, w, 0};
     }
     Vertex vertex = make_vertex<Vertex>(corner[v], 0, 0, 0, 0, std::uint32_t{facet.interval} << KIND_BITS | kind, 0);
     vertex.tent[0] = std::bit_cast<float>(index);
@@ -304,6 +309,15 @@ Projection make_projection(const Camera& camera, const Box3d& bounds, int width,
   return projection;
 }
 
+Projection make_projection(const DrawInput& input) {
+  const PixelGrid grid = pixel_grid(input);
+  Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
+  projection.focal = input.camera.orthographic ? grid.per_unit * projection.scale : grid.focal;
+  projection.axis_x = grid.axis_x - 0.5 * input.width;
+  projection.axis_y = 0.5 * input.height - grid.axis_y;
+  return projection;
+}
+
 std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projection& projection) {
   std::vector<ScreenPoint> points(mesh.positions.size());
   const double inverse_scale = 1 / projection.scale, half_width = 0.5 * projection.width, half_height = 0.5 * projection.height;
@@ -312,7 +326,9 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3d w = mesh.positions[i];
       const auto row = [&](std::size_t r) { return (m[0][r] * w.x + m[1][r] * w.y + m[2][r] * w.z + m[3][r]) * inverse_scale; };
-      const double x = row(0) * projection.focal, y = row(1) * projection.focal, z = -row(2);
+      const double z = -row(2), away = projection.orthographic ? 1 : z;
+      const double x = row(0) * projection.focal + projection.axis_x * away,
+                   y = row(1) * projection.focal + projection.axis_y * away;
       ScreenPoint& p = points[i];
       if (projection.orthographic) {
         p.outside = (x < -half_width ? kLeft : 0) | (x > half_width ? kRight : 0) | (y < -half_height ? kBelow : 0) |

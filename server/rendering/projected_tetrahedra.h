@@ -22,6 +22,7 @@
 
 #include "extraction/interval_mesh.h"
 #include "rendering/camera.h"
+#include "rendering/renderer.h"
 #include "rendering/surface_facets.h"
 
 namespace isostrata {
@@ -34,7 +35,8 @@ struct Projection {
   double focal = 1;          // pixels; orthographic: pixels for a length of 1
   double near_depth = 1e-4;  // in units of scale; what is nearer to the eye is cut off
   bool orthographic = false;
-  double base = 0;  // orthographic: nearness is base - depth, and above 0 in the bounds
+  double base = 0;                // orthographic: nearness is base - depth, and above 0 in the bounds
+  double axis_x = 0, axis_y = 0;  // where the axis of view meets the picture: pixels right of and above its middle
   int width = 1, height = 1;
 
   double nearness(double depth) const { return orthographic ? base - depth : 1 / depth; }
@@ -48,6 +50,8 @@ struct Projection {
 inline constexpr double kLargestDepthRatio = 8;
 
 Projection make_projection(const Camera& camera, const Box3d& bounds, int width, int height);
+/// For the part of a picture that the input asks for.
+Projection make_projection(const DrawInput& input);
 
 /// A point of the mesh on the screen.
 struct ScreenPoint {

@@ -36,8 +36,10 @@ shaders::RasterFrame raster_frame(const DrawInput& input, const Projection& proj
   const double guard = projection.guard();
   frame.clip_from_pixels =
       vec(1 / guard, 1 / guard, (half_width - tile.x - viewport_x) / guard - 1, (half_height - tile.y - viewport_y) / guard - 1);
-  frame.ray_from_fragment = vec(1 / projection.focal, 1 / projection.focal, (tile.x - half_width) / projection.focal,
-                                (tile.y - half_height) / projection.focal);
+  frame.ray_from_fragment =
+      vec(1 / projection.focal, 1 / projection.focal, (tile.x - half_width - projection.axis_x) / projection.focal,
+          (tile.y - half_height - projection.axis_y) / projection.focal);
+  frame.axis = vec(projection.axis_x, projection.axis_y, 0, 0);
   const double unit = input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal());
   frame.table = vec(unit / projection.scale, guard, kLargestDepthRatio, 0);
   frame.counts.x = static_cast<shaders::uint>(input.clip_planes.size());

@@ -33,6 +33,13 @@ struct ClipPlane {
   bool operator==(const ClipPlane&) const = default;
 };
 
+/// The part of a larger picture that is drawn: pixel (i, j) of it is pixel (x + i, y + j) of the whole one, ray for ray.
+struct PictureWindow {
+  int x = 0, y = 0;           // row 0 is the top row
+  int width = 0, height = 0;  // of the whole picture; 0: the picture is the whole one
+  bool operator==(const PictureWindow&) const = default;
+};
+
 /// What a picture is made of. Everything pointed to outlives the call.
 struct DrawInput {
   const Grid* grid = nullptr;                              // the mesh's base grid, for the visibility order
@@ -49,6 +56,7 @@ struct DrawInput {
   std::shared_ptr<const std::vector<float>> texture_values;  // [np] or null where no surface has a texture
   Camera camera;
   int width = 800, height = 600;  // 1..16384
+  PictureWindow window;           // where it lies in a larger picture; the camera is the larger one's (rendering/pixel_grid.h)
   double unit_distance = 0;       // scalar_opacity_unit_distance in world units; 0: default_unit_distance
   Rgb background{0, 0, 0};
   bool transparent = false;      // leave the background out and keep alpha

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "rendering/pixel_grid.h"
+
 namespace isostrata {
 
 // Of the scale, or of the distance to what is looked at, where that is less.
@@ -21,8 +23,8 @@ ScreenVertex ScreenTransform::project(ViewPoint p) const {
   const double q = orthographic ? 1.0 : 1 / p.z;
   const double x = p.x * focal * q, y = -p.y * focal * q;
   if (!(std::max(std::abs(x), std::abs(y)) <= kGuardPixels * 1.01)) return v;  // room for the rounding of what was cut there
-  v.x = static_cast<std::int32_t>(std::lrint((x + 0.5 * width) * kSubpixels));
-  v.y = static_cast<std::int32_t>(std::lrint((y + 0.5 * height) * kSubpixels));
+  v.x = static_cast<std::int32_t>(std::lrint((x + axis_x) * kSubpixels));
+  v.y = static_cast<std::int32_t>(std::lrint((y + axis_y) * kSubpixels));
   v.z = static_cast<float>(p.z - reference);
   v.q = static_cast<float>(q);
   return v;
@@ -35,7 +37,7 @@ double ScreenTransform::stretch(double x, double y) const {
 }
 
 ViewPoint ScreenTransform::ray(double x, double y) const {
-  return {(x - 0.5 * width) / focal, (0.5 * height - y) / focal, orthographic ? 0.0 : 1.0};
+  return {(x - axis_x) / focal, (axis_y - y) / focal, orthographic ? 0.0 : 1.0};
 }
 
 ScreenTransform make_screen_transform(const Camera& camera, const Box3d& bounds, int width, int height) {
@@ -46,6 +48,8 @@ ScreenTransform make_screen_transform(const Camera& camera, const Box3d& bounds,
   t.scale = diagonal > 0 ? diagonal : distance;
   t.width = width;
   t.height = height;
+  t.axis_x = 0.5 * width;
+  t.axis_y = 0.5 * height;
   if (camera.orthographic) {
     t.focal = 0.5 * height / (half_height(camera) / t.scale);
   } else {
@@ -60,6 +64,15 @@ ScreenTransform make_screen_transform(const Camera& camera, const Box3d& bounds,
     t.reach = std::max(t.reach, std::abs(t.view(p).z - t.reference));
   }
   t.reach = std::max(t.reach * 1.0001, 1e-30);
+  return t;
+}
+
+ScreenTransform make_screen_transform(const DrawInput& input, const Box3d& bounds) {
+  const PixelGrid grid = pixel_grid(input);
+  ScreenTransform t = make_screen_transform(input.camera, bounds, input.width, input.height);
+  t.focal = t.orthographic ? grid.per_unit * t.scale : grid.focal;
+  t.axis_x = grid.axis_x;
+  t.axis_y = grid.axis_y;
   return t;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/vec.h"
 #include "rendering/camera.h"
+#include "rendering/renderer.h"
 
 namespace isostrata {
 
@@ -17,7 +18,7 @@ using ViewPoint = Vec3d;
 /// centre at (i + 1/2, j + 1/2) pixels.
 inline constexpr int kSubpixelBits = 13;
 inline constexpr std::int32_t kSubpixels = 1 << kSubpixelBits;
-/// What is farther from the picture's middle is cut off: this is well outside the largest picture and inside 32 bits.
+/// What is farther from the axis of view is cut off: this is well outside the largest picture and inside 32 bits.
 inline constexpr double kGuardPixels = 200000;
 
 struct ScreenVertex {
@@ -35,6 +36,7 @@ struct ScreenTransform {
                          // their digits
   double reach = 1;      // no point of the bounds is farther from the reference depth
   double near_depth = -std::numeric_limits<double>::infinity();  // what is nearer is cut off
+  double axis_x = 0.5, axis_y = 0.5;  // pixels from the upper left corner: where the axis of view meets the picture
   int width = 1, height = 1;
 
   ViewPoint view(Vec3d world) const;
@@ -48,5 +50,7 @@ struct ScreenTransform {
 
 /// bounds: of all that is projected, not empty.
 ScreenTransform make_screen_transform(const Camera& camera, const Box3d& bounds, int width, int height);
+/// For the part of a picture that the input asks for.
+ScreenTransform make_screen_transform(const DrawInput& input, const Box3d& bounds);
 
 }  // namespace isostrata

@@ -146,6 +146,7 @@ struct RasterFrame {            // uniform block. View space: x right, y up, z a
   vec4 ray_from_fragment;       // scale x, y, offset x, y: the ray (x, y, 1) of gl_FragCoord; orthographic: its x and y
   vec4 table;                   // unit distance of the tables' lengths; guard in pixels; largest depth ratio; 0
   uvec4 counts;                 // clip planes, 0, 0, 1 = points have normals
+  vec4 axis;                    // where the axis of view meets the picture: pixels right of and above its middle; 0, 0
 };
 
 struct FacetCorner {

@@ -47,7 +47,6 @@ ScreenPoint project(vec3 p) {
   ScreenPoint s;
   precise vec3 view = to_view(p);
   s.view = view;
-  precise vec2 xy = view.xy * screen.x;
 #ifdef ORTHOGRAPHIC
   float w = 1.0;
   s.q = screen.z - view.z;
@@ -57,6 +56,7 @@ ScreenPoint project(vec3 p) {
   s.outside = w < screen.y ? kTooNear : 0u;
   s.q = s.outside != 0u ? 0.0 : 1.0 / w;
 #endif
+  precise vec2 xy = view.xy * screen.x + frame.axis.xy * w;
   s.outside |= (xy.x < -frame.picture.x * w ? kLeft : 0u) | (xy.x > frame.picture.x * w ? kRight : 0u) |
                (xy.y < -frame.picture.y * w ? kBelow : 0u) | (xy.y > frame.picture.y * w ? kAbove : 0u);
 #ifndef ORTHOGRAPHIC
@@ -96,9 +96,9 @@ void put(vec2 xy, float z, uvec3 tent, float q_min, uint style_kind, vec2 scalar
 
 void put_homogeneous(vec3 view, uint id, uint style_kind) {
 #ifdef ORTHOGRAPHIC
-  put(view.xy * screen.x, 1.0, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0));
+  put(view.xy * screen.x + frame.axis.xy, 1.0, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0));
 #else
-  put(view.xy * screen.x, view.z, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0));
+  put(view.xy * screen.x + frame.axis.xy * view.z, view.z, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0));
 #endif
 }
 
@@ -170,8 +170,8 @@ Volume classify(in ScreenPoint s[4], in vec3 edge[4], in float scalar[4]) {
     dq[v] = -edge[v].z;
     ds[v] = scalar[v] - scalar[0];
 #else
-    // X / z - X0 / z0 = (dX - X0 / z0 * dz) / z, and 1 / z - 1 / z0 = -dz / (z z0).
-    d[v] = (edge[v].xy * screen.x - s[0].xy * edge[v].z) * s[v].q;
+    // X / z - X0 / z0 = (dX - X0 / z0 * dz) / z, where X contains the axis times z, and 1 / z - 1 / z0 = -dz / (z z0).
+    d[v] = (edge[v].xy * screen.x + (frame.axis.xy - s[0].xy) * edge[v].z) * s[v].q;
     dq[v] = -edge[v].z * s[v].q * s[0].q;
     ds[v] = scalar[v] * dq[v] + (scalar[v] - scalar[0]) * s[0].q;
 #endif
