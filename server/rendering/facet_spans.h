@@ -61,7 +61,7 @@ template <class Span>
 void scan_facet(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, const PixelRect& rect, const Span& span) {
   int first_row = 0, end_row = 0;
   if (!may_cover(a, b, c, rect, first_row, end_row)) return;
-  // The edges by direction. One of a kind goes all the way; the other two meet at the vertex between.
+  // The edges by direction: one of a kind, which goes all the way, and one or two of the other, which meet at a vertex.
   const ScreenVertex* const v[3] = {&a, &b, &c};
   struct Side {
     const ScreenVertex *upper, *lower;
@@ -69,27 +69,26 @@ void scan_facet(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex
   Side down[2], up[2];
   int downs = 0, ups = 0;
   for (int i = 0; i < 3; ++i) {
-    const ScreenVertex &from = *v[i], &to = *v[(i + 1) % 3];
+    const ScreenVertex &from = *v[i], &to = *v[i == 2 ? 0 : i + 1];
     if (from.y < to.y)
       down[downs++] = {&from, &to};
     else if (from.y > to.y)
       up[ups++] = {&to, &from};
   }
   if (downs == 0 || ups == 0) return;
-  if (downs == 2 && down[0].upper->y > down[1].upper->y) std::swap(down[0], down[1]);
-  if (ups == 2 && up[0].upper->y > up[1].upper->y) std::swap(up[0], up[1]);
-  for (int d = 0; d < downs; ++d) {
-    const EdgeCrossings left(*down[d].upper, *down[d].lower);
-    for (int u = 0; u < ups; ++u) {
-      const int from = std::max({first_row, first_center(down[d].upper->y), first_center(up[u].upper->y)});
-      const int to = std::min({end_row, first_center(down[d].lower->y), first_center(up[u].lower->y)});
-      if (from >= to) continue;
-      const EdgeCrossings right(*up[u].upper, *up[u].lower);
-      for (int row = from; row < to; ++row) {
-        const int at_down = left.column(row), at_up = right.column(row);
-        const int first = std::max(std::min(at_down, at_up), rect.x0), end = std::min(std::max(at_down, at_up), rect.x1);
-        if (first < end) span(row, first, end, at_down < at_up);
-      }
+  const bool down_is_long = downs == 1;
+  const Side& whole = down_is_long ? down[0] : up[0];
+  const EdgeCrossings along(*whole.upper, *whole.lower);
+  const Side* const parts = down_is_long ? up : down;
+  for (int p = 0; p < (down_is_long ? ups : downs); ++p) {
+    const int from = std::max(first_row, first_center(parts[p].upper->y));
+    const int to = std::min(end_row, first_center(parts[p].lower->y));
+    if (from >= to) continue;
+    const EdgeCrossings across(*parts[p].upper, *parts[p].lower);
+    for (int row = from; row < to; ++row) {
+      const int one = along.column(row), other = across.column(row);
+      const int first = std::max(std::min(one, other), rect.x0), end = std::min(std::max(one, other), rect.x1);
+      if (first < end) span(row, first, end, (one < other) == down_is_long);
     }
   }
 }
