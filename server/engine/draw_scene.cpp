@@ -23,10 +23,6 @@ bool uses_color_values(const Scene& scene) {
          std::any_of(scene.terms.begin(), scene.terms.end(), [](const SceneTerm& of) { return !of.color_map.empty(); });
 }
 
-bool draws_surfaces(const Scene& scene) {
-  return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& of) { return of.surface.drawn(); });
-}
-
 bool uses_texture(const Scene& scene) {
   return std::any_of(scene.intervals.begin(), scene.intervals.end(),
                      [](const SceneInterval& of) { return of.surface.drawn() && !of.surface.texture.empty(); });
@@ -77,6 +73,7 @@ std::vector<Values> extract(ExtractedScene& made, const LayerRequest& request, c
 
 /// The gradient of an array that is not in the dataset at that time (a slice's, say) is not known.
 void add_normals(ExtractedScene& made, const Task& task) {
+  made.normals_wanted = true;
   const auto& arrays = made.dataset->arrays;
   const auto found = std::find_if(arrays.begin(), arrays.end(), [&](const PointArray& a) { return a.name == made.array; });
   if (found == arrays.end()) return;
@@ -268,6 +265,10 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
   return sums;
 }
 
+bool draws_surfaces(const Scene& scene) {
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& of) { return of.surface.drawn(); });
+}
+
 LayerRequest layer_request(const Scene& scene) {
   LayerRequest request;
   request.array = scene.array;
@@ -283,7 +284,7 @@ LayerRequest layer_request(const Scene& scene) {
   const std::string& texture = scene.texture.empty() ? color_by : scene.texture;
   if (uses_color_values(scene)) request.carry.push_back(color_by);
   if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
-  request.facets = draws_surfaces(scene);
+  request.facets = draws_surfaces(scene) || !uses_color_values(scene);
   if (const std::vector<int> steps = smear_steps(scene); !steps.empty()) {
     request.step = steps.front();
     request.time.reset();
@@ -309,7 +310,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   if (request.array.empty()) request.array = first_array(*steps(scene.step, task));
   const std::string color_by = scene.color_by.empty() ? request.array : scene.color_by;
   const std::string texture = scene.texture.empty() ? color_by : scene.texture;
-  const bool colored = uses_color_values(scene), textured = uses_texture(scene);
+  const bool colored = uses_color_values(scene), textured = uses_texture(scene), surfaces = draws_surfaces(scene);
   LayerRequest plain = request;
   plain.carry.clear();
   request.carry.clear();
@@ -320,7 +321,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   const Values kept_colors = keep && last->color_by == color_by ? last->color_values : nullptr;
   const Values kept_texture = keep && last->texture == texture ? last->texture_values : nullptr;
   if (keep && last->color_by == color_by && last->texture == texture && (kept_colors || !colored) &&
-      (kept_texture || !textured)) {
+      (kept_texture || !textured) && (last->normals_wanted || !surfaces)) {
     if (last->extract_ms == 0) return last;
     *made = *last;
     made->extract_ms = 0;
@@ -336,6 +337,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     made->kept = last->kept;
     made->mesh = last->mesh;
     made->normals = last->normals;
+    made->normals_wanted = last->normals_wanted;
     const auto carried = [&](const std::string& name) {
       return std::make_shared<const std::vector<float>>(carry_array(*made->mesh, made->steps.front()->array(name)));
     };
@@ -349,8 +351,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     const std::vector<Values> carried = extract(*made, request, steps, task, aids);
     if (colored) made->color_values = carried.front();
     if (textured) made->texture_values = carried.back();
-    if (request.facets) add_normals(*made, task);
   }
+  if (surfaces && !made->normals_wanted) add_normals(*made, task);
   set_range(made->steps.front()->array(color_by), made->color_lower, made->color_upper);
   set_range(made->steps.front()->array(texture), made->texture_lower, made->texture_upper);
   made->bounds = made->dataset->bounds;

@@ -18,9 +18,13 @@ namespace isostrata {
 
 /// What the scene asks of extraction: its intervals, visible or not, with the terms, the time and the triangulation; the array
 /// that colours run over where an interval or a term has a colour map or an opacity that runs, then the array of the textures
-/// where a surface has one and it is another; facets where a surface is drawn. Arrays that the scene leaves open are empty here
-/// too. Of a smear: what is asked of its first step.
+/// where a surface has one and it is another; facets where a surface is drawn or all colours are constant (drawing needs them,
+/// and extraction finds them for next to nothing). Arrays that the scene leaves open are empty here too. Of a smear: what is
+/// asked of its first step.
 LayerRequest layer_request(const Scene& scene);
+
+/// Whether any boundary surface of the scene's intervals or terms is drawn: then normals are wanted.
+bool draws_surfaces(const Scene& scene);
 
 /// The steps of SceneMode::smear; empty in any other mode.
 std::vector<int> smear_steps(const Scene& scene);
@@ -48,7 +52,8 @@ struct ExtractedScene {
   std::string texture;                                       // the array's name, as it was found
   std::shared_ptr<const std::vector<float>> texture_values;  // null where no surface has a texture
   double texture_lower = 0, texture_upper = 1;               // its range in the first of `steps`
-  std::shared_ptr<const std::vector<Vec3f>> normals;         // null where no surface is drawn, or none are known
+  std::shared_ptr<const std::vector<Vec3f>> normals;         // null where none are known
+  bool normals_wanted = false;                               // whether they were looked for
   Box3d bounds;                                              // of the grids
   bool same_grid = true;                                     // of all parts: the one that a visibility order may be taken from
   std::vector<SmearPart> parts;                              // of a smear, one a step, in their order

@@ -93,7 +93,8 @@ bool is_software_device(const std::string& device) {
 }
 
 bool same_extraction(const Scene& a, const Scene& b) {
-  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b);
+  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b) &&
+         draws_surfaces(a) == draws_surfaces(b);
 }
 
 class Engine::Impl {
