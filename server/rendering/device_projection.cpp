@@ -16,6 +16,13 @@ constexpr std::size_t kMostGroups = 512;  // of PROJECT_GROUP tetrahedra in a ba
 DeviceProjection::DeviceProjection(const GlFunctions& gl, std::uint64_t largest_buffer)
     : gl_(gl), largest_buffer_(largest_buffer) {}
 
+bool DeviceProjection::works(const GlFunctions& gl) {
+  GLint blocks = 0, bindings = 0;
+  gl.GetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
+  gl.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
+  return blocks > BUFFER_FACET_CELLS && bindings > BUFFER_FACET_CELLS;
+}
+
 bool DeviceProjection::reserve(GlObject& buffer, std::uint64_t& held, std::uint64_t bytes, GLbitfield flags) {
   bytes = std::max<std::uint64_t>(bytes, 16);
   if (buffer && held >= bytes) return true;

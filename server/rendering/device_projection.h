@@ -16,6 +16,9 @@ class DeviceProjection {
   /// largest_buffer: bytes that a storage buffer may have.
   DeviceProjection(const GlFunctions& gl, std::uint64_t largest_buffer);
 
+  /// Whether the device has as many storage buffers as the program binds. OpenGL 4.5 promises fewer; all GPUs met have them.
+  static bool works(const GlFunctions& gl);
+
   struct Variant {
     bool linear = false, orthographic = false, surfaces = false;
     auto operator<=>(const Variant&) const = default;

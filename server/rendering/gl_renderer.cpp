@@ -49,7 +49,7 @@ class GlState {
  private:
   /// What the drawing program must know; each is compiled when first drawn with.
   struct Variant {
-    bool linear, table, orthographic, planes, surfaces, nearest;
+    bool linear, linear_extinction, table, orthographic, planes, surfaces, nearest;
     bool wide = false;  // has what is projected on the device: KIND_WIDE
     auto operator<=>(const Variant&) const = default;
   };
@@ -91,7 +91,8 @@ GlState::GlState(std::unique_ptr<GlContext> context, ProjectOn project_on)
       target_(gl_),
       mesh_(gl_),
       projection_(gl_, mesh_.largest_buffer()),
-      project_here_(project_on == ProjectOn::device || (project_on == ProjectOn::automatic && !context_->software())) {
+      project_here_((project_on == ProjectOn::device || (project_on == ProjectOn::automatic && !context_->software())) &&
+                    DeviceProjection::works(gl_)) {
   GLint largest = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   largest_tile_ = std::min(largest_tile_, static_cast<int>(largest));
@@ -136,6 +137,7 @@ GLuint GlState::program(const Variant& variant) {
       if (wanted) defines += std::string("#define ") + name + "\n";
     };
     define(variant.linear, "LINEAR_COLOR");
+    define(variant.linear_extinction, "LINEAR_EXTINCTION");
     define(variant.table, "TABLE_2D");
     define(variant.orthographic, "ORTHOGRAPHIC");
     define(variant.planes, "CLIP_PLANES");
@@ -253,10 +255,14 @@ DrawResult GlState::draw(const DrawInput& input) {
   result.facts.tetrahedra = static_cast<std::int64_t>(order.tetrahedra.size());
   result.facts.order_ms = watch.lap_ms();
 
-  bool linear = false;
-  for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.constant());
+  bool linear = false, linear_extinction = false;
+  for (const IntervalStyle& style : input.styles) {
+    linear = linear || (style.visible && !style.constant());
+    linear_extinction = linear_extinction || (style.visible && style.opacity_upper);
+  }
   const Projection projection = make_projection(input);
   const Variant variant{linear,
+                        linear_extinction,
                         linear && input.integral == Integral::table2d,
                         input.camera.orthographic,
                         !input.clip_planes.empty(),

@@ -114,6 +114,44 @@ TEST(ComputeLayout, TheGridsUniformBlockIsTheSameInBothLanguages) {
   }
 }
 
+TEST(RasterLayout, TheFramesUniformBlockIsTheSameInBothLanguages) {
+  ComputeDevice device = open_device();
+  const GlFunctions& gl = device.gl();
+  const std::vector<Member> members{MEMBER(RasterFrame, view_x),
+                                    MEMBER(RasterFrame, view_y),
+                                    MEMBER(RasterFrame, view_z),
+                                    MEMBER(RasterFrame, screen),
+                                    MEMBER(RasterFrame, picture),
+                                    MEMBER(RasterFrame, clip_from_pixels),
+                                    MEMBER(RasterFrame, ray_from_fragment),
+                                    MEMBER(RasterFrame, table),
+                                    MEMBER(RasterFrame, counts),
+                                    MEMBER(RasterFrame, axis)};
+  EXPECT_EQ(members.size() * sizeof(shaders::vec4), sizeof(shaders::RasterFrame)) << "a member is not named here";
+  const GlObject program = make_compute_program(
+      gl, "",
+      "layout(local_size_x = 1) in;\nlayout(std140, binding = BLOCK_FRAME) uniform FrameBlock { RasterFrame frame; };\n"
+      "layout(std430, binding = 1) buffer Out { RasterFrame copied; };\n"
+      "layout(std430, binding = 2) buffer Corners { FacetCorner corners[]; };\n"
+      "void main() { copied = frame; corners[1].normal_texture = frame.view_x; }\n",
+      "");
+  for (const Member& member : members) {
+    const GLuint index = gl.GetProgramResourceIndex(program.name(), GL_UNIFORM, ("frame." + std::string(member.name)).c_str());
+    ASSERT_NE(index, GL_INVALID_INDEX) << member.name;
+    const GLenum property = GL_OFFSET;
+    GLint offset = -1;
+    gl.GetProgramResourceiv(program.name(), GL_UNIFORM, index, 1, &property, 1, nullptr, &offset);
+    EXPECT_EQ(static_cast<std::size_t>(offset), member.offset) << member.name;
+  }
+  const GLuint corner = gl.GetProgramResourceIndex(program.name(), GL_BUFFER_VARIABLE, "corners[0].normal_texture");
+  ASSERT_NE(corner, GL_INVALID_INDEX);
+  const GLenum properties[] = {GL_OFFSET, GL_TOP_LEVEL_ARRAY_STRIDE};
+  GLint values[2] = {-1, -1};
+  gl.GetProgramResourceiv(program.name(), GL_BUFFER_VARIABLE, corner, 2, properties, 2, nullptr, values);
+  EXPECT_EQ(static_cast<std::size_t>(values[0]), offsetof(shaders::FacetCorner, normal_texture));
+  EXPECT_EQ(static_cast<std::size_t>(values[1]), sizeof(shaders::FacetCorner));
+}
+
 TEST(ComputeDevice, RefusesABufferAboveTheBudgetOrTheDevicesLimitWithTheNumbers) {
   ComputeDevice device = open_device();
   ComputeBuffer small, large;

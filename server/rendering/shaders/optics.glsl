@@ -27,6 +27,7 @@ vec4 constant_light(vec4 rgb_extinction, float path) {
 }
 
 #ifdef LINEAR_COLOR
+#ifdef LINEAR_EXTINCTION
 // Over a part of the segment in which extinction is linear from e0 to e1. The light is the integral of the colour over the opacity
 // reached so far, from 0 to alpha: with w = that share, the place s(w) in the segment is known in closed form (the optical depth is
 // quadratic in s), so the exponential is exact and Gauss-Legendre only has to meet color(s(w)). s(w) rises like a logarithm towards
@@ -59,6 +60,15 @@ vec4 linear_part(vec4 rgb_extinction, vec4 map, float path, float u0, float u1) 
   for (int i = 0; i < 3; ++i) rgb += weight[i] * map_color(map.x, mix(u0, u1, clamp(s[i], 0.0, 1.0)));
   return vec4(rgb * alpha, alpha);
 }
+#else
+// Over a part of the segment, extinction constant and colour linear from u0 to u1: in closed form.
+vec4 linear_part(vec4 rgb_extinction, vec4 map, float path, float u0, float u1) {
+  float tau = rgb_extinction.a * path;
+  float alpha = opacity_of(tau);
+  float back_weight = tau < 0.1 ? tau * (0.5 - tau * (1.0 / 3.0 - tau * (1.0 / 8.0 - tau * (1.0 / 30.0)))) : alpha / tau - (1.0 - alpha);
+  return vec4(color_at(rgb_extinction, map, u0) * (alpha - back_weight) + color_at(rgb_extinction, map, u1) * back_weight, alpha);
+}
+#endif
 
 // Color-by values from front to back over a segment of this length.
 vec4 linear_light(int style, vec4 rgb_extinction, vec4 map, float path, float front, float back) {
@@ -82,17 +92,21 @@ vec4 linear_light(int style, vec4 rgb_extinction, vec4 map, float path, float fr
     inside = vec2(min(ends.x, ends.y), max(ends.x, ends.y));
     if (high <= 0.0 || low >= 1.0) inside = vec2(0.0, 1.0);
   }
-  vec4 sum = vec4(0.0);
-  if (inside.x > 0.0) sum = linear_part(rgb_extinction, map, path * inside.x, u0, u0);
   float width = inside.y - inside.x;
-  float from = mix(u0, u1, inside.x), to = mix(u0, u1, inside.y);
-  int parts = map.x < 0.0 ? 1 : 1 + int(min(16.0 * abs(saturate(to) - saturate(from)), 15.0));
-  for (int part = 0; part < parts; ++part) {
-    vec4 light = linear_part(rgb_extinction, map, path * width / float(parts), mix(from, to, float(part) / float(parts)),
-                             mix(from, to, float(part + 1) / float(parts)));
-    sum += (1.0 - sum.a) * light;
+#ifdef LINEAR_EXTINCTION
+  float fineness = 16.0;
+#else
+  float fineness = 51.0;  // the built-in maps' own samples: between them colour is linear
+#endif
+  int parts = map.x < 0.0 ? 1 : 1 + int(min(fineness * abs(saturate(mix(u0, u1, inside.y)) - saturate(mix(u0, u1, inside.x))), 47.0));
+  // One loop for all parts: llvmpipe runs both sides of an if, but leaves a loop.
+  vec4 sum = vec4(0.0);
+  int last = inside.y < 1.0 ? parts : parts - 1;
+  for (int part = inside.x > 0.0 ? -1 : 0; part <= last; ++part) {
+    float from = part < 0 ? 0.0 : inside.x + width * (float(part) / float(parts));
+    float to = part == parts ? 1.0 : inside.x + width * (float(part + 1) / float(parts));
+    sum += (1.0 - sum.a) * linear_part(rgb_extinction, map, path * (to - from), mix(u0, u1, from), mix(u0, u1, to));
   }
-  if (inside.y < 1.0) sum += (1.0 - sum.a) * linear_part(rgb_extinction, map, path * (1.0 - inside.y), u1, u1);
   return sum;
 #endif
 }
