@@ -47,6 +47,10 @@ struct DrawInput {
   std::shared_ptr<const IntervalMesh> mesh;                // the renderer may keep device copies by this pointer's identity
   std::shared_ptr<const std::vector<float>> color_values;  // [np] or null where all styles are constant()
   std::vector<IntervalStyle> styles;                       // one per interval of the mesh
+  // Not empty: the mesh is a grid of tetrahedra as it is, in one piece and not cut into intervals (tetrahedron_interval and
+  // summaries are not looked at); color_values is the field on its points, and what is drawn of interval i, with style i, is where
+  // the field lies in it. Then other ends of the intervals need no other mesh. No surfaces; only the native renderer can do it.
+  std::vector<Interval> cut_intervals;
   RenderMode mode = RenderMode::sorted;
   Integral integral = Integral::exact;
   std::vector<ClipPlane> clip_planes;  // what is kept by all of them is drawn; the cut is exact, to the pixel

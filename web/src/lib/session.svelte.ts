@@ -153,7 +153,7 @@ export class Session {
     this.sendInOrder(command.setAppearance({ integral }));
   }
   setCycle(change: Partial<SceneState['cycle']>): void {
-    this.edit({ cycle: { ...this.view.cycle, ...change } });
+    // Not laid over the view: the server moves the phase on meanwhile, and its word on that is the newer one.
     this.outbox.put(`cycle ${Object.keys(change).join()}`, command.setCycle(change));
   }
   setSmear(smear: SceneState['smear']): void {
@@ -164,6 +164,19 @@ export class Session {
     this.edit({ step, time: null });
     this.notices.clear('step');
     this.outbox.put('step', command.setTimeStep(step));
+  }
+  setClipPlanes(clipPlanes: NonNullable<SceneState['clipPlanes']>): void {
+    this.edit({ clipPlanes });
+    this.notices.clear('appearance');
+    this.outbox.put('clipPlanes', command.setClipPlanes(clipPlanes));
+  }
+  setAnnotations(annotations: NonNullable<SceneState['annotations']>): void {
+    this.edit({ annotations });
+    this.sendInOrder(command.setAnnotations(annotations));
+  }
+  setOrthographic(orthographic: boolean): void {
+    const { camera } = this;
+    if (camera) this.moveCamera({ ...camera, orthographic });
   }
   setMode(mode: SceneState['mode']): void {
     this.edit({ mode });
