@@ -48,6 +48,7 @@ struct BenchRun {
   double order_ms = 0, draw_ms = 0, readback_ms = 0;  // medians
   Spread total_ms;
   int frames = 0;
+  std::vector<StageTime> stages;  // sums over the frames, as far as the renderer tells
 };
 
 Spread spread_of(std::vector<double> values) {
@@ -100,6 +101,11 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
     run.device = result.facts.device;
     run.order = result.facts.order;
     ++run.frames;
+    for (const StageTime& stage : result.facts.stages) {
+      const auto known =
+          std::find_if(run.stages.begin(), run.stages.end(), [&](const StageTime& s) { return s.name == stage.name; });
+      (known != run.stages.end() ? *known : run.stages.emplace_back(StageTime{stage.name, 0})).ms += stage.ms;
+    }
   }
   run.order_ms = spread_of(order).median;
   run.draw_ms = spread_of(draw).median;
@@ -114,6 +120,8 @@ double per_second(double count, const BenchRun& run) { return run.total_ms.media
 
 boost::json::object to_json(const BenchRun& run) {
   const auto tetrahedra = static_cast<double>(run.tetrahedra);
+  boost::json::object stages;  // means
+  for (const StageTime& stage : run.stages) stages[stage.name] = stage.ms / std::max(1, run.frames);
   return {{"data", run.data},
           {"renderer", run.renderer},
           {"device", run.device},
@@ -127,6 +135,7 @@ boost::json::object to_json(const BenchRun& run) {
           {"ms", boost::json::object{{"order", run.order_ms},
                                      {"draw", run.draw_ms},
                                      {"readback", run.readback_ms},
+                                     {"stages", std::move(stages)},
                                      {"total", boost::json::object{{"min", run.total_ms.min},
                                                                    {"median", run.total_ms.median},
                                                                    {"max", run.total_ms.max}}}}},
@@ -149,6 +158,11 @@ void print_text(const BenchRun& run) {
               run.fragments_per_tetrahedron, run.depth_complexity, run.order_ms, run.draw_ms, run.readback_ms, run.total_ms.min,
               run.total_ms.median, run.total_ms.max, per_second(tetrahedra, run) / 1e6,
               per_second(tetrahedra * run.fragments_per_tetrahedron, run) / 1e9, run.order.c_str());
+  if (!run.stages.empty()) {
+    std::printf("  stages, mean ms:");
+    for (const StageTime& stage : run.stages) std::printf(" %s %.3f", stage.name.c_str(), stage.ms / std::max(1, run.frames));
+    std::printf("\n");
+  }
   std::fflush(stdout);
 }
 

@@ -3,13 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "base/error.h"
 #include "data/analytic.h"
 #include "extraction/extract_intervals.h"
 #include "rendering/compute_renderer.h"
+#include "rendering/gl_objects.h"
 #include "rendering/renderer_trial.h"
+#include "rendering/shaders/tile_layout.h"
 #include "support/oracle.h"
 #include "support/pictures.h"
 
@@ -76,6 +81,37 @@ Camera random_camera(const Box3d& bounds, std::mt19937& random, double distance)
   camera.up = {number(random), number(random), 2.0};
   camera.fov_deg = 40;
   return camera;
+}
+
+TEST(Compute, TheFramesUniformBlockIsTheSameInBothLanguages) {
+  const auto context = open_context("surfaceless");
+  context->make_current();
+  const GlFunctions& gl = context->gl();
+  std::ifstream file(ISOSTRATA_SOURCE_DIR "/server/rendering/shaders/tile_layout.h");
+  const std::string layout{std::istreambuf_iterator<char>(file), {}};
+  const GlObject program = make_compute_program(gl, layout.c_str(),
+                                                "layout(local_size_x = 1) in;\n"
+                                                "layout(std140, binding = 0) uniform FrameBlock { TileFrame frame; };\n"
+                                                "layout(std430, binding = 1) buffer Out { TileFrame copied; };\n"
+                                                "void main() { copied = frame; }\n",
+                                                "");
+#define MEMBER(name) \
+  { #name, offsetof(shaders::TileFrame, name) }
+  const std::pair<const char*, std::size_t> members[] = {MEMBER(right),    MEMBER(down),       MEMBER(forward), MEMBER(lens),
+                                                         MEMBER(limits),   MEMBER(background), MEMBER(part),    MEMBER(keys),
+                                                         MEMBER(eye_cell), MEMBER(room)};
+#undef MEMBER
+  EXPECT_EQ(std::size(members) * 16, sizeof(shaders::TileFrame)) << "a member is not named here";
+  for (const auto& [name, offset] : members) {
+    GLuint index = gl.GetProgramResourceIndex(program.name(), GL_UNIFORM, ("FrameBlock.frame." + std::string(name)).c_str());
+    if (index == GL_INVALID_INDEX)
+      index = gl.GetProgramResourceIndex(program.name(), GL_UNIFORM, ("frame." + std::string(name)).c_str());
+    ASSERT_NE(index, GL_INVALID_INDEX) << name;
+    const GLenum property = GL_OFFSET;
+    GLint value = -1;
+    gl.GetProgramResourceiv(program.name(), GL_UNIFORM, index, 1, &property, 1, nullptr, &value);
+    EXPECT_EQ(static_cast<std::size_t>(value), offset) << name;
+  }
 }
 
 TEST(Compute, ConstantColoursMeetTheOracleOnAllGrids) {
