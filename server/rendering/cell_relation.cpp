@@ -11,7 +11,7 @@ namespace {
 template <class Point>
 class CurvilinearSides {
  public:
-  CurvilinearSides(std::span<const Point> points, const FaceGraph& graph, const ViewPoint& view)
+  CurvilinearSides(std::span<const Point> points, const FaceGraph& graph, const OrderView& view)
       : points_(points), graph_(graph), view_(view) {}
 
   void row(std::int64_t j, std::int64_t k, std::uint8_t* out) const {
@@ -45,10 +45,10 @@ class CurvilinearSides {
 
   std::span<const Point> points_;
   const FaceGraph& graph_;
-  ViewPoint view_;
+  OrderView view_;
 };
 
-void relate_curvilinear(const Grid& grid, const FaceGraph& graph, const ViewPoint& view, CellRelation& relation) {
+void relate_curvilinear(const Grid& grid, const FaceGraph& graph, const OrderView& view, CellRelation& relation) {
   const auto& n = graph.cell_dims;
   const std::int64_t layer = n[0] * n[1];
   Buffer<std::uint8_t> sides(graph.cells + static_cast<std::size_t>(layer));  // a layer of nothing behind the last
@@ -76,7 +76,7 @@ void relate_curvilinear(const Grid& grid, const FaceGraph& graph, const ViewPoin
 }
 
 template <int kSlots>
-void relate_unstructured(const FaceGraph& graph, const ViewPoint& view, CellRelation& relation) {
+void relate_unstructured(const FaceGraph& graph, const OrderView& view, CellRelation& relation) {
   const double margin = side_margin(view, graph);
   parallel_for(graph.cells, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
@@ -95,12 +95,12 @@ void relate_unstructured(const FaceGraph& graph, const ViewPoint& view, CellRela
 
 }  // namespace
 
-ViewPoint view_point(const Camera& camera) {
+OrderView order_view(const Camera& camera) {
   if (camera.orthographic) return {normalized(camera.eye - camera.at), 0};
   return {camera.eye, 1};
 }
 
-double side_margin(const ViewPoint& view, const FaceGraph& graph) {
+double side_margin(const OrderView& view, const FaceGraph& graph) {
   return view.weight == 0 ? 2e-7 : 2e-7 * std::max(length(view.x - graph.center), graph.diagonal);
 }
 
@@ -108,7 +108,7 @@ CellRelation relate_cells(const Grid& grid, const FaceGraph& graph, const Camera
   CellRelation relation;
   relation.front.resize(graph.cells);
   relation.behind.resize(graph.cells);
-  const ViewPoint view = view_point(camera);
+  const OrderView view = order_view(camera);
   if (graph.slots == 0)
     relate_curvilinear(grid, graph, view, relation);
   else if (graph.slots == 4)

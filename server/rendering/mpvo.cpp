@@ -166,7 +166,7 @@ CellSequence sort_cells(const Grid& grid, const FaceGraph& graph, const Camera& 
   CellSequence out;
   std::vector<CellGap> gaps = boundary_gaps(grid, graph, camera, width, height);
   out.gaps = static_cast<std::int64_t>(gaps.size());
-  const ViewPoint view = view_point(camera);
+  const OrderView view = order_view(camera);
   const double margin = side_margin(view, graph);
   for (const JoinedFace& joined : graph.joined) {
     const int side = side_of(joined.plane, view, graph.center, margin);

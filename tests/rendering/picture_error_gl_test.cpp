@@ -37,7 +37,7 @@ const std::vector<std::pair<std::string, std::shared_ptr<const Dataset>>>& datas
 }
 
 DrawInput case_of(const Dataset& dataset, Look look, Shot shot) {
-  DrawInput input = picture_of(dataset, dataset.arrays[0], look);
+  DrawInput input = picture_of(dataset, dataset.arrays[0], look, true);
   input.width = 56;
   input.height = 42;
   input.camera = camera_of(dataset.bounds, shot);
@@ -45,12 +45,13 @@ DrawInput case_of(const Dataset& dataset, Look look, Shot shot) {
 }
 
 /// Each grid and look, from one of the three cameras in turn.
-void expect_near_the_oracle(const char* renderer_name) {
+void expect_near_the_oracle(const char* renderer_name, std::span<const Look> looks = kLooks) {
   const std::unique_ptr<Renderer> renderer = make_renderer({renderer_name, "auto"});
   std::size_t turn = 0;
   for (const auto& [name, dataset] : datasets())
-    for (const Look look : kLooks) {
-      const Shot shot = kShots[turn++ % kShots.size()];
+    for (const Look look : looks) {
+      const Shot shot = kShots[(turn + turn / looks.size()) % kShots.size()];
+      ++turn;
       DrawInput input = case_of(*dataset, look, shot);
       input.float_image = true;
       const DrawResult result = renderer->draw(input);
@@ -59,7 +60,10 @@ void expect_near_the_oracle(const char* renderer_name) {
       EXPECT_GT(error.covered, 0.01) << what;
       // What is nearer than a ten-thousandth of the grid is not drawn; single pixels on silhouettes may belong to either side.
       EXPECT_LT(error.mean, look == Look::surfaces ? 1e-3 : 5e-4) << what;
-      EXPECT_LT(error.above_half_step, look == Look::surfaces ? 0.005 : 0.002) << what << ", max " << error.max;
+      EXPECT_LT(error.above_half_step, shot == Shot::inside     ? 0.01
+                                       : look == Look::surfaces ? 0.005
+                                                                : 0.002)
+          << what << ", max " << error.max;
       EXPECT_GT(error.ssim, 0.998) << what;
       EXPECT_LT(error.max_depth, 0.5) << what;
       EXPECT_LT(error.depth_missing, 0.003) << what;
@@ -68,7 +72,10 @@ void expect_near_the_oracle(const char* renderer_name) {
 
 TEST(PictureError, NativeIsNearTheOracleOnEveryGrid) { expect_near_the_oracle("native"); }
 TEST(PictureError, RasterIsNearTheOracleOnEveryGrid) { expect_near_the_oracle("raster"); }
-TEST(PictureError, ComputeIsNearTheOracleOnEveryGrid) { expect_near_the_oracle("compute"); }
+TEST(PictureError, ComputeIsNearTheOracleOnEveryGrid) {
+  // Compute shaders on a CPU take their time.
+  expect_near_the_oracle("compute", std::array{Look::two, Look::linear, Look::surfaces});
+}
 
 TEST(PictureError, NativeIsWithinHalfAnEightBitStepOnRectilinearGrids) {
   const std::unique_ptr<Renderer> renderer = make_renderer({"native", "native"});

@@ -63,12 +63,18 @@ inline OracleRay oracle_ray(const DrawInput& input, double x, double y) {
   return ray;
 }
 
-/// Where the ray is inside the tetrahedron. False where it misses or only touches. A tetrahedron of no volume is never met.
+/// Where the ray is inside the tetrahedron. False where it misses or only touches. A tetrahedron of no volume is never met: its
+/// faces' normals are noise.
 inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* scalars, std::size_t tetrahedron,
                            const OracleRay& ray, OracleSegment& out) {
   const auto& ids = mesh.tetrahedra[tetrahedron];
   Vec3d p[4];
   for (std::size_t v = 0; v < 4; ++v) p[v] = mesh.positions[ids[v]] - ray.origin;
+  const double volume = orient3d(p[0], p[1], p[2], p[3]);
+  double longest2 = 0;
+  for (const Vec3d& a : p)
+    for (const Vec3d& b : p) longest2 = std::max(longest2, dot(a - b, a - b));
+  if (!(volume * volume > 1e-20 * longest2 * longest2 * longest2)) return false;
   double enter = ray.first, leave = ray.last;
   for (int f = 0; f < 4; ++f) {
     const Vec3d a = p[(f + 1) % 4], b = p[(f + 2) % 4], c = p[(f + 3) % 4];
@@ -88,7 +94,6 @@ inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* s
   if (!(leave > enter) || !std::isfinite(leave - enter)) return false;
   out = {enter, leave, tetrahedron, 0, 0};
   if (scalars) {
-    const double volume = orient3d(p[0], p[1], p[2], p[3]);
     double value[4];
     for (std::size_t v = 0; v < 4; ++v) value[v] = (*scalars)[ids[v]];
     const auto [least, most] = std::minmax_element(value, value + 4);

@@ -32,12 +32,14 @@ inline void use_map(IntervalStyle& style, std::string_view map, Interval range) 
   style.color_upper = range.upper;
 }
 
-/// Intervals in the middle of the array's range. The dataset outlives the input.
-inline DrawInput picture_of(const Dataset& dataset, const PointArray& array, Look look) {
+/// Intervals in the middle of the array's range. The dataset outlives the input. strict: without inverted tetrahedra, which
+/// overlap their neighbours: then there is one right picture, whether it is made of tetrahedra or of the facets around them.
+inline DrawInput picture_of(const Dataset& dataset, const PointArray& array, Look look, bool strict = false) {
   const double low = array.lower, span = array.upper - array.lower;
   const Interval first{low + 0.15 * span, low + 0.4 * span}, second{low + 0.4 * span, low + 0.65 * span};
   ExtractOptions options;
   options.facets = look == Look::surfaces;
+  options.strict = strict;
   const bool one = look == Look::constant || look == Look::linear;
   const std::vector<Interval> intervals = one ? std::vector{first} : std::vector{first, second};
   IntervalMesh mesh = extract_intervals(dataset.grid, array, intervals, options, Task{});
