@@ -204,11 +204,15 @@ void annotate_triad(const AnnotationInput& input, const AnnotationTheme& theme, 
   const double reach = 2.6 * theme.letter, room = 1.5 * reach;
   if (std::min(input.width, input.height) < 4 * room) return;
   const Point2 origin{room, input.height - room};
+  const LabelBox square{0, input.height - 2 * room, 2 * room, static_cast<double>(input.height)};
+  for (const LabelBox& other : taken)
+    if (other.overlaps(square, 0)) return;
   const Mat4d view = view_from_world(input.camera);
   std::array<int, 3> order{0, 1, 2};  // the one that points away first
   const auto towards = [&](int axis) { return view.m[static_cast<std::size_t>(axis)][2]; };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return towards(a) < towards(b); });
-  taken.push_back({0, input.height - 2 * room, 2 * room, static_cast<double>(input.height)});
+  taken.push_back(square);
+  std::vector<Text> names;
   for (const int axis : order) {
     const auto& column = view.m[static_cast<std::size_t>(axis)];
     const double dx = column[0] * reach, dy = -column[1] * reach, pixels = std::hypot(dx, dy);
@@ -223,15 +227,22 @@ void annotate_triad(const AnnotationInput& input, const AnnotationTheme& theme, 
           {tip, {base.x - along.y * half, base.y + along.x * half}, {base.x + along.y * half, base.y - along.x * half}}, ink});
       Text name = beside(theme, font, tip, along, 0.3 * theme.letter, kNames[axis], 1.1);
       name.ink = ink;
-      drawing.over.emplace_back(name);
+      names.push_back(name);
     } else {
       drawing.over.emplace_back(Stroke{origin, origin, 2.4 * theme.line, ink});  // seen end on: a dot
       if (towards(axis) > 0) {
         Text name = beside(theme, font, origin, {-0.7071, 0.7071}, 0.3 * theme.letter, kNames[axis], 1.1);
         name.ink = ink;
-        drawing.over.emplace_back(name);
+        names.push_back(name);
       }
     }
+  }
+  std::vector<LabelBox> named;  // where two arrows fall together, the nearer one keeps its name
+  for (auto name = names.rbegin(); name != names.rend(); ++name) {
+    const LabelBox box = box_of(*name, font);
+    if (std::any_of(named.begin(), named.end(), [&](const LabelBox& other) { return other.overlaps(box, 0); })) continue;
+    named.push_back(box);
+    drawing.over.emplace_back(*name);
   }
 }
 

@@ -136,6 +136,9 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
     AxisTicks ticks;
     std::vector<std::string> texts;
     const auto at = [&](double v) { return left + (right - left) * (v - bar.lower) / (bar.upper - bar.lower); };
+    const auto shown = [&](double v, double half) {
+      return std::max(x0 + 0.3 * em + half, std::min(at(v), x1 - 0.3 * em - half));
+    };
     for (int count = 6; count >= 1; --count) {
       ticks = axis_ticks(bar.lower, bar.upper, count);
       texts = tick_texts(ticks);
@@ -143,16 +146,15 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
       double before = -1e300;
       for (std::size_t i = 0; i < texts.size(); ++i) {
         const double half = font.width(texts[i], 0.9 * em) / 2;
-        crowded = crowded || at(ticks.values[i]) - half < before + 0.5 * em;
-        before = at(ticks.values[i]) + half;
+        crowded = crowded || shown(ticks.values[i], half) - half < before + 0.5 * em;
+        before = shown(ticks.values[i], half) + half;
       }
       if (!crowded) break;
     }
     for (std::size_t i = 0; i < texts.size(); ++i) {
       const double x = at(ticks.values[i]), half = font.width(texts[i], 0.9 * em) / 2;
       drawing.over.emplace_back(Stroke{{x, bottom}, {x, bottom + 0.25 * em}, theme.line, theme.text});
-      const double shown = std::clamp(x, x0 + 0.3 * em + half, x1 - 0.3 * em - half);
-      plain({shown, bottom + 0.5 * em + font.cap_height(0.9 * em)}, texts[i], Text::Align::middle, 0.9);
+      plain({shown(ticks.values[i], half), bottom + 0.5 * em + font.cap_height(0.9 * em)}, texts[i], Text::Align::middle, 0.9);
     }
     y += bar_height;
   }

@@ -68,7 +68,7 @@ std::vector<std::string> tick_texts(const AxisTicks& ticks) {
   if (largest == 0) return std::vector<std::string>(ticks.values.size(), "0");
   const int exponent = exponent_of(largest), step_exponent = exponent_of(ticks.step);
   const bool scientific = exponent < kLeast || exponent >= kMost;
-  const int decimals = std::clamp(scientific ? exponent - step_exponent : -step_exponent, 0, 12);
+  const int decimals = std::clamp(scientific ? exponent - step_exponent : -step_exponent, 0, 17);
   for (const double value : ticks.values) {
     if (!scientific)
       texts.push_back(fixed(value, decimals));

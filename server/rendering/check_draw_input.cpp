@@ -52,8 +52,14 @@ void check(const DrawInput& input) {
   if (!std::isfinite(input.unit_distance) || input.unit_distance < 0) fail("unit distance must be a finite number, 0 or above");
   if (!finite(input.background)) fail("the background is not a colour");
   if (!input.mesh) fail("no mesh");
-  if (input.styles.size() != input.mesh->summaries.size())
-    fail(std::to_string(input.styles.size()) + " styles for " + std::to_string(input.mesh->summaries.size()) + " intervals");
+  const std::size_t intervals = input.cut_intervals.empty() ? input.mesh->summaries.size() : input.cut_intervals.size();
+  if (input.styles.size() != intervals)
+    fail(std::to_string(input.styles.size()) + " styles for " + std::to_string(intervals) + " intervals");
+  if (!input.cut_intervals.empty() && (!input.color_values || input.color_values->size() != input.mesh->positions.size()))
+    fail("intervals that the renderer cuts need the field's values on the mesh's " + std::to_string(input.mesh->positions.size()) +
+         " points");
+  for (const Interval& interval : input.cut_intervals)
+    if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalStyle& style = input.styles[i];
     const std::string which = "interval " + std::to_string(i) + ": ";

@@ -54,15 +54,16 @@ class Binner {
   TileRange bounds_on_screen(const Box3d& box, int& outside, Block& block) const {
     std::int32_t x_low = 0, x_high = 0, y_low = 0, y_high = 0;
     int common = ~0, odd = 0;
-    const double half_width = 0.5 * transform_.width / transform_.focal, half_height = 0.5 * transform_.height / transform_.focal;
+    const double left = -transform_.axis_x / transform_.focal, right = (transform_.width - transform_.axis_x) / transform_.focal;
+    const double above = transform_.axis_y / transform_.focal, below = (transform_.axis_y - transform_.height) / transform_.focal;
     for (int corner = 0; corner < 8; ++corner) {
       const ViewPoint p = transform_.view({corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
                                            corner & 4 ? box.upper.z : box.lower.z});
       const double depth = transform_.orthographic ? 1 : p.z;
       // Against the pyramid of view, whose sides pass through the eye: right for points behind it, too.
       const bool too_near = p.z < transform_.near_depth;
-      common &= (too_near ? 1 : 0) | (p.x < -half_width * depth ? 2 : 0) | (p.x > half_width * depth ? 4 : 0) |
-                (p.y < -half_height * depth ? 8 : 0) | (p.y > half_height * depth ? 16 : 0);
+      common &= (too_near ? 1 : 0) | (p.x < left * depth ? 2 : 0) | (p.x > right * depth ? 4 : 0) |
+                (p.y < below * depth ? 8 : 0) | (p.y > above * depth ? 16 : 0);
       if (too_near) block.too_near = true;
       const ScreenVertex v = transform_.project(p);
       if (v.q == 0) {

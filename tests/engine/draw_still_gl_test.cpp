@@ -49,33 +49,32 @@ class DrawStill : public ::testing::Test {
   std::shared_ptr<const ExtractedScene> extracted_;
 };
 
-double largest_difference(const std::vector<float>& a, const std::vector<float>& b) {
-  if (a.size() != b.size()) return 1e9;
-  double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i] != b[i]) largest = std::max(largest, std::abs(static_cast<double>(a[i]) - b[i]));
-  return largest;
-}
-
-TEST_F(DrawStill, APartOfAPictureIsThatPartOfTheWhole) {
-  for (const bool orthographic : {false, true}) {
-    DrawInput input = still(70, 50).input;
-    input.camera.orthographic = orthographic;
-    const FloatImage whole = testing::draw_floats(input);
-    for (const PictureWindow window : {PictureWindow{0, 0, 70, 50}, {13, 7, 70, 50}, {50, 31, 70, 50}, {69, 49, 70, 50}}) {
-      DrawInput part = input;
-      part.window = window;
-      part.width = std::min(20, 70 - window.x);
-      part.height = std::min(19, 50 - window.y);
-      const FloatImage image = testing::draw_floats(part);
-      double error = 0;
-      for (int y = 0; y < part.height; ++y)
-        for (int x = 0; x < part.width; ++x)
-          for (std::size_t c = 0; c < 4; ++c)
-            error = std::max(error, std::abs(static_cast<double>(testing::pixel(image, x, y)[c]) -
-                                             static_cast<double>(testing::pixel(whole, x + window.x, y + window.y)[c])));
-      EXPECT_LT(error, 2e-3) << window.x << ", " << window.y << (orthographic ? ", orthographic" : "");
-    }
+TEST_F(DrawStill, APartOfAPictureIsThatPartOfTheWholeWhateverDrawsIt) {
+  for (const char* name : {"raster", "native", "compute"}) {
+    const auto renderer = make_renderer({name, std::string(name) == "native" ? "native" : "surfaceless"});
+    for (const bool constant : {false, true})
+      for (const bool orthographic : {false, true}) {
+        DrawInput input = still(70, 50).input;
+        input.camera.orthographic = orthographic;
+        if (constant) input.styles[1].color_map.clear();
+        input.clip_planes = {{{1, 0.2, 0}, -0.3}};
+        const FloatImage whole = testing::draw_floats(input, *renderer);
+        for (const PictureWindow window : {PictureWindow{0, 0, 70, 50}, {13, 7, 70, 50}, {50, 31, 70, 50}, {69, 49, 70, 50}}) {
+          DrawInput part = input;
+          part.window = window;
+          part.width = std::min(20, 70 - window.x);
+          part.height = std::min(19, 50 - window.y);
+          const FloatImage image = testing::draw_floats(part, *renderer);
+          double error = 0;
+          for (int y = 0; y < part.height; ++y)
+            for (int x = 0; x < part.width; ++x)
+              for (std::size_t c = 0; c < 4; ++c)
+                error = std::max(error, std::abs(static_cast<double>(testing::pixel(image, x, y)[c]) -
+                                                 static_cast<double>(testing::pixel(whole, x + window.x, y + window.y)[c])));
+          EXPECT_LT(error, 2e-3) << name << " at " << window.x << ", " << window.y << (orthographic ? ", orthographic" : "")
+                                 << (constant ? ", constant" : "");
+        }
+      }
   }
 }
 

@@ -11,6 +11,20 @@ export interface Camera {
   at: Vec3;
   up: Vec3;
   fovDeg: number;
+  orthographic?: boolean; // parallel rays; what is as far away as `at` is as large as in perspective
+}
+
+/** Keeps what has dot(normal, position) >= offset. */
+export interface ClipPlane {
+  normal: Vec3;
+  offset: number;
+}
+
+/** What the server draws into its pictures beside the volume. The page draws its own box and axes on the screen. */
+export interface Annotations {
+  axes: boolean;
+  box: boolean;
+  legend: boolean;
 }
 
 export interface Box {
@@ -68,6 +82,7 @@ export interface Interval {
   opacityUpper?: number | null; // at the top of the range that colour runs over; null: one opacity
   ownRange?: boolean; // colour and opacity run over the layer's own range
   surface?: Surface | null;
+  name?: string; // for the legend
 }
 
 /** What PatchInterval can change. */
@@ -124,6 +139,8 @@ export interface SceneState {
   texture: string; // the array of the surfaces' textures; empty: colorBy
   cycle: Cycle;
   smear: Smear;
+  clipPlanes?: ClipPlane[];
+  annotations?: Annotations;
 }
 
 export interface ArrayInfo extends Range {
@@ -170,7 +187,7 @@ export interface Welcome {
   device: string;
   deviceIsSoftware: boolean;
   colorMaps: string[];
-  limits: { maxIntervals: number; maxWidth: number; maxHeight: number };
+  limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
 }
 
 export interface StageTimes {

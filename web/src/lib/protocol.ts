@@ -21,7 +21,9 @@ import {
   type Welcome as WireWelcome,
 } from '../gen/isostrata/v1/isostrata_pb';
 import type {
+  Annotations,
   Camera,
+  ClipPlane,
   Cycle,
   DatasetInfo,
   Frame,
@@ -144,9 +146,16 @@ export const command = {
   setCamera: (camera: Camera): Command => ({
     case: 'setCamera',
     value: {
-      camera: { eye: wireVec(camera.eye), at: wireVec(camera.at), up: wireVec(camera.up), fovDeg: camera.fovDeg },
+      camera: { eye: wireVec(camera.eye), at: wireVec(camera.at), up: wireVec(camera.up), fovDeg: camera.fovDeg,
+        orthographic: camera.orthographic ?? false,
+      },
     },
   }),
+  setClipPlanes: (planes: readonly ClipPlane[]): Command => ({
+    case: 'setClipPlanes',
+    value: { clipPlanes: planes.map(({ normal, offset }) => ({ normal: wireVec(normal), offset })) },
+  }),
+  setAnnotations: (annotations: Annotations): Command => ({ case: 'setAnnotations', value: { annotations } }),
   setView: (view: string): Command => ({ case: 'setView', value: { view } }),
   setCombination: (terms: readonly RangeTerm[]): Command => ({ case: 'setCombination', value: { terms: terms.map(wireTerm) } }),
   setTime: (time: number | null, mode: TimeMode): Command => ({
@@ -247,6 +256,7 @@ const intervalOf = (i: WireInterval): Interval => ({
   opacity: i.opacity,
   priority: i.priority,
   visible: i.visible,
+  name: i.name,
   opacityUpper: i.opacityUpper ?? null,
   ownRange: i.ownRange,
   surface: i.surface ? surfaceOf(i.surface) : null,
@@ -266,7 +276,7 @@ const termOf = (t: WireTerm): RangeTerm => ({
 
 function cameraOf(c: WireCamera | undefined): Camera | null {
   if (!c?.eye || !c.at || !c.up) return null;
-  return { eye: vecOf(c.eye), at: vecOf(c.at), up: vecOf(c.up), fovDeg: c.fovDeg };
+  return { eye: vecOf(c.eye), at: vecOf(c.at), up: vecOf(c.up), fovDeg: c.fovDeg, orthographic: c.orthographic };
 }
 
 function stateOf(s: WireState): SceneState {
@@ -281,6 +291,12 @@ function stateOf(s: WireState): SceneState {
     camera: cameraOf(s.camera),
     background: rgbOf(s.background),
     unitDistance: s.unitDistance,
+    clipPlanes: s.clipPlanes.map((plane) => ({ normal: vecOf(plane.normal), offset: plane.offset })),
+    annotations: {
+      axes: s.annotations?.axes ?? false,
+      box: s.annotations?.box ?? false,
+      legend: s.annotations?.legend ?? false,
+    },
     terms: s.terms.map(termOf),
     time: s.time ?? null,
     timeMode: timeModes.name(s.timeMode),
@@ -331,6 +347,7 @@ function welcomeOf(w: WireWelcome): Welcome {
     colorMaps: w.colorMaps,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,
+      maxClipPlanes: w.limits?.maxClipPlanes || 32,
       maxWidth: w.limits?.maxWidth || 4096,
       maxHeight: w.limits?.maxHeight || 4096,
     },

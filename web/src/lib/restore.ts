@@ -46,6 +46,8 @@ export function restoreStep(
       ...(saved.integral ? { integral: saved.integral } : {}),
     }),
   );
+  if (saved.clipPlanes?.length) commands.push(command.setClipPlanes(saved.clipPlanes));
+  if (saved.annotations) commands.push(command.setAnnotations(saved.annotations));
   if (saved.camera) commands.push(command.setCamera(saved.camera));
   return { kind: 'send', commands, done: true };
 }

@@ -165,6 +165,19 @@ export class Session {
     this.notices.clear('step');
     this.outbox.put('step', command.setTimeStep(step));
   }
+  setClipPlanes(clipPlanes: NonNullable<SceneState['clipPlanes']>): void {
+    this.edit({ clipPlanes });
+    this.notices.clear('appearance');
+    this.outbox.put('clipPlanes', command.setClipPlanes(clipPlanes));
+  }
+  setAnnotations(annotations: NonNullable<SceneState['annotations']>): void {
+    this.edit({ annotations });
+    this.sendInOrder(command.setAnnotations(annotations));
+  }
+  setOrthographic(orthographic: boolean): void {
+    const { camera } = this;
+    if (camera) this.moveCamera({ ...camera, orthographic });
+  }
   setMode(mode: SceneState['mode']): void {
     this.edit({ mode });
     this.sendInOrder(command.setAppearance({ mode }));
