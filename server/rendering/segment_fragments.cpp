@@ -78,8 +78,8 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V q_low = least(q), q_high = most(q);
   const V area = hn::Mul(hn::Sub(most(x), least(x)), hn::Sub(y_high, y_low));
   const V box = hn::Mul(area, hn::Sub(q_high, q_low));
-  // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, a part in a million of its box.
-  const auto solid = hn::Gt(hn::Abs(volume), hn::Mul(box, hn::Set(d, 2e-6f)));
+  // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, less than a part in a million of its box.
+  const auto solid = hn::Gt(hn::Abs(volume), hn::Mul(box, hn::Set(d, 5e-7f)));
   row_last = hn::IfThenElse(solid, row_last, hn::Set(d, -1e6f));
   const V rows = hn::Max(hn::Add(hn::Sub(row_last, row_first), one), zero);
   hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(hn::Gt(rows, zero), row_first)), di, g.row_first);
@@ -317,8 +317,9 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
       const V u0 = of(g.u0), w0 = hn::MulAdd(q0, perspective, orthographic);
       const auto bound = [&](V beyond, auto keep_if_positive) {  // (u - end) w = at + rise q has the sign that is kept
         const V rise = hn::MulAdd(beyond, perspective, u_q), at = hn::MulAdd(beyond, w0, flat);
-        const V end = hn::Neg(hn::Div(at, hn::CopySign(hn::Max(hn::Abs(rise), hn::Set(d, 1e-20f)), rise)));
-        const auto farther_is_out = hn::Xor(hn::Lt(rise, zero), keep_if_positive);
+        const V steep = hn::CopySign(hn::Max(hn::Abs(rise), hn::Set(d, 1e-20f)), rise);  // even 0 has a sign, which decides
+        const V end = hn::Neg(hn::Div(at, steep));
+        const auto farther_is_out = hn::Xor(hn::Lt(steep, zero), keep_if_positive);
         q_out = hn::IfThenElse(farther_is_out, hn::Max(q_out, end), q_out);
         q_in = hn::IfThenElse(farther_is_out, q_in, hn::Min(q_in, end));
       };

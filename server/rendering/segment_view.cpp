@@ -27,7 +27,7 @@ SegmentView make_segment_view(const DrawInput& input) {
   view.center_x = 0.5 * input.width - 0.5 - kRayShiftX * side;
   view.center_y = 0.5 * input.height - 0.5 - kRayShiftY * side;
   view.near_depth = 1e-4 * std::min(1.0, distance / view.scale);
-  view.guard = std::max(2 * std::max(input.width, input.height), 8192);
+  view.guard = std::max(2 * std::max(input.width, input.height), 512);
   const Vec3d middle = input.bounds.empty() ? camera.at : input.bounds.center();
   view.zero_q_depth = view.seen(middle).z + 2;  // the box is at 1.5 <= q <= 2.5
   return view;
