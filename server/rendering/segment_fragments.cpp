@@ -78,7 +78,8 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V q_low = least(q), q_high = most(q);
   const V area = hn::Mul(hn::Sub(most(x), least(x)), hn::Sub(y_high, y_low));
   const V box = hn::Mul(area, hn::Sub(q_high, q_low));
-  // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, less than a part in a million of its box.
+  // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, less than a part in a million
+  // of its box.
   const auto solid = hn::Gt(hn::Abs(volume), hn::Mul(box, hn::Set(d, 5e-7f)));
   row_last = hn::IfThenElse(solid, row_last, hn::Set(d, -1e6f));
   const V rows = hn::Max(hn::Add(hn::Sub(row_last, row_first), one), zero);
@@ -323,8 +324,8 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
         q_out = hn::IfThenElse(farther_is_out, hn::Max(q_out, end), q_out);
         q_in = hn::IfThenElse(farther_is_out, q_in, hn::Min(q_in, end));
       };
-      bound(u0, hn::Eq(zero, zero));                     // u >= 0
-      bound(hn::Sub(u0, one), hn::Ne(zero, zero));       // u <= 1
+      bound(u0, hn::Eq(zero, zero));                // u >= 0
+      bound(hn::Sub(u0, one), hn::Ne(zero, zero));  // u <= 1
       u_low = hn::Max(u_low, hn::Neg(u0));
       u_high = hn::Min(u_high, hn::Sub(one, u0));
     }
