@@ -1,8 +1,9 @@
 // PNG (ISO/IEC 15948) by hand: rows filtered, bands of rows deflated at the same time, the bands joined into one zlib stream. The
-// bands are raw deflate ended by a full flush, so their bytes may be concatenated; the Adler-32 sums are combined (the method of
-// Mark Adler's pigz).
+// bands are raw deflate, each ended by a full flush, so their bytes may be concatenated; the Adler-32 sums are combined (the
+// method of Mark Adler's pigz).
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -13,6 +14,7 @@
 #include "base/parallel.h"
 #include "encoding/check_image.h"
 #include "encoding/encode_image.h"
+#include "encoding/png_stream.h"
 
 namespace isostrata {
 namespace {
@@ -75,7 +77,7 @@ struct Band {
   std::size_t bytes = 0;
 };
 
-Bytes deflate_raw(std::span<const std::uint8_t> bytes, bool last) {
+Bytes deflate_raw(std::span<const std::uint8_t> bytes) {
   z_stream stream{};
   if (deflateInit2(&stream, 1, Z_DEFLATED, -15, 9, Z_DEFAULT_STRATEGY) != Z_OK)
     throw Error(ErrorCode::too_large, "PNG: no memory to deflate");
@@ -84,63 +86,136 @@ Bytes deflate_raw(std::span<const std::uint8_t> bytes, bool last) {
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = out.data();
   stream.avail_out = static_cast<uInt>(out.size());
-  const int state = deflate(&stream, last ? Z_FINISH : Z_FULL_FLUSH);
+  const int state = deflate(&stream, Z_FULL_FLUSH);
   out.resize(stream.total_out);
-  const bool complete = stream.avail_in == 0 && state == (last ? Z_STREAM_END : Z_OK);
+  const bool complete = stream.avail_in == 0 && state == Z_OK;
   deflateEnd(&stream);
   if (!complete) throw Error(ErrorCode::internal, "PNG: deflate did not finish");
   return out;
 }
 
-Band make_band(const Image& image, int channels, int first_row, int rows, bool last) {
+Band make_band(const Image& image, int channels, int first_row, int rows, std::span<const std::uint8_t> before) {
   const std::size_t stride = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels);
   std::vector<std::uint8_t> filtered((stride + 1) * static_cast<std::size_t>(rows)), above(stride, 0), row(stride), scratch;
   const auto source = [&](int y) { return &image.rgba[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 4]; };
-  if (first_row > 0) pack_row(source(first_row - 1), image.width, channels, above.data());
+  if (first_row > 0)
+    pack_row(source(first_row - 1), image.width, channels, above.data());
+  else if (!before.empty())
+    above.assign(before.begin(), before.end());
   for (int y = 0; y < rows; ++y) {
     pack_row(source(first_row + y), image.width, channels, row.data());
     filter_row(row, above, static_cast<std::size_t>(channels), &filtered[static_cast<std::size_t>(y) * (stride + 1)], scratch);
     std::swap(row, above);
   }
-  return {deflate_raw(filtered, last), adler32(1, filtered.data(), static_cast<uInt>(filtered.size())), filtered.size()};
+  return {deflate_raw(filtered), adler32(1, filtered.data(), static_cast<uInt>(filtered.size())), filtered.size()};
 }
 
-}  // namespace
-
-Bytes encode_png(const Image& image) {
-  check_image(image);
-  const int channels = opaque(image) ? 3 : 4;
-  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels) + 1;
+/// Rows as parts of one zlib stream: its beginning where they are the first, its end where they are the last. `before`: the
+/// packed row above them, where there is one; adler: the stream's sum so far.
+std::vector<Bytes> deflate_rows(const Image& rows, int channels, std::span<const std::uint8_t> before, uLong& adler, bool first,
+                                bool last) {
+  const std::size_t row_bytes = static_cast<std::size_t>(rows.width) * static_cast<std::size_t>(channels) + 1;
   const int rows_per_band = static_cast<int>(std::max<std::size_t>(1, kBandBytes / row_bytes));
-  const int bands = (image.height + rows_per_band - 1) / rows_per_band;
+  const int bands = (rows.height + rows_per_band - 1) / rows_per_band;
   std::vector<Band> band(static_cast<std::size_t>(bands));
   parallel_for(bands, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t b = begin; b < end; ++b) {
-      const int first = static_cast<int>(b) * rows_per_band;
-      band[static_cast<std::size_t>(b)] =
-          make_band(image, channels, first, std::min(rows_per_band, image.height - first), b == bands - 1);
+      const int at = static_cast<int>(b) * rows_per_band;
+      band[static_cast<std::size_t>(b)] = make_band(rows, channels, at, std::min(rows_per_band, rows.height - at), before);
     }
   });
+  std::vector<Bytes> parts;
+  for (std::size_t b = 0; b < band.size(); ++b) {
+    Bytes data;
+    if (first && b == 0) data = {0x78, 0x01};
+    data.insert(data.end(), band[b].deflated.begin(), band[b].deflated.end());
+    adler = adler32_combine(adler, band[b].adler, static_cast<z_off_t>(band[b].bytes));
+    if (last && b + 1 == band.size()) {
+      data.insert(data.end(), {0x03, 0x00});  // an empty last block ends the raw deflate data
+      data.resize(data.size() + 4);
+      put_u32(&data[data.size() - 4], static_cast<std::uint32_t>(adler));
+    }
+    parts.push_back(std::move(data));
+  }
+  return parts;
+}
 
+std::vector<Bytes> deflate_image(const Image& image, int channels) {
+  uLong adler = 1;
+  return deflate_rows(image, channels, {}, adler, true, true);
+}
+
+Bytes begin_png(int width, int height, int channels) {
   Bytes out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   std::array<std::uint8_t, 13> header{};
-  put_u32(&header[0], static_cast<std::uint32_t>(image.width));
-  put_u32(&header[4], static_cast<std::uint32_t>(image.height));
+  put_u32(&header[0], static_cast<std::uint32_t>(width));
+  put_u32(&header[4], static_cast<std::uint32_t>(height));
   header[8] = 8;                                                 // bits a channel
   header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);  // RGBA, RGB
   put_chunk(out, "IHDR", header);
   put_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
-  uLong adler = 1;
-  for (std::size_t b = 0; b < band.size(); ++b) {  // one IDAT a band: their data form one zlib stream
-    Bytes data;
-    if (b == 0) data = {0x78, 0x01};
-    data.insert(data.end(), band[b].deflated.begin(), band[b].deflated.end());
-    adler = adler32_combine(adler, band[b].adler, static_cast<z_off_t>(band[b].bytes));
-    if (b + 1 == band.size()) {
-      data.resize(data.size() + 4);
-      put_u32(&data[data.size() - 4], static_cast<std::uint32_t>(adler));
+  return out;
+}
+
+}  // namespace
+
+PngStream::PngStream(int width, int height, bool alpha)
+    : width_(width), rows_left_(height), channels_(alpha ? 4 : 3), begun_(begin_png(width, height, channels_)) {}
+
+Bytes PngStream::put(const Image& rows) {
+  check_image(rows);
+  if (rows.width != width_ || rows.height > rows_left_)
+    throw Error(ErrorCode::internal, "PNG: " + std::to_string(rows.width) + "x" + std::to_string(rows.height) + " pixels where " +
+                                         std::to_string(width_) + "x" + std::to_string(rows_left_) + " are left");
+  rows_left_ -= rows.height;
+  Bytes out = std::move(begun_);
+  begun_.clear();
+  for (const Bytes& part : deflate_rows(rows, channels_, before_, adler_, before_.empty(), rows_left_ == 0))
+    put_chunk(out, "IDAT", part);  // together one zlib stream
+  before_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(channels_));
+  pack_row(&rows.rgba[rows.rgba.size() - 4 * static_cast<std::size_t>(width_)], width_, channels_, before_.data());
+  if (rows_left_ == 0) put_chunk(out, "IEND", {});
+  return out;
+}
+
+Bytes encode_png(const Image& image) {
+  check_image(image);
+  return PngStream(image.width, image.height, !opaque(image)).put(image);
+}
+
+// The chunks acTL, fcTL and fdAT of "Portable Network Graphics (PNG) Specification (Third Edition)", section 11.3.6.
+Bytes encode_animated_png(const std::vector<Image>& images, double seconds) {
+  if (images.empty()) throw Error(ErrorCode::invalid_argument, "PNG: no picture to animate");
+  int channels = 3;
+  for (const Image& image : images) {
+    check_image(image);
+    if (image.width != images[0].width || image.height != images[0].height)
+      throw Error(ErrorCode::invalid_argument, "PNG: the pictures of an animation differ in size");
+    if (!opaque(image)) channels = 4;
+  }
+  Bytes out = begin_png(images[0].width, images[0].height, channels);
+  std::array<std::uint8_t, 8> animation{};
+  put_u32(&animation[0], static_cast<std::uint32_t>(images.size()));  // then 0: again and again
+  put_chunk(out, "acTL", animation);
+  std::uint32_t sequence = 0;
+  for (const Image& image : images) {
+    std::array<std::uint8_t, 26> control{};
+    put_u32(&control[0], sequence++);
+    put_u32(&control[4], static_cast<std::uint32_t>(image.width));
+    put_u32(&control[8], static_cast<std::uint32_t>(image.height));
+    const auto hundredths = static_cast<std::uint32_t>(std::clamp(seconds * 100 + 0.5, 1.0, 65535.0));
+    control[20] = static_cast<std::uint8_t>(hundredths >> 8), control[21] = static_cast<std::uint8_t>(hundredths);
+    control[23] = 100;  // hundredths of a second; each picture then replaces the one before
+    put_chunk(out, "fcTL", control);
+    for (Bytes& part : deflate_image(image, channels)) {
+      if (sequence == 1) {
+        put_chunk(out, "IDAT", part);
+        continue;
+      }
+      part.insert(part.begin(), 4, 0);
+      put_u32(part.data(), sequence++);
+      put_chunk(out, "fdAT", part);
     }
-    put_chunk(out, "IDAT", data);
   }
   put_chunk(out, "IEND", {});
   return out;

@@ -1,10 +1,13 @@
 #include "engine/draw_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/stopwatch.h"
 #include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
+#include "extraction/gradient_normals.h"
+#include "extraction/join_meshes.h"
 
 namespace isostrata {
 namespace {
@@ -14,10 +17,23 @@ const std::string& first_array(const Dataset& dataset) {
   return dataset.arrays.front().name;
 }
 
-bool uses_color_map(const Scene& scene) {
-  const auto mapped = [](const auto& of) { return !of.color_map.empty(); };
-  return std::any_of(scene.intervals.begin(), scene.intervals.end(), mapped) ||
-         std::any_of(scene.terms.begin(), scene.terms.end(), mapped);
+bool uses_color_values(const Scene& scene) {
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(),
+                     [](const SceneInterval& of) { return !of.color_map.empty() || of.opacity_upper; }) ||
+         std::any_of(scene.terms.begin(), scene.terms.end(), [](const SceneTerm& of) { return !of.color_map.empty(); });
+}
+
+bool draws_surfaces(const Scene& scene) {
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& of) { return of.surface.drawn(); });
+}
+
+bool uses_texture(const Scene& scene) {
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(),
+                     [](const SceneInterval& of) { return of.surface.drawn() && !of.surface.texture.empty(); });
+}
+
+bool brings_in(const SceneTerm& term) {
+  return term.term.op == RangeOperator::unite || term.term.op == RangeOperator::exclusive_or;
 }
 
 /// Whether another array can be brought to the finished mesh: its points know what they lie on, in the grid of one step.
@@ -29,11 +45,17 @@ bool can_carry(const ExtractedScene& extracted) {
 
 /// The dataset is immutable and one object per time step, so the identity of those that were used stands for dataset and steps.
 bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, const StepSource& steps, const Task& task) {
-  return previous.request == request && std::all_of(previous.steps.begin(), previous.steps.end(),
-                                                    [&](const auto& used) { return steps(used->step, task) == used; });
+  LayerRequest wanted = request;
+  wanted.facets = wanted.facets || previous.request.facets;  // more than is asked for does no harm
+  return previous.request == wanted && std::all_of(previous.steps.begin(), previous.steps.end(),
+                                                   [&](const auto& used) { return steps(used->step, task) == used; });
 }
 
-void extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task, LayerAids aids) {
+using Values = std::shared_ptr<const std::vector<float>>;
+
+/// Returns the carried arrays, in the order of the request.
+std::vector<Values> extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task,
+                            LayerAids aids) {
   if (request.intervals.empty()) {
     made.dataset = steps(request.step, task);
     made.time.first = made.time.second = request.step;
@@ -41,27 +63,129 @@ void extract(ExtractedScene& made, const LayerRequest& request, const StepSource
     auto mesh = std::make_shared<IntervalMesh>();
     mesh->cells = made.dataset->grid.cell_count();
     made.mesh = std::move(mesh);
-    if (!request.carry.empty()) made.color_values = std::make_shared<const std::vector<float>>();
-    return;
+    return std::vector<Values>(request.carry.size(), std::make_shared<const std::vector<float>>());
   }
   if (made.kept) aids.kept = made.kept.get();
   Layers layers = extract_layers(request, steps, task, aids);
   made.dataset = std::move(layers.dataset);
   made.time = layers.time;
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
-  if (!request.carry.empty())
-    made.color_values = std::make_shared<const std::vector<float>>(std::move(layers.carried.front().values));
+  std::vector<Values> carried;
+  for (MeshArray& array : layers.carried) carried.push_back(std::make_shared<const std::vector<float>>(std::move(array.values)));
+  return carried;
+}
+
+/// The gradient of an array that is not in the dataset at that time (a slice's, say) is not known.
+void add_normals(ExtractedScene& made, const Task& task) {
+  const auto& arrays = made.dataset->arrays;
+  const auto found = std::find_if(arrays.begin(), arrays.end(), [&](const PointArray& a) { return a.name == made.array; });
+  if (found == arrays.end()) return;
+  std::vector<Vec3f> normals = gradient_normals(made.dataset->grid, *found, *made.mesh, task);
+  if (!normals.empty()) made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(normals));
+}
+
+void set_range(const PointArray& array, double& lower, double& upper) {
+  if (!(array.lower <= array.upper)) return;
+  lower = array.lower;
+  upper = array.upper;
+}
+
+template <class T>
+std::shared_ptr<const std::vector<T>> joined(std::span<const std::shared_ptr<const ExtractedScene>> parts,
+                                             std::shared_ptr<const std::vector<T>> ExtractedScene::*member) {
+  std::vector<T> all;
+  for (const auto& part : parts) {
+    const auto& values = (*part).*member;
+    if (!values) return nullptr;
+    all.insert(all.end(), values->begin(), values->end());
+  }
+  return std::make_shared<const std::vector<T>>(std::move(all));
+}
+
+bool same_shape(const Grid& a, const Grid& b) {
+  const auto* ua = std::get_if<UniformGrid>(&a.shape);
+  const auto* ub = std::get_if<UniformGrid>(&b.shape);
+  if (ua && ub) return ua->dims == ub->dims && ua->origin == ub->origin && ua->spacing == ub->spacing;
+  const auto* ra = std::get_if<RectilinearGrid>(&a.shape);
+  const auto* rb = std::get_if<RectilinearGrid>(&b.shape);
+  return ra && rb && ra->axes == rb->axes;
+}
+
+std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, const Scene& scene, const std::vector<int>& wanted,
+                                                    const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                    LayerAids aids) {
+  const Stopwatch watch;
+  aids.bricks = nullptr;  // it remembers one array, not one a step
+  if (previous && previous->parts.size() == wanted.size() &&
+      std::equal(wanted.begin(), wanted.end(), previous->parts.begin(),
+                 [](int step, const SmearPart& part) { return step == part.step; })) {
+    LayerRequest request = layer_request(scene);
+    LayerRequest last = previous->request;
+    if (request.array.empty()) request.array = last.array;
+    const bool colored =
+        !uses_color_values(scene) ||
+        (previous->color_values && (scene.color_by.empty() ? request.array : scene.color_by) == previous->color_by);
+    const std::string texture = !scene.texture.empty() ? scene.texture : scene.color_by.empty() ? request.array : scene.color_by;
+    const bool textured = !uses_texture(scene) || (previous->texture_values && texture == previous->texture);
+    request.carry.clear();
+    if (colored && textured && same_mesh(*previous, request, source, task)) {
+      if (previous->extract_ms == 0) return previous;
+      auto again = std::make_shared<ExtractedScene>(*previous);
+      again->extract_ms = 0;
+      return again;
+    }
+  }
+
+  std::vector<std::shared_ptr<const ExtractedScene>> parts;
+  const std::uint64_t max_bytes = layer_request(scene).max_bytes;
+  std::uint64_t bytes = 0;
+  for (const int step : wanted) {
+    Scene one = scene;
+    one.mode = SceneMode::sorted;
+    one.step = step;
+    one.time.reset();
+    parts.push_back(extract_scene(source, one, nullptr, task, aids));
+    bytes += mesh_bytes(*parts.back()->mesh);
+    // All parts and the joined mesh are there at once. Steps are much alike, so the first ones tell of the others.
+    const std::uint64_t foreseen = 2 * (bytes / parts.size()) * wanted.size();
+    if (foreseen > max_bytes)
+      throw Error(ErrorCode::too_large, "a smear of " + std::to_string(wanted.size()) + " steps needs about " +
+                                            std::to_string(foreseen >> 20) + " MiB; " + std::to_string(max_bytes >> 20) +
+                                            " MiB are allowed");
+  }
+  auto made = std::make_shared<ExtractedScene>(*parts.front());
+  made->steps.clear();
+  std::vector<const IntervalMesh*> meshes;
+  for (std::size_t i = 0, summaries = 0; i < parts.size(); ++i) {
+    made->steps.insert(made->steps.end(), parts[i]->steps.begin(), parts[i]->steps.end());
+    made->parts.push_back({wanted[i], summaries});
+    summaries += parts[i]->mesh->summaries.size();
+    made->bounds.include(parts[i]->bounds.lower);
+    made->bounds.include(parts[i]->bounds.upper);
+    made->same_grid = made->same_grid && same_shape(parts[i]->dataset->grid, made->dataset->grid);
+    meshes.push_back(parts[i]->mesh.get());
+  }
+  made->mesh = std::make_shared<const IntervalMesh>(join_meshes(meshes, max_bytes));
+  made->color_values = joined(parts, &ExtractedScene::color_values);
+  made->texture_values = joined(parts, &ExtractedScene::texture_values);
+  made->normals = joined(parts, &ExtractedScene::normals);
+  made->extract_ms = watch.elapsed_ms();
+  return made;
 }
 
 IntervalStyle style_of(const SceneInterval& interval, const ExtractedScene& extracted) {
   IntervalStyle style;
   style.color = interval.color;
   style.color_map = interval.color_map;
-  style.color_lower = extracted.color_lower;
-  style.color_upper = extracted.color_upper;
+  style.color_lower = interval.own_range ? interval.lower : extracted.color_lower;
+  style.color_upper = interval.own_range ? interval.upper : extracted.color_upper;
   style.opacity = interval.opacity;
+  style.opacity_upper = interval.opacity_upper;
   style.priority = interval.priority;
   style.visible = interval.visible;
+  style.surface = interval.surface;
+  style.surface.texture_lower = extracted.texture_lower;
+  style.surface.texture_upper = extracted.texture_upper;
   return style;
 }
 
@@ -69,13 +193,80 @@ IntervalStyle style_of(const SceneTerm& term, const SceneInterval& first, const 
   IntervalStyle style = style_of(first, extracted);
   if (term.color || !term.color_map.empty()) style.color_map = term.color_map;
   if (term.color) style.color = *term.color;
-  if (term.opacity) style.opacity = *term.opacity;
+  if (term.opacity) style.opacity = *term.opacity, style.opacity_upper.reset();
   if (term.priority) style.priority = *term.priority;
   style.visible = term.visible;
   return style;
 }
 
+/// Of the intervals and of what terms bring in, as one step has them.
+std::vector<IntervalStyle> styles_of(const Scene& scene, const ExtractedScene& extracted, std::span<const IntervalSummary> of) {
+  std::vector<IntervalStyle> styles;
+  for (const SceneInterval& interval : scene.intervals) styles.push_back(style_of(interval, extracted));
+  for (std::size_t i = scene.intervals.size(); i < of.size(); ++i) {
+    const auto term = static_cast<std::size_t>(of[i].term);
+    styles.push_back(style_of(scene.terms.at(term), scene.intervals.front(), extracted));
+  }
+  return styles;
+}
+
+/// Leaves one of the visible ones visible.
+void show_phase(std::vector<IntervalStyle>& styles, double phase) {
+  const auto visible = std::count_if(styles.begin(), styles.end(), [](const IntervalStyle& s) { return s.visible; });
+  if (visible == 0) return;
+  auto shown = static_cast<std::ptrdiff_t>(std::fmod(std::floor(std::isfinite(phase) ? phase : 0), static_cast<double>(visible)));
+  if (shown < 0) shown += visible;
+  for (IntervalStyle& style : styles)
+    if (style.visible) style.visible = shown-- == 0;
+}
+
+/// Each step in one colour, over those before it.
+std::vector<IntervalStyle> smear_styles(const Scene& scene, const ExtractedScene& extracted) {
+  std::vector<IntervalStyle> all;
+  const std::span<const IntervalSummary> summaries = extracted.mesh->summaries;
+  for (std::size_t part = 0; part < extracted.parts.size(); ++part) {
+    const std::size_t first = extracted.parts[part].first_summary;
+    const std::size_t end = part + 1 < extracted.parts.size() ? extracted.parts[part + 1].first_summary : summaries.size();
+    for (IntervalStyle& style : styles_of(scene, extracted, summaries.subspan(first, end - first))) {
+      style.color = part < scene.smear.colors.size() ? scene.smear.colors[part] : default_interval_color(part);
+      style.color_map.clear();
+      style.surface.own_color = false;
+      style.priority = static_cast<int>(part);
+      all.push_back(std::move(style));
+    }
+  }
+  return all;
+}
+
 }  // namespace
+
+std::vector<int> smear_steps(const Scene& scene) {
+  if (scene.mode != SceneMode::smear) return {};
+  return scene.smear.steps.empty() ? std::vector<int>{scene.step} : scene.smear.steps;
+}
+
+std::size_t cycle_length(const Scene& scene) {
+  const auto visible = [](const auto& of) { return of.visible; };
+  return static_cast<std::size_t>(
+      std::count_if(scene.intervals.begin(), scene.intervals.end(), visible) +
+      std::count_if(scene.terms.begin(), scene.terms.end(), [](const SceneTerm& of) { return of.visible && brings_in(of); }));
+}
+
+std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene) {
+  const auto& all = extracted.mesh->summaries;
+  const std::size_t n = std::min(scene.intervals.size(), all.size());
+  std::vector<IntervalSummary> sums(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n));
+  for (std::size_t part = 1; part < extracted.parts.size(); ++part)
+    for (std::size_t i = 0; i < n; ++i) {
+      const IntervalSummary& more = all[extracted.parts[part].first_summary + i];
+      sums[i].active_cells += more.active_cells;
+      sums[i].tetrahedra += more.tetrahedra;
+      sums[i].volume += more.volume;
+      sums[i].signed_volume += more.signed_volume;
+      sums[i].inverted += more.inverted;
+    }
+  return sums;
+}
 
 LayerRequest layer_request(const Scene& scene) {
   LayerRequest request;
@@ -88,13 +279,25 @@ LayerRequest layer_request(const Scene& scene) {
   else
     request.step = scene.step;
   request.triangulation = scene.triangulation;
-  if (uses_color_map(scene)) request.carry.push_back(scene.color_by.empty() ? scene.array : scene.color_by);
+  const std::string& color_by = scene.color_by.empty() ? scene.array : scene.color_by;
+  const std::string& texture = scene.texture.empty() ? color_by : scene.texture;
+  if (uses_color_values(scene)) request.carry.push_back(color_by);
+  if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
+  request.facets = draws_surfaces(scene);
+  if (const std::vector<int> steps = smear_steps(scene); !steps.empty()) {
+    request.step = steps.front();
+    request.time.reset();
+    request.time_mode = TimeMode::step;
+  }
   return request;
 }
 
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     const LayerAids& aids) {
+  if (const std::vector<int> smeared = smear_steps(scene); !smeared.empty())
+    return extract_smear(source, scene, smeared, previous, task, aids);
+  const std::shared_ptr<const ExtractedScene> last = previous && previous->parts.empty() ? previous : nullptr;
   const Stopwatch watch;
   auto made = std::make_shared<ExtractedScene>();
   const StepSource steps = [&](int step, const Task& of) {
@@ -105,39 +308,53 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   LayerRequest request = layer_request(scene);
   if (request.array.empty()) request.array = first_array(*steps(scene.step, task));
   const std::string color_by = scene.color_by.empty() ? request.array : scene.color_by;
-  const bool colored = !request.carry.empty();
+  const std::string texture = scene.texture.empty() ? color_by : scene.texture;
+  const bool colored = uses_color_values(scene), textured = uses_texture(scene);
   LayerRequest plain = request;
   plain.carry.clear();
-  if (colored) request.carry.front() = color_by;
+  request.carry.clear();
+  if (colored) request.carry.push_back(color_by);
+  if (textured && !(colored && texture == color_by)) request.carry.push_back(texture);
 
-  const bool keep = previous && same_mesh(*previous, plain, source, task);
-  if (keep && previous->color_by == color_by && (previous->color_values || !colored)) {
-    if (previous->extract_ms == 0) return previous;
-    *made = *previous;
+  const bool keep = last && same_mesh(*last, plain, source, task);
+  const Values kept_colors = keep && last->color_by == color_by ? last->color_values : nullptr;
+  const Values kept_texture = keep && last->texture == texture ? last->texture_values : nullptr;
+  if (keep && last->color_by == color_by && last->texture == texture && (kept_colors || !colored) &&
+      (kept_texture || !textured)) {
+    if (last->extract_ms == 0) return last;
+    *made = *last;
     made->extract_ms = 0;
     return made;
   }
-  if (keep && (!colored || can_carry(*previous))) {
-    made->steps = previous->steps;
-    made->dataset = previous->dataset;
-    made->time = previous->time;
-    made->kept = previous->kept;
-    made->mesh = previous->mesh;
-    const PointArray& color_array = made->steps.front()->array(color_by);
-    if (colored) made->color_values = std::make_shared<const std::vector<float>>(carry_array(*made->mesh, color_array));
-  } else {
-    if (request.time_mode == TimeMode::spacetime)
-      made->kept = previous && previous->kept ? previous->kept : std::make_shared<KeptSpaceTime>();
-    extract(*made, request, steps, task, aids);
-  }
-  const PointArray& color_array = made->steps.front()->array(color_by);
-  if (color_array.lower <= color_array.upper) {
-    made->color_lower = color_array.lower;
-    made->color_upper = color_array.upper;
-  }
-  made->request = std::move(plain);
   made->array = request.array;
   made->color_by = color_by;
+  made->texture = texture;
+  if (keep && ((kept_colors || !colored) && (kept_texture || !textured) ? true : can_carry(*last))) {
+    made->steps = last->steps;
+    made->dataset = last->dataset;
+    made->time = last->time;
+    made->kept = last->kept;
+    made->mesh = last->mesh;
+    made->normals = last->normals;
+    const auto carried = [&](const std::string& name) {
+      return std::make_shared<const std::vector<float>>(carry_array(*made->mesh, made->steps.front()->array(name)));
+    };
+    if (colored) made->color_values = kept_colors ? kept_colors : carried(color_by);
+    if (textured)
+      made->texture_values = kept_texture ? kept_texture : colored && texture == color_by ? made->color_values : carried(texture);
+    plain.facets = last->request.facets;
+  } else {
+    if (request.time_mode == TimeMode::spacetime)
+      made->kept = last && last->kept ? last->kept : std::make_shared<KeptSpaceTime>();
+    const std::vector<Values> carried = extract(*made, request, steps, task, aids);
+    if (colored) made->color_values = carried.front();
+    if (textured) made->texture_values = carried.back();
+    if (request.facets) add_normals(*made, task);
+  }
+  set_range(made->steps.front()->array(color_by), made->color_lower, made->color_upper);
+  set_range(made->steps.front()->array(texture), made->texture_lower, made->texture_upper);
+  made->bounds = made->dataset->bounds;
+  made->request = std::move(plain);
   made->extract_ms = watch.elapsed_ms();
   return made;
 }
@@ -155,22 +372,57 @@ std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Datase
 
 DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int width, int height) {
   DrawInput input;
-  input.grid = &extracted.dataset->grid;
-  input.bounds = extracted.dataset->bounds;
+  input.grid = extracted.same_grid ? &extracted.dataset->grid : nullptr;
+  input.bounds = extracted.bounds;
   input.mesh = extracted.mesh;
   input.color_values = extracted.color_values;
-  for (const SceneInterval& interval : scene.intervals) input.styles.push_back(style_of(interval, extracted));
-  for (std::size_t i = scene.intervals.size(); i < extracted.mesh->summaries.size(); ++i) {  // what the terms bring in
-    const int term = extracted.mesh->summaries[i].term;
-    input.styles.push_back(style_of(scene.terms.at(static_cast<std::size_t>(term)), scene.intervals.front(), extracted));
-  }
-  input.mode = scene.mode;
-  input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset");
+  input.styles =
+      extracted.parts.empty() ? styles_of(scene, extracted, extracted.mesh->summaries) : smear_styles(scene, extracted);
+  if (scene.mode == SceneMode::cycled) show_phase(input.styles, scene.cycle.phase);
+  input.mode =
+      scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;
+  input.integral = scene.integral;
+  // Where the grid ends, a surface does not lie across the gradient: with such facets in the picture all have their own normals.
+  const bool ends_of_grid = std::any_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) {
+    return style.visible && style.surface.drawn() && style.surface.domain;
+  });
+  if (!ends_of_grid) input.normals = extracted.normals;
+  input.texture_values = extracted.texture_values;
+  input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset", static_cast<double>(width) / height);
   input.width = width;
   input.height = height;
   input.unit_distance = scene.unit_distance;
   input.background = scene.background;
+  input.clip_planes = scene.clip_planes;
   return input;
+}
+
+AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& scene, const DrawInput& input) {
+  AnnotationInput out;
+  out.show = scene.annotations;
+  out.bounds = input.bounds;
+  out.camera = input.camera;
+  out.width = input.width;
+  out.height = input.height;
+  out.background = input.background;
+  out.transparent = input.transparent;
+  out.array = extracted.array;
+  out.color_by = extracted.color_by;
+  for (std::size_t i = 0; i < input.styles.size() && i < input.mesh->summaries.size(); ++i) {
+    const IntervalSummary& summary = input.mesh->summaries[i];
+    LegendEntry entry{summary.interval.lower, summary.interval.upper, {}, input.styles[i]};
+    std::size_t of = i;  // within its step
+    const SmearPart* part = nullptr;
+    for (const SmearPart& candidate : extracted.parts)
+      if (i >= candidate.first_summary) part = &candidate, of = i - candidate.first_summary;
+    if (of < scene.intervals.size())
+      entry.name = scene.intervals[of].name;
+    else if (summary.term >= 0)
+      entry.name = scene.terms.at(static_cast<std::size_t>(summary.term)).term.array;
+    if (part) entry.name += (entry.name.empty() ? "step " : ", step ") + std::to_string(part->step);
+    out.entries.push_back(std::move(entry));
+  }
+  return out;
 }
 
 }  // namespace isostrata

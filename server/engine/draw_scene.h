@@ -11,14 +11,28 @@
 #include "engine/scene.h"
 #include "extraction/extract_layers.h"
 #include "extraction/interval_mesh.h"
+#include "rendering/annotations.h"
 #include "rendering/renderer.h"
 
 namespace isostrata {
 
-/// What the scene asks of extraction: its intervals, visible or not, with the terms, the time and the triangulation, and the
-/// array that colours run over where an interval or a term has a colour map. Arrays that the scene leaves open are empty here
-/// too.
+/// What the scene asks of extraction: its intervals, visible or not, with the terms, the time and the triangulation; the array
+/// that colours run over where an interval or a term has a colour map or an opacity that runs, then the array of the textures
+/// where a surface has one and it is another; facets where a surface is drawn. Arrays that the scene leaves open are empty here
+/// too. Of a smear: what is asked of its first step.
 LayerRequest layer_request(const Scene& scene);
+
+/// The steps of SceneMode::smear; empty in any other mode.
+std::vector<int> smear_steps(const Scene& scene);
+
+/// How many pictures a cycle has: intervals, and terms that bring something in, that are not hidden.
+std::size_t cycle_length(const Scene& scene);
+
+/// One step in the mesh of a smear.
+struct SmearPart {
+  int step = 0;
+  std::size_t first_summary = 0;  // of the mesh's
+};
 
 /// A mesh and what it was made from. Immutable, shared between threads.
 struct ExtractedScene {
@@ -29,14 +43,25 @@ struct ExtractedScene {
   std::shared_ptr<KeptSpaceTime> kept;  // for the next slice; null but in space-time mode
   std::string array, color_by;          // the arrays' names, as they were found
   std::shared_ptr<const IntervalMesh> mesh;
-  std::shared_ptr<const std::vector<float>> color_values;  // null where there is no colour map
-  double color_lower = 0, color_upper = 1;                 // range of the color-by array in the first of `steps`
-  double extract_ms = 0;                                   // 0 where `previous` was reused
+  std::shared_ptr<const std::vector<float>> color_values;    // null where there is no colour map and no opacity that runs
+  double color_lower = 0, color_upper = 1;                   // range of the color-by array in the first of `steps`
+  std::string texture;                                       // the array's name, as it was found
+  std::shared_ptr<const std::vector<float>> texture_values;  // null where no surface has a texture
+  double texture_lower = 0, texture_upper = 1;               // its range in the first of `steps`
+  std::shared_ptr<const std::vector<Vec3f>> normals;         // null where no surface is drawn, or none are known
+  Box3d bounds;                                              // of the grids
+  bool same_grid = true;                                     // of all parts: the one that a visibility order may be taken from
+  std::vector<SmearPart> parts;                              // of a smear, one a step, in their order
+  double extract_ms = 0;                                     // 0 where `previous` was reused
 };
+
+/// The tetrahedra and cells of each of the scene's intervals; of a smear, added over its steps.
+std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene);
 
 /// Extracts what layer_request says; `previous` is reused as far as that and the dataset are the same, and its mesh also where
 /// only colours are wanted that can be carried to it. A scene without intervals gives an empty mesh. Scene::array empty: the
-/// dataset's first. Throws not_found (no such array) and what extract_layers throws. Any thread.
+/// dataset's first. A smear is extracted step by step and joined; before the second step its memory is foreseen from the first
+/// one's (too_large). Throws not_found (no such array) and what extract_layers throws. Any thread.
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     const LayerAids& aids = {});
@@ -47,5 +72,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Datase
 
 /// What the renderer needs for the scene at this size. `extracted` must belong to the scene's ends, terms and arrays.
 DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int width, int height);
+
+/// What the scene wants beside that picture. `input` is of draw_input for the same scene.
+AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& scene, const DrawInput& input);
 
 }  // namespace isostrata

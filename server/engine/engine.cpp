@@ -13,6 +13,7 @@
 
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
+#include "engine/draw_still.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
 #include "extraction/brick_memory.h"
@@ -23,6 +24,7 @@ namespace {
 
 // An extraction that a newer scene has overtaken may still run this long. Shorter ones are shown, so a drag is never blind; and
 // of two in a row at most one is cancelled, so that a drag over slow data still shows every other one.
+constexpr int kDeviceFailures = 3;  // frames in a row before another renderer takes over
 constexpr double kSupersededGraceMs = 250;
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
@@ -43,16 +45,23 @@ RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, 
   return failed;
 }
 
-// The parts of a scene that a picture of older intervals can still follow.
+// The parts of a scene that a picture of older intervals can still follow. A smear's mesh is another one, so its mode stays with
+// what was extracted.
 void take_view(Scene& of, const Scene& from) {
   of.camera = from.camera;
   of.background = from.background;
-  of.mode = from.mode;
+  if ((of.mode == SceneMode::smear) == (from.mode == SceneMode::smear)) of.mode = from.mode;
+  of.integral = from.integral;
+  of.cycle = from.cycle;
   of.unit_distance = from.unit_distance;
+  of.clip_planes = from.clip_planes;
+  of.annotations = from.annotations;
 }
 
 bool same_view(const Scene& a, const Scene& b) {
-  return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.unit_distance == b.unit_distance;
+  return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.integral == b.integral &&
+         a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance && a.clip_planes == b.clip_planes &&
+         a.annotations == b.annotations;
 }
 
 struct SessionState {
@@ -83,7 +92,9 @@ bool is_software_device(const std::string& device) {
   return false;
 }
 
-bool same_extraction(const Scene& a, const Scene& b) { return a.dataset == b.dataset && layer_request(a) == layer_request(b); }
+bool same_extraction(const Scene& a, const Scene& b) {
+  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b);
+}
 
 class Engine::Impl {
  public:
@@ -328,6 +339,8 @@ class Engine::Impl {
 
   void render(std::promise<std::string>& started) {
     std::unique_ptr<Renderer> renderer;
+    int failures = 0;     // of the device, frames in a row
+    std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
       started.set_value(renderer->device());
@@ -342,7 +355,17 @@ class Engine::Impl {
         changed_.wait(lock, [&] { return stopping_ || (order = next_order()); });
         if (stopping_) return;
       }
-      draw(*renderer, std::move(*order));
+      const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead);
+      failures = failure ? failures + 1 : 0;
+      if (failures < kDeviceFailures || !instead.empty()) continue;
+      instead = " in place of " + renderer->device() + ", which failed " + std::to_string(failures) +
+                " frames in a row, the last with: " + *failure;
+      try {
+        renderer = options_.fallback_renderer ? options_.fallback_renderer() : make_renderer({"native", "native"});
+      } catch (const std::exception&) {
+        failures = 0;  // go on as before; each frame says why it fails
+        instead.clear();
+      }
     }
   }
 
@@ -389,45 +412,59 @@ class Engine::Impl {
     return order;
   }
 
-  void draw(Renderer& renderer, DrawOrder order) {
+  /// Why the device failed, where it did. instead: is added to the device's name.
+  std::optional<std::string> draw(Renderer& renderer, DrawOrder order, const std::string& instead) {
     const FrameRequest& request = order.request;
     send(FrameStarted{request.session, request.request});
     Stopwatch watch;
     try {
-      const DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      const auto annotations = std::make_shared<Drawing>();
+      if (order.scene.annotations.any()) {
+        *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
+        if (!annotations->empty()) ask_for_annotated(input, request.lossless);
+      }
       DrawResult result = renderer.draw(input);
       FrameReady frame;
       frame.session = request.session;
       frame.request = request.request;
       frame.revision = order.scene.revision;
-      frame.step = order.scene.time ? order.extracted->time.first : order.scene.step;
+      frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
       frame.lossless = request.lossless;
       frame.jpeg = request.jpeg;
       frame.width = request.width;
       frame.height = request.height;
       frame.camera = input.camera;
       frame.stages = {order.extract_ms, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, 0, 0};
-      frame.device = std::move(result.facts.device);
+      frame.device = result.facts.device + instead;
       frame.order = std::move(result.facts.order);
       frame.order_exact = result.facts.order_exact;
       frame.tetrahedra = result.facts.tetrahedra;
-      const auto& summaries = order.extracted->mesh->summaries;
-      for (std::size_t i = 0; i < std::min(order.scene.intervals.size(), summaries.size()); ++i)
+      const auto summaries = interval_summaries(*order.extracted, order.scene);
+      for (std::size_t i = 0; i < summaries.size(); ++i)
         frame.intervals.push_back(
             {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
-      auto image = std::make_shared<Image>(std::get<Image>(std::move(result.image)));
-      encoders_[request.session % encoders_.size()]->post(
-          [this, image, frame = std::move(frame), watch, quality = request.jpeg_quality]() mutable {
-            encode(*image, std::move(frame), watch, quality);
-          });
+      auto image = std::make_shared<AnyImage>(std::move(result.image));
+      encoders_[request.session % encoders_.size()]->post([this, image, annotations, background = input.background,
+                                                           frame = std::move(frame), watch,
+                                                           quality = request.jpeg_quality]() mutable {
+        encode(*image, *annotations, background, std::move(frame), watch, quality);
+      });
+    } catch (const Error& error) {
+      send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
+      if (error.code() == ErrorCode::unavailable) return error.what();
     } catch (...) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
     }
+    return std::nullopt;
   }
 
-  void encode(const Image& image, FrameReady frame, const Stopwatch& since_taken, int quality) {
+  void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,
+              int quality) {
     try {
       Stopwatch watch;
+      if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
+      const Image& image = std::get<Image>(drawn);
       frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, quality) : encode_png(image));
       frame.stages.encode_ms = watch.elapsed_ms();
       frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();

@@ -23,6 +23,9 @@ struct EngineOptions {
   DatasetStoreOptions store;
   /// Makes the renderer, called on the render thread; empty: make_renderer(renderer_choice). Tests bring their own.
   std::function<std::unique_ptr<Renderer>()> renderer;
+  /// The renderer from then on, made on the render thread when the device has failed three frames in a row (ErrorCode::unavailable;
+  /// after each the renderer has tried a new context). The frames' device says so. Empty: native.
+  std::function<std::unique_ptr<Renderer>()> fallback_renderer;
 };
 
 /// Any thread may call any function but the destructor.
@@ -52,7 +55,8 @@ class Engine {
 /// Whether a GL renderer's name is that of one that runs on the CPU.
 bool is_software_device(const std::string& device);
 
-/// Whether the extraction made for one scene serves the other: same dataset, and the same layer_request (draw_scene.h).
+/// Whether the extraction made for one scene serves the other: same dataset, the same layer_request and steps of a smear
+/// (draw_scene.h).
 bool same_extraction(const Scene& a, const Scene& b);
 
 }  // namespace isostrata

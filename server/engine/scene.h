@@ -8,11 +8,37 @@
 #include <vector>
 
 #include "extraction/extract_layers.h"
+#include "rendering/annotations.h"
 #include "rendering/camera.h"
 #include "rendering/renderer.h"
 #include "rendering/style.h"
 
 namespace isostrata {
+
+/// How the intervals share the picture (sections 4.1 to 4.3 of the paper).
+enum class SceneMode {
+  sorted,       // back to front over all: the volume as it is
+  prioritized,  // painted by priority
+  cycled,       // one interval at a time, in their order
+  smear         // several time steps over one another, each in a colour of its own, later ones over earlier ones
+};
+
+/// Of SceneMode::cycled.
+struct SceneCycle {
+  double seconds = 1;   // that each interval is shown, while playing
+  double phase = 0;     // its whole part counts those that are drawn at all, from 0; beyond their number it starts again
+  bool playing = true;  // the session raises the phase by its clock
+
+  bool operator==(const SceneCycle&) const = default;
+};
+
+/// Of SceneMode::smear.
+struct SceneSmear {
+  std::vector<int> steps;   // in the order they are painted; empty: the scene's step alone
+  std::vector<Rgb> colors;  // of the steps; beyond their number default_interval_color
+
+  bool operator==(const SceneSmear&) const = default;
+};
 
 /// One layer.
 struct SceneInterval {
@@ -23,6 +49,12 @@ struct SceneInterval {
   double opacity = 0.5;
   int priority = 0;
   bool visible = true;
+  // Opacity at the top of the range that colour runs over; `opacity` is then that at its bottom, and extinction is linear
+  // between.
+  std::optional<double> opacity_upper;
+  bool own_range = false;  // colour and opacity run from `lower` to `upper`, not over the colour array's whole range
+  SurfaceStyle surface;    // its texture runs over the whole range of Scene::texture
+  std::string name;  // for the legend; may be empty
 
   bool operator==(const SceneInterval&) const = default;
 };
@@ -46,15 +78,21 @@ struct Scene {
   int step = 0;
   std::string array;     // the array that intervals are extracted on
   std::string color_by;  // the array that colour maps run over; empty: `array`
+  std::string texture;   // the array that surfaces' textures run over; empty: `color_by`
   std::vector<SceneInterval> intervals;
   std::vector<SceneTerm> terms;         // of other arrays' ranges, applied to all intervals in this order
   std::optional<double> time;           // in the dataset's units, between its steps or at one; none: `step`
   TimeMode time_mode = TimeMode::step;  // what `time` means
   Triangulation triangulation = Triangulation::table;
-  RenderMode mode = RenderMode::sorted;
+  SceneMode mode = SceneMode::sorted;
+  Integral integral = Integral::exact;
+  SceneCycle cycle;
+  SceneSmear smear;
   std::optional<Camera> camera;  // none: the whole dataset
   Rgb background{0.05f, 0.06f, 0.08f};
-  double unit_distance = 0;  // 0: the default
+  double unit_distance = 0;            // 0: the default
+  std::vector<ClipPlane> clip_planes;  // what is kept by all of them is shown
+  Annotations annotations;             // drawn by the server, beside the volume
 };
 
 }  // namespace isostrata

@@ -34,6 +34,46 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+double unit(std::string_view part, std::string_view whole, const char* what) {
+  const double value = number<double>(part, whole, what);
+  if (!(value >= 0 && value <= 1)) refuse(whole, std::string(what) + " must be in [0, 1]");
+  return value;
+}
+
+/// One key of a surface's looks. False where it is none.
+bool parse_surface(SurfaceStyle& surface, std::string_view key, std::string_view value, std::string_view text) {
+  if (key == "surface") {
+    surface.lower = surface.upper = surface.domain = false;
+    for (const std::string_view end : split(value, '+')) {
+      if (end != "lower" && end != "upper" && end != "both" && end != "domain" && end != "all")
+        refuse(text, "surface '" + std::string(end) + "': expected lower, upper, both, domain or all, or some joined by +");
+      surface.lower = surface.lower || end == "lower" || end == "both" || end == "all";
+      surface.upper = surface.upper || end == "upper" || end == "both" || end == "all";
+      surface.domain = surface.domain || end == "domain" || end == "all";
+    }
+  } else if (key == "surface-color") {
+    surface.color = parse_rgb(value);
+    surface.own_color = true;
+  } else if (key == "surface-opacity") {
+    surface.opacity = unit(value, text, "surface-opacity");
+  } else if (key == "specular") {
+    surface.specular = unit(value, text, "specular");
+  } else if (key == "shininess") {
+    surface.shininess = number<double>(value, text, "shininess");
+    if (!(surface.shininess >= 1 && surface.shininess <= 1000)) refuse(text, "shininess must be in [1, 1000]");
+  } else if (key == "silhouette") {
+    surface.silhouette = unit(value, text, "silhouette");
+  } else if (key == "texture") {
+    surface.texture = value == kStripes ? std::string(value) : color_map(value).name;  // throws where there is none
+  } else if (key == "repeat") {
+    surface.texture_repeat = number<double>(value, text, "repeat");
+    if (!(surface.texture_repeat > 0 && surface.texture_repeat <= 10000)) refuse(text, "repeat must be in (0, 10000]");
+  } else {
+    return false;
+  }
+  return true;
+}
+
 Task* signalled_task = nullptr;
 
 }  // namespace
@@ -46,6 +86,7 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index) {
   out.interval = {number<double>(ends[0], text, "lower"), number<double>(ends[1], text, "upper")};
   if (!(out.interval.lower < out.interval.upper)) refuse(text, "lower must be less than upper");
   out.style.color = default_interval_color(index);
+  bool says_surface = false;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     const auto at = parts[i].find('=');
     const auto key = parts[i].substr(0, at);
@@ -57,16 +98,25 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index) {
         out.style.color = parse_rgb(value);
       out.has_color = true;
     } else if (key == "opacity") {
-      out.style.opacity = number<double>(value, text, "opacity");
-      if (!(out.style.opacity >= 0 && out.style.opacity <= 1)) refuse(text, "opacity must be in [0, 1]");
+      const auto dots = value.find("..");
+      out.style.opacity = unit(value.substr(0, dots), text, "opacity");
+      if (dots != std::string_view::npos) out.style.opacity_upper = unit(value.substr(dots + 2), text, "opacity");
       out.has_opacity = true;
     } else if (key == "priority") {
       out.style.priority = number<int>(value, text, "priority");
       out.has_priority = true;
+    } else if (key == "name") {
+      out.name = value;
+    } else if (parse_surface(out.style.surface, key, value, text)) {
+      says_surface = true;
     } else {
-      refuse(text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity= or priority=");
+      refuse(text, "unknown part '" + std::string(parts[i]) +
+                       "'; expected color=, opacity=, priority=, surface=, surface-color=, surface-opacity=, specular=, "
+                       "shininess=, silhouette=, texture=, repeat= or name=");
     }
   }
+  SurfaceStyle& surface = out.style.surface;
+  if (says_surface && !surface.lower && !surface.upper && !surface.domain) surface.lower = surface.upper = true;
   return out;
 }
 

@@ -16,10 +16,13 @@ namespace isostrata {
 struct IntervalArgument {
   Interval interval;
   IntervalStyle style;  // defaults where the text says nothing; color from default_interval_color(index)
+  std::string name;     // for the legend
   bool has_color = false, has_opacity = false, has_priority = false;  // in the text
 };
 
-/// "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]". Throws invalid_argument saying which part of which text.
+/// "LOWER:UPPER" and any of: color=#rrggbb|map:NAME, opacity=X|A..B, priority=N; surface=lower|upper|both|domain|all or some of
+/// them joined by +, surface-color=#rrggbb, surface-opacity=X, specular=X, shininess=X, silhouette=X, texture=stripes|NAME,
+/// repeat=X; name=TEXT (for the legend). A look of the surface without surface= means both. Throws invalid_argument saying which part of which text.
 IntervalArgument parse_interval(std::string_view text, std::size_t index);
 
 /// A Task that shows a progress line on standard error where that is a terminal, and is cancelled by SIGINT and SIGTERM.

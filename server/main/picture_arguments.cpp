@@ -18,7 +18,10 @@ SceneInterval scene_interval(const IntervalArgument& argument, std::size_t index
   interval.color = argument.style.color;
   interval.color_map = argument.style.color_map;
   interval.opacity = argument.style.opacity;
+  interval.opacity_upper = argument.style.opacity_upper;
   interval.priority = argument.style.priority;
+  interval.name = argument.name;
+  interval.surface = argument.style.surface;
   return interval;
 }
 

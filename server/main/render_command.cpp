@@ -5,10 +5,14 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "encoding/encode_image.h"
+#include "encoding/image_file.h"
 #include "engine/draw_scene.h"
+#include "engine/draw_still.h"
 #include "main/commands.h"
 #include "main/layer_arguments.h"
+#include "main/mode_arguments.h"
 #include "main/picture_arguments.h"
+#include "main/still_arguments.h"
 
 namespace isostrata {
 namespace {
@@ -16,29 +20,32 @@ namespace {
 struct RenderArguments {
   std::string file, array, color_by, out;
   std::vector<std::string> intervals;
-  std::string size = "800x600", camera = "reset", mode = "sorted", renderer = "auto", background, device = "auto";
+  std::string size = "800x600", camera = "reset", renderer = "auto", background, device = "auto";
   double unit_distance = 0;
   LayerArguments layers;
+  StillArguments still;
+  ModeArguments modes;
   int threads = 0;
   bool json = false;
 };
 
 struct Timing {
-  double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms
+  double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
 };
 
-Scene make_scene(const RenderArguments& arguments, const Dataset& dataset) {
+Scene make_scene(const RenderArguments& arguments, const Dataset& dataset, double aspect) {
   const PointArray& array = array_argument(dataset, arguments.array);
   Scene scene;
   scene.dataset = arguments.file;
   set_layers(scene, arguments.layers);
   scene.array = array.name;
   scene.color_by = arguments.color_by;
-  scene.intervals = parse_intervals(arguments.intervals, dataset, array);
-  scene.mode = arguments.mode == "prioritized" ? RenderMode::prioritized : RenderMode::sorted;
-  scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset"), dataset.bounds);
+  if (arguments.modes.transfer.empty()) scene.intervals = parse_intervals(arguments.intervals, dataset, array);
+  set_modes(scene, arguments.modes, array);
+  scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset", aspect), dataset.bounds, aspect);
   if (!arguments.background.empty() && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
   scene.unit_distance = arguments.unit_distance;
+  set_still(scene, arguments.still);
   return scene;
 }
 
@@ -56,10 +63,19 @@ boost::json::object to_json(const RenderArguments& arguments, const DrawInput& i
         {"opacity", style.opacity},
         {"priority", style.priority},
     });
+    boost::json::object& about = intervals.back().as_object();
+    if (style.opacity_upper) about["opacity_upper"] = *style.opacity_upper;
+    if (style.surface.drawn()) {
+      boost::json::array ends;
+      for (const auto& [drawn, name] : {std::pair{style.surface.lower, "lower"}, std::pair{style.surface.upper, "upper"},
+                                        std::pair{style.surface.domain, "domain"}})
+        if (drawn) ends.push_back(name);
+      about["surface"] = std::move(ends);
+    }
   }
   return {{"out", arguments.out},
           {"size", boost::json::array{input.width, input.height}},
-          {"renderer", "raster"},
+          {"renderer", facts.renderer},
           {"device", facts.device},
           {"order", facts.order},
           {"order_exact", facts.order_exact},
@@ -79,12 +95,43 @@ boost::json::object to_json(const RenderArguments& arguments, const DrawInput& i
                                      {"total", ms.total}}}};
 }
 
-void run(const RenderArguments& arguments) {
+struct Picture {
+  double phase = 0;  // of a cycle
+  std::string out;
+};
+
+/// What is to be drawn: one picture, or all of a cycle.
+std::vector<Picture> pictures_of(const RenderArguments& arguments, const Scene& scene) {
+  if (scene.mode != SceneMode::cycled || arguments.modes.phase) return {{scene.cycle.phase, arguments.out}};
+  std::vector<Picture> pictures;
+  for (std::size_t i = 0; i < std::max<std::size_t>(cycle_length(scene), 1); ++i)
+    pictures.push_back({static_cast<double>(i), is_numbered(arguments.out) ? numbered_path(arguments.out, i) : arguments.out});
+  return pictures;
+}
+
+/// Times add up; the rest is of the last picture.
+void add_facts(DrawFacts& sum, const DrawFacts& of) {
+  const double order = sum.order_ms + of.order_ms, draw = sum.draw_ms + of.draw_ms, readback = sum.readback_ms + of.readback_ms;
+  sum = of;
+  sum.order_ms = order, sum.draw_ms = draw, sum.readback_ms = readback;
+}
+
+/// Whatever can be refused before the work begins.
+void check_out(const RenderArguments& arguments) {
   check_image_path(arguments.out);
+  const bool cycle = arguments.modes.mode == "cycled" && !arguments.modes.phase;
+  if (cycle && is_numbered(arguments.out)) numbered_path(arguments.out, 0);
+  if (cycle && !is_numbered(arguments.out) && !arguments.out.ends_with(".png"))
+    throw Error(ErrorCode::invalid_argument, arguments.out +
+                                                 ": a cycle is several pictures, and only .png holds them in one "
+                                                 "file; expected .png, %02d in the name, or --phase");
+}
+
+void run(const RenderArguments& arguments) {
+  check_out(arguments);
   const auto [width, height] = parse_size(arguments.size);
   const bool transparent = arguments.background == "transparent";
-  if (transparent && (arguments.out.ends_with(".jpg") || arguments.out.ends_with(".jpeg")))
-    throw Error(ErrorCode::invalid_argument, arguments.out + ": JPEG has no transparency; expected .png, .webp, .tif or .exr");
+  check_image_file(arguments.out, width, height, transparent);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
 
   const Stopwatch total;
@@ -93,29 +140,62 @@ void run(const RenderArguments& arguments) {
   const StepSource steps = step_source(arguments.file);
   const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
-  const Scene scene = make_scene(arguments, *dataset);
+  Scene scene = make_scene(arguments, *dataset, static_cast<double>(width) / height);
   const auto extracted = extract_scene(steps, scene, nullptr, command_task());
   ms.extract = stage.lap_ms();
   const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
   ms.device = stage.lap_ms();
-  DrawInput input = draw_input(*extracted, scene, width, height);
-  input.transparent = transparent;
-  input.float_image = is_float_format(arguments.out);
-  const DrawResult result = renderer->draw(input);
+  const std::vector<Picture> pictures = pictures_of(arguments, scene);
+  const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
+  std::vector<Image> frames;
+  DrawInput input;
+  DrawFacts facts;
+  for (const Picture& picture : pictures) {
+    scene.cycle.phase = picture.phase;
+    input = draw_input(*extracted, scene, width, height);
+    input.transparent = transparent;
+    input.float_image = is_float_format(picture.out);
+    const Still still{input, annotate(annotation_input(*extracted, scene, input)), arguments.still.samples};
+    if (animated) {
+      Image frame{width, height, {}};
+      add_facts(facts, draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {
+                  const auto& bytes = std::get<Image>(rows).rgba;
+                  frame.rgba.insert(frame.rgba.end(), bytes.begin(), bytes.end());
+                }));
+      frames.push_back(std::move(frame));
+      continue;
+    }
+    ImageFile file(picture.out, width, height, {transparent, input.float_image});
+    add_facts(facts, draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {
+                const Stopwatch writing;
+                std::visit([&](const auto& image) { file.put(image); }, rows);
+                ms.write += writing.elapsed_ms();
+              }));
+    stage.lap_ms();
+    file.finish();
+    ms.write += stage.lap_ms();
+  }
   stage.lap_ms();
-  std::visit([&](const auto& image) { write_image(arguments.out, image); }, result.image);
-  ms.write = stage.lap_ms();
+  if (animated) write_animation(arguments.out, frames, scene.cycle.seconds);
+  ms.write += stage.lap_ms();
   ms.total = total.elapsed_ms();
 
   if (arguments.json) {
-    print_json(to_json(arguments, input, result.facts, ms));
+    boost::json::object document = to_json(arguments, input, facts, ms);
+    if (pictures.size() > 1 && !animated) {
+      boost::json::array paths;
+      for (const Picture& picture : pictures) paths.push_back(boost::json::string(picture.out));
+      document["pictures"] = std::move(paths);
+    }
+    print_json(document);
     return;
   }
+  if (pictures.size() > 1) std::printf("%zu pictures\n", pictures.size());
   std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), width, height,
-              static_cast<long long>(result.facts.tetrahedra), result.facts.order.c_str());
-  std::printf("drawn by %s\n", result.facts.device.c_str());
+              static_cast<long long>(facts.tetrahedra), facts.order.c_str());
+  std::printf("drawn by %s\n", facts.device.c_str());
   std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n",
-              ms.load, ms.extract, ms.device, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, ms.write);
+              ms.load, ms.extract, ms.device, facts.order_ms, facts.draw_ms, facts.readback_ms, ms.write);
 }
 
 }  // namespace
@@ -128,34 +208,41 @@ void add_render_command(CLI::App& app) {
   command
       ->add_option(
           "--interval", arguments->intervals,
-          "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]; may be repeated. opacity is that of a layer one unit "
-          "distance thick. Default: four equal parts of the array's range in red, green, blue and yellow with opacity 0.3")
+          "LOWER:UPPER and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N; may be repeated. opacity is that of a "
+          "layer one unit distance thick; A..B runs as colours do. Its boundary is drawn with ,surface=lower|upper|both|domain|"
+          "all (some joined by +) and ,surface-color=#rrggbb ,surface-opacity=X ,specular=X ,shininess=X ,silhouette=X "
+          ",texture=stripes|NAME ,repeat=X. A map may be a ramp: map:#0000ff-#ffffff. Default: four equal parts of the array's "
+          "range in red, green, blue and yellow with opacity 0.3")
       ->allow_extra_args(false);
   command->add_option("--color-by", arguments->color_by,
                       "The array that colour maps run over, over its whole range (default: --array)");
   add_layer_options(*command, arguments->layers);
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command
-      ->add_option("--camera", arguments->camera,
-                   "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees (any of them), or reset, +x, -x, +y, -y, +z, -z")
+      ->add_option(
+          "--camera", arguments->camera,
+          "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees;projection=perspective|orthographic (any of them), or reset, +x, -x, +y, -y, "
+          "+z, -z, or such a view with changes: +x;projection=orthographic")
       ->capture_default_str();
-  command
-      ->add_option("--mode", arguments->mode, "sorted: back to front; prioritized: higher priorities are painted over lower ones")
-      ->check(CLI::IsMember({"sorted", "prioritized"}))
-      ->capture_default_str();
+  add_mode_options(*command, arguments->modes);
   command
       ->add_option("--renderer", arguments->renderer,
                    "native: the CPU; raster: projected tetrahedra drawn by OpenGL; compute: OpenGL compute shaders; auto: "
                    "native where no device is hardware, else the faster of raster and compute")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
+  add_still_options(*command, arguments->still);
   command->add_option("--background", arguments->background, "#rrggbb or transparent");
   command->add_option(
       "--unit-distance", arguments->unit_distance,
       "The thickness, in world units, that has the given opacity (default: a twentieth of the bounding box's diagonal)");
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
-  command->add_option("--out", arguments->out, "The picture: .png, .jpg, .webp, .tif or .exr (float, linear, with depth)")
+  command
+      ->add_option(
+          "--out", arguments->out,
+          "The picture: .png, .jpg, .webp, .tif or .exr (float, linear, with depth); %02d in the name of a cycle numbers its "
+          "pictures")
       ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });

@@ -133,6 +133,15 @@ v1::ClientMessage patch_message(std::uint32_t id, const v1::Interval& interval, 
   if (given.contains("colorMap") || given.contains("color_map")) patch.set_color_map(interval.color_map());
   if (given.contains("opacity")) patch.set_opacity(interval.opacity());
   if (given.contains("visible")) patch.set_visible(interval.visible());
+  for (const char* name : {"opacityUpper", "opacity_upper"})
+    if (given.contains(name)) {
+      if (interval.has_opacity_upper())
+        patch.set_opacity_upper(interval.opacity_upper());
+      else
+        patch.set_clear_opacity_upper(true);  // null
+    }
+  if (given.contains("ownRange") || given.contains("own_range")) patch.set_own_range(interval.own_range());
+  if (given.contains("surface")) *patch.mutable_surface() = interval.surface();
   return message;
 }
 
@@ -327,6 +336,10 @@ void RestApi::state(Session& session, const HttpRequest& request, HttpReply repl
       wanted.clear_intervals();
       wanted.clear_camera();
       wanted.clear_step();
+      wanted.clear_texture();
+      wanted.clear_smear();
+      wanted.clear_terms();
+      wanted.clear_time();
     }
     google::protobuf::util::FieldMaskUtil::MergeOptions replace;
     replace.set_replace_message_fields(true);

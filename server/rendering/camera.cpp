@@ -77,13 +77,16 @@ void check(const Camera& camera) {
   if (length(cross(forward / distance, camera.up / up_length)) < 1e-9) fail("up must not be parallel to the direction of view");
 }
 
-Camera view_of(const Box3d& bounds, std::string_view side) {
+Camera view_of(const Box3d& bounds, std::string_view side, double aspect) {
   Camera camera;
   Vec3d direction;
   if (!named_direction(side, direction, camera.up)) refuse(side, "unknown view");
   const double radius = bounds.diagonal() > 0 ? bounds.diagonal() / 2 : 1.0;
   camera.at = bounds.empty() ? Vec3d{} : bounds.center();
-  camera.eye = camera.at + direction * (radius / std::sin(radians(camera.fov_deg / 2)));
+  // The sphere about the box touches the narrower pair of sides of the pyramid of view.
+  const double half_height_angle = radians(camera.fov_deg / 2);
+  const double half_angle = aspect < 1 ? std::atan(std::tan(half_height_angle) * std::max(aspect, 1e-3)) : half_height_angle;
+  camera.eye = camera.at + direction * (radius / std::sin(half_angle));
   return camera;
 }
 
@@ -102,26 +105,31 @@ Mat4d view_from_world(const Camera& camera) {
 
 Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds) {
   const Mat4d view = view_from_world(camera);
-  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+  double nearest = std::numeric_limits<double>::infinity(), deepest = -nearest;
   if (!bounds.empty())
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3d p{corner & 1 ? bounds.upper.x : bounds.lower.x, corner & 2 ? bounds.upper.y : bounds.lower.y,
                     corner & 4 ? bounds.upper.z : bounds.lower.z};
       const double depth = -(view * std::array<double, 4>{p.x, p.y, p.z, 1})[2];
       nearest = std::min(nearest, depth);
-      farthest = std::max(farthest, depth);
+      deepest = std::max(deepest, depth);
     }
-  if (!(farthest > 0)) farthest = 2 * length(camera.eye - camera.at);
+  const double farthest = deepest > 0 ? deepest : 2 * length(camera.eye - camera.at);
+  if (!std::isfinite(deepest)) deepest = farthest;
   // The planes stand a little off the box, and near stays in front of an eye inside it.
   const double far_plane = farthest * 1.001;
   const double near_plane = std::clamp(nearest * 0.999, far_plane * 1e-4, far_plane * 0.9);
   const double scale = 1 / std::tan(radians(camera.fov_deg / 2));
   Mat4d m;
   if (camera.orthographic) {
-    const double half = half_height(camera), depth = 2 * std::max(farthest, far_plane);  // the eye is no limit
+    const double half = half_height(camera);
+    const double low = std::isfinite(nearest) ? nearest : -farthest;
+    const double margin = 1e-3 * std::max(deepest - low, length(camera.eye - camera.at));
+    const double depth_near = low - margin, depth_far = deepest + margin;
     m.m[0][0] = 1 / (half * aspect);
     m.m[1][1] = 1 / half;
-    m.m[2][2] = -1 / depth;
+    m.m[2][2] = -2 / (depth_far - depth_near);
+    m.m[3][2] = -(depth_far + depth_near) / (depth_far - depth_near);
     m.m[3][3] = 1;
     return m;
   }
@@ -133,12 +141,15 @@ Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds) {
   return m;
 }
 
-Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds) {
+Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds, double aspect) {
   Vec3d direction, up;
-  if (named_direction(text, direction, up)) return view_of(bounds, text);
   Camera camera = base;
   std::string_view rest = text;
   if (rest.empty()) refuse(text, "empty");
+  if (const std::string_view first = rest.substr(0, rest.find(';')); named_direction(first, direction, up)) {
+    camera = view_of(bounds, first, aspect);
+    rest.remove_prefix(std::min(rest.size(), first.size() + 1));
+  }
   while (!rest.empty()) {
     const auto end = rest.find(';');
     const std::string_view part = rest.substr(0, end);

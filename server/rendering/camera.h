@@ -23,16 +23,18 @@ double half_height(const Camera& camera);
 /// Throws invalid_argument where eye == at, up is parallel to the view, fov is not in (0, 180), or a number is not finite.
 void check(const Camera& camera);
 
-/// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z".
-Camera view_of(const Box3d& bounds, std::string_view side);
+/// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z". aspect: the
+/// picture's width over its height; from a tall narrow one the box is farther away, so that its width shows too.
+Camera view_of(const Box3d& bounds, std::string_view side, double aspect = 1);
 
 /// Right-handed, looking down -z.
 Mat4d view_from_world(const Camera& camera);
-/// OpenGL's clip space; near and far enclose the box as seen from the eye.
+/// OpenGL's clip space; near and far enclose the box as seen from the eye. An orthographic camera sees what lies behind its eye
+/// too: its depths run from before the box to beyond it.
 Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds);
 
 /// "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg;projection=perspective|orthographic", every part optional over `base`, or a view name
-/// that view_of knows. Throws invalid_argument naming the part.
-Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds);
+/// that view_of knows, alone or as its first part ("+x;projection=orthographic"). Throws invalid_argument naming the part.
+Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds, double aspect = 1);
 
 }  // namespace isostrata

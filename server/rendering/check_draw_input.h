@@ -6,6 +6,7 @@
 namespace isostrata {
 
 inline constexpr int kMaxImageSize = 16384;
+inline constexpr int kMaxWholeSize = 4 * kMaxImageSize;  // of a picture that is drawn in parts
 
 /// Throws invalid_argument, naming what is wrong.
 void check(const DrawInput& input);

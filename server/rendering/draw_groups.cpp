@@ -20,7 +20,9 @@ VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_
   }
   const OrderRequest request{drawn, one_color};
   return same_color ? mesh_order(*input.mesh, request)
-                    : visibility_order(input.grid, *input.mesh, request, input.camera, input.width, input.height);
+                    : visibility_order(input.grid, *input.mesh, request, input.camera,
+                                       input.window.width > 0 ? input.window.width : input.width,
+                                       input.window.width > 0 ? input.window.height : input.height);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ void DrawTarget::read(const Tile& tile, Image& image) const {
   gl_.PixelStorei(GL_PACK_ROW_LENGTH, 0);
 }
 
-void DrawTarget::read(const Tile& tile, double scale, FloatImage& image) const {
+void DrawTarget::read(const Tile& tile, const std::function<double(double)>& depth_of, FloatImage& image) const {
   const auto width = static_cast<std::size_t>(tile.width);
   std::vector<float> rows(4 * width * static_cast<std::size_t>(tile.height));
   const auto picture_row = [&](int y) {  // GL's rows go up, ours down
@@ -85,7 +85,8 @@ void DrawTarget::read(const Tile& tile, double scale, FloatImage& image) const {
   for (int y = 0; y < tile.height; ++y)
     for (std::size_t x = 0; x < width; ++x) {
       const float q = rows[width * static_cast<std::size_t>(y) + x];
-      image.depth[picture_row(y) + x] = q > 0 ? static_cast<float>(scale / q) : std::numeric_limits<float>::infinity();
+      image.depth[picture_row(y) + x] =
+          q > 0 ? static_cast<float>(depth_of(static_cast<double>(q))) : std::numeric_limits<float>::infinity();
     }
 }
 

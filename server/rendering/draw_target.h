@@ -1,6 +1,7 @@
 // What is drawn into: a float target for one tile of the picture, its resolve to 8 bits, and reading both back.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "base/image.h"
@@ -27,8 +28,8 @@ class DrawTarget {
   void resolve(const Rgb& background, bool transparent);
   /// After resolve(): the tile's pixels of the picture.
   void read(const Tile& tile, Image& image) const;
-  /// Instead of resolve(). scale: world units of a depth of 1.
-  void read(const Tile& tile, double scale, FloatImage& image) const;
+  /// Instead of resolve(). depth_of: the depth in world units of what the second attachment holds, where that is above 0.
+  void read(const Tile& tile, const std::function<double(double)>& depth_of, FloatImage& image) const;
 
  private:
   void make(int width, int height, bool nearest);

@@ -63,6 +63,7 @@
   X(PFNGLLINKPROGRAMPROC, LinkProgram)                                 \
   X(PFNGLMAPNAMEDBUFFERRANGEPROC, MapNamedBufferRange)                 \
   X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                             \
+  X(PFNGLMULTIDRAWARRAYSINDIRECTPROC, MultiDrawArraysIndirect)         \
   X(PFNGLNAMEDBUFFERSTORAGEPROC, NamedBufferStorage)                   \
   X(PFNGLNAMEDBUFFERSUBDATAPROC, NamedBufferSubData)                   \
   X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers) \
@@ -80,7 +81,9 @@
   X(PFNGLTEXTUREBUFFERPROC, TextureBuffer)                             \
   X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                     \
   X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                       \
+  X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                       \
   X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                     \
+  X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                     \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                   \
   X(PFNGLVERTEXARRAYATTRIBBINDINGPROC, VertexArrayAttribBinding)       \
   X(PFNGLVERTEXARRAYATTRIBFORMATPROC, VertexArrayAttribFormat)         \

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <new>
 #include <optional>
@@ -10,10 +11,13 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "rendering/check_draw_input.h"
+#include "rendering/device_mesh.h"
+#include "rendering/device_projection.h"
 #include "rendering/draw_groups.h"
 #include "rendering/draw_target.h"
 #include "rendering/gl_objects.h"
 #include "rendering/projected_tetrahedra.h"
+#include "rendering/raster_frame.h"
 #include "rendering/shader_sources.h"
 #include "rendering/shaders/layout.h"
 #include "rendering/style_table.h"
@@ -30,7 +34,7 @@ constexpr std::size_t kRegionBytes = 12 << 20;  // of vertices drawn at once
 /// Everything that lives in one context.
 class GlState {
  public:
-  explicit GlState(std::unique_ptr<GlContext> context);
+  GlState(std::unique_ptr<GlContext> context, ProjectOn project_on);
   ~GlState() {
     try {
       context_->make_current();  // the objects are deleted in their own context
@@ -43,28 +47,51 @@ class GlState {
   const GlContext& context() const { return *context_; }
 
  private:
-  GLuint program(bool linear, bool nearest);
-  void draw_tile(const Tile& tile, const DrawInput& input, const Projection& projection, std::span<const ScreenPoint> points,
-                 std::span<const std::uint32_t> order, bool linear, bool nearest);
+  /// What the drawing program must know; each is compiled when first drawn with.
+  struct Variant {
+    bool linear, table, orthographic, planes, surfaces, nearest;
+    bool wide = false;  // has what is projected on the device: KIND_WIDE
+    auto operator<=>(const Variant&) const = default;
+  };
+  /// What is the same for all tiles of a frame.
+  struct Frame {
+    const DrawInput& input;
+    Variant variant;
+    Projection projection;
+    std::vector<ScreenPoint> points;
+    std::vector<std::uint32_t> order;  // tetrahedra, back to front
+    std::vector<std::uint32_t> parts;  // [intervals]
+  };
+  GLuint program(const Variant& variant);
+  void prepare(Frame& frame);
+  void draw_tile(const Tile& tile, const Frame& frame);
   template <class Vertex>
-  void draw_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> order,
-                       std::array<std::vector<Vertex>, kChunk / kBlock>& blocks);
+  void draw_tetrahedra(const Frame& frame, std::array<std::vector<Vertex>, kChunk / kBlock>& blocks);
   void check_device();
 
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
   int largest_tile_ = kLargestTile;
-  std::map<std::pair<bool, bool>, GlObject> programs_;  // (linear, nearest)
-  GlObject vertex_array_;
+  std::map<Variant, GlObject> programs_;
+  GlObject vertex_array_, frame_block_, planes_;
   std::optional<VertexStream> stream_;
   StyleTable styles_;
   DrawTarget target_;
+  DeviceMesh mesh_;
+  DeviceProjection projection_;
+  bool project_here_;  // on the device
   std::array<std::vector<ConstantVertex>, kChunk / kBlock> constant_blocks_;
   std::array<std::vector<LinearVertex>, kChunk / kBlock> linear_blocks_;
 };
 
-GlState::GlState(std::unique_ptr<GlContext> context)
-    : context_(std::move(context)), gl_(context_->gl()), styles_(gl_), target_(gl_) {
+GlState::GlState(std::unique_ptr<GlContext> context, ProjectOn project_on)
+    : context_(std::move(context)),
+      gl_(context_->gl()),
+      styles_(gl_),
+      target_(gl_),
+      mesh_(gl_),
+      projection_(gl_, mesh_.largest_buffer()),
+      project_here_(project_on == ProjectOn::device || (project_on == ProjectOn::automatic && !context_->software())) {
   GLint largest = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   largest_tile_ = std::min(largest_tile_, static_cast<int>(largest));
@@ -73,6 +100,8 @@ GlState::GlState(std::unique_ptr<GlContext> context)
   largest_tile_ = std::min({largest_tile_, static_cast<int>(viewport[0]), static_cast<int>(viewport[1])});
 
   vertex_array_ = make_vertex_array(gl_);
+  frame_block_ = make_buffer(gl_);
+  gl_.NamedBufferStorage(frame_block_.name(), sizeof(shaders::RasterFrame), nullptr, GL_DYNAMIC_STORAGE_BIT);
   stream_.emplace(gl_, kRegionBytes);
 
   const GLuint array = vertex_array_.name();
@@ -85,8 +114,11 @@ GlState::GlState(std::unique_ptr<GlContext> context)
   floats(ATTRIBUTE_TENT, 3, offsetof(ConstantVertex, tent));
   floats(ATTRIBUTE_Q_MIN, 1, offsetof(ConstantVertex, q_min));
   gl_.EnableVertexArrayAttrib(array, ATTRIBUTE_STYLE);
-  gl_.VertexArrayAttribIFormat(array, ATTRIBUTE_STYLE, 1, GL_UNSIGNED_INT, offsetof(ConstantVertex, style_side));
+  gl_.VertexArrayAttribIFormat(array, ATTRIBUTE_STYLE, 1, GL_UNSIGNED_INT, offsetof(ConstantVertex, style_kind));
   gl_.VertexArrayAttribBinding(array, ATTRIBUTE_STYLE, 0);
+  gl_.EnableVertexArrayAttrib(array, ATTRIBUTE_ID);
+  gl_.VertexArrayAttribIFormat(array, ATTRIBUTE_ID, 1, GL_UNSIGNED_INT, offsetof(ConstantVertex, tent));
+  gl_.VertexArrayAttribBinding(array, ATTRIBUTE_ID, 0);
   // Only the linear program reads it; a LinearVertex has it behind a ConstantVertex.
   gl_.VertexArrayAttribFormat(array, ATTRIBUTE_SCALAR, 2, GL_FLOAT, GL_FALSE, sizeof(ConstantVertex));
   gl_.VertexArrayAttribBinding(array, ATTRIBUTE_SCALAR, 0);
@@ -96,18 +128,38 @@ GlState::GlState(std::unique_ptr<GlContext> context)
   check_device();
 }
 
-GLuint GlState::program(bool linear, bool nearest) {
-  GlObject& program = programs_[{linear, nearest}];
+GLuint GlState::program(const Variant& variant) {
+  GlObject& program = programs_[variant];
   if (!program) {
-    const std::string defines = std::string(linear ? "#define LINEAR_COLOR\n" : "") + (nearest ? "#define NEAREST_DEPTH\n" : "");
-    program = make_program(gl_, shaders::tetrahedra_vert, shaders::tetrahedra_frag, defines);
+    std::string defines;
+    const auto define = [&](bool wanted, const char* name) {
+      if (wanted) defines += std::string("#define ") + name + "\n";
+    };
+    define(variant.linear, "LINEAR_COLOR");
+    define(variant.table, "TABLE_2D");
+    define(variant.orthographic, "ORTHOGRAPHIC");
+    define(variant.planes, "CLIP_PLANES");
+    define(variant.surfaces, "SURFACES");
+    define(variant.nearest, "NEAREST_DEPTH");
+    define(variant.wide, "WIDE");
+    const std::string vertex = std::string(shaders::frame_glsl) + shaders::tetrahedra_vert;
+    const std::string fragment =
+        std::string(shaders::frame_glsl) + shaders::optics_glsl + shaders::surface_shading_glsl + shaders::tetrahedra_frag;
+    program = make_program(gl_, vertex.c_str(), fragment.c_str(), defines);
   }
   return program.name();
 }
 
 template <class Vertex>
-void GlState::draw_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> order,
-                              std::array<std::vector<Vertex>, kChunk / kBlock>& blocks) {
+void GlState::draw_tetrahedra(const Frame& frame, std::array<std::vector<Vertex>, kChunk / kBlock>& blocks) {
+  const DrawInput& input = frame.input;
+  const TetrahedraSource source{input.mesh.get(),
+                                input.color_values.get(),
+                                frame.points,
+                                &frame.projection,
+                                frame.variant.surfaces && !mesh_.facets().first_of.empty() ? &mesh_.facets() : nullptr,
+                                frame.parts};
+  const std::span<const std::uint32_t> order = frame.order;
   const VertexStream::Draw draw = [&](std::size_t offset, std::int32_t vertices) {
     gl_.VertexArrayVertexBuffer(vertex_array_.name(), 0, stream_->buffer(), static_cast<GLintptr>(offset), sizeof(Vertex));
     gl_.DrawArrays(GL_TRIANGLES, 0, vertices);
@@ -128,40 +180,54 @@ void GlState::draw_tetrahedra(const TetrahedraSource& source, std::span<const st
   stream_->flush(sizeof(Vertex), draw);
 }
 
-void GlState::draw_tile(const Tile& tile, const DrawInput& input, const Projection& projection,
-                        std::span<const ScreenPoint> points, std::span<const std::uint32_t> order, bool linear, bool nearest) {
-  target_.begin(tile, nearest);
+void GlState::prepare(Frame& frame) {
+  const DrawInput& input = frame.input;
+  styles_.set(input.styles, input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal()),
+              frame.projection.scale, frame.variant.table);
+  if (frame.variant.surfaces) mesh_.set_facets(input, frame.projection.scale);
+  if (project_here_ && mesh_.set_mesh(input, frame.projection.scale))
+    frame.variant.wide =
+        projection_.prepare({frame.variant.linear, frame.variant.orthographic, frame.variant.surfaces}, frame.order, frame.parts);
+  if (!frame.variant.wide) frame.points = project_points(*input.mesh, frame.projection);
+  if (frame.variant.planes) {
+    const auto planes = view_planes(input, frame.projection);
+    planes_ = make_buffer(gl_);
+    gl_.NamedBufferStorage(planes_.name(), static_cast<GLsizeiptr>(planes.size() * sizeof planes[0]), planes.data(), 0);
+  }
+}
+
+void GlState::draw_tile(const Tile& tile, const Frame& frame) {
+  const DrawInput& input = frame.input;
+  target_.begin(tile, frame.variant.nearest);
   styles_.bind();
+  mesh_.bind();
   // The viewport is the guard's square about the middle of the picture; the framebuffer cuts the tile out of it.
-  const int guard = projection.guard();
+  const int guard = frame.projection.guard();
   const int viewport_x = input.width / 2 - guard - tile.x, viewport_y = input.height / 2 - guard - tile.y;
   gl_.Viewport(viewport_x, viewport_y, 2 * guard, 2 * guard);
-  const GLuint program = this->program(linear, nearest);
-  gl_.UseProgram(program);
-  const double half_width = 0.5 * input.width, half_height = 0.5 * input.height;
-  // Fragment (0.5, 0.5) of the tile is the middle of the picture's pixel (tile.x, tile.y).
-  gl_.ProgramUniform4f(program, UNIFORM_CLIP_FROM_PIXELS, static_cast<float>(1.0 / guard), static_cast<float>(1.0 / guard),
-                       static_cast<float>((half_width - tile.x - viewport_x) / guard - 1),
-                       static_cast<float>((half_height - tile.y - viewport_y) / guard - 1));
-  gl_.ProgramUniform4f(program, UNIFORM_RAY_FROM_FRAGMENT, static_cast<float>(1 / projection.focal),
-                       static_cast<float>(1 / projection.focal), static_cast<float>((tile.x - half_width) / projection.focal),
-                       static_cast<float>((tile.y - half_height) / projection.focal));
+  const shaders::RasterFrame block = raster_frame(input, frame.projection, tile, viewport_x, viewport_y);
+  gl_.NamedBufferSubData(frame_block_.name(), 0, sizeof block, &block);
+  gl_.BindBufferBase(GL_UNIFORM_BUFFER, BLOCK_FRAME, frame_block_.name());
+  if (frame.variant.planes) gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BUFFER_PLANES, planes_.name());
+  gl_.UseProgram(program(frame.variant));
   gl_.Enable(GL_BLEND);
   gl_.BlendEquationi(0, GL_FUNC_ADD);
   gl_.BlendFunci(0, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  if (nearest) {
+  if (frame.variant.nearest) {
     gl_.BlendEquationi(1, GL_MAX);
     gl_.BlendFunci(1, GL_ONE, GL_ONE);
   }
   gl_.BindVertexArray(vertex_array_.name());
-  const TetrahedraSource source{input.mesh.get(), input.color_values.get(), points, &projection};
-  if (linear) {
+  if (frame.variant.linear)
     gl_.EnableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
-    draw_tetrahedra(source, order, linear_blocks_);
-  } else {
+  else
     gl_.DisableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
-    draw_tetrahedra(source, order, constant_blocks_);
-  }
+  if (frame.variant.wide)
+    projection_.draw(program(frame.variant), vertex_array_.name());
+  else if (frame.variant.linear)
+    draw_tetrahedra(frame, linear_blocks_);
+  else
+    draw_tetrahedra(frame, constant_blocks_);
   gl_.Disable(GL_BLEND);
 }
 
@@ -169,6 +235,7 @@ void GlState::check_device() {
   if (gl_.GetGraphicsResetStatus && gl_.GetGraphicsResetStatus() != GL_NO_ERROR)
     throw Error(ErrorCode::unavailable, context_->device() + ": the driver has reset the device");
   const GLenum error = gl_.GetError();
+  if (error == GL_CONTEXT_LOST) throw Error(ErrorCode::unavailable, context_->device() + ": the context was lost");
   if (error == GL_OUT_OF_MEMORY) throw Error(ErrorCode::too_large, context_->device() + ": out of memory");
   if (error != GL_NO_ERROR) throw Error(ErrorCode::unavailable, context_->device() + ": OpenGL error " + std::to_string(error));
 }
@@ -180,18 +247,23 @@ DrawResult GlState::draw(const DrawInput& input) {
   result.facts.device = context_->device();
 
   Stopwatch watch;
-  const VisibilityOrder order = order_groups(input);
+  VisibilityOrder order = order_groups(input);
   result.facts.order = order.method;
   result.facts.order_exact = order.exact;
   result.facts.tetrahedra = static_cast<std::int64_t>(order.tetrahedra.size());
   result.facts.order_ms = watch.lap_ms();
 
   bool linear = false;
-  for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.color_map.empty());
-  const Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
-  const std::vector<ScreenPoint> points = project_points(*input.mesh, projection);
-  styles_.set(input.styles, input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal()),
-              projection.scale);
+  for (const IntervalStyle& style : input.styles) linear = linear || (style.visible && !style.constant());
+  const Projection projection = make_projection(input);
+  const Variant variant{linear,
+                        linear && input.integral == Integral::table2d,
+                        input.camera.orthographic,
+                        !input.clip_planes.empty(),
+                        draws_surfaces(input) && !input.mesh->facets.empty(),
+                        input.float_image};
+  Frame frame{input, variant, projection, {}, std::move(order.tetrahedra), drawn_parts(input.styles)};
+  prepare(frame);
   const GlObject query = input.count_fragments ? make_query(gl_, GL_SAMPLES_PASSED) : GlObject{};
 
   const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
@@ -206,7 +278,7 @@ DrawResult GlState::draw(const DrawInput& input) {
     for (int x = 0; x < input.width; x += largest_tile_) {
       const Tile tile{x, y, std::min(largest_tile_, input.width - x), std::min(largest_tile_, input.height - y)};
       if (query) gl_.BeginQuery(GL_SAMPLES_PASSED, query.name());
-      draw_tile(tile, input, projection, points, order.tetrahedra, linear, input.float_image);
+      draw_tile(tile, frame);
       if (query) {
         gl_.EndQuery(GL_SAMPLES_PASSED);
         GLuint64 passed = 0;
@@ -217,7 +289,8 @@ DrawResult GlState::draw(const DrawInput& input) {
       gl_.Finish();
       result.facts.draw_ms += watch.lap_ms();
       if (input.float_image)
-        target_.read(tile, projection.scale, floats);
+        target_.read(
+            tile, [&](double q) { return projection.depth(q) * projection.scale; }, floats);
       else
         target_.read(tile, bytes);
       result.facts.readback_ms += watch.lap_ms();
@@ -232,8 +305,9 @@ DrawResult GlState::draw(const DrawInput& input) {
 
 class GlRenderer : public Renderer {
  public:
-  GlRenderer(std::unique_ptr<GlContext> context, std::string wanted) : wanted_(std::move(wanted)) {
-    state_ = std::make_unique<GlState>(std::move(context));
+  GlRenderer(std::unique_ptr<GlContext> context, std::string wanted, ProjectOn project_on)
+      : wanted_(std::move(wanted)), project_on_(project_on) {
+    state_ = std::make_unique<GlState>(std::move(context), project_on_);
     device_ = state_->context().device();
   }
 
@@ -242,7 +316,7 @@ class GlRenderer : public Renderer {
     if (!input.cut_intervals.empty())
       throw Error(ErrorCode::unavailable, "picture: intervals that the renderer cuts are drawn by the native renderer only");
     try {
-      if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_));
+      if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_), project_on_);
       return state_->draw(input);
     } catch (const std::bad_alloc&) {
       state_.reset();
@@ -258,13 +332,14 @@ class GlRenderer : public Renderer {
 
  private:
   std::string wanted_, device_;
+  const ProjectOn project_on_;
   std::unique_ptr<GlState> state_;
 };
 
 }  // namespace
 
-std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, std::string device) {
-  return std::make_unique<GlRenderer>(std::move(context), std::move(device));
+std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, std::string device, ProjectOn project_on) {
+  return std::make_unique<GlRenderer>(std::move(context), std::move(device), project_on);
 }
 
 }  // namespace isostrata

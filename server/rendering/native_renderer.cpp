@@ -4,9 +4,11 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "rendering/check_draw_input.h"
 #include "rendering/draw_crossings.h"
 #include "rendering/draw_segments.h"
+#include "rendering/project_vertices.h"
 
 namespace isostrata {
 namespace {
@@ -36,7 +38,8 @@ class NativeRenderer final : public Renderer {
   const std::string& device() const override { return device_; }
 
  private:
-  const std::string device_ = "CPU";
+  const std::string device_ = std::string("CPU (") + vector_name() + ", " + std::to_string(thread_count()) +
+                              (thread_count() == 1 ? " thread)" : " threads)");
   CrossingsRenderer crossings_;
   SegmentsRenderer segments_;
 };

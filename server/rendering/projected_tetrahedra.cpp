@@ -1,11 +1,13 @@
 #include "rendering/projected_tetrahedra.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "base/parallel.h"
 #include "rendering/clip_tetrahedron.h"
+#include "rendering/pixel_grid.h"
 
 namespace isostrata {
 namespace {
@@ -13,7 +15,7 @@ namespace {
 /// A vertex of a tetrahedron on the screen.
 struct Corner {
   double x, y, q;
-  double scalar_q;  // the scalar times q: linear on the screen over every plane, like q
+  double scalar_q;  // linear on the screen over every plane, like q: the scalar times q, or itself where rays are parallel
 };
 
 constexpr double kSnap = 1.0 / 128;  // pixels: rasterizers move vertices to a grid of 1/256
@@ -21,8 +23,6 @@ constexpr double kSnap = 1.0 / 128;  // pixels: rasterizers move vertices to a g
 // fall to 0 there but ends in a wall. Its function is then D everywhere, so that a pixel whose middle lies on the wall (common:
 // straight views of regular grids) gets the full length from whichever tetrahedron the rasterizer's edge rule gives it to.
 constexpr double kWallShare = 1e-6;
-
-constexpr double kDepthRatio = 8;  // of the farthest and the nearest vertex of a tetrahedron; beyond it is sliced
 
 /// Whether [low, high] holds a pixel centre. Pixel centres lie at whole numbers plus `phase`.
 bool holds_center(double low, double high, double phase) {
@@ -48,7 +48,7 @@ struct Emitter {
 };
 
 template <class Vertex>
-Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent2, double q_min, std::uint32_t style_side,
+Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent2, double q_min, std::uint32_t style_kind,
                    double slope) {
   Vertex v;
   v.x = static_cast<float>(corner.x);
@@ -58,7 +58,7 @@ Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent
   v.tent[1] = static_cast<float>(tent1);
   v.tent[2] = static_cast<float>(tent2);
   v.q_min = static_cast<float>(q_min);
-  v.style_side = style_side;
+  v.style_kind = style_kind;
   if constexpr (std::is_same_v<Vertex, LinearVertex>) {
     v.scalar_q = static_cast<float>(corner.scalar_q);
     v.slope = static_cast<float>(slope);
@@ -108,7 +108,7 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
     return {thick / share, 0};
   };
   const auto put = [&](std::size_t v, double t0, double t1, double t2, std::uint32_t at_back) {
-    out.push_back(make_vertex<Vertex>(corner[v], t0, t1, t2, q_min, 2 * style + at_back, slope));
+    out.push_back(make_vertex<Vertex>(corner[v], t0, t1, t2, q_min, style << KIND_BITS | at_back, slope));
   };
 
   if (np != 2) {  // class 1: the single one projects into the triangle of the others, which is drawn
@@ -137,8 +137,12 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
 }
 
 Corner corner_of(const ClipVertex& v, const Projection& projection) {
+  if (projection.orthographic)
+    return {v.position.x * projection.focal + projection.axis_x, v.position.y * projection.focal + projection.axis_y,
+            projection.nearness(v.position.z), v.scalar};
   const double q = 1 / v.position.z;
-  return {v.position.x * projection.focal * q, v.position.y * projection.focal * q, q, v.scalar * q};
+  return {v.position.x * projection.focal * q + projection.axis_x, v.position.y * projection.focal * q + projection.axis_y, q,
+          v.scalar * q};
 }
 
 void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
@@ -146,13 +150,19 @@ void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
   double farthest = 0;
   for (const ClipTetrahedron& piece : pieces)
     for (const ClipVertex& v : piece) farthest = std::max(farthest, v.position.z);
-  for (double z = near_depth; z < farthest; z *= kDepthRatio) {
+  for (double z = near_depth; z < farthest; z *= kLargestDepthRatio) {
     std::vector<ClipTetrahedron> slice = pieces;
     clip_tetrahedra(slice, {0, 0, 1}, z);
-    clip_tetrahedra(slice, {0, 0, -1}, -z * kDepthRatio);
+    clip_tetrahedra(slice, {0, 0, -1}, -z * kLargestDepthRatio);
     slices.insert(slices.end(), slice.begin(), slice.end());
   }
   pieces.swap(slices);
+}
+
+Vec3d view_of_point(const IntervalMesh& mesh, std::uint32_t point, const Projection& projection) {
+  const Vec3d p = mesh.positions[point];
+  const auto view = projection.view_from_world * std::array<double, 4>{p.x, p.y, p.z, 1};
+  return Vec3d{view[0], view[1], -view[2]} / projection.scale;
 }
 
 /// Tetrahedra that reach too near the eye or far beyond the picture are cut there, in view space. Those that reach over a wide
@@ -164,21 +174,28 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
   ClipTetrahedron whole;
   for (std::size_t v = 0; v < 4; ++v) {
     const std::uint32_t point = source.mesh->tetrahedra[id][v];
-    const Vec3d p = source.mesh->positions[point];
-    const auto view = projection.view_from_world * std::array<double, 4>{p.x, p.y, p.z, 1};
-    whole[v].position = Vec3d{view[0], view[1], -view[2]} / projection.scale;
+    whole[v].position = view_of_point(*source.mesh, point, projection);
     if constexpr (std::is_same_v<Vertex, LinearVertex>) whole[v].scalar = (*source.color_values)[point];
   }
   std::vector<ClipTetrahedron> pieces{whole};
-  const double slope = projection.guard() / projection.focal;
-  clip_tetrahedra(pieces, {0, 0, 1}, projection.near_depth);
-  for (const double sign : {1.0, -1.0}) {
-    clip_tetrahedra(pieces, {sign, 0, slope}, 0);
-    clip_tetrahedra(pieces, {0, sign, slope}, 0);
+  const auto slope_x = [&](double sign) { return (projection.guard() + sign * projection.axis_x) / projection.focal; };
+  const auto slope_y = [&](double sign) { return (projection.guard() + sign * projection.axis_y) / projection.focal; };
+  if (projection.orthographic) {
+    for (const double sign : {1.0, -1.0}) {
+      clip_tetrahedra(pieces, {sign, 0, 0}, -slope_x(sign));
+      clip_tetrahedra(pieces, {0, sign, 0}, -slope_y(sign));
+    }
+  } else {
+    clip_tetrahedra(pieces, {0, 0, 1}, projection.near_depth);
+    for (const double sign : {1.0, -1.0}) {
+      clip_tetrahedra(pieces, {sign, 0, slope_x(sign)}, 0);
+      clip_tetrahedra(pieces, {0, sign, slope_y(sign)}, 0);
+    }
+    slice_by_depth(pieces, projection.near_depth);
   }
-  slice_by_depth(pieces, projection.near_depth);
-  const auto distance = [](const ClipTetrahedron& t) {
-    return length(t[0].position + t[1].position + t[2].position + t[3].position);
+  const auto distance = [&](const ClipTetrahedron& t) {
+    const Vec3d sum = t[0].position + t[1].position + t[2].position + t[3].position;
+    return projection.orthographic ? sum.z : length(sum);
   };
   std::sort(pieces.begin(), pieces.end(),
             [&](const ClipTetrahedron& a, const ClipTetrahedron& b) { return distance(a) > distance(b); });
@@ -188,9 +205,56 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
                  style, emitter, out);
 }
 
+/// The triangle of a facet. What it looks like is found for each fragment; here only where it lies.
+template <class Vertex>
+void emit_facet(const TetrahedraSource& source, std::uint32_t index, const BoundaryFacet& facet, const Emitter& emitter,
+                std::vector<Vertex>& out) {
+  std::uint32_t all = ~0u, any = 0;
+  std::array<Corner, 3> corner;
+  for (std::size_t v = 0; v < 3; ++v) {
+    const ScreenPoint& p = source.points[facet.points[v]];
+    all &= p.outside;
+    any |= p.outside;
+    corner[v] = {p.x, p.y, p.q, 0};
+  }
+  if (all & (kTooNear | kLeft | kRight | kBelow | kAbove)) return;
+  const bool homogeneous = any & (kTooNear | kBeyondGuard);
+  if (!homogeneous && !emitter.covers_pixel(corner[0], corner[1], corner[2])) return;
+  const std::uint32_t kind = KIND_SURFACE | (homogeneous ? KIND_HOMOGENEOUS : 0);
+  for (std::size_t v = 0; v < 3; ++v) {
+    if (homogeneous) {
+      const Vec3d view = view_of_point(*source.mesh, facet.points[v], *source.projection);
+      const Projection& to = *source.projection;
+      const double w = to.orthographic ? 1.0 : view.z;
+      corner[v] = {view.x * to.focal + to.axis_x * w, view.y * to.focal + to.axis_y * w, w, 0};
+    }
+    Vertex vertex = make_vertex<Vertex>(corner[v], 0, 0, 0, 0, std::uint32_t{facet.interval} << KIND_BITS | kind, 0);
+    vertex.tent[0] = std::bit_cast<float>(index);
+    out.push_back(vertex);
+  }
+}
+
+/// The facets of a tetrahedron that are drawn and face the eye, or do not.
+template <class Vertex>
+void emit_facets(const TetrahedraSource& source, std::uint32_t id, std::uint32_t parts, bool facing, const Emitter& emitter,
+                 std::vector<Vertex>& out) {
+  const SurfaceFacets& facets = *source.facets;
+  for (std::uint32_t i = facets.first_of[id]; i < facets.facets.size(); ++i) {
+    const BoundaryFacet& facet = source.mesh->facets[facets.facets[i]];
+    if (facet.tetrahedron != id) return;
+    if (!(parts & DRAW_LABEL << static_cast<std::uint32_t>(facet.label))) continue;
+    Vec3d p[3];
+    for (std::size_t v = 0; v < 3; ++v) p[v] = view_of_point(*source.mesh, facet.points[v], *source.projection);
+    const Vec3d outwards = cross(p[2] - p[0], p[1] - p[0]);  // view space is left-handed
+    const double away = source.projection->orthographic ? outwards.z : dot(outwards, p[0]);
+    if ((away < 0) == facing) emit_facet(source, i, facet, emitter, out);
+  }
+}
+
 template <class Vertex>
 void emit_all(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<Vertex>& out) {
   const Emitter emitter(*source.projection);
+  const bool perspective = !source.projection->orthographic;
   for (const std::uint32_t id : tetrahedra) {
     const auto& ids = source.mesh->tetrahedra[id];
     const std::uint32_t style = source.mesh->tetrahedron_interval[id];
@@ -202,15 +266,21 @@ void emit_all(const TetrahedraSource& source, std::span<const std::uint32_t> tet
       any |= p.outside;
       corner[v] = {p.x, p.y, p.q, 0};
       if constexpr (std::is_same_v<Vertex, LinearVertex>)
-        corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * p.q;
+        corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * (perspective ? p.q : 1.0);
     }
     if (all & (kTooNear | kLeft | kRight | kBelow | kAbove))
       continue;  // wholly on the far side of one plane of the pyramid of view
-    const auto [q_low, q_high] = std::minmax({corner[0].q, corner[1].q, corner[2].q, corner[3].q});
-    if (any & (kTooNear | kBeyondGuard) || q_high > kDepthRatio * q_low)
-      emit_clipped(source, id, style, emitter, out);
-    else
-      emit(corner, style, emitter, out);
+    const std::uint32_t parts = source.parts.empty() ? DRAW_VOLUME : source.parts[style];
+    const bool with_facets = source.facets && source.facets->first_of[id] != kNoFacet && (parts & ~DRAW_VOLUME);
+    if (with_facets) emit_facets(source, id, parts, false, emitter, out);
+    if (parts & DRAW_VOLUME) {
+      const auto [q_low, q_high] = std::minmax({corner[0].q, corner[1].q, corner[2].q, corner[3].q});
+      if (any & (kTooNear | kBeyondGuard) || (perspective && q_high > kLargestDepthRatio * q_low))
+        emit_clipped(source, id, style, emitter, out);
+      else
+        emit(corner, style, emitter, out);
+    }
+    if (with_facets) emit_facets(source, id, parts, true, emitter, out);
   }
 }
 
@@ -227,8 +297,24 @@ Projection make_projection(const Camera& camera, const Box3d& bounds, int width,
   projection.scale = diagonal > 0 ? diagonal : distance;
   projection.focal = 0.5 * height / std::tan(camera.fov_deg * std::numbers::pi / 360);
   projection.near_depth = 1e-4 * std::min(1.0, distance / projection.scale);
+  if (camera.orthographic) {
+    projection.orthographic = true;
+    projection.focal = 0.5 * height / half_height(camera) * projection.scale;
+    const Vec3d centre = bounds.empty() ? camera.at : bounds.center();
+    const auto view = projection.view_from_world * std::array<double, 4>{centre.x, centre.y, centre.z, 1};
+    projection.base = -view[2] / projection.scale + 2;  // the bounds lie within half a unit of their centre
+  }
   projection.width = width;
   projection.height = height;
+  return projection;
+}
+
+Projection make_projection(const DrawInput& input) {
+  const PixelGrid grid = pixel_grid(input);
+  Projection projection = make_projection(input.camera, input.bounds, input.width, input.height);
+  projection.focal = input.camera.orthographic ? grid.per_unit * projection.scale : grid.focal;
+  projection.axis_x = grid.axis_x - 0.5 * input.width;
+  projection.axis_y = 0.5 * input.height - grid.axis_y;
   return projection;
 }
 
@@ -240,8 +326,19 @@ std::vector<ScreenPoint> project_points(const IntervalMesh& mesh, const Projecti
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3d w = mesh.positions[i];
       const auto row = [&](std::size_t r) { return (m[0][r] * w.x + m[1][r] * w.y + m[2][r] * w.z + m[3][r]) * inverse_scale; };
-      const double x = row(0) * projection.focal, y = row(1) * projection.focal, z = -row(2);
+      const double z = -row(2), away = projection.orthographic ? 1 : z;
+      const double x = row(0) * projection.focal + projection.axis_x * away,
+                   y = row(1) * projection.focal + projection.axis_y * away;
       ScreenPoint& p = points[i];
+      if (projection.orthographic) {
+        p.outside = (x < -half_width ? kLeft : 0) | (x > half_width ? kRight : 0) | (y < -half_height ? kBelow : 0) |
+                    (y > half_height ? kAbove : 0);
+        p.q = projection.nearness(z);
+        p.x = x;
+        p.y = y;
+        if (!(std::max(std::abs(p.x), std::abs(p.y)) <= projection.guard())) p.outside |= kBeyondGuard;
+        continue;
+      }
       // Against the pyramid of view, whose sides pass through the eye: right for points behind it too.
       p.outside = (z < projection.near_depth ? kTooNear : 0) | (x < -half_width * z ? kLeft : 0) |
                   (x > half_width * z ? kRight : 0) | (y < -half_height * z ? kBelow : 0) | (y > half_height * z ? kAbove : 0);

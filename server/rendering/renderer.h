@@ -33,6 +33,13 @@ struct ClipPlane {
   bool operator==(const ClipPlane&) const = default;
 };
 
+/// The part of a larger picture that is drawn: pixel (i, j) of it is pixel (x + i, y + j) of the whole one, ray for ray.
+struct PictureWindow {
+  int x = 0, y = 0;           // row 0 is the top row
+  int width = 0, height = 0;  // of the whole picture; 0: the picture is the whole one
+  bool operator==(const PictureWindow&) const = default;
+};
+
 /// What a picture is made of. Everything pointed to outlives the call.
 struct DrawInput {
   const Grid* grid = nullptr;                              // the mesh's base grid, for the visibility order
@@ -53,11 +60,18 @@ struct DrawInput {
   std::shared_ptr<const std::vector<float>> texture_values;  // [np] or null where no surface has a texture
   Camera camera;
   int width = 800, height = 600;  // 1..16384
+  PictureWindow window;           // where it lies in a larger picture; the camera is the larger one's (rendering/pixel_grid.h)
   double unit_distance = 0;       // scalar_opacity_unit_distance in world units; 0: default_unit_distance
   Rgb background{0, 0, 0};
   bool transparent = false;      // leave the background out and keep alpha
   bool float_image = false;      // ask for the float target as it is (EXR, tests), never composited over the background
   bool count_fragments = false;  // fill DrawFacts::fragments (costs a little)
+};
+
+/// How long one stage of a frame took.
+struct StageTime {
+  std::string name;
+  double ms = 0;
 };
 
 /// Facts of a frame, as they are sent to clients and printed by bench.
@@ -69,6 +83,7 @@ struct DrawFacts {
   std::int64_t tetrahedra = 0;  // drawn
   std::int64_t fragments = 0;   // pixels of tetrahedra that were blended, each tetrahedron for itself; 0 where not asked for
   double order_ms = 0, draw_ms = 0, readback_ms = 0;
+  std::vector<StageTime> stages;  // of those, as far as the renderer tells; on a GPU by its own clock
 };
 
 struct DrawResult {
@@ -96,14 +111,17 @@ struct DeviceAttempt {
 struct RendererChoice {
   std::string renderer = "auto";  // "auto", "native", "raster", "compute"
   std::string device = "auto";    // "auto", "native", "egl:INDEX", "egl:UUID", "surfaceless", "osmesa"
+  bool trial = false;             // renderer auto: hold the trial of raster and compute on a software device, too
 };
 
 /// native draws on the CPU's cores and needs no device. raster and compute draw with OpenGL on `device`: auto takes the first
 /// that works of each EGL device that is hardware, EGL surfaceless, OSMesa. renderer auto: native where the device is "native" or
-/// no device is hardware; else the faster of raster and compute in a short trial on that device; raster on a named software
-/// device. The renderer must be used and destroyed on the thread that made it. Throws unavailable saying what was tried and why
+/// no device is hardware; else the faster of raster and compute in a short trial on that device (renderer_trial.h), held once in
+/// a process; raster on a named software device. The renderer must be used and destroyed on the thread that made it. Throws unavailable saying what was tried and why
 /// each failed, invalid_argument for words that are none of these.
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
 std::vector<DeviceAttempt> probe_devices();
+/// How the last trial of this process went, for the log; empty where there was none. Any thread.
+std::string renderer_trial_report();
 
 }  // namespace isostrata

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "rendering/pixel_grid.h"
+
 namespace isostrata {
 
 SegmentView make_segment_view(const DrawInput& input) {
@@ -21,13 +23,13 @@ SegmentView make_segment_view(const DrawInput& input) {
   view.orthographic = camera.orthographic;
   const double distance = length(camera.at - camera.eye), diagonal = input.bounds.diagonal();
   view.scale = diagonal > 0 ? diagonal : distance;
-  view.focal = camera.orthographic ? 0.5 * input.height * view.scale / half_height(camera)
-                                   : 0.5 * input.height / std::tan(camera.fov_deg * std::numbers::pi / 360);
-  const double side = std::max({input.width, input.height, 128});
-  view.center_x = 0.5 * input.width - 0.5 - kRayShiftX * side;
-  view.center_y = 0.5 * input.height - 0.5 - kRayShiftY * side;
+  const PixelGrid grid = pixel_grid(input);
+  view.focal = camera.orthographic ? grid.per_unit * view.scale : grid.focal;
+  const double side = std::max({input.width, input.height, input.window.width, input.window.height, 128});
+  view.center_x = grid.axis_x - 0.5 - kRayShiftX * side;
+  view.center_y = grid.axis_y - 0.5 - kRayShiftY * side;
   view.near_depth = 1e-4 * std::min(1.0, distance / view.scale);
-  view.guard = std::max(2 * std::max(input.width, input.height), 512);
+  view.guard = std::max(2 * side, 512.0);
   const Vec3d middle = input.bounds.empty() ? camera.at : input.bounds.center();
   view.zero_q_depth = view.seen(middle).z + 2;  // the box is at 1.5 <= q <= 2.5
   return view;

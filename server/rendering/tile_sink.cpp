@@ -1,16 +1,10 @@
 #include "rendering/tile_sink.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "rendering/resolve_simd.h"
+
 namespace isostrata {
-namespace {
-
-std::uint8_t to_byte(float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); }
-
-}  // namespace
-
 TileSink::TileSink(const DrawInput& input) : background_(input.background), transparent_(input.transparent) {
   const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
   if (input.float_image)
@@ -35,15 +29,11 @@ void TileSink::put(const FinishedTile& tile) {
     Image& bytes = std::get<Image>(image_);
     const std::size_t to =
         static_cast<std::size_t>(tile.y + row) * static_cast<std::size_t>(bytes.width) + static_cast<std::size_t>(tile.x);
-    for (std::size_t x = 0; x < static_cast<std::size_t>(tile.width); ++x) {
-      const float alpha = tile.rgba[3][from + x];
-      std::uint8_t* out = &bytes.rgba[4 * (to + x)];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float v = tile.rgba[c][from + x];
-        out[c] = to_byte(transparent_ ? (alpha > 0 ? v / alpha : 0) : v + (1 - alpha) * background_[c]);
-      }
-      out[3] = transparent_ ? to_byte(alpha) : 255;
-    }
+    resolve_row({{tile.rgba[0] + from, tile.rgba[1] + from, tile.rgba[2] + from, tile.rgba[3] + from},
+                 static_cast<std::size_t>(tile.width),
+                 background_,
+                 transparent_,
+                 &bytes.rgba[4 * to]});
   }
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "engine/draw_scene.h"
+#include "engine/transfer_function.h"
 #include "session/limits.h"
 #include "session/wire.h"
 
@@ -53,11 +55,12 @@ Rgb rgb_of(const v1::Rgb& rgb, const std::string& field) {
 std::string color_map_of(const std::string& map, const std::string& field) {
   if (map.empty()) return {};
   name(map, field);
-  const auto names = color_map_names();
-  if (std::find(names.begin(), names.end(), map) == names.end()) {
+  if (!is_color_map(map)) {
+    const auto names = color_map_names();
     std::string known;
     for (const auto n : names) known += (known.empty() ? "" : ", ") + std::string(n);
-    refuse("not_found", "colour map '" + map + "' is not built in; expected one of " + known, field);
+    refuse("not_found", "colour map '" + map + "' is not built in; expected one of " + known + ", or a ramp as #0000ff-#ffffff",
+           field);
   }
   return map;
 }
@@ -84,6 +87,32 @@ const ArrayFacts& array_of(const std::string& array, const CommandContext& conte
            field);
   }
   return *facts;
+}
+
+double within(double value, double lower, double upper, const std::string& field) {
+  if (!(value >= lower && value <= upper))
+    refuse("invalid_argument",
+           field + " is " + number_text(value) + "; expected " + number_text(lower) + " to " + number_text(upper), field);
+  return value;
+}
+
+SurfaceStyle surface_of(const v1::Surface& wanted, const std::string& field) {
+  SurfaceStyle surface;
+  surface.lower = wanted.lower();
+  surface.upper = wanted.upper();
+  surface.domain = wanted.domain();
+  surface.own_color = wanted.has_color();
+  if (wanted.has_color()) surface.color = rgb_of(wanted.color(), field + ".color");
+  if (wanted.has_opacity()) surface.opacity = unit(wanted.opacity(), field + ".opacity");
+  if (wanted.has_ambient()) surface.ambient = unit(wanted.ambient(), field + ".ambient");
+  if (wanted.has_diffuse()) surface.diffuse = unit(wanted.diffuse(), field + ".diffuse");
+  if (wanted.has_specular()) surface.specular = unit(wanted.specular(), field + ".specular");
+  if (wanted.has_shininess()) surface.shininess = within(wanted.shininess(), 1, 1000, field + ".shininess");
+  surface.silhouette = unit(wanted.silhouette(), field + ".silhouette");
+  surface.texture = wanted.texture() == kStripes ? wanted.texture() : color_map_of(wanted.texture(), field + ".texture");
+  if (wanted.has_texture_repeat())
+    surface.texture_repeat = within(wanted.texture_repeat(), 1e-6, 10000, field + ".texture_repeat");
+  return surface;
 }
 
 std::uint32_t fresh_id(SceneState& state) {
@@ -126,6 +155,7 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
     }
   }
   if (!command.color_by().empty()) scene.color_by = array_of(command.color_by(), context, "color_by").name;
+  if (!command.texture().empty()) scene.texture = array_of(command.texture(), context, "texture").name;
 }
 
 void apply(SceneState& state, const v1::SetTimeStep& command, const CommandContext& context) {
@@ -223,6 +253,55 @@ void apply(SceneState& state, const v1::SetTriangulation& command, const Command
   }
 }
 
+void apply(SceneState& state, const v1::SetCycle& command, const CommandContext&) {
+  SceneCycle& cycle = state.scene.cycle;
+  if (command.has_seconds()) cycle.seconds = within(command.seconds(), kMinCycleSeconds, kMaxCycleSeconds, "seconds");
+  if (command.has_phase()) cycle.phase = within(command.phase(), 0, 1e6, "phase");
+  if (command.has_playing()) cycle.playing = command.playing();
+}
+
+void apply(SceneState& state, const v1::SetSmear& command, const CommandContext& context) {
+  const v1::Smear& wanted = command.smear();
+  const auto steps = static_cast<int>(opened(context).times.size());
+  const auto limit = [](int count, const char* field) {
+    if (count > kMaxSmearSteps)
+      refuse("too_large", std::to_string(count) + " " + field + "; expected at most " + std::to_string(kMaxSmearSteps), field);
+  };
+  limit(wanted.steps_size(), "steps");
+  limit(wanted.colors_size(), "colors");
+  SceneSmear smear;
+  for (int i = 0; i < wanted.steps_size(); ++i) {
+    const std::string field = "steps[" + std::to_string(i) + "]";
+    if (wanted.steps(i) < 0 || wanted.steps(i) >= steps)
+      refuse("not_found",
+             field + " " + std::to_string(wanted.steps(i)) + " is not in " + context.dataset->name + "; expected 0.." +
+                 std::to_string(steps - 1),
+             field);
+    smear.steps.push_back(wanted.steps(i));
+  }
+  for (int i = 0; i < wanted.colors_size(); ++i)
+    smear.colors.push_back(rgb_of(wanted.colors(i), "colors[" + std::to_string(i) + "]"));
+  state.scene.smear = std::move(smear);
+}
+
+void apply(SceneState& state, const v1::SetTransferFunction& command, const CommandContext& context) {
+  opened(context);
+  std::vector<TransferPoint> points;
+  for (int i = 0; i < std::min(command.points_size(), kMaxIntervals + 2); ++i) {
+    const v1::TransferPoint& point = command.points(i);
+    const std::string field = "points[" + std::to_string(i) + "].";
+    points.push_back({finite(point.value(), field + "value"), rgb_of(point.color(), field + "color"),
+                      unit(point.opacity(), field + "opacity")});
+  }
+  try {
+    state.scene.intervals = transfer_intervals(points, kMaxIntervals + 1);
+  } catch (const Error& error) {
+    refuse(to_string(error.code()), error.what(), "points");
+  }
+  for (SceneInterval& interval : state.scene.intervals) interval.id = fresh_id(state);
+  state.scene.color_by = state.scene.array;
+}
+
 void apply(SceneState& state, const v1::SetIntervals& command, const CommandContext& context) {
   opened(context);
   if (command.intervals_size() > kMaxIntervals)
@@ -244,6 +323,10 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     interval.opacity = unit(wanted.opacity(), field + "opacity");
     interval.priority = wanted.priority();
     interval.visible = wanted.visible();
+    interval.name = name(wanted.name(), field + "name");
+    if (wanted.has_opacity_upper()) interval.opacity_upper = unit(wanted.opacity_upper(), field + "opacity_upper");
+    interval.own_range = wanted.own_range();
+    if (wanted.has_surface()) interval.surface = surface_of(wanted.surface(), field + "surface");
     if (wanted.id() != 0) {
       const auto& old = state.scene.intervals;
       if (std::none_of(old.begin(), old.end(), [&](const SceneInterval& o) { return o.id == wanted.id(); }))
@@ -274,6 +357,11 @@ void apply(SceneState& state, const v1::PatchInterval& command, const CommandCon
   if (command.has_color_map()) interval.color_map = color_map_of(command.color_map(), "color_map");
   if (command.has_opacity()) interval.opacity = unit(command.opacity(), "opacity");
   if (command.has_visible()) interval.visible = command.visible();
+  if (command.has_name()) interval.name = name(command.name(), "name");
+  if (command.clear_opacity_upper()) interval.opacity_upper.reset();
+  if (command.has_opacity_upper()) interval.opacity_upper = unit(command.opacity_upper(), "opacity_upper");
+  if (command.has_own_range()) interval.own_range = command.own_range();
+  if (command.has_surface()) interval.surface = surface_of(command.surface(), "surface");
 }
 
 void apply(SceneState& state, const v1::RemoveInterval& command, const CommandContext& context) {
@@ -306,7 +394,7 @@ void apply(SceneState& state, const v1::SetCamera& command, const CommandContext
   if (!command.has_camera() || !wanted.has_eye() || !wanted.has_at() || !wanted.has_up())
     refuse("invalid_argument", "a camera needs eye, at and up", "camera");
   const Camera camera{vector(wanted.eye(), "camera.eye"), vector(wanted.at(), "camera.at"), vector(wanted.up(), "camera.up"),
-                      finite(wanted.fov_deg(), "camera.fov_deg")};
+                      finite(wanted.fov_deg(), "camera.fov_deg"), wanted.orthographic()};
   try {
     check(camera);
   } catch (const Error& error) {
@@ -320,7 +408,9 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
   static const std::set<std::string, std::less<>> kViews = {"reset", "+x", "-x", "+y", "-y", "+z", "-z"};
   if (!kViews.contains(name(command.view(), "view")))
     refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
-  state.scene.camera = view_of(dataset.bounds, command.view());
+  const bool orthographic = state.scene.camera && state.scene.camera->orthographic;
+  state.scene.camera = view_of(dataset.bounds, command.view(), context.aspect);
+  state.scene.camera->orthographic = orthographic;
 }
 
 void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext&) {
@@ -329,14 +419,35 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
     case v1::RENDER_MODE_UNSPECIFIED:
       break;
     case v1::RENDER_MODE_SORTED:
-      scene.mode = RenderMode::sorted;
+      scene.mode = SceneMode::sorted;
       break;
     case v1::RENDER_MODE_PRIORITIZED:
-      scene.mode = RenderMode::prioritized;
+      scene.mode = SceneMode::prioritized;
+      break;
+    case v1::RENDER_MODE_CYCLED:
+      scene.mode = SceneMode::cycled;
+      break;
+    case v1::RENDER_MODE_SMEAR:
+      scene.mode = SceneMode::smear;
       break;
     default:
-      refuse("unsupported", "mode " + std::to_string(command.mode()) + " is not known; expected sorted (1) or prioritized (2)",
+      refuse("unsupported",
+             "mode " + std::to_string(command.mode()) +
+                 " is not known; expected sorted (1), prioritized (2), cycled (3) or smear (4)",
              "mode");
+  }
+  switch (command.integral()) {
+    case v1::INTEGRAL_UNSPECIFIED:
+      break;
+    case v1::INTEGRAL_EXACT:
+      scene.integral = Integral::exact;
+      break;
+    case v1::INTEGRAL_TABLE2D:
+      scene.integral = Integral::table2d;
+      break;
+    default:
+      refuse("unsupported", "integral " + std::to_string(command.integral()) + " is not known; expected exact (1) or table2d (2)",
+             "integral");
   }
   if (command.has_background()) scene.background = rgb_of(command.background(), "background");
   if (command.has_unit_distance()) {
@@ -349,11 +460,51 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
   }
 }
 
+}  // namespace
+
+bool advance_cycle(SceneState& state, std::int64_t steps) {
+  Scene& scene = state.scene;
+  const auto length = static_cast<double>(cycle_length(scene));
+  if (scene.mode != SceneMode::cycled || length < 2 || steps <= 0) return false;
+  scene.cycle.phase = std::fmod(std::floor(scene.cycle.phase) + static_cast<double>(steps), length);
+  ++scene.revision;
+  return true;
+}
+
+namespace {
+
+void apply(SceneState& state, const v1::SetClipPlanes& command, const CommandContext& context) {
+  opened(context);
+  if (command.clip_planes_size() > kMaxClipPlanes)
+    refuse("too_large",
+           std::to_string(command.clip_planes_size()) + " clip planes; expected at most " + std::to_string(kMaxClipPlanes),
+           "clip_planes");
+  std::vector<ClipPlane> planes;
+  for (int i = 0; i < command.clip_planes_size(); ++i) {
+    const v1::ClipPlane& wanted = command.clip_planes(i);
+    const std::string field = "clip_planes[" + std::to_string(i) + "].";
+    ClipPlane plane;
+    plane.normal = {finite(wanted.normal().x(), field + "normal.x", kMaxCoordinate),
+                    finite(wanted.normal().y(), field + "normal.y", kMaxCoordinate),
+                    finite(wanted.normal().z(), field + "normal.z", kMaxCoordinate)};
+    plane.offset = finite(wanted.offset(), field + "offset");
+    if (!(length(plane.normal) > 0)) refuse("invalid_argument", field + "normal must not be zero", field + "normal");
+    planes.push_back(plane);
+  }
+  state.scene.clip_planes = std::move(planes);
+}
+
+void apply(SceneState& state, const v1::SetAnnotations& command, const CommandContext&) {
+  const v1::Annotations& wanted = command.annotations();
+  state.scene.annotations = {wanted.axes(), wanted.box(), wanted.legend()};
+}
+
 bool same_scene(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by &&
          a.intervals == b.intervals && a.mode == b.mode && a.camera == b.camera && a.background == b.background &&
          a.unit_distance == b.unit_distance && a.terms == b.terms && a.time == b.time && a.time_mode == b.time_mode &&
-         a.triangulation == b.triangulation;
+         a.triangulation == b.triangulation && a.integral == b.integral && a.texture == b.texture && a.cycle == b.cycle &&
+         a.smear == b.smear && a.clip_planes == b.clip_planes && a.annotations == b.annotations;
 }
 
 // Does `change` to a copy and keeps it where it was not refused.
@@ -387,6 +538,11 @@ bool is_scene_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kSetCombination:
     case v1::ClientMessage::kSetTime:
     case v1::ClientMessage::kSetTriangulation:
+    case v1::ClientMessage::kSetCycle:
+    case v1::ClientMessage::kSetSmear:
+    case v1::ClientMessage::kSetTransferFunction:
+    case v1::ClientMessage::kSetClipPlanes:
+    case v1::ClientMessage::kSetAnnotations:
       return true;
     default:
       return false;
@@ -420,6 +576,16 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
         return apply(next, message.set_time(), context);
       case v1::ClientMessage::kSetTriangulation:
         return apply(next, message.set_triangulation(), context);
+      case v1::ClientMessage::kSetCycle:
+        return apply(next, message.set_cycle(), context);
+      case v1::ClientMessage::kSetSmear:
+        return apply(next, message.set_smear(), context);
+      case v1::ClientMessage::kSetTransferFunction:
+        return apply(next, message.set_transfer_function(), context);
+      case v1::ClientMessage::kSetClipPlanes:
+        return apply(next, message.set_clip_planes(), context);
+      case v1::ClientMessage::kSetAnnotations:
+        return apply(next, message.set_annotations(), context);
       default:
         refuse("unsupported", "this message does not change a scene", "");
     }
@@ -435,6 +601,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       v1::SelectArrays arrays;
       arrays.set_array(wanted.array());
       arrays.set_color_by(wanted.color_by());
+      arrays.set_texture(wanted.texture());
       apply(next, arrays, context);
       v1::SetTimeStep step;
       step.set_step(wanted.step());
@@ -450,6 +617,11 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
         v1::SetTriangulation triangulation;
         triangulation.set_triangulation(wanted.triangulation());
         apply(next, triangulation, context);
+      }
+      if (wanted.has_smear()) {
+        v1::SetSmear smear;
+        *smear.mutable_smear() = wanted.smear();
+        apply(next, smear, context);
       }
       v1::SetIntervals intervals;
       *intervals.mutable_intervals() = wanted.intervals();
@@ -468,24 +640,46 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
                !wanted.array().empty()) {
       opened(context);
     }
+    if (wanted.has_cycle()) {
+      v1::SetCycle cycle;
+      cycle.set_seconds(wanted.cycle().seconds() == 0 ? 1 : wanted.cycle().seconds());
+      cycle.set_phase(wanted.cycle().phase());
+      cycle.set_playing(wanted.cycle().playing());
+      apply(next, cycle, context);
+    }
+    if (context.dataset || wanted.clip_planes_size() > 0) {
+      v1::SetClipPlanes planes;
+      *planes.mutable_clip_planes() = wanted.clip_planes();
+      apply(next, planes, context);
+    }
+    if (wanted.has_annotations()) {
+      v1::SetAnnotations annotations;
+      *annotations.mutable_annotations() = wanted.annotations();
+      apply(next, annotations, context);
+    }
     v1::SetAppearance appearance;
     appearance.set_mode(wanted.mode());
+    appearance.set_integral(wanted.integral());
     if (wanted.has_background()) *appearance.mutable_background() = wanted.background();
     appearance.set_unit_distance(wanted.unit_distance());
     apply(next, appearance, context);
   });
 }
 
-void open_in_scene(SceneState& state, const DatasetFacts& dataset) {
+void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect) {
   Scene& scene = state.scene;
   scene.dataset = dataset.id;
   scene.step = 0;
   scene.time.reset();
   scene.terms.clear();
+  scene.clip_planes.clear();  // they stood in the other dataset's space
   scene.color_by.clear();
+  scene.texture.clear();
+  scene.smear.steps.clear();
+  scene.cycle.phase = 0;
   scene.array.clear();
   scene.intervals.clear();
-  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset");
+  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset", aspect);
   if (const ArrayFacts* first = dataset.first_array()) {
     scene.array = first->name;
     constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range

@@ -13,6 +13,7 @@ namespace isostrata {
 /// What commands are judged against.
 struct CommandContext {
   const DatasetFacts* dataset = nullptr;  // of scene.dataset; null where none is open
+  double aspect = 1;                      // of the asker's viewport: a view shows the whole dataset in it
 };
 
 /// What a command did. With an error (code, message, field; in_reply_to is the caller's) the scene is as it was.
@@ -28,7 +29,8 @@ struct SceneState {
 };
 
 /// Whether the message is one that apply_command takes: SelectArrays, SetTimeStep, SetIntervals, PatchInterval, RemoveInterval,
-/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetTriangulation.
+/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetTriangulation, SetCycle, SetSmear,
+/// SetTransferFunction.
 bool is_scene_command(const v1::ClientMessage& message);
 
 /// Does the command to the scene, or to nothing at all. A command that changes nothing does not make a revision.
@@ -39,9 +41,13 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
 /// stay as they are, except that the lists of intervals and terms are always taken, and that no time means the step.
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
 
+/// Shows the interval that comes `steps` after the one that a cycle shows. False where nothing changes: another mode, fewer than
+/// two that could be shown.
+bool advance_cycle(SceneState& state, std::int64_t steps);
+
 /// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow,
 /// the higher the denser, seen from the three-quarter view. Appearance stays as it is.
-void open_in_scene(SceneState& state, const DatasetFacts& dataset);
+void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect = 1);
 
 /// Null where the size is one that can be drawn; names the field that is not.
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);

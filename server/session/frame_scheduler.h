@@ -54,6 +54,10 @@ class FrameScheduler {
   /// Also acknowledges all before it; unknown ids do nothing.
   void acknowledged(std::uint64_t frame_id, TimePoint now);
 
+  /// Whether somebody looks: there is a viewport, and it is not hidden.
+  bool visible() const { return !hidden_ && width_ > 0; }
+  /// Width over height; 1 where there is no viewport.
+  double aspect() const { return width_ > 0 && height_ > 0 ? static_cast<double>(width_) / height_ : 1; }
   int window() const;
   int in_flight() const { return started_ + static_cast<int>(unacknowledged_.size()); }
   bool stalled(TimePoint now) const;

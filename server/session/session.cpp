@@ -1,6 +1,9 @@
 #include "session/session.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "engine/draw_scene.h"
 
 #include "session/limits.h"
 #include "session/random_token.h"
@@ -168,7 +171,7 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
     });
     return;
   }
-  CommandOutcome outcome = apply_command(state_, message, context());
+  CommandOutcome outcome = apply_command(state_, message, context(viewer));
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
   if (outcome.changed) changed(now);
   reply(std::move(outcome.error));
@@ -218,7 +221,8 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     opening.reply(wire_error(*failed));
   } else if (const auto* ready = std::get_if<DatasetReady>(&event)) {
     dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
-    open_in_scene(state_, *dataset_);
+    const Viewer* asker = living(opening.viewer);
+    open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
     if (Viewer* viewer = living(opening.viewer)) viewer->note_input(opening.seq, state_.scene.revision);
     broadcast(dataset_message(*dataset_));
     changed(now);
@@ -273,7 +277,24 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
   pump(now);
 }
 
+// The phase follows the clock and not the frames: a viewer who is slow misses intervals, and the next picture is of now.
+void Session::play_cycle(TimePoint now) {
+  const Scene& scene = state_.scene;
+  const bool seen = std::any_of(viewers_.begin(), viewers_.end(), [](const auto& of) { return of.second->frames.visible(); });
+  if (scene.mode != SceneMode::cycled || !scene.cycle.playing || !seen || scene.dataset.empty() || cycle_length(scene) < 2) {
+    next_phase_.reset();
+    return;
+  }
+  const auto period = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(scene.cycle.seconds));
+  if (!next_phase_ || *next_phase_ > now + period) next_phase_ = now + period;  // it began, or became faster
+  if (now < *next_phase_) return;
+  const std::int64_t steps = 1 + (now - *next_phase_) / period;
+  *next_phase_ += steps * period;
+  if (advance_cycle(state_, steps)) changed(now);
+}
+
 void Session::pump(TimePoint now) {
+  play_cycle(now);
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
 }
 
@@ -318,6 +339,7 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
 
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
+  if (watched()) earliest = next_phase_;
   for (const auto& [key, viewer] : viewers_)
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
   return earliest;

@@ -87,11 +87,12 @@ class Session {
   };
 
   Viewer* living(ViewerKey key);
-  CommandContext context() const { return {dataset_.get()}; }
+  CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.get(), viewer ? viewer->frames.aspect() : 1}; }
   void changed(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
   void run_deferred(TimePoint now);
   void pump(Viewer& viewer, TimePoint now);
+  void play_cycle(TimePoint now);
   void on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
 
@@ -106,6 +107,7 @@ class Session {
   std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
   int histograms_ = 0;                                   // asked for and not answered
   TimePoint last_use_{};
+  std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };
 
 /// The error as it is sent.

@@ -141,6 +141,8 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   welcome.mutable_limits()->set_max_height(kMaxSide);
   welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
   welcome.mutable_limits()->set_max_terms(kMaxTerms);
+  welcome.mutable_limits()->set_max_smear_steps(kMaxSmearSteps);
+  welcome.mutable_limits()->set_max_clip_planes(kMaxClipPlanes);
   viewer.outbox->send(std::move(answer));
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.

@@ -27,6 +27,24 @@ v1::Camera to_wire(const Camera& camera) {
   *out.mutable_at() = to_wire(camera.at);
   *out.mutable_up() = to_wire(camera.up);
   out.set_fov_deg(camera.fov_deg);
+  out.set_orthographic(camera.orthographic);
+  return out;
+}
+
+v1::Surface to_wire(const SurfaceStyle& surface) {
+  v1::Surface out;
+  out.set_lower(surface.lower);
+  out.set_upper(surface.upper);
+  out.set_domain(surface.domain);
+  if (surface.own_color) *out.mutable_color() = to_wire(surface.color);
+  out.set_opacity(surface.opacity);
+  out.set_ambient(surface.ambient);
+  out.set_diffuse(surface.diffuse);
+  out.set_specular(surface.specular);
+  out.set_shininess(surface.shininess);
+  out.set_silhouette(surface.silhouette);
+  out.set_texture(surface.texture);
+  out.set_texture_repeat(surface.texture_repeat);
   return out;
 }
 
@@ -40,6 +58,10 @@ v1::Interval to_wire(const SceneInterval& interval) {
   out.set_opacity(interval.opacity);
   out.set_priority(interval.priority);
   out.set_visible(interval.visible);
+  out.set_name(interval.name);
+  if (interval.opacity_upper) out.set_opacity_upper(*interval.opacity_upper);
+  out.set_own_range(interval.own_range);
+  if (interval.surface != SurfaceStyle{}) *out.mutable_surface() = to_wire(interval.surface);
   return out;
 }
 
@@ -70,6 +92,13 @@ v1::RangeTerm to_wire(const SceneTerm& term) {
   return out;
 }
 
+v1::ClipPlane to_wire(const ClipPlane& plane) {
+  v1::ClipPlane out;
+  *out.mutable_normal() = to_wire(plane.normal);
+  out.set_offset(plane.offset);
+  return out;
+}
+
 v1::State to_wire(const Scene& scene) {
   v1::State out;
   out.set_revision(scene.revision);
@@ -78,10 +107,24 @@ v1::State to_wire(const Scene& scene) {
   out.set_array(scene.array);
   out.set_color_by(scene.color_by);
   for (const SceneInterval& interval : scene.intervals) *out.add_intervals() = to_wire(interval);
-  out.set_mode(scene.mode == RenderMode::prioritized ? v1::RENDER_MODE_PRIORITIZED : v1::RENDER_MODE_SORTED);
+  out.set_mode(scene.mode == SceneMode::prioritized ? v1::RENDER_MODE_PRIORITIZED
+               : scene.mode == SceneMode::cycled    ? v1::RENDER_MODE_CYCLED
+               : scene.mode == SceneMode::smear     ? v1::RENDER_MODE_SMEAR
+                                                    : v1::RENDER_MODE_SORTED);
+  out.set_integral(scene.integral == Integral::table2d ? v1::INTEGRAL_TABLE2D : v1::INTEGRAL_EXACT);
+  out.set_texture(scene.texture);
+  out.mutable_cycle()->set_seconds(scene.cycle.seconds);
+  out.mutable_cycle()->set_phase(scene.cycle.phase);
+  out.mutable_cycle()->set_playing(scene.cycle.playing);
+  for (const int step : scene.smear.steps) out.mutable_smear()->add_steps(step);
+  for (const Rgb& color : scene.smear.colors) *out.mutable_smear()->add_colors() = to_wire(color);
   if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
   *out.mutable_background() = to_wire(scene.background);
   out.set_unit_distance(scene.unit_distance);
+  for (const ClipPlane& plane : scene.clip_planes) *out.add_clip_planes() = to_wire(plane);
+  out.mutable_annotations()->set_axes(scene.annotations.axes);
+  out.mutable_annotations()->set_box(scene.annotations.box);
+  out.mutable_annotations()->set_legend(scene.annotations.legend);
   for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
   if (scene.time) out.set_time(*scene.time);
   out.set_time_mode(scene.time_mode == TimeMode::interpolate ? v1::TIME_MODE_INTERPOLATE

@@ -1,9 +1,12 @@
 #include "encoding/encode_image.h"
 
+#include "encoding/image_file.h"
+
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
@@ -86,6 +89,60 @@ TEST(EncodePng, EveryPixelComesBack) {
     expect_same(clear, with_alpha, size + " with alpha, seed 2");
     expect_same(smooth, read_png(encode_png(smooth)), size + " smooth");
   }
+}
+
+void append_chunk(Bytes& out, const std::string& type, const Bytes& data) {
+  const auto put = [&out](std::uint32_t v) {
+    for (int i = 3; i >= 0; --i) out.push_back(static_cast<std::uint8_t>(v >> (8 * i)));
+  };
+  put(static_cast<std::uint32_t>(data.size()));
+  const std::size_t at = out.size();
+  out.insert(out.end(), type.begin(), type.end());
+  out.insert(out.end(), data.begin(), data.end());
+  put(static_cast<std::uint32_t>(crc32(0, &out[at], static_cast<uInt>(out.size() - at))));
+}
+
+/// The pictures of an animated PNG as single ones, in the order of their sequence numbers.
+std::vector<Bytes> frames_of(const Bytes& bytes) {
+  std::vector<Bytes> frames;
+  Bytes header;
+  std::uint32_t expected = 0;
+  const auto u32 = [&](std::size_t at) {
+    return static_cast<std::uint32_t>(bytes[at]) << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 | bytes[at + 3];
+  };
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    const std::size_t size = u32(at);
+    const std::string type(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4,
+                           bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8);
+    const auto data = bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8;
+    const Bytes content(data, data + static_cast<std::ptrdiff_t>(size));
+    if (type == "IHDR") header = content;
+    if (type == "acTL") EXPECT_EQ(u32(at + 12), 0u) << "again and again";
+    if (type == "fcTL" || type == "fdAT") EXPECT_EQ(u32(at + 8), expected++);
+    if (type == "fcTL") {
+      frames.push_back(Bytes(bytes.begin(), bytes.begin() + 8));
+      append_chunk(frames.back(), "IHDR", header);
+    }
+    if (type == "IDAT") append_chunk(frames.back(), "IDAT", content);
+    if (type == "fdAT") append_chunk(frames.back(), "IDAT", Bytes(content.begin() + 4, content.end()));
+    at += 12 + size;
+  }
+  for (Bytes& frame : frames) append_chunk(frame, "IEND", {});
+  return frames;
+}
+
+TEST(EncodeAnimatedPng, EveryPictureComesBackInItsOrder) {
+  const std::vector<Image> images{noise(300, 401, true, 1), noise(300, 401, false, 2), gradient(300, 401)};
+  const auto frames = frames_of(encode_animated_png(images, 0.25));
+  ASSERT_EQ(frames.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) expect_same(images[i], read_png(frames[i]), "picture " + std::to_string(i));
+  EXPECT_EQ(frames_of(encode_animated_png({gradient(5, 4)}, 0)).size(), 1u);
+}
+
+TEST(EncodeAnimatedPng, RefusesNoneDifferentSizesAndOtherFormats) {
+  EXPECT_THROW(encode_animated_png({}, 1), Error);
+  EXPECT_THROW(encode_animated_png({gradient(5, 4), gradient(4, 5)}, 1), Error);
+  EXPECT_THROW(write_animation("a.webp", {gradient(5, 4)}, 1), Error);
 }
 
 TEST(EncodePng, SmoothPicturesGetSmall) {
@@ -174,6 +231,74 @@ TEST(WriteImage, ExrIsLinearPremultipliedAndHasDepth) {
   image.depth.clear();
   write_image(folder / "b.exr", image);
   EXPECT_EQ(read(folder / "b.exr").channels, 4);
+}
+
+/// Rows [first, first + count) of a picture.
+template <class AnyImage>
+AnyImage rows_of(const AnyImage& image, int first, int count) {
+  const auto row = 4 * static_cast<std::ptrdiff_t>(image.width);
+  AnyImage part = image;
+  part.height = count;
+  part.rgba.assign(image.rgba.begin() + first * row, image.rgba.begin() + (first + count) * row);
+  if constexpr (std::is_same_v<AnyImage, FloatImage>)
+    if (!image.depth.empty())
+      part.depth.assign(image.depth.begin() + first * row / 4, image.depth.begin() + (first + count) * row / 4);
+  return part;
+}
+
+TEST(ImageFile, BandsMakeTheFileOfTheWhole) {
+  const TemporaryFolder folder;
+  const Image image = noise(67, 43, false, 6);
+  for (const char* name : {"a.png", "a.tif", "a.webp", "a.jpg"}) {
+    write_image(folder / (std::string("whole-") + name), image);
+    ImageFile file(folder / name, 67, 43, {true, false});
+    for (int y = 0; y < 43; y += 9) file.put(rows_of(image, y, std::min(9, 43 - y)));
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+    file.finish();
+    const ReadImage a = read(folder / name), b = read(folder / (std::string("whole-") + name));
+    EXPECT_EQ(a.values, b.values) << name;
+    EXPECT_EQ(a.channels, std::string(name) == "a.jpg" ? 3 : 4);
+  }
+}
+
+TEST(ImageFile, BandsOfFloatsKeepAlphaAndDepth) {
+  const TemporaryFolder folder;
+  FloatImage image{5, 33, std::vector<float>(4 * 5 * 33), std::vector<float>(5 * 33)};
+  for (std::size_t p = 0; p < image.depth.size(); ++p) {
+    image.depth[p] = p % 7 ? static_cast<float>(p) : std::numeric_limits<float>::infinity();
+    image.rgba[4 * p + 3] = static_cast<float>(p) / 165;
+    image.rgba[4 * p] = 0.5f * image.rgba[4 * p + 3];
+  }
+  ImageFile file(folder / "a.exr", 5, 33, {true, true});
+  for (int y = 0; y < 33; y += 10) file.put(rows_of(image, y, std::min(10, 33 - y)));
+  file.finish();
+  const ReadImage back = read(folder / "a.exr");
+  ASSERT_EQ(back.names, (std::vector<std::string>{"R", "G", "B", "A", "Z"}));
+  for (std::size_t p = 0; p < image.depth.size(); ++p) {
+    EXPECT_EQ(back.values[5 * p + 3], image.rgba[4 * p + 3]);
+    EXPECT_EQ(back.values[5 * p + 4], image.depth[p]);
+    EXPECT_NEAR(back.values[5 * p], 0.21404 * image.rgba[4 * p + 3], 1e-5);
+  }
+}
+
+TEST(ImageFile, LeavesNothingBehindWhereItIsNotFinished) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.exr", "a.jpg"}) {
+    { ImageFile(folder / name, 8, 8, {}).put(noise(8, 4, true, 7)); }
+    ImageFile file(folder / name, 8, 8, {});
+    file.put(noise(8, 4, true, 7));
+    EXPECT_THROW(file.finish(), Error) << name;
+    EXPECT_THROW(file.put(noise(8, 5, true, 7)), Error) << name;
+    EXPECT_THROW(file.put(noise(7, 1, true, 7)), Error) << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "."));
+}
+
+TEST(ImageFile, KnowsWhatFormatsCannotHold) {
+  EXPECT_THROW(check_image_file("a.webp", 16384, 10, false), Error);
+  EXPECT_THROW(check_image_file("a.jpg", 10, 10, true), Error);
+  check_image_file("a.webp", 16383, 16383, true);
+  check_image_file("a.exr", 16384, 16384, true);
 }
 
 TEST(WriteImage, SaysWhatItCannotWrite) {

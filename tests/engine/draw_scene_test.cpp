@@ -57,7 +57,7 @@ TEST_F(DrawScene, ReusesTheMeshWhereOnlyLooksChanged) {
   changed.intervals[0].color = {0, 1, 1};
   changed.intervals[1].opacity = 0.9;
   changed.intervals[1].visible = false;
-  changed.mode = RenderMode::prioritized;
+  changed.mode = SceneMode::prioritized;
   changed.camera = Camera{};
   changed.unit_distance = 3;
   const auto second = extract(changed, first);

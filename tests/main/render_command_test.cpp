@@ -73,6 +73,11 @@ TEST(RenderCommand, RefusesWithOneClearLine) {
       {"--out a.png --background blue", "colour 'blue'"},
       {"--out a.png --unit-distance -1", "unit distance"},
       {"--out a.jpg --background transparent", "JPEG has no transparency"},
+      {"--out a.webp --size 16384x16384", "WebP takes at most 16383 pixels"},
+      {"--out a.png --clip 'w<1'", "clip 'w<1': unknown part 'w<1'"},
+      {"--out a.png --clip 'x<nan'", "'nan' is not a finite number"},
+      {"--out a.png --clip 'normal=0,0,0'", "the normal must not be zero"},
+      {"--out a.png --clip 'offset=1'", "no normal"},
       {"--out a.png --device cuda", "device 'cuda' is not known"},
       {"--out a.png --device egl:99", "no such EGL device"},
       {"--out /nonexistent-folder/a.png", "/nonexistent-folder/a.png: cannot be written"},
@@ -86,9 +91,27 @@ TEST(RenderCommand, RefusesWithOneClearLine) {
   }
 }
 
+TEST(RenderCommand, DrawsAnnotationsSamplesAndClipPlanes) {
+  const TemporaryFolder folder;
+  const auto size_of = [&](const std::string& options) {
+    const CommandResult result =
+        run_isostrata("render sphere:12 --interval 0.2:0.6,name=shell --size 200x150 --device surfaceless " + options +
+                      " --json --out '" + (folder / "a.png").string() + "'");
+    EXPECT_EQ(result.status, 0) << options << ": " << result.err;
+    return read_text(folder / "a.png");
+  };
+  const std::string plain = size_of("");
+  for (const char* options :
+       {"--axes", "--box", "--legend", "--samples 2", "--clip 'x<0.1' --clip 'normal=0,1,1;offset=-0.2'",
+        "--camera '+x;projection=orthographic'", "--background transparent --box --legend --axes --samples 3"})
+    EXPECT_NE(size_of(options), plain) << options;
+  EXPECT_EQ(size_of(""), plain);
+}
+
 TEST(RenderCommand, WrongUsageIsStatusTwo) {
   EXPECT_EQ(run_isostrata("render torus:8").status, 2);
   EXPECT_EQ(run_isostrata("render torus:8 --out a.png --mode upside-down").status, 2);
+  EXPECT_EQ(run_isostrata("render torus:8 --out a.png --samples 17").status, 2);
 }
 
 TEST(BenchRenderCommand, ReportsWhatItMeasured) {

@@ -36,16 +36,35 @@ TEST(Camera, ViewIsARigidMotionThatPutsTheEyeAtTheOriginAndLooksDownMinusZ) {
   }
 }
 
-TEST(Camera, EveryNamedViewShowsTheWholeBox) {
-  for (const char* side : {"reset", "+x", "-x", "+y", "-y", "+z", "-z"}) {
-    const Camera camera = view_of(kBox, side);
-    check(camera);
-    const Mat4d clip = clip_from_view(camera, 1.0, kBox) * view_from_world(camera);
-    for (int corner = 0; corner < 8; ++corner) {
-      const auto c = apply(clip, {corner & 1 ? 1.0 : -1.0, corner & 2 ? 2.0 : -2.0, corner & 4 ? 3.0 : -3.0});
-      for (int axis = 0; axis < 3; ++axis)
-        EXPECT_LE(std::abs(c[static_cast<std::size_t>(axis)]), c[3]) << side << ", corner " << corner << ", axis " << axis;
-    }
+TEST(Camera, EveryNamedViewShowsTheWholeBoxWhateverThePicturesShape) {
+  for (const char* side : {"reset", "+x", "-x", "+y", "-y", "+z", "-z"})
+    for (const double aspect : {1.0, 0.25, 0.02, 4.0})
+      for (const bool orthographic : {false, true}) {
+        Camera camera = view_of(kBox, side, aspect);
+        camera.orthographic = orthographic;
+        check(camera);
+        const Mat4d clip = clip_from_view(camera, aspect, kBox) * view_from_world(camera);
+        double widest = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+          const auto c = apply(clip, {corner & 1 ? 1.0 : -1.0, corner & 2 ? 2.0 : -2.0, corner & 4 ? 3.0 : -3.0});
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_LE(std::abs(c[axis]), c[3]) << side << ", aspect " << aspect << ", corner " << corner << ", axis " << axis;
+          widest = std::max({widest, std::abs(c[0] / c[3]), std::abs(c[1] / c[3])});
+        }
+        EXPECT_GT(widest, 0.25) << side << ", aspect " << aspect;  // and not from too far away
+      }
+}
+
+TEST(Camera, OrthographicDepthHoldsTheBoxBehindTheEyeToo) {
+  Camera camera{{0, 0, 0.5}, {0, 0, 0}, {0, 1, 0}, 40, true};
+  const Mat4d clip = clip_from_view(camera, 1.0, kBox) * view_from_world(camera);
+  double last = 2;
+  for (const double z : {-3.0, 0.0, 3.0}) {  // nearer is smaller
+    const auto c = apply(clip, {0, 0, z});
+    EXPECT_EQ(c[3], 1);
+    EXPECT_LE(std::abs(c[2]), 1) << z;
+    EXPECT_LT(c[2], last) << z;
+    last = c[2];
   }
 }
 
@@ -68,6 +87,10 @@ TEST(Camera, ParsesEveryPartOverTheBase) {
   EXPECT_EQ(camera.fov_deg, 45);
   EXPECT_EQ(parse_camera("at=0,0,1;up=0,0,1;", base, kBox).up, (Vec3d{0, 0, 1}));
   EXPECT_EQ(parse_camera("-z", base, kBox), view_of(kBox, "-z"));
+  EXPECT_EQ(parse_camera("-z", base, kBox, 0.5), view_of(kBox, "-z", 0.5));
+  Camera parallel = view_of(kBox, "+y");
+  parallel.orthographic = true;
+  EXPECT_EQ(parse_camera("+y;projection=orthographic", base, kBox), parallel);
 }
 
 TEST(Camera, RefusesWhatMakesNoView) {

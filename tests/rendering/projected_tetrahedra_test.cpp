@@ -30,8 +30,8 @@ TEST(ProjectedTetrahedraClasses, OneVertexInsideTheOthersIsOneTriangle) {
   ASSERT_EQ(towards.size(), 3u);
   ASSERT_EQ(away.size(), 3u);
   for (std::size_t v = 0; v < 3; ++v) {
-    EXPECT_EQ(towards[v].style_side & 1u, 1u);
-    EXPECT_EQ(away[v].style_side & 1u, 0u);
+    EXPECT_EQ(towards[v].style_kind & 1u, 1u);
+    EXPECT_EQ(away[v].style_kind & 1u, 0u);
     EXPECT_FLOAT_EQ(towards[v].q, away[v].q);
   }
 }

@@ -57,6 +57,57 @@ TEST_F(ApplyCommand, OpeningShowsFourTouchingLayersOfTheFirstArrayThatHasARange)
   EXPECT_TRUE(scene.camera.has_value());
 }
 
+TEST_F(ApplyCommand, ClipPlanesAreReplacedTogetherAndGoWithTheDataset) {
+  const std::string two =
+      R"({"setClipPlanes":{"clipPlanes":[{"normal":{"x":1},"offset":0.5},{"normal":{"y":-2,"z":1},"offset":-3}]}})";
+  EXPECT_TRUE(apply(two).changed);
+  ASSERT_EQ(state_.scene.clip_planes.size(), 2u);
+  EXPECT_EQ(state_.scene.clip_planes[1].normal, (Vec3d{0, -2, 1}));
+  EXPECT_EQ(state_.scene.clip_planes[1].offset, -3);
+  EXPECT_FALSE(apply(two).changed);
+  for (const char* wrong : {R"({"setClipPlanes":{"clipPlanes":[{"offset":1}]}})",
+                            R"({"setClipPlanes":{"clipPlanes":[{"normal":{"x":1},"offset":"NaN"}]}})",
+                            R"({"setClipPlanes":{"clipPlanes":[{"normal":{"x":"Infinity"}}]}})"}) {
+    const CommandOutcome outcome = apply(wrong);
+    ASSERT_TRUE(outcome.error) << wrong;
+    EXPECT_NE(outcome.error->field().find("clip_planes[0]."), std::string::npos);
+  }
+  v1::ClientMessage many;
+  for (int i = 0; i < 33; ++i) many.mutable_set_clip_planes()->add_clip_planes()->mutable_normal()->set_x(1);
+  EXPECT_EQ(apply_command(state_, many, {&facts_}).error->code(), "too_large");
+  ASSERT_EQ(state_.scene.clip_planes.size(), 2u);
+  SceneState other;
+  open_in_scene(other, facts_);
+  EXPECT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.clip_planes, state_.scene.clip_planes);
+  open_in_scene(state_, facts_);
+  EXPECT_TRUE(state_.scene.clip_planes.empty());
+}
+
+TEST_F(ApplyCommand, AnnotationsProjectionAndNamesComeBackFromTheWire) {
+  EXPECT_TRUE(apply(R"({"setAnnotations":{"annotations":{"box":true,"legend":true}}})").changed);
+  const std::uint32_t id = state_.scene.intervals[0].id;
+  EXPECT_TRUE(apply(R"({"patchInterval":{"id":)" + std::to_string(id) + R"(,"name":"shock"}})").changed);
+  EXPECT_TRUE(apply(R"({"setCamera":{"camera":{"eye":{"z":9},"at":{},"up":{"y":1},"fovDeg":30,"orthographic":true}}})").changed);
+  SceneState other;
+  open_in_scene(other, facts_);
+  EXPECT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.annotations, (Annotations{false, true, true}));
+  EXPECT_EQ(other.scene.intervals[0].name, "shock");
+  EXPECT_TRUE(other.scene.camera->orthographic);
+  EXPECT_TRUE(apply(R"({"setAnnotations":{}})").changed);
+  EXPECT_FALSE(state_.scene.annotations.any());
+}
+
+TEST_F(ApplyCommand, AViewShowsTheWholeDatasetInANarrowViewportAndKeepsTheProjection) {
+  v1::ClientMessage message = from_json(R"({"setView":{"view":"+x"}})");
+  state_.scene.camera->orthographic = true;
+  EXPECT_FALSE(apply_command(state_, message, {&facts_, 0.25}).error);
+  Camera expected = view_of(facts_.bounds, "+x", 0.25);
+  expected.orthographic = true;
+  EXPECT_EQ(*state_.scene.camera, expected);
+}
+
 TEST_F(ApplyCommand, AnAcceptedChangeMakesOneRevisionAndNoChangeMakesNone) {
   const auto before = state_.scene.revision;
   EXPECT_TRUE(apply(R"({"patchInterval":{"id":1,"lower":0.5}})").changed);

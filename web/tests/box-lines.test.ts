@@ -50,3 +50,12 @@ test('a flat box is drawn too', () => {
   const { edges } = boxLines(camera, { lower: [-1, -1, 0], upper: [1, 1, 0] }, 400, 400);
   expect(edges.every((edge) => Number.isFinite(edge.x1 + edge.y1 + edge.x2 + edge.y2))).toBe(true);
 });
+
+test('with parallel rays the box is as large wherever the eye stands on its line', () => {
+  const near: Camera = { eye: [1, 0, 9], at: [1, 0, -1], up: [0, 1, 0], fovDeg: 60, orthographic: true };
+  const { edges } = boxLines(near, box, 800, 600);
+  const xs = edges.flatMap((edge) => [edge.x1, edge.x2]);
+  // The box is 4 wide; 600 pixels show 2 * 10 * tan(30 degrees).
+  expect(Math.max(...xs) - Math.min(...xs)).toBeCloseTo((4 * 600) / (20 * Math.tan(Math.PI / 6)), 6);
+  expect(edges.filter((edge) => edge.hidden)).toHaveLength(8); // straight on, one face is seen
+});

@@ -26,7 +26,7 @@ test('an appearance without a mode leaves the mode alone', () => {
 });
 
 test('a camera comes back from the server as it was sent, to the last bit', () => {
-  const camera = { eye: [0.1, 1 / 3, -7e-9], at: [1, 2, 3], up: [0, 1, 0], fovDeg: 31.7 } as const;
+  const camera = { eye: [0.1, 1 / 3, -7e-9], at: [1, 2, 3], up: [0, 1, 0], fovDeg: 31.7, orthographic: true } as const;
   const sent = decode(encodeCommand(1, command.setCamera(camera))).body;
   if (sent.case !== 'setCamera') throw new Error(`unexpected ${String(sent.case)}`);
   const message = create(ServerMessageSchema, { body: { case: 'state', value: { camera: sent.value.camera } } });

@@ -2,25 +2,66 @@
 #ifndef ISOSTRATA_SHADERS_LAYOUT_H
 #define ISOSTRATA_SHADERS_LAYOUT_H
 
-// Vertex attributes of a projected tetrahedron (projected_tetrahedra.h has the struct).
-#define ATTRIBUTE_POSITION 0    // vec3: pixels right of and above the middle of the picture, inverse depth
+// Vertex attributes of a projected tetrahedron or facet (projected_tetrahedra.h has the struct).
+#define ATTRIBUTE_POSITION 0    // vec3: pixels right of and above the middle of the picture, nearness; where KIND_HOMOGENEOUS: x, y, w
 #define ATTRIBUTE_TENT 1        // vec3
 #define ATTRIBUTE_Q_MIN 2       // float
-#define ATTRIBUTE_STYLE 3       // uint: 2 * style + (1 where the drawn face is at the back)
-#define ATTRIBUTE_SCALAR 4      // vec2: scalar times inverse depth, its slope against inverse depth
+#define ATTRIBUTE_STYLE 3       // uint: style << KIND_BITS | kind
+#define ATTRIBUTE_SCALAR 4      // vec2: scalar (times nearness, in perspective), its slope against nearness
+#define ATTRIBUTE_ID 5          // uint: the first word of the tent, of kinds that have no tent: which tetrahedron, which facet
 
-// Uniforms of the tetrahedra's program.
-#define UNIFORM_CLIP_FROM_PIXELS 0  // vec4: scale x, y, offset x, y
-#define UNIFORM_RAY_FROM_FRAGMENT 1 // vec4: scale x, y, offset x, y: the ray (x, y, 1) of gl_FragCoord
+// What a vertex belongs to.
+#define KIND_BITS 3
+#define KIND_MASK 7u
+#define KIND_FRONT 0            // a tetrahedron's face towards the eye, with its tent
+#define KIND_BACK 1             // a face away from the eye, with its tent
+#define KIND_SURFACE 2          // a boundary facet
+#define KIND_HOMOGENEOUS 4      // bit: too near the eye or too far aside to be divided by depth here; clipped by OpenGL
+#define KIND_WIDE 5             // homogeneous: a back face; entry and exit are found for each fragment from the four points
+#define VERTEX_WORDS 8
+#define LINEAR_VERTEX_WORDS 10
+
+// Uniform block of the drawing programs and of projection.
+#define BLOCK_FRAME 1
+
+// Uniform of projection.
+#define UNIFORM_BATCH 0         // uvec4: the first tetrahedron of the list, how many, 0, 0
 
 // Uniforms of the resolve program.
 #define UNIFORM_BACKGROUND 0    // vec4: rgb, 1 = keep alpha instead
 #define UNIFORM_SIZE 1          // vec2: of the tile
 
 // Texture units.
-#define UNIT_STYLES 0           // buffer: two texels a style: (r, g, b, extinction), (map row or -1, scale, offset, 0)
+#define UNIT_STYLES 0           // buffer: STYLE_TEXELS a style
 #define UNIT_MAPS 1             // 2D: one colour map a row
+#define UNIT_TABLES 2           // 2D array: a table over length and mean scalar for each kind of style that is not constant
 #define UNIT_ACCUMULATED 0      // of the resolve program
+
+// Texels of a style: (r, g, b, extinction at u = 0), (map row or -1, scale, offset of u, extinction at u = 1), then of its surface
+// (r, g, b, 1 = own colour), (opacity, ambient, diffuse, specular), (shininess, silhouette, texture's map row or TEXTURE_..., layer of the
+// table), (texture scale, offset, 0, 0).
+#define STYLE_TEXELS 6
+#define TEXTURE_NONE -2.0
+#define TEXTURE_STRIPES -1.0
+
+// Storage buffers of drawing and projection.
+#define BUFFER_MESH_POINTS 0    // vec4 per point: (position - centre) / scale, color-by value
+#define BUFFER_MESH_CELLS 1     // uvec4 per tetrahedron
+#define BUFFER_FACETS 2         // FacetCorner, three a facet
+#define BUFFER_PLANES 3         // vec4 per clip plane: view space; keeps dot(xyz, position) >= w
+#define BUFFER_DRAWN_ORDER 4    // uint: tetrahedra, back to front
+#define BUFFER_INTERVALS 5      // uint per two tetrahedra: their intervals, 16 bits each
+#define BUFFER_DRAWN_PARTS 6    // uint per interval: DRAW_... bits
+#define BUFFER_VERTICES 7       // what projection writes: a region of GROUP_VERTICES(...) for each group
+#define BUFFER_COMMANDS 8       // DrawCommand per group
+#define BUFFER_FACET_OF 9       // uint per tetrahedron: its first facet or NO_FACET
+#define BUFFER_FACET_CELLS 10   // uvec2 per facet, by tetrahedron: the tetrahedron, its interval * 4 + label
+#define DRAW_VOLUME 1u
+#define DRAW_LABEL 2u           // << label
+#define NO_FACET 0xffffffffu
+#define PROJECT_GROUP 128       // tetrahedra that one work group projects
+#define PROJECTED_VERTICES 12   // the most of a tetrahedron: four back faces
+#define FACET_VERTICES 12       // the most of its facets
 
 // ---- extraction (gl_extraction.h says what each dispatch reads and writes) ----------------------------------------------------------
 
@@ -89,7 +130,33 @@
 #ifdef __cplusplus
 namespace isostrata::shaders {
 typedef unsigned int uint;
+struct vec4 {
+  float x, y, z, w;
+};
+struct uvec4 {
+  uint x, y, z, w;
+};
 #endif
+
+struct RasterFrame {            // uniform block. View space: x right, y up, z away from the eye, in units of the data's scale
+  vec4 view_x, view_y, view_z;  // rows: view = dot(row.xyz, point) + row.w
+  vec4 screen;                  // focal length in pixels (orthographic: pixels a unit), near depth, base of nearness, q_min of all
+  vec4 picture;                 // half width and height in pixels; where pixel centres lie against whole numbers, x and y
+  vec4 clip_from_pixels;        // scale x, y, offset x, y
+  vec4 ray_from_fragment;       // scale x, y, offset x, y: the ray (x, y, 1) of gl_FragCoord; orthographic: its x and y
+  vec4 table;                   // unit distance of the tables' lengths; guard in pixels; largest depth ratio; 0
+  uvec4 counts;                 // clip planes, 0, 0, 1 = points have normals
+  vec4 axis;                    // where the axis of view meets the picture: pixels right of and above its middle; 0, 0
+};
+
+struct FacetCorner {
+  vec4 position_scalar;         // as the mesh's points
+  vec4 normal_texture;          // normal in the mesh's space
+};
+
+struct DrawCommand {            // glMultiDrawArraysIndirect
+  uint count, instances, first, base_instance;
+};
 
 struct ExtractionGrid {         // uniform block
   uint points_x, points_y, points_z;

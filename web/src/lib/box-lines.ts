@@ -35,14 +35,17 @@ interface Edge {
 const names = ['x', 'y', 'z'] as const;
 
 /** The twelve edges, each with how many of its faces look at the eye. */
-function edgesOf(box: Box, eye: Vec3): Edge[] {
+function edgesOf(box: Box, camera: Camera, towards: Vec3): Edge[] {
+  const { eye } = camera;
   const corner = (i: number, j: number, k: number): Vec3 => [
     i ? box.upper[0] : box.lower[0],
     j ? box.upper[1] : box.lower[1],
     k ? box.upper[2] : box.lower[2],
   ];
   const seen = (axis: number, side: number) =>
-    side ? (eye[axis] as number) > (box.upper[axis] as number) : (eye[axis] as number) < (box.lower[axis] as number);
+    camera.orthographic
+      ? (towards[axis] as number) * (side ? 1 : -1) > 1e-9
+      : side ? (eye[axis] as number) > (box.upper[axis] as number) : (eye[axis] as number) < (box.lower[axis] as number);
   const edges: Edge[] = [];
   for (const axis of [0, 1, 2] as const) {
     const [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
@@ -63,7 +66,7 @@ function edgesOf(box: Box, eye: Vec3): Edge[] {
 
 export function boxLines(camera: Camera, box: Box, width: number, height: number): BoxLines {
   const axes = viewAxes(camera);
-  const edges = edgesOf(box, camera.eye);
+  const edges = edgesOf(box, camera, axes.back);
   const result: BoxLines = { edges: [], ticks: [], labels: [] };
   const inside = edges.every((edge) => edge.facing === 0); // the eye is within the box
   for (const edge of edges) {
@@ -74,14 +77,14 @@ export function boxLines(camera: Camera, box: Box, width: number, height: number
   }
 
   const middleView = viewFromWorld(camera, axes, center(box));
-  if (middleView[2] >= 0 || inside) return result;
+  if ((middleView[2] >= 0 && !camera.orthographic) || inside) return result;
   const middle = screenFromView(camera, width, height, middleView);
   for (const axis of [0, 1, 2] as const) {
     // Labels stand on the outline, where they do not cover the picture: of its edges along this axis, the lowest on the screen.
     let best: { edge: Edge; line: [[number, number], [number, number]]; y: number } | null = null;
     for (const edge of edges) {
       if (edge.axis !== axis || edge.facing !== 1) continue;
-      const whole = [edge.from, edge.to].every((p) => dot(sub(p, camera.eye), axes.back) < 0);
+      const whole = [edge.from, edge.to].every((p) => camera.orthographic || dot(sub(p, camera.eye), axes.back) < 0);
       const line = whole && projectSegment(camera, axes, width, height, edge.from, edge.to);
       if (!line) continue;
       const y = (line[0][1] + line[1][1]) / 2 + (line[0][0] + line[1][0]) * 1e-3;
@@ -116,7 +119,7 @@ function label(
     const point = [...edge.from] as [number, number, number];
     point[axis] = value;
     const view = viewFromWorld(camera, axes, point);
-    if (view[2] >= 0) continue;
+    if (view[2] >= 0 && !camera.orthographic) continue;
     const [x, y] = screenFromView(camera, width, height, view);
     result.ticks.push({ x1: x, y1: y, x2: x + out[0] * 5, y2: y + out[1] * 5 });
     const label: AxisLabel = { x: x + out[0] * 16, y: y + out[1] * 13, text: formatNumber(value, 4), kind: 'tick' };

@@ -22,9 +22,10 @@ export function viewFromWorld(camera: Camera, axes: ViewAxes, point: Vec3): Vec3
   return [dot(d, axes.right), dot(d, axes.up), dot(d, axes.back)];
 }
 
-/** Pixels from the top left corner, of a view-space point in front of the eye. */
+/** Pixels from the top left corner, of a view-space point in front of the eye, or anywhere where rays are parallel. */
 export function screenFromView(camera: Camera, width: number, height: number, view: Vec3): [number, number] {
-  const pixelsPerUnit = height / 2 / Math.tan((camera.fovDeg * Math.PI) / 360) / -view[2];
+  const depth = camera.orthographic ? length(sub(camera.eye, camera.at)) : -view[2];
+  const pixelsPerUnit = height / 2 / Math.tan((camera.fovDeg * Math.PI) / 360) / depth;
   return [width / 2 + view[0] * pixelsPerUnit, height / 2 - view[1] * pixelsPerUnit];
 }
 
@@ -42,7 +43,7 @@ export function projectSegment(
   from: Vec3,
   to: Vec3,
 ): [[number, number], [number, number]] | null {
-  const near = -1e-4 * Math.max(length(sub(camera.eye, camera.at)), 1e-30);
+  const near = camera.orthographic ? Infinity : -1e-4 * Math.max(length(sub(camera.eye, camera.at)), 1e-30);
   let a = viewFromWorld(camera, axes, from);
   let b = viewFromWorld(camera, axes, to);
   if (a[2] > near && b[2] > near) return null;
@@ -58,5 +59,5 @@ export const diagonal = (box: Box): number => length(sub(box.upper, box.lower));
 export function sameCamera(a: Camera | null, b: Camera | null): boolean {
   if (!a || !b) return a === b;
   const same = (p: Vec3, q: Vec3) => p[0] === q[0] && p[1] === q[1] && p[2] === q[2];
-  return same(a.eye, b.eye) && same(a.at, b.at) && same(a.up, b.up) && a.fovDeg === b.fovDeg;
+  return same(a.eye, b.eye) && same(a.at, b.at) && same(a.up, b.up) && a.fovDeg === b.fovDeg && !a.orthographic === !b.orthographic;
 }

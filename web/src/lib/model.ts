@@ -11,6 +11,20 @@ export interface Camera {
   at: Vec3;
   up: Vec3;
   fovDeg: number;
+  orthographic?: boolean; // parallel rays; what is as far away as `at` is as large as in perspective
+}
+
+/** Keeps what has dot(normal, position) >= offset. */
+export interface ClipPlane {
+  normal: Vec3;
+  offset: number;
+}
+
+/** What the server draws into its pictures beside the volume. The page draws its own box and axes on the screen. */
+export interface Annotations {
+  axes: boolean;
+  box: boolean;
+  legend: boolean;
 }
 
 export interface Box {
@@ -24,6 +38,37 @@ export interface Range {
   upper: number;
 }
 
+/** How a layer's boundary is drawn. */
+export interface Surface {
+  lower: boolean; // where f = lower
+  upper: boolean;
+  domain: boolean; // where the grid ends
+  color: Rgb | null; // null: the layer's own
+  opacity: number;
+  ambient: number;
+  diffuse: number;
+  specular: number;
+  shininess: number;
+  silhouette: number; // in [0, 1]: how far it turns black where it is seen edge-on
+  texture: string; // empty: none; "stripes"; a colour map
+  textureRepeat: number; // periods over the texture array's range
+}
+
+export const noSurface: Surface = {
+  lower: false,
+  upper: false,
+  domain: false,
+  color: null,
+  opacity: 1,
+  ambient: 0.25,
+  diffuse: 0.75,
+  specular: 0.3,
+  shininess: 30,
+  silhouette: 0,
+  texture: '',
+  textureRepeat: 1,
+};
+
 /** One layer: the solid region lower <= f <= upper. */
 export interface Interval {
   id: number;
@@ -34,12 +79,46 @@ export interface Interval {
   opacity: number; // of a layer one unit distance thick
   priority: number; // higher is painted over lower
   visible: boolean;
+  opacityUpper?: number | null; // at the top of the range that colour runs over; null: one opacity
+  ownRange?: boolean; // colour and opacity run over the layer's own range
+  surface?: Surface | null;
+  name?: string; // for the legend
 }
 
 /** What PatchInterval can change. */
 export type IntervalPatch = Partial<Omit<Interval, 'id' | 'priority'>>;
 
-export type RenderMode = 'sorted' | 'prioritized';
+export type RenderMode = 'sorted' | 'prioritized' | 'cycled' | 'smear';
+export type Integral = 'exact' | 'table2d';
+
+/** Of the mode "cycled": one layer at a time. */
+export interface Cycle {
+  seconds: number; // that each is shown
+  phase: number; // counts the visible layers
+  playing: boolean;
+}
+
+/** Of the mode "smear": time steps over one another. */
+export interface Smear {
+  steps: number[];
+  colors: Rgb[];
+}
+
+export type RangeOperator = 'intersect' | 'unite' | 'subtract' | 'exclusive_or';
+
+/** One step of a combination: how the range of another array changes all layers. */
+export interface RangeTerm extends Range {
+  op: RangeOperator;
+  array: string;
+  color: Rgb | null; // of what the term brings in; null: as the first layer
+  colorMap: string;
+  opacity: number | null;
+  priority: number | null;
+  hidden: boolean;
+}
+
+export type TimeMode = 'step' | 'interpolate' | 'spacetime';
+export type Triangulation = 'table' | 'strict';
 
 export interface SceneState {
   revision: number;
@@ -52,6 +131,16 @@ export interface SceneState {
   camera: Camera | null; // null: the whole dataset
   background: Rgb;
   unitDistance: number; // 0: the server's default
+  terms: RangeTerm[];
+  time: number | null; // null: the step
+  timeMode: TimeMode;
+  triangulation: Triangulation;
+  integral: Integral;
+  texture: string; // the array of the surfaces' textures; empty: colorBy
+  cycle: Cycle;
+  smear: Smear;
+  clipPlanes?: ClipPlane[];
+  annotations?: Annotations;
 }
 
 export interface ArrayInfo extends Range {
@@ -98,7 +187,7 @@ export interface Welcome {
   device: string;
   deviceIsSoftware: boolean;
   colorMaps: string[];
-  limits: { maxIntervals: number; maxWidth: number; maxHeight: number };
+  limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
 }
 
 export interface StageTimes {
@@ -174,4 +263,12 @@ export const emptyState: SceneState = {
   camera: null,
   background: [0.05, 0.06, 0.08],
   unitDistance: 0,
+  terms: [],
+  time: null,
+  timeMode: 'step',
+  triangulation: 'table',
+  integral: 'exact',
+  texture: '',
+  cycle: { seconds: 1, phase: 0, playing: true },
+  smear: { steps: [], colors: [] },
 };

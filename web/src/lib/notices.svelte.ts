@@ -20,6 +20,7 @@ export function placeOf(body: Command): { place: Place; interval: number | null 
     case 'selectArrays':
       return { place: 'arrays', interval: null };
     case 'setTimeStep':
+    case 'setTime':
       return { place: 'step', interval: null };
     case 'requestHistogram':
       return { place: 'histogram', interval: null };
@@ -27,9 +28,13 @@ export function placeOf(body: Command): { place: Place; interval: number | null 
     case 'removeInterval':
       return { place: 'layers', interval: body.value.id ?? null };
     case 'setIntervals':
+    case 'setCombination':
+    case 'setCycle':
+    case 'setSmear':
     case 'reorderPriorities':
       return { place: 'layers', interval: null };
     case 'setAppearance':
+    case 'setTriangulation':
       return { place: 'appearance', interval: null };
     default:
       return { place: 'page', interval: null };

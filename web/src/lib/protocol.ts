@@ -3,33 +3,50 @@ import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/p
 import {
   ClientMessageSchema,
   FramePhase,
+  Integral as WireIntegral,
+  RangeOperator as WireOperator,
   RenderMode as WireMode,
   ServerMessageSchema,
+  TimeMode as WireTimeMode,
+  Triangulation as WireTriangulation,
   type Camera as WireCamera,
   type DatasetInfo as WireDatasetInfo,
   type Frame as WireFrame,
+  type Interval as WireInterval,
+  type RangeTerm as WireTerm,
   type Rgb as WireRgb,
   type State as WireState,
+  type Surface as WireSurface,
   type Vec3 as WireVec3,
   type Welcome as WireWelcome,
 } from '../gen/isostrata/v1/isostrata_pb';
 import type {
+  Annotations,
   Camera,
+  ClipPlane,
+  Cycle,
   DatasetInfo,
   Frame,
+  Integral,
   Interval,
   IntervalPatch,
+  RangeOperator,
+  RangeTerm,
   RenderMode,
   Rgb,
   SceneState,
   ServerEvent,
+  Smear,
+  Surface,
+  TimeMode,
+  Triangulation,
   Vec3,
   Welcome,
 } from './model';
 
 export const subprotocol = 'isostrata.v1';
 export const protocolMajor = 1;
-export const protocolMinor = 0;
+export const protocolMinor = 2;
 
 /** The body of one ClientMessage. */
 export type Command = NonNullable<MessageInitShape<typeof ClientMessageSchema>['body']>;
@@ -42,6 +59,52 @@ export interface ViewportSize {
 
 const wireVec = (v: Vec3) => ({ x: v[0], y: v[1], z: v[2] });
 const wireRgb = (c: Rgb) => ({ r: c[0], g: c[1], b: c[2] });
+
+/** The names of a wire enumeration's values, and back. */
+const byWire = <Name extends string, Wire extends number>(pairs: readonly (readonly [Name, Wire])[]) => ({
+  wire: (name: Name): Wire => (pairs.find(([n]) => n === name) ?? pairs[0]!)[1],
+  name: (wire: number): Name => (pairs.find(([, w]) => w === wire) ?? pairs[0]!)[0],
+});
+const modes = byWire<RenderMode, WireMode>([
+  ['sorted', WireMode.SORTED],
+  ['prioritized', WireMode.PRIORITIZED],
+  ['cycled', WireMode.CYCLED],
+  ['smear', WireMode.SMEAR],
+]);
+const integrals = byWire<Integral, WireIntegral>([
+  ['exact', WireIntegral.EXACT],
+  ['table2d', WireIntegral.TABLE2D],
+]);
+const operators = byWire<RangeOperator, WireOperator>([
+  ['intersect', WireOperator.INTERSECT],
+  ['unite', WireOperator.UNITE],
+  ['subtract', WireOperator.SUBTRACT],
+  ['exclusive_or', WireOperator.EXCLUSIVE_OR],
+]);
+const timeModes = byWire<TimeMode, WireTimeMode>([
+  ['step', WireTimeMode.STEP],
+  ['interpolate', WireTimeMode.INTERPOLATE],
+  ['spacetime', WireTimeMode.SPACETIME],
+]);
+const triangulations = byWire<Triangulation, WireTriangulation>([
+  ['table', WireTriangulation.TABLE],
+  ['strict', WireTriangulation.STRICT],
+]);
+
+const wireSurface = ({ color, ...rest }: Surface) => ({ ...rest, ...(color ? { color: wireRgb(color) } : {}) });
+const wireInterval = ({ color, surface, opacityUpper, ...rest }: Interval) => ({
+  ...rest,
+  color: wireRgb(color),
+  ...(surface ? { surface: wireSurface(surface) } : {}),
+  ...(typeof opacityUpper === 'number' ? { opacityUpper } : {}),
+});
+const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
+  ...rest,
+  op: operators.wire(op),
+  ...(color ? { color: wireRgb(color) } : {}),
+  ...(opacity !== null ? { opacity } : {}),
+  ...(priority !== null ? { priority } : {}),
+});
 
 export const command = {
   hello: (viewport: ViewportSize, resumeToken: string): Command => ({
@@ -57,29 +120,62 @@ export const command = {
     },
   }),
   openDataset: (id: string): Command => ({ case: 'openDataset', value: { id } }),
-  selectArrays: (array: string, colorBy: string): Command => ({ case: 'selectArrays', value: { array, colorBy } }),
+  selectArrays: (array: string, colorBy: string, texture = ''): Command => ({
+    case: 'selectArrays',
+    value: { array, colorBy, texture },
+  }),
   setTimeStep: (step: number): Command => ({ case: 'setTimeStep', value: { step } }),
   setIntervals: (intervals: readonly Interval[]): Command => ({
     case: 'setIntervals',
-    value: { intervals: intervals.map((interval) => ({ ...interval, color: wireRgb(interval.color) })) },
+    value: { intervals: intervals.map(wireInterval) },
   }),
   patchInterval: (id: number, patch: IntervalPatch): Command => {
-    const { color, ...rest } = patch;
-    return { case: 'patchInterval', value: { id, ...rest, ...(color ? { color: wireRgb(color) } : {}) } };
+    const { color, surface, opacityUpper, ...rest } = patch;
+    const value = {
+      id,
+      ...rest,
+      ...(color ? { color: wireRgb(color) } : {}),
+      ...(surface !== undefined ? { surface: surface ? wireSurface(surface) : {} } : {}),
+      ...(typeof opacityUpper === 'number' ? { opacityUpper } : {}),
+      ...(opacityUpper === null ? { clearOpacityUpper: true } : {}),
+    };
+    return { case: 'patchInterval', value };
   },
   removeInterval: (id: number): Command => ({ case: 'removeInterval', value: { id } }),
   reorderPriorities: (ids: readonly number[]): Command => ({ case: 'reorderPriorities', value: { ids: [...ids] } }),
   setCamera: (camera: Camera): Command => ({
     case: 'setCamera',
     value: {
-      camera: { eye: wireVec(camera.eye), at: wireVec(camera.at), up: wireVec(camera.up), fovDeg: camera.fovDeg },
+      camera: { eye: wireVec(camera.eye), at: wireVec(camera.at), up: wireVec(camera.up), fovDeg: camera.fovDeg,
+        orthographic: camera.orthographic ?? false,
+      },
     },
   }),
+  setClipPlanes: (planes: readonly ClipPlane[]): Command => ({
+    case: 'setClipPlanes',
+    value: { clipPlanes: planes.map(({ normal, offset }) => ({ normal: wireVec(normal), offset })) },
+  }),
+  setAnnotations: (annotations: Annotations): Command => ({ case: 'setAnnotations', value: { annotations } }),
   setView: (view: string): Command => ({ case: 'setView', value: { view } }),
-  setAppearance: (change: { mode?: RenderMode; background?: Rgb; unitDistance?: number }): Command => ({
+  setCombination: (terms: readonly RangeTerm[]): Command => ({ case: 'setCombination', value: { terms: terms.map(wireTerm) } }),
+  setTime: (time: number | null, mode: TimeMode): Command => ({
+    case: 'setTime',
+    value: { mode: timeModes.wire(mode), ...(time !== null ? { time } : {}) },
+  }),
+  setTriangulation: (triangulation: Triangulation): Command => ({
+    case: 'setTriangulation',
+    value: { triangulation: triangulations.wire(triangulation) },
+  }),
+  setCycle: (cycle: Partial<Cycle>): Command => ({ case: 'setCycle', value: cycle }),
+  setSmear: ({ steps, colors }: Smear): Command => ({
+    case: 'setSmear',
+    value: { smear: { steps: [...steps], colors: colors.map(wireRgb) } },
+  }),
+  setAppearance: (change: { mode?: RenderMode; background?: Rgb; unitDistance?: number; integral?: Integral }): Command => ({
     case: 'setAppearance',
     value: {
-      mode: change.mode ? wireMode(change.mode) : WireMode.UNSPECIFIED,
+      mode: change.mode ? modes.wire(change.mode) : WireMode.UNSPECIFIED,
+      integral: change.integral ? integrals.wire(change.integral) : WireIntegral.UNSPECIFIED,
       ...(change.background ? { background: wireRgb(change.background) } : {}),
       ...(change.unitDistance !== undefined ? { unitDistance: change.unitDistance } : {}),
     },
@@ -135,11 +231,52 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
 
 const vecOf = (v: WireVec3 | undefined): Vec3 => (v ? [v.x, v.y, v.z] : [0, 0, 0]);
 const rgbOf = (c: WireRgb | undefined): Rgb => (c ? [c.r, c.g, c.b] : [0, 0, 0]);
-const wireMode = (mode: RenderMode) => (mode === 'prioritized' ? WireMode.PRIORITIZED : WireMode.SORTED);
+
+const surfaceOf = (s: WireSurface): Surface => ({
+  lower: s.lower,
+  upper: s.upper,
+  domain: s.domain,
+  color: s.color ? rgbOf(s.color) : null,
+  opacity: s.opacity ?? 1,
+  ambient: s.ambient ?? 0.25,
+  diffuse: s.diffuse ?? 0.75,
+  specular: s.specular ?? 0.3,
+  shininess: s.shininess ?? 30,
+  silhouette: s.silhouette,
+  texture: s.texture,
+  textureRepeat: s.textureRepeat ?? 1,
+});
+
+const intervalOf = (i: WireInterval): Interval => ({
+  id: i.id,
+  lower: i.lower,
+  upper: i.upper,
+  color: rgbOf(i.color),
+  colorMap: i.colorMap,
+  opacity: i.opacity,
+  priority: i.priority,
+  visible: i.visible,
+  name: i.name,
+  opacityUpper: i.opacityUpper ?? null,
+  ownRange: i.ownRange,
+  surface: i.surface ? surfaceOf(i.surface) : null,
+});
+
+const termOf = (t: WireTerm): RangeTerm => ({
+  op: operators.name(t.op),
+  array: t.array,
+  lower: t.lower,
+  upper: t.upper,
+  color: t.color ? rgbOf(t.color) : null,
+  colorMap: t.colorMap,
+  opacity: t.opacity ?? null,
+  priority: t.priority ?? null,
+  hidden: t.hidden,
+});
 
 function cameraOf(c: WireCamera | undefined): Camera | null {
   if (!c?.eye || !c.at || !c.up) return null;
-  return { eye: vecOf(c.eye), at: vecOf(c.at), up: vecOf(c.up), fovDeg: c.fovDeg };
+  return { eye: vecOf(c.eye), at: vecOf(c.at), up: vecOf(c.up), fovDeg: c.fovDeg, orthographic: c.orthographic };
 }
 
 function stateOf(s: WireState): SceneState {
@@ -149,20 +286,27 @@ function stateOf(s: WireState): SceneState {
     step: s.step,
     array: s.array,
     colorBy: s.colorBy,
-    intervals: s.intervals.map(({ id, lower, upper, color, colorMap, opacity, priority, visible }) => ({
-      id,
-      lower,
-      upper,
-      color: rgbOf(color),
-      colorMap,
-      opacity,
-      priority,
-      visible,
-    })),
-    mode: s.mode === WireMode.PRIORITIZED ? 'prioritized' : 'sorted',
+    intervals: s.intervals.map(intervalOf),
+    mode: modes.name(s.mode),
     camera: cameraOf(s.camera),
     background: rgbOf(s.background),
     unitDistance: s.unitDistance,
+    clipPlanes: s.clipPlanes.map((plane) => ({ normal: vecOf(plane.normal), offset: plane.offset })),
+    annotations: {
+      axes: s.annotations?.axes ?? false,
+      box: s.annotations?.box ?? false,
+      legend: s.annotations?.legend ?? false,
+    },
+    terms: s.terms.map(termOf),
+    time: s.time ?? null,
+    timeMode: timeModes.name(s.timeMode),
+    triangulation: triangulations.name(s.triangulation),
+    integral: integrals.name(s.integral),
+    texture: s.texture,
+    cycle: s.cycle
+      ? { seconds: s.cycle.seconds || 1, phase: s.cycle.phase, playing: s.cycle.playing }
+      : { seconds: 1, phase: 0, playing: false },
+    smear: { steps: s.smear?.steps ?? [], colors: (s.smear?.colors ?? []).map(rgbOf) },
   };
 }
 
@@ -203,6 +347,7 @@ function welcomeOf(w: WireWelcome): Welcome {
     colorMaps: w.colorMaps,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,
+      maxClipPlanes: w.limits?.maxClipPlanes || 32,
       maxWidth: w.limits?.maxWidth || 4096,
       maxHeight: w.limits?.maxHeight || 4096,
     },

@@ -30,9 +30,24 @@ export function restoreStep(
   if (saved.step !== current.step && saved.step < Math.max(info.times.length, 1)) commands.push(command.setTimeStep(saved.step));
   // New ids: those of the old session mean nothing to the new one.
   commands.push(command.setIntervals(saved.intervals.map((interval) => ({ ...interval, id: 0 }))));
+  if (saved.texture && has(saved.texture)) commands.push(command.selectArrays('', '', saved.texture));
+  if (saved.terms?.length && saved.terms.every((term) => has(term.array))) commands.push(command.setCombination(saved.terms));
+  if (saved.triangulation && saved.triangulation !== current.triangulation) commands.push(command.setTriangulation(saved.triangulation));
+  const last = info.times.at(-1) ?? 0;
+  const timeFits = saved.time == null || (saved.time >= (info.times[0] ?? 0) && saved.time <= last);
+  if (saved.timeMode && timeFits && (saved.time ?? null) !== null) commands.push(command.setTime(saved.time, saved.timeMode));
+  if (saved.cycle && saved.mode === 'cycled') commands.push(command.setCycle(saved.cycle));
+  if (saved.smear?.steps.length && saved.smear.steps.every((s) => s < info.times.length)) commands.push(command.setSmear(saved.smear));
   commands.push(
-    command.setAppearance({ mode: saved.mode, background: saved.background, unitDistance: saved.unitDistance }),
+    command.setAppearance({
+      mode: saved.mode,
+      background: saved.background,
+      unitDistance: saved.unitDistance,
+      ...(saved.integral ? { integral: saved.integral } : {}),
+    }),
   );
+  if (saved.clipPlanes?.length) commands.push(command.setClipPlanes(saved.clipPlanes));
+  if (saved.annotations) commands.push(command.setAnnotations(saved.annotations));
   if (saved.camera) commands.push(command.setCamera(saved.camera));
   return { kind: 'send', commands, done: true };
 }

@@ -129,15 +129,54 @@ export class Session {
     this.notices.clear('dataset');
     this.sendInOrder(command.openDataset(id));
   }
-  selectArrays(change: { array?: string; colorBy?: string }): void {
+  selectArrays(change: { array?: string; colorBy?: string; texture?: string }): void {
     this.edit(change);
     this.notices.clear('arrays');
-    this.sendInOrder(command.selectArrays(change.array ?? '', change.colorBy ?? ''));
+    this.sendInOrder(command.selectArrays(change.array ?? '', change.colorBy ?? '', change.texture ?? ''));
+  }
+  setTime(time: number | null, timeMode: SceneState['timeMode']): void {
+    this.edit(time === null ? { timeMode } : { time, timeMode });
+    this.notices.clear('step');
+    this.outbox.put('step', command.setTime(time, timeMode));
+  }
+  setCombination(terms: SceneState['terms']): void {
+    this.edit({ terms });
+    this.notices.clear('layers');
+    this.outbox.put('terms', command.setCombination(terms));
+  }
+  setTriangulation(triangulation: SceneState['triangulation']): void {
+    this.edit({ triangulation });
+    this.sendInOrder(command.setTriangulation(triangulation));
+  }
+  setIntegral(integral: SceneState['integral']): void {
+    this.edit({ integral });
+    this.sendInOrder(command.setAppearance({ integral }));
+  }
+  setCycle(change: Partial<SceneState['cycle']>): void {
+    // Not laid over the view: the server moves the phase on meanwhile, and its word on that is the newer one.
+    this.outbox.put(`cycle ${Object.keys(change).join()}`, command.setCycle(change));
+  }
+  setSmear(smear: SceneState['smear']): void {
+    this.edit({ smear });
+    this.outbox.put('smear', command.setSmear(smear));
   }
   setStep(step: number): void {
-    this.edit({ step });
+    this.edit({ step, time: null });
     this.notices.clear('step');
     this.outbox.put('step', command.setTimeStep(step));
+  }
+  setClipPlanes(clipPlanes: NonNullable<SceneState['clipPlanes']>): void {
+    this.edit({ clipPlanes });
+    this.notices.clear('appearance');
+    this.outbox.put('clipPlanes', command.setClipPlanes(clipPlanes));
+  }
+  setAnnotations(annotations: NonNullable<SceneState['annotations']>): void {
+    this.edit({ annotations });
+    this.sendInOrder(command.setAnnotations(annotations));
+  }
+  setOrthographic(orthographic: boolean): void {
+    const { camera } = this;
+    if (camera) this.moveCamera({ ...camera, orthographic });
   }
   setMode(mode: SceneState['mode']): void {
     this.edit({ mode });

@@ -1,0 +1,39 @@
+// Pictures that are more than one frame of a renderer: supersampled, larger than memory, with axes and legends.
+#pragma once
+
+#include <functional>
+#include <variant>
+
+#include "base/task.h"
+#include "rendering/canvas.h"
+#include "rendering/renderer.h"
+
+namespace isostrata {
+
+inline constexpr int kMaxSamples = 16;  // each way
+
+using AnyImage = std::variant<Image, FloatImage>;
+
+struct Still {
+  DrawInput input;      // of the finished picture's size; its window is not looked at
+  Drawing annotations;  // of the same size
+  int samples = 1;      // each way: a pixel is the mean of samples x samples rays, their depth the nearest
+};
+
+/// Takes finished rows from the top, of Image, or of FloatImage where input.float_image.
+using StillRows = std::function<void(const AnyImage& rows)>;
+
+/// The picture goes to `put` band by band; beside the mesh there are at most about kStillBytes in memory. A picture of one sample
+/// and no annotations that is small enough is one plain frame. Times in the facts are sums over all bands; tetrahedra are those
+/// of the picture. Throws what the renderer throws, invalid_argument for `samples`, and cancelled between bands.
+DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, const StillRows& put);
+inline constexpr std::size_t kStillBytes = std::size_t{1} << 30;
+
+/// How a frame must be asked for so that annotations can be painted under it too: floats where every bit counts (frames at
+/// rest), else transparent bytes, which devices hand over faster.
+void ask_for_annotated(DrawInput& input, bool exact);
+
+/// What such a frame becomes: painted, over the background unless `transparent`.
+Image finish_annotated(AnyImage drawn, const Drawing& annotations, const Rgb& background, bool transparent);
+
+}  // namespace isostrata

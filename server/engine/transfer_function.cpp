@@ -1,0 +1,87 @@
+#include "engine/transfer_function.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+bool in_unit(double v) { return v >= 0 && v <= 1; }
+
+void check(std::span<const TransferPoint> points, std::size_t max_points) {
+  const auto refuse = [](std::size_t i, const std::string& why) {
+    throw Error(ErrorCode::invalid_argument, "transfer function: point " + std::to_string(i) + ": " + why);
+  };
+  if (points.size() < 2)
+    throw Error(ErrorCode::invalid_argument,
+                "transfer function: " + std::to_string(points.size()) + " points; expected two or more");
+  if (points.size() > max_points)
+    throw Error(ErrorCode::too_large, "transfer function: " + std::to_string(points.size()) + " points; expected at most " +
+                                          std::to_string(max_points));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!std::isfinite(points[i].value)) refuse(i, "its value is not a finite number");
+    if (i > 0 && points[i].value < points[i - 1].value) refuse(i, "its value is less than that of the point before it");
+    if (!in_unit(points[i].opacity)) refuse(i, "opacity must be in [0, 1]");
+    for (const float channel : points[i].color)
+      if (!in_unit(static_cast<double>(channel))) refuse(i, "its colour is not in [0, 1]");
+  }
+}
+
+/// Whether the straight line from a to b meets p.
+bool meets(const TransferPoint& a, const TransferPoint& b, const TransferPoint& p, double tolerance) {
+  if (!(a.value < b.value)) return p == a || p == b;
+  const double t = (p.value - a.value) / (b.value - a.value);
+  const auto near = [&](double from, double to, double at) { return std::abs(from + (to - from) * t - at) <= tolerance; };
+  for (std::size_t c = 0; c < 3; ++c)
+    if (!near(static_cast<double>(a.color[c]), static_cast<double>(b.color[c]), static_cast<double>(p.color[c]))) return false;
+  return near(a.opacity, b.opacity, p.opacity);
+}
+
+}  // namespace
+
+std::vector<SceneInterval> transfer_intervals(std::span<const TransferPoint> points, std::size_t max_points) {
+  check(points, max_points);
+  std::vector<SceneInterval> intervals;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const TransferPoint &a = points[i], &b = points[i + 1];
+    if (!(a.value < b.value) || (a.opacity == 0 && b.opacity == 0)) continue;
+    SceneInterval interval;
+    interval.id = static_cast<std::uint32_t>(intervals.size() + 1);
+    interval.lower = a.value;
+    interval.upper = b.value;
+    interval.color = a.color;
+    interval.opacity = a.opacity;
+    interval.priority = static_cast<int>(intervals.size());
+    interval.own_range = true;
+    if (a.color != b.color) interval.color_map = format_rgb(a.color) + "-" + format_rgb(b.color);
+    if (a.opacity != b.opacity) interval.opacity_upper = b.opacity;
+    intervals.push_back(std::move(interval));
+  }
+  if (intervals.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "transfer function: nothing in it can be seen; expected an opacity above 0 "
+                "between two different values");
+  return intervals;
+}
+
+std::vector<TransferPoint> thin_out(std::span<const TransferPoint> points, double tolerance) {
+  std::vector<TransferPoint> kept;
+  for (std::size_t from = 0; from < points.size();) {
+    kept.push_back(points[from]);
+    std::size_t to = from + 1;
+    while (to + 1 < points.size()) {
+      bool straight = true;
+      for (std::size_t k = from + 1; k <= to && straight; ++k)
+        straight = meets(points[from], points[to + 1], points[k], tolerance);
+      if (!straight) break;
+      ++to;
+    }
+    from = to;
+  }
+  return kept;
+}
+
+}  // namespace isostrata

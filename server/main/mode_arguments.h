@@ -1,0 +1,38 @@
+// Options of the paper's modes: how the intervals share the picture, which steps are smeared, what textures run over, transfer
+// functions.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/scene.h"
+
+namespace isostrata {
+
+struct ModeArguments {
+  std::string mode = "sorted", integral = "exact", texture, steps, transfer;
+  std::vector<std::string> smear_colors;
+  std::optional<double> phase;
+  double seconds = 1;
+};
+
+/// Adds --mode, --integral, --texture, --transfer, --steps, --smear-colors, --phase and --seconds. `arguments` must outlive the
+/// command.
+void add_mode_options(CLI::App& command, ModeArguments& arguments);
+
+/// Sets the scene's mode, integral, texture, steps of a smear and phase; and with --transfer its intervals, of the values of
+/// `array`. Throws invalid_argument where options do not go together, and what read_transfer throws.
+void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& array);
+
+/// "0,2,5" or "FIRST:LAST" or "FIRST:LAST:STRIDE", the last included where it is met. Throws invalid_argument.
+std::vector<int> parse_steps(const std::string& text);
+
+/// The name of picture `index` of several: "%d" or "%03d" in it becomes the number; exactly one must stand there. Throws
+/// invalid_argument.
+std::string numbered_path(const std::string& path, std::size_t index);
+bool is_numbered(const std::string& path);  // has a % in it
+
+}  // namespace isostrata

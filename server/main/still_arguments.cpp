@@ -1,0 +1,88 @@
+#include "main/still_arguments.h"
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "base/error.h"
+#include "engine/draw_still.h"
+
+namespace isostrata {
+namespace {
+
+[[noreturn]] void refuse(const std::string& text, const std::string& why) {
+  throw Error(ErrorCode::invalid_argument, "clip '" + text + "': " + why +
+                                               "; expected x<VALUE, x>VALUE (or y, z), or normal=nx,ny,nz;offset=d, which keeps "
+                                               "what has normal . position >= d");
+}
+
+double number(std::string_view part, const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+  if (error != std::errc{} || end != part.data() + part.size() || !std::isfinite(value))
+    refuse(text, "'" + std::string(part) + "' is not a finite number");
+  return value;
+}
+
+}  // namespace
+
+ClipPlane parse_clip(const std::string& text) {
+  std::string_view rest = text;
+  ClipPlane plane;
+  if (rest.size() > 2 && rest[0] >= 'x' && rest[0] <= 'z' && (rest[1] == '<' || rest[1] == '>')) {
+    const int axis = rest[0] - 'x';
+    const double sign = rest[1] == '<' ? -1 : 1;
+    rest.remove_prefix(rest[2] == '=' ? 3 : 2);
+    plane.normal = {0, 0, 0};
+    plane.normal[axis] = sign;
+    plane.offset = sign * number(rest, text);
+    return plane;
+  }
+  bool has_normal = false;
+  while (!rest.empty()) {
+    const auto end = rest.find(';');
+    const std::string_view part = rest.substr(0, end);
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    if (part.starts_with("normal=")) {
+      std::string_view numbers = part.substr(7);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto comma = numbers.find(',');
+        if ((comma == std::string_view::npos) != (axis == 2)) refuse(text, "a normal has three numbers");
+        plane.normal[axis] = number(numbers.substr(0, comma), text);
+        numbers.remove_prefix(comma == std::string_view::npos ? numbers.size() : comma + 1);
+      }
+      has_normal = true;
+    } else if (part.starts_with("offset=")) {
+      plane.offset = number(part.substr(7), text);
+    } else {
+      refuse(text, "unknown part '" + std::string(part) + "'");
+    }
+  }
+  if (!has_normal) refuse(text, "no normal");
+  if (!(length(plane.normal) > 0)) refuse(text, "the normal must not be zero");
+  return plane;
+}
+
+void add_still_options(CLI::App& command, StillArguments& arguments) {
+  command.add_flag("--axes", arguments.annotations.axes, "Numbered axes and, in the corner, their directions");
+  command.add_flag("--box", arguments.annotations.box, "The edges of the bounding box");
+  command.add_flag("--legend", arguments.annotations.legend, "The intervals' colours and ranges, and a bar for each colour map");
+  command
+      .add_option(
+          "--clip", arguments.clips,
+          "Cuts away what is not x<VALUE, x>VALUE (or y, z), or normal=nx,ny,nz;offset=d: what has normal . position < d; "
+          "world coordinates, may be repeated")
+      ->allow_extra_args(false);
+  command
+      .add_option("--samples", arguments.samples,
+                  "Rays a pixel, each way: N draws N x N as many and takes their mean, for smooth outlines")
+      ->check(CLI::Range(1, kMaxSamples))
+      ->capture_default_str();
+}
+
+void set_still(Scene& scene, const StillArguments& arguments) {
+  scene.annotations = arguments.annotations;
+  for (const std::string& clip : arguments.clips) scene.clip_planes.push_back(parse_clip(clip));
+}
+
+}  // namespace isostrata

@@ -1,0 +1,27 @@
+// Options of what stands beside the volume in a picture, and of how finely it is drawn.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "engine/scene.h"
+
+namespace isostrata {
+
+struct StillArguments {
+  Annotations annotations;
+  std::vector<std::string> clips;
+  int samples = 1;
+};
+
+/// Adds --axes, --box, --legend, --clip and --samples. `arguments` must outlive the command.
+void add_still_options(CLI::App& command, StillArguments& arguments);
+
+/// Sets the scene's annotations and clip planes. Throws invalid_argument.
+void set_still(Scene& scene, const StillArguments& arguments);
+
+/// "x<0.5", "y>=-1" or "normal=nx,ny,nz;offset=d" (keeps normal . x >= d), world coordinates. Throws invalid_argument.
+ClipPlane parse_clip(const std::string& text);
+
+}  // namespace isostrata

@@ -1,0 +1,37 @@
+// The closed surfaces of a mesh's intervals, in small bundles that are near one another: what the crossings renderer draws.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/buffer.h"
+#include "extraction/interval_mesh.h"
+
+namespace isostrata {
+
+struct FacetChunk {
+  std::uint32_t first = 0, end = 0;  // of FacetSet::points
+  std::uint16_t interval = 0;
+  Box3d bounds;
+};
+
+/// Facets by interval, within an interval in the order of the mesh.
+struct FacetSet {
+  // Counter-clockwise seen from outside the interval, the smallest first: facets on the same points then have the same depths to
+  // the last bit.
+  Buffer<std::array<std::uint32_t, 3>> points;
+  Buffer<FacetLabel> labels;        // as points; meaningless where the mesh has no facets
+  Buffer<std::uint16_t> intervals;  // as points
+  std::vector<FacetChunk> chunks;
+  std::vector<std::uint32_t> first_chunk;  // [intervals + 1]
+  Box3d bounds;                            // of all facets
+
+  std::size_t interval_count() const { return first_chunk.size() - 1; }
+};
+
+/// From mesh.facets, or, where it has none, from the tetrahedra. An interval whose facets enclose a negative volume (a mesh of
+/// mirrored cells) is turned inside out. Parallel.
+FacetSet make_facet_set(const IntervalMesh& mesh);
+
+}  // namespace isostrata

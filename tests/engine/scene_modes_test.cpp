@@ -1,0 +1,186 @@
+// The paper's modes as the engine makes them: surfaces, textures, cycled intervals, smeared steps.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "data/analytic.h"
+#include "engine/draw_scene.h"
+#include "engine/engine.h"
+
+namespace isostrata {
+namespace {
+
+using ::testing::ElementsAre;
+
+class SceneModes : public ::testing::Test {
+ protected:
+  SceneModes() {
+    scene_.array = "Density";
+    for (const auto& [lower, upper] : {std::pair{0.97, 0.99}, std::pair{0.99, 0.998}}) {
+      SceneInterval one;
+      one.id = static_cast<std::uint32_t>(scene_.intervals.size() + 1);
+      one.lower = lower;
+      one.upper = upper;
+      scene_.intervals.push_back(one);
+    }
+  }
+  std::shared_ptr<const Dataset> step(int number) {
+    auto& dataset = opened_[number];
+    if (!dataset) {
+      OpenOptions options;
+      options.step = number;
+      dataset = make_analytic("cylinder:16x12x8x4", options, Task{});
+    }
+    return dataset;
+  }
+  std::shared_ptr<const ExtractedScene> extract(const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
+    return extract_scene([this](int number, const Task&) { return step(number); }, scene_, previous, Task{});
+  }
+  DrawInput input(const std::shared_ptr<const ExtractedScene>& extracted) { return draw_input(*extracted, scene_, 64, 48); }
+  std::vector<bool> visible() {
+    std::vector<bool> out;
+    for (const IntervalStyle& style : input(extract()).styles) out.push_back(style.visible);
+    return out;
+  }
+
+  std::map<int, std::shared_ptr<const Dataset>> opened_;
+  Scene scene_;
+};
+
+TEST_F(SceneModes, SurfacesBringFacetsAndNormalsAndNothingElseDoes) {
+  const auto plain = extract();
+  EXPECT_TRUE(plain->mesh->facets.empty());
+  EXPECT_FALSE(plain->normals);
+  scene_.intervals[1].surface.lower = true;
+  const auto with = extract(plain);
+  EXPECT_FALSE(with->mesh->facets.empty());
+  const DrawInput drawn = input(with);
+  ASSERT_TRUE(drawn.normals);
+  EXPECT_EQ(drawn.normals->size(), with->mesh->positions.size());
+  EXPECT_TRUE(drawn.styles[1].surface.lower);
+  EXPECT_FALSE(drawn.styles[0].surface.drawn());
+  EXPECT_FALSE(drawn.texture_values);
+  // Facets that are there already are kept when no surface is drawn any more.
+  scene_.intervals[1].surface.lower = false;
+  EXPECT_EQ(extract(with)->mesh, with->mesh);
+}
+
+TEST_F(SceneModes, ATextureRunsOverTheWholeRangeOfItsArray) {
+  SurfaceStyle& surface = scene_.intervals[0].surface;
+  surface.upper = true;
+  const auto plain = extract();
+  surface.texture = "stripes";
+  scene_.texture = "Energy";
+  const auto textured = extract(plain);
+  EXPECT_EQ(textured->mesh, plain->mesh) << "a texture is carried to the mesh that is there";
+  EXPECT_EQ(textured->normals, plain->normals);
+  const DrawInput drawn = input(textured);
+  ASSERT_TRUE(drawn.texture_values);
+  EXPECT_EQ(drawn.texture_values->size(), textured->mesh->positions.size());
+  EXPECT_FALSE(drawn.color_values);
+  EXPECT_EQ(drawn.styles[0].surface.texture_lower, step(0)->array("Energy").lower);
+  EXPECT_EQ(drawn.styles[0].surface.texture_upper, step(0)->array("Energy").upper);
+  scene_.intervals[1].color_map = "viridis";  // the same array for both is carried once
+  scene_.color_by = "Energy";
+  const auto both = extract(textured);
+  EXPECT_EQ(both->color_values ? *both->color_values : std::vector<float>{}, *both->texture_values);
+  EXPECT_EQ(extract(both)->texture_values, both->texture_values);
+}
+
+TEST_F(SceneModes, AnOpacityThatRunsNeedsValuesAndMayHaveItsOwnRange) {
+  scene_.intervals[0].opacity_upper = 0.9;
+  const DrawInput whole = input(extract());
+  ASSERT_TRUE(whole.color_values);
+  EXPECT_FALSE(whole.styles[0].constant());
+  EXPECT_EQ(whole.styles[0].color_lower, step(0)->array("Density").lower);
+  scene_.intervals[0].own_range = true;
+  const DrawInput own = input(extract());
+  EXPECT_EQ(own.styles[0].color_lower, 0.97);
+  EXPECT_EQ(own.styles[0].color_upper, 0.99);
+  EXPECT_EQ(own.styles[0].opacity_upper, 0.9);
+}
+
+TEST_F(SceneModes, ACycleShowsOneOfTheVisibleIntervalsAtATime) {
+  scene_.intervals.push_back(scene_.intervals[0]);
+  scene_.intervals.back().id = 3;
+  scene_.intervals.back().lower = 0.998;
+  scene_.intervals.back().upper = 1;
+  scene_.intervals[1].visible = false;
+  scene_.mode = SceneMode::cycled;
+  EXPECT_EQ(cycle_length(scene_), 2u);
+  EXPECT_THAT(visible(), ElementsAre(true, false, false));
+  scene_.cycle.phase = 1.9;
+  EXPECT_THAT(visible(), ElementsAre(false, false, true));
+  scene_.cycle.phase = 2;
+  EXPECT_THAT(visible(), ElementsAre(true, false, false));
+  for (SceneInterval& interval : scene_.intervals) interval.visible = false;
+  EXPECT_THAT(visible(), ElementsAre(false, false, false));
+}
+
+TEST_F(SceneModes, ACycleDoesNotExtractAgain) {
+  const auto sorted = extract();
+  scene_.mode = SceneMode::cycled;
+  const Scene before = scene_;
+  EXPECT_EQ(extract(sorted)->mesh, sorted->mesh);
+  scene_.cycle.phase = 1;
+  EXPECT_TRUE(same_extraction(before, scene_));
+}
+
+TEST_F(SceneModes, ASmearIsItsStepsOneOverTheOther) {
+  scene_.intervals[0].surface.upper = true;
+  std::vector<std::shared_ptr<const ExtractedScene>> alone;
+  for (const int number : {3, 0, 2}) {
+    scene_.step = number;
+    alone.push_back(extract());
+  }
+  scene_.mode = SceneMode::smear;
+  scene_.smear.steps = {3, 0, 2};
+  scene_.smear.colors = {{1, 1, 1}};
+  const auto smeared = extract();
+  std::size_t tetrahedra = 0, facets = 0;
+  for (const auto& one : alone) tetrahedra += one->mesh->tetrahedra.size(), facets += one->mesh->facets.size();
+  EXPECT_EQ(smeared->mesh->tetrahedra.size(), tetrahedra);
+  EXPECT_EQ(smeared->mesh->facets.size(), facets);
+  const DrawInput drawn = input(smeared);
+  ASSERT_EQ(drawn.styles.size(), 6u);
+  EXPECT_EQ(drawn.mode, RenderMode::prioritized);
+  ASSERT_TRUE(drawn.normals);
+  EXPECT_EQ(drawn.normals->size(), smeared->mesh->positions.size());
+  EXPECT_EQ(drawn.styles[0].color, (Rgb{1, 1, 1}));
+  EXPECT_EQ(drawn.styles[2].color, default_interval_color(1));
+  EXPECT_EQ(drawn.styles[5].color, default_interval_color(2));
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(drawn.styles[i].priority, static_cast<int>(i / 2));
+  const auto sums = interval_summaries(*smeared, scene_);
+  ASSERT_EQ(sums.size(), 2u);
+  EXPECT_EQ(sums[0].tetrahedra + sums[1].tetrahedra, static_cast<std::int64_t>(tetrahedra));
+}
+
+TEST_F(SceneModes, ASmearIsKeptWhileOnlyLooksChange) {
+  scene_.mode = SceneMode::smear;
+  scene_.smear.steps = {0, 1, 2};
+  const auto first = extract();
+  scene_.camera = view_of(first->bounds, "+x");
+  scene_.smear.colors = {{0, 1, 1}};
+  const auto second = extract(first);
+  EXPECT_EQ(second->mesh, first->mesh);
+  EXPECT_EQ(second->extract_ms, 0);
+  scene_.intervals[0].lower = 0.96;
+  EXPECT_NE(extract(second)->mesh, first->mesh);
+  scene_.intervals[0].lower = 0.97;
+  const Scene three = scene_;
+  scene_.smear.steps = {0, 1};
+  EXPECT_FALSE(same_extraction(three, scene_));
+  EXPECT_NE(extract(second)->mesh, first->mesh);
+  scene_.mode = SceneMode::sorted;
+  EXPECT_TRUE(extract(second)->parts.empty());
+}
+
+TEST_F(SceneModes, AStepThatIsNotThereIsRefused) {
+  scene_.mode = SceneMode::smear;
+  scene_.smear.steps = {0, 9};
+  EXPECT_THROW(extract(), Error);
+}
+
+}  // namespace
+}  // namespace isostrata
