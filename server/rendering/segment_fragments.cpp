@@ -362,15 +362,23 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
         alpha = hn::IfThenElse(own, light[3], alpha);
       }
     }
-    const std::size_t at = store.count + i;
-    hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], hn::Sub(zero, alpha), d, store.light + 4 * at);
-    const V middle = hn::MulAdd(hn::Set(d, 2.0f), q0, hn::Add(q_in, q_out));  // positive: its bits grow with it
-    hn::StoreU(hn::Not(hn::BitCast(di, middle)), di, reinterpret_cast<std::int32_t*>(store.far_key) + at);
-    hn::StoreU(hn::DemoteTo(d16, pixel), d16, store.pixel + at);
-    if (store.q_in)
-      hn::StoreU(hn::IfThenElse(hn::Gt(alpha, zero), hn::Add(q0, q_in), hn::Neg(hn::Set(d, 1e30f))), d, store.q_in + at);
+    V minus_alpha = hn::Neg(alpha);
+    V middle = hn::MulAdd(hn::Set(d, 2.0f), q0, hn::Add(q_in, q_out));  // positive: its bits grow with it
+    V begin = hn::IfThenElse(hn::Gt(alpha, zero), hn::Add(q0, q_in), hn::Set(d, -1e30f));
+    auto where = pixel;
+    std::size_t kept = std::min(lanes, count - i);
+    if (input.optics->cut) {  // most of a tetrahedron may lie outside its interval
+      const auto some = hn::And(hn::Gt(q_in, q_out), hn::FirstN(d, kept));
+      kept = hn::CountTrue(d, some);
+      for (V* const v : {&rgb[0], &rgb[1], &rgb[2], &minus_alpha, &middle, &begin}) *v = hn::Compress(*v, some);
+      where = hn::Compress(where, hn::RebindMask(di, some));
+    }
+    hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], minus_alpha, d, store.light + 4 * store.count);
+    hn::StoreU(hn::Not(hn::BitCast(di, middle)), di, reinterpret_cast<std::int32_t*>(store.far_key) + store.count);
+    hn::StoreU(hn::DemoteTo(d16, where), d16, store.pixel + store.count);
+    if (store.q_in) hn::StoreU(begin, d, store.q_in + store.count);
+    store.count += kept;
   }
-  store.count += count;
 }
 
 std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,
