@@ -56,8 +56,8 @@ void check(const DrawInput& input) {
   if (input.styles.size() != intervals)
     fail(std::to_string(input.styles.size()) + " styles for " + std::to_string(intervals) + " intervals");
   if (!input.cut_intervals.empty() && (!input.color_values || input.color_values->size() != input.mesh->positions.size()))
-    fail("intervals that the renderer cuts need the field's values on the mesh's " + std::to_string(input.mesh->positions.size()) +
-         " points");
+    fail("intervals that the renderer cuts need the field's values on the mesh's " +
+         std::to_string(input.mesh->positions.size()) + " points");
   for (const Interval& interval : input.cut_intervals)
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {

@@ -83,7 +83,7 @@ struct SegmentsRenderer::State {
   std::weak_ptr<const std::vector<float>> values;
   std::vector<ValueRange> ranges;  // [intervals]
   std::vector<ValueRange> blocks;  // block_ranges, made when they are first asked for
-  std::mutex mutex;  // of memory
+  std::mutex mutex;                // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
   std::unique_ptr<TileMemory> lend() {

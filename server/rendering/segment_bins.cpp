@@ -23,13 +23,20 @@ void cut_tetrahedron(const DrawInput& input, const SegmentView& view, std::uint3
     whole[v] = {view.seen(mesh.positions[point]), input.color_values ? double{(*input.color_values)[point]} : 0.0};
   }
   std::vector<ClipTetrahedron> pieces{whole};
-  const double side = 0.999 * view.guard / view.focal;
-  const double deep = view.orthographic ? 0 : side, wide = view.orthographic ? -side : 0;
   if (!view.orthographic) clip_tetrahedra(pieces, {0, 0, 1}, view.near_depth * 1.001);
-  for (const double sign : {1.0, -1.0}) {
-    clip_tetrahedra(pieces, {sign, 0, deep}, wide);
-    clip_tetrahedra(pieces, {0, sign, deep}, wide);
-  }
+  // A little within the guard, on each side by another share: pieces meet where the corners are joined, on lines through the
+  // picture that must not go through the middles of its pixels.
+  const auto cut_side = [&](Vec3d inwards, double share) {
+    const double side = share * view.guard / view.focal;
+    if (view.orthographic)
+      clip_tetrahedra(pieces, inwards, -side);
+    else
+      clip_tetrahedra(pieces, {inwards.x, inwards.y, side}, 0);
+  };
+  cut_side({1, 0, 0}, 0.99907);
+  cut_side({-1, 0, 0}, 0.98713);
+  cut_side({0, 1, 0}, 0.97431);
+  cut_side({0, -1, 0}, 0.99171);
   if (!view.orthographic) {
     double farthest = 0;
     for (const ClipTetrahedron& piece : pieces)
@@ -223,7 +230,8 @@ void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOp
   out.pieces.resize(first_piece.back());
   parallel_for(static_cast<std::int64_t>(chunk_count), 1, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
-      std::copy(results[c].pieces.begin(), results[c].pieces.end(), out.pieces.begin() + static_cast<std::ptrdiff_t>(first_piece[c]));
+      std::copy(results[c].pieces.begin(), results[c].pieces.end(),
+                out.pieces.begin() + static_cast<std::ptrdiff_t>(first_piece[c]));
       for (PlacedTetrahedron& placed : results[c].placed_pieces)
         placed.id += static_cast<std::uint32_t>(out.first_piece + first_piece[c]);
     }

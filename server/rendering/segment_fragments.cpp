@@ -78,8 +78,9 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V q_low = least(q), q_high = most(q);
   const V area = hn::Mul(hn::Sub(most(x), least(x)), hn::Sub(y_high, y_low));
   const V box = hn::Mul(area, hn::Sub(q_high, q_low));
-  // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, a part in a million of its box.
-  const auto solid = hn::Gt(hn::Abs(volume), hn::Mul(box, hn::Set(d, 2e-6f)));
+  // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, less than a part in a million
+  // of its box.
+  const auto solid = hn::Gt(hn::Abs(volume), hn::Mul(box, hn::Set(d, 5e-7f)));
   row_last = hn::IfThenElse(solid, row_last, hn::Set(d, -1e6f));
   const V rows = hn::Max(hn::Add(hn::Sub(row_last, row_first), one), zero);
   hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(hn::Gt(rows, zero), row_first)), di, g.row_first);
@@ -317,13 +318,14 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
       const V u0 = of(g.u0), w0 = hn::MulAdd(q0, perspective, orthographic);
       const auto bound = [&](V beyond, auto keep_if_positive) {  // (u - end) w = at + rise q has the sign that is kept
         const V rise = hn::MulAdd(beyond, perspective, u_q), at = hn::MulAdd(beyond, w0, flat);
-        const V end = hn::Neg(hn::Div(at, hn::CopySign(hn::Max(hn::Abs(rise), hn::Set(d, 1e-20f)), rise)));
-        const auto farther_is_out = hn::Xor(hn::Lt(rise, zero), keep_if_positive);
+        const V steep = hn::CopySign(hn::Max(hn::Abs(rise), hn::Set(d, 1e-20f)), rise);  // even 0 has a sign, which decides
+        const V end = hn::Neg(hn::Div(at, steep));
+        const auto farther_is_out = hn::Xor(hn::Lt(steep, zero), keep_if_positive);
         q_out = hn::IfThenElse(farther_is_out, hn::Max(q_out, end), q_out);
         q_in = hn::IfThenElse(farther_is_out, q_in, hn::Min(q_in, end));
       };
-      bound(u0, hn::Eq(zero, zero));                     // u >= 0
-      bound(hn::Sub(u0, one), hn::Ne(zero, zero));       // u <= 1
+      bound(u0, hn::Eq(zero, zero));                // u >= 0
+      bound(hn::Sub(u0, one), hn::Ne(zero, zero));  // u <= 1
       u_low = hn::Max(u_low, hn::Neg(u0));
       u_high = hn::Min(u_high, hn::Sub(one, u0));
     }
@@ -360,15 +362,23 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
         alpha = hn::IfThenElse(own, light[3], alpha);
       }
     }
-    const std::size_t at = store.count + i;
-    hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], hn::Sub(zero, alpha), d, store.light + 4 * at);
-    const V middle = hn::MulAdd(hn::Set(d, 2.0f), q0, hn::Add(q_in, q_out));  // positive: its bits grow with it
-    hn::StoreU(hn::Not(hn::BitCast(di, middle)), di, reinterpret_cast<std::int32_t*>(store.far_key) + at);
-    hn::StoreU(hn::DemoteTo(d16, pixel), d16, store.pixel + at);
-    if (store.q_in)
-      hn::StoreU(hn::IfThenElse(hn::Gt(alpha, zero), hn::Add(q0, q_in), hn::Neg(hn::Set(d, 1e30f))), d, store.q_in + at);
+    V minus_alpha = hn::Neg(alpha);
+    V middle = hn::MulAdd(hn::Set(d, 2.0f), q0, hn::Add(q_in, q_out));  // positive: its bits grow with it
+    V begin = hn::IfThenElse(hn::Gt(alpha, zero), hn::Add(q0, q_in), hn::Set(d, -1e30f));
+    auto where = pixel;
+    std::size_t kept = std::min(lanes, count - i);
+    if (input.optics->cut) {  // most of a tetrahedron may lie outside its interval
+      const auto some = hn::And(hn::Gt(q_in, q_out), hn::FirstN(d, kept));
+      kept = hn::CountTrue(d, some);
+      for (V* const v : {&rgb[0], &rgb[1], &rgb[2], &minus_alpha, &middle, &begin}) *v = hn::Compress(*v, some);
+      where = hn::Compress(where, hn::RebindMask(di, some));
+    }
+    hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], minus_alpha, d, store.light + 4 * store.count);
+    hn::StoreU(hn::Not(hn::BitCast(di, middle)), di, reinterpret_cast<std::int32_t*>(store.far_key) + store.count);
+    hn::StoreU(hn::DemoteTo(d16, where), d16, store.pixel + store.count);
+    if (store.q_in) hn::StoreU(begin, d, store.q_in + store.count);
+    store.count += kept;
   }
-  store.count += count;
 }
 
 std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,

@@ -29,7 +29,7 @@ SegmentView make_segment_view(const DrawInput& input) {
   view.center_x = grid.axis_x - 0.5 - kRayShiftX * side;
   view.center_y = grid.axis_y - 0.5 - kRayShiftY * side;
   view.near_depth = 1e-4 * std::min(1.0, distance / view.scale);
-  view.guard = std::max(2 * side, 8192.0);
+  view.guard = std::max(2 * side, 512.0);
   const Vec3d middle = input.bounds.empty() ? camera.at : input.bounds.center();
   view.zero_q_depth = view.seen(middle).z + 2;  // the box is at 1.5 <= q <= 2.5
   return view;

@@ -34,7 +34,7 @@ struct SegmentView {
   double focal = 1;                   // pixels; of an orthographic camera pixels per unit of scale
   double center_x = 0, center_y = 0;  // pixels: where the line of view meets the picture
   double near_depth = 1e-4;           // of perspective
-  double guard = 8192;                // pixels from the centre; what reaches beyond is cut there
+  double guard = 512;                 // pixels from the centre; what reaches beyond is cut there
   double zero_q_depth = 0;            // orthographic: q = zero_q_depth - depth
   Vec3d eye, right, up, forward;      // world, unit length
 

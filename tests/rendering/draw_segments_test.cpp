@@ -95,11 +95,7 @@ TEST(DrawSegments, AnEyeInsideMeetsTheOracle) {
   for (const char* data : kGrids) {
     DrawInput input = extracted_input(data, 0.1, 0.5, 0.9);
     input.camera.eye = input.bounds.center() + Vec3d{0.05, 0.02, 0.01} * input.bounds.diagonal();
-    // The base grid of "mixed" has tetrahedra that are turned and overlap others; there is no right order between those, and
-    // those that are cut near the eye fall otherwise.
-    bool turned = false;
-    for (const IntervalSummary& summary : input.mesh->summaries) turned = turned || summary.inverted > 0;
-    expect_oracle(input, turned ? 10 * kHalfStep : kHalfStep, data);
+    expect_oracle(input, kHalfStep, data);
   }
 }
 
