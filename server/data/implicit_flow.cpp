@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 #include "base/parallel.h"
 
@@ -95,8 +94,8 @@ void fill_implicit_flow(Dataset& dataset, std::int64_t n, const Task& task) {
         const double z = crossing.z - kSeedZ;
         storage->implicit[id] = crossing.found ? static_cast<float>(std::hypot(crossing.y, z)) : kNone;
         storage->time[id] = crossing.found ? static_cast<float>(crossing.time) : kNone;
-        storage->streamline[id] =
-            crossing.found ? static_cast<float>(std::abs(std::atan2(crossing.y, z)) / std::numbers::pi) : kNone;
+        // 0/0 on the seed itself.
+        storage->streamline[id] = crossing.found ? static_cast<float>(0.5 - 0.5 * z / std::hypot(crossing.y, z)) : kNone;
       }
     }
   });

@@ -18,8 +18,10 @@
 //   implicit        the distance, on the inlet plane x = -1, of the place where the streamline crosses it from (y, z) =
 //                   (0, 0.32): an isosurface is a stream tube that begins as a circle
 //   advection_time  how long the fluid was on its way from there
-//   streamline      the angle there about that point, folded: |angle from the z axis| / pi, in [0, 1]: constant along
-//                   streamlines, continuous, and so a texture coordinate that draws them on a stream tube
+//   streamline      the angle there about that point, from the z axis, as (1 - cos(angle)) / 2: constant along streamlines,
+//   without
+//                   a seam or a fold, and so a texture coordinate that draws them on a stream tube. NaN on the seed's own
+//                   streamline
 // The inlet is the whole plane: a streamline that comes in through a side of the box is followed on to the plane, so that the
 // functions are smooth within the box.
 #pragma once

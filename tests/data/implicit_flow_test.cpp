@@ -106,8 +106,8 @@ TEST(ImplicitFlow, ArraysSayWhatTheTracesSay) {
     without += !crossing.found;
     if (!crossing.found) continue;
     EXPECT_FLOAT_EQ(static_cast<float>(time), static_cast<float>(crossing.time));
-    EXPECT_NEAR(implicit * std::cos(M_PI * streamline), crossing.z - 0.32, 1e-5);
-    EXPECT_NEAR(implicit * std::sin(M_PI * streamline), std::abs(crossing.y), 1e-5);
+    EXPECT_NEAR(implicit * (1 - 2 * streamline), crossing.z - 0.32, 1e-5);
+    EXPECT_NEAR(implicit, std::hypot(crossing.y, crossing.z - 0.32), 1e-6);
   }
   EXPECT_GT(without, 4) << "the sphere and the axis behind it";
   EXPECT_LT(without, 40);
