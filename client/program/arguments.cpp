@@ -54,6 +54,36 @@ v1::Rgb default_color(std::size_t index) {
   return rgb;
 }
 
+/// One key of a surface's looks. False where it is none. The server judges the numbers.
+bool set_surface(v1::Surface& surface, std::string_view key, std::string_view value, const std::string& text) {
+  if (key == "surface") {
+    for (const std::string_view end : split(value, '+')) {
+      if (end != "lower" && end != "upper" && end != "both" && end != "domain" && end != "all")
+        refuse("interval", text, "surface '" + std::string(end) + "': expected lower, upper, both, domain or all");
+      if (end != "upper" && end != "domain") surface.set_lower(true);
+      if (end != "lower" && end != "domain") surface.set_upper(true);
+      if (end == "domain" || end == "all") surface.set_domain(true);
+    }
+  } else if (key == "surface-color") {
+    *surface.mutable_color() = parse_rgb(value, text);
+  } else if (key == "surface-opacity") {
+    surface.set_opacity(number(value, "interval", text));
+  } else if (key == "specular") {
+    surface.set_specular(number(value, "interval", text));
+  } else if (key == "shininess") {
+    surface.set_shininess(number(value, "interval", text));
+  } else if (key == "silhouette") {
+    surface.set_silhouette(number(value, "interval", text));
+  } else if (key == "texture") {
+    surface.set_texture(std::string(value));
+  } else if (key == "repeat") {
+    surface.set_texture_repeat(number(value, "interval", text));
+  } else {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void add_scene_options(CLI::App& command, SceneArguments& arguments) {
@@ -61,7 +91,8 @@ void add_scene_options(CLI::App& command, SceneArguments& arguments) {
   command.add_option("--array", arguments.array, "Array that intervals are cut from");
   command
       .add_option("--interval", arguments.intervals,
-                  "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]; they replace the session's")
+                  "LOWER:UPPER and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N, and of the surface's looks that "
+                  "`isostrata render` takes; they replace the session's")
       ->type_name("INTERVAL");
   command.add_option("--size", arguments.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--camera", arguments.camera, "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg, or reset, +x, -x, +y, -y, +z, -z");
@@ -86,13 +117,25 @@ v1::Interval parse_interval(const std::string& text, std::size_t index) {
       interval.set_color_map(std::string(value.substr(4)));
     else if (key == "color")
       *interval.mutable_color() = parse_rgb(value, text);
-    else if (key == "opacity")
-      interval.set_opacity(number(value, "interval", text));
+    else if (key == "opacity") {
+      const auto dots = value.find("..");
+      interval.set_opacity(number(value.substr(0, dots), "interval", text));
+      if (dots != std::string_view::npos) interval.set_opacity_upper(number(value.substr(dots + 2), "interval", text));
+    } else if (set_surface(*interval.mutable_surface(), key, value, text))
+      continue;
     else if (key == "priority")
       interval.set_priority(static_cast<int>(number(value, "interval", text)));
     else
-      refuse("interval", text, "unknown part '" + std::string(parts[i]) + "'; expected color=, opacity= or priority=");
+      refuse("interval", text,
+             "unknown part '" + std::string(parts[i]) +
+                 "'; expected color=, opacity=, priority=, surface=, surface-color=, surface-opacity=, "
+                 "specular=, shininess=, silhouette=, texture= or repeat=");
   }
+  v1::Surface& surface = *interval.mutable_surface();
+  if (surface.ByteSizeLong() == 0)
+    interval.clear_surface();
+  else if (!surface.lower() && !surface.upper() && !surface.domain())
+    surface.set_lower(true), surface.set_upper(true);  // a look alone means both ends
   return interval;
 }
 

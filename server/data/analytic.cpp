@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "data/cell_lattice.h"
 #include "data/cylinder_flow.h"
+#include "data/implicit_flow.h"
 
 namespace isostrata {
 namespace {
@@ -102,7 +103,7 @@ double marschner_lobb(Vec3d p) {
 
 bool is_analytic(std::string_view name) {
   const auto kind = name.substr(0, name.find(':'));
-  for (const std::string_view known : {"torus", "sphere", "marschner-lobb", "cylinder", "tets", "mixed"})
+  for (const std::string_view known : {"torus", "sphere", "marschner-lobb", "cylinder", "implicit-flow", "tets", "mixed"})
     if (kind == known) return true;
   return false;
 }
@@ -120,6 +121,10 @@ std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOp
     if (request.kind == "torus") fill_volume(*dataset, n, "distance", torus_distance, task);
     if (request.kind == "sphere") fill_volume(*dataset, n, "distance", sphere_distance, task);
     if (request.kind == "marschner-lobb") fill_volume(*dataset, n, "rho", marschner_lobb, task);
+  } else if (request.kind == "implicit-flow") {
+    const std::int64_t n = side(request, 64, 2, kMostLattice);
+    check_budget(request, implicit_flow_bytes(n), options);
+    fill_implicit_flow(*dataset, n, task);
   } else if (request.kind == "tets") {
     const std::int64_t n = side(request, 32, 2, kMostLattice);
     check_budget(request, tets_bytes(n), options);

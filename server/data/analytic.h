@@ -8,9 +8,11 @@
 //   for Volume
 //                        Rendering", 1994, with their alpha = 0.25 and f = 6
 //   cylinder[:NIxNJxNK[xNT]]  flow around a tapered cylinder on a curvilinear O-grid (default 64x64x32, one step); see
-//   cylinder_flow.h tets[:N]             N^3 points (default 32) on [-1,1]^3, every cube split into six tetrahedra about its main
-//   diagonal (H. W. Kuhn);
-//                        "distance" as of torus
+//                        cylinder_flow.h
+//   implicit-flow[:N]    the same points as torus (default 64); "implicit", "advection_time" and "streamline" of a swirling flow
+//                        past a sphere; see implicit_flow.h
+//   tets[:N]             N^3 points (default 32) on [-1,1]^3, every cube split into six tetrahedra about its main diagonal
+//                        (H. W. Kuhn); "distance" as of torus
 //   mixed[:N]            N points along each side (default 17, at least 5) and the middles of some cubes: quarters of hexahedra,
 //   wedges,
 //                        pyramids and tetrahedra along x, conforming; "distance" as of torus

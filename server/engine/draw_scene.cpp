@@ -382,7 +382,11 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.mode =
       scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;
   input.integral = scene.integral;
-  input.normals = extracted.normals;
+  // Where the grid ends, a surface does not lie across the gradient: with such facets in the picture all have their own normals.
+  const bool ends_of_grid = std::any_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) {
+    return style.visible && style.surface.drawn() && style.surface.domain;
+  });
+  if (!ends_of_grid) input.normals = extracted.normals;
   input.texture_values = extracted.texture_values;
   input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset", static_cast<double>(width) / height);
   input.width = width;

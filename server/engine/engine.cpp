@@ -24,6 +24,7 @@ namespace {
 
 // An extraction that a newer scene has overtaken may still run this long. Shorter ones are shown, so a drag is never blind; and
 // of two in a row at most one is cancelled, so that a drag over slow data still shows every other one.
+constexpr int kDeviceFailures = 3;  // frames in a row before another renderer takes over
 constexpr double kSupersededGraceMs = 250;
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
@@ -338,6 +339,8 @@ class Engine::Impl {
 
   void render(std::promise<std::string>& started) {
     std::unique_ptr<Renderer> renderer;
+    int failures = 0;     // of the device, frames in a row
+    std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
       started.set_value(renderer->device());
@@ -352,7 +355,17 @@ class Engine::Impl {
         changed_.wait(lock, [&] { return stopping_ || (order = next_order()); });
         if (stopping_) return;
       }
-      draw(*renderer, std::move(*order));
+      const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead);
+      failures = failure ? failures + 1 : 0;
+      if (failures < kDeviceFailures || !instead.empty()) continue;
+      instead = " in place of " + renderer->device() + ", which failed " + std::to_string(failures) +
+                " frames in a row, the last with: " + *failure;
+      try {
+        renderer = options_.fallback_renderer ? options_.fallback_renderer() : make_renderer({"native", "native"});
+      } catch (const std::exception&) {
+        failures = 0;  // go on as before; each frame says why it fails
+        instead.clear();
+      }
     }
   }
 
@@ -399,7 +412,8 @@ class Engine::Impl {
     return order;
   }
 
-  void draw(Renderer& renderer, DrawOrder order) {
+  /// Why the device failed, where it did. instead: is added to the device's name.
+  std::optional<std::string> draw(Renderer& renderer, DrawOrder order, const std::string& instead) {
     const FrameRequest& request = order.request;
     send(FrameStarted{request.session, request.request});
     Stopwatch watch;
@@ -422,7 +436,7 @@ class Engine::Impl {
       frame.height = request.height;
       frame.camera = input.camera;
       frame.stages = {order.extract_ms, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, 0, 0};
-      frame.device = std::move(result.facts.device);
+      frame.device = result.facts.device + instead;
       frame.order = std::move(result.facts.order);
       frame.order_exact = result.facts.order_exact;
       frame.tetrahedra = result.facts.tetrahedra;
@@ -436,9 +450,13 @@ class Engine::Impl {
                                                            quality = request.jpeg_quality]() mutable {
         encode(*image, *annotations, background, std::move(frame), watch, quality);
       });
+    } catch (const Error& error) {
+      send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
+      if (error.code() == ErrorCode::unavailable) return error.what();
     } catch (...) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
     }
+    return std::nullopt;
   }
 
   void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,

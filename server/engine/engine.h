@@ -23,6 +23,9 @@ struct EngineOptions {
   DatasetStoreOptions store;
   /// Makes the renderer, called on the render thread; empty: make_renderer(renderer_choice). Tests bring their own.
   std::function<std::unique_ptr<Renderer>()> renderer;
+  /// The renderer from then on, made on the render thread when the device has failed three frames in a row (ErrorCode::unavailable;
+  /// after each the renderer has tried a new context). The frames' device says so. Empty: native.
+  std::function<std::unique_ptr<Renderer>()> fallback_renderer;
 };
 
 /// Any thread may call any function but the destructor.

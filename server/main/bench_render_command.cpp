@@ -1,28 +1,40 @@
 // Frames of a camera that turns, so that every frame is ordered anew.
 #include <algorithm>
+#include <array>
 #include <boost/json.hpp>
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <numbers>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "engine/draw_scene.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
+#include "rendering/turn_camera.h"
 
 namespace isostrata {
 namespace {
 
 struct BenchArguments {
-  std::vector<std::string> data{"torus:128"};
+  std::vector<std::string> data;  // empty: the standard workloads
   std::vector<std::string> intervals;
-  std::string array, size = "800x600", mode = "both", renderer = "auto", device = "auto";
+  std::vector<std::string> sizes{"512x512", "1024x1024"}, renderers{"auto"};
+  std::string array, mode = "both", device = "auto";
   int repeat = 20;
+  double seconds = 5;
   int threads = 0;
   bool json = false;
 };
+
+struct Workload {
+  std::string data, interval;  // interval empty: default_interval
+};
+
+/// 350 K and 1.9 M tetrahedra of the torus and the 55.6 K of the tapered cylinder, as in the paper's Table 2; and few large
+/// tetrahedra, whose fragments decide.
+const Workload kStandard[] = {
+    {"torus:128", "0.242:0.258"}, {"torus:256", "0.2425:0.2575"}, {"cylinder", "0.9934:0.9949"}, {"torus:24", "0.05:0.45"}};
 
 struct Spread {
   double min = 0, median = 0, max = 0;
@@ -35,20 +47,12 @@ struct BenchRun {
   double fragments_per_tetrahedron = 0, depth_complexity = 0;
   double order_ms = 0, draw_ms = 0, readback_ms = 0;  // medians
   Spread total_ms;
+  int frames = 0;
 };
 
 Spread spread_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return {values.front(), values[values.size() / 2], values.back()};
-}
-
-/// The camera turned about its up axis through `at`.
-Camera turned(const Camera& camera, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
-  const Vec3d axis = normalized(camera.up), from = camera.eye - camera.at;
-  Camera out = camera;
-  out.eye = camera.at + from * c + cross(axis, from) * s + axis * (dot(axis, from) * (1 - c));  // Rodrigues
-  return out;
 }
 
 /// How many fragments a pixel that shows anything gets, and a tetrahedron makes, counted by the device in one frame.
@@ -65,9 +69,14 @@ void count_fragments(Renderer& renderer, DrawInput input, BenchRun& run) {
 }
 
 BenchRun measure(Renderer& renderer, const std::string& data, const std::string& mode, const ExtractedScene& extracted,
-                 const Scene& scene, const BenchArguments& arguments) {
-  const auto [width, height] = parse_size(arguments.size);
+                 const Scene& scene, std::array<int, 2> size, const BenchArguments& arguments) {
+  const auto [width, height] = size;
   DrawInput input = draw_input(extracted, scene, width, height);
+  for (IntervalStyle& style : input.styles) {  // the whole colour map within each layer
+    const Interval& interval = input.mesh->summaries[static_cast<std::size_t>(&style - input.styles.data())].interval;
+    style.color_lower = interval.lower;
+    style.color_upper = interval.upper;
+  }
   const Camera start = input.camera;
   BenchRun run;
   run.data = data;
@@ -76,7 +85,8 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
   run.height = height;
   std::vector<double> order, draw, readback, total;
   renderer.draw(input);  // compiles shaders, makes buffers
-  for (int i = 0; i < arguments.repeat; ++i) {
+  const Stopwatch whole;
+  for (int i = 0; i < arguments.repeat && (i < 3 || whole.elapsed_ms() < arguments.seconds * 1e3); ++i) {
     command_task().check();
     input.camera = turned(start, 7.0 * (i + 1));
     const Stopwatch watch;
@@ -89,6 +99,7 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
     run.renderer = result.facts.renderer;
     run.device = result.facts.device;
     run.order = result.facts.order;
+    ++run.frames;
   }
   run.order_ms = spread_of(order).median;
   run.draw_ms = spread_of(draw).median;
@@ -99,7 +110,10 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
   return run;
 }
 
+double per_second(double count, const BenchRun& run) { return run.total_ms.median > 0 ? 1000 * count / run.total_ms.median : 0; }
+
 boost::json::object to_json(const BenchRun& run) {
+  const auto tetrahedra = static_cast<double>(run.tetrahedra);
   return {{"data", run.data},
           {"renderer", run.renderer},
           {"device", run.device},
@@ -109,24 +123,33 @@ boost::json::object to_json(const BenchRun& run) {
           {"tetrahedra", run.tetrahedra},
           {"fragments_per_tetrahedron", run.fragments_per_tetrahedron},
           {"depth_complexity", run.depth_complexity},
+          {"frames", run.frames},
           {"ms", boost::json::object{{"order", run.order_ms},
                                      {"draw", run.draw_ms},
                                      {"readback", run.readback_ms},
                                      {"total", boost::json::object{{"min", run.total_ms.min},
                                                                    {"median", run.total_ms.median},
                                                                    {"max", run.total_ms.max}}}}},
-          {"tetrahedra_per_second",
-           run.total_ms.median > 0 ? 1000.0 * static_cast<double>(run.tetrahedra) / run.total_ms.median : 0.0}};
+          {"frames_per_second", per_second(1, run)},
+          {"tetrahedra_per_second", per_second(tetrahedra, run)},
+          {"fragments_per_second", per_second(tetrahedra * run.fragments_per_tetrahedron, run)}};
+}
+
+void print_heading() {
+  std::printf("%-14s %-8s %-9s %-8s %10s %9s %7s %7s %8s %8s %8s %8s %8s %9s %9s  %s\n", "data", "renderer", "size", "colour",
+              "tetrahedra", "frag/tet", "depth", "order", "draw", "readback", "min", "median", "max ms", "M tets/s", "G frag/s",
+              "order");
 }
 
 void print_text(const BenchRun& run) {
-  std::printf(
-      "%s, %s, %dx%d: %lld tetrahedra, %.1f fragments each, depth complexity %.1f; order %.1f, draw %.1f, readback %.1f ms; "
-      "frame "
-      "min %.1f, median %.1f, max %.1f ms; %s; %s\n",
-      run.data.c_str(), run.mode.c_str(), run.width, run.height, static_cast<long long>(run.tetrahedra),
-      run.fragments_per_tetrahedron, run.depth_complexity, run.order_ms, run.draw_ms, run.readback_ms, run.total_ms.min,
-      run.total_ms.median, run.total_ms.max, run.order.c_str(), run.device.c_str());
+  const std::string size = std::to_string(run.width) + "x" + std::to_string(run.height);
+  const auto tetrahedra = static_cast<double>(run.tetrahedra);
+  std::printf("%-14s %-8s %-9s %-8s %10lld %9.1f %7.1f %7.1f %8.1f %8.1f %8.1f %8.1f %8.1f %9.2f %9.3f  %s\n", run.data.c_str(),
+              run.renderer.c_str(), size.c_str(), run.mode.c_str(), static_cast<long long>(run.tetrahedra),
+              run.fragments_per_tetrahedron, run.depth_complexity, run.order_ms, run.draw_ms, run.readback_ms, run.total_ms.min,
+              run.total_ms.median, run.total_ms.max, per_second(tetrahedra, run) / 1e6,
+              per_second(tetrahedra * run.fragments_per_tetrahedron, run) / 1e9, run.order.c_str());
+  std::fflush(stdout);
 }
 
 /// A layer of the middle tenth of the range; around the torus, the layer that `bench extract` uses.
@@ -139,31 +162,61 @@ std::string default_interval(const std::string& data, const PointArray& array) {
   return text;
 }
 
+/// "all": those that this machine has; what is missing is said on standard error.
+std::vector<std::unique_ptr<Renderer>> open_renderers(const BenchArguments& arguments) {
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (const std::string& name : arguments.renderers) {
+    if (name != "all") {
+      renderers.push_back(make_renderer({name, arguments.device}));
+      continue;
+    }
+    for (const char* each : {"native", "raster", "compute"}) try {
+        renderers.push_back(make_renderer({each, arguments.device}));
+      } catch (const Error& error) {
+        std::fprintf(stderr, "%s: left out: %s\n", each, error.what());
+      }
+  }
+  if (renderers.empty()) throw Error(ErrorCode::unavailable, "no renderer can draw here");
+  return renderers;
+}
+
 void run(const BenchArguments& arguments) {
-  parse_size(arguments.size);
+  for (const std::string& size : arguments.sizes) parse_size(size);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
-  const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
+  const std::vector<std::unique_ptr<Renderer>> renderers = open_renderers(arguments);
+  std::vector<Workload> workloads;
+  for (const std::string& data : arguments.data) workloads.push_back({data, ""});
+  if (workloads.empty()) workloads.assign(std::begin(kStandard), std::end(kStandard));
   boost::json::array runs;
-  for (const std::string& data : arguments.data) {
-    const std::shared_ptr<const Dataset> dataset = open_argument(data);
+  if (!arguments.json) print_heading();
+  for (const Workload& workload : workloads) {
+    const std::shared_ptr<const Dataset> dataset = open_argument(workload.data);
     const PointArray& array = array_argument(*dataset, arguments.array);
+    std::vector<std::string> intervals = arguments.intervals;
+    if (intervals.empty())
+      intervals.push_back(workload.interval.empty() ? default_interval(workload.data, array) : workload.interval);
     Scene scene;
     scene.array = array.name;
-    const bool given = !arguments.intervals.empty();
-    scene.intervals =
-        parse_intervals(given ? arguments.intervals : std::vector<std::string>{default_interval(data, array)}, *dataset, array);
+    scene.intervals = parse_intervals(intervals, *dataset, array);
     for (const char* mode : {"constant", "linear"}) {
       if (arguments.mode != "both" && arguments.mode != mode) continue;
       for (SceneInterval& interval : scene.intervals) interval.color_map = mode == std::string("linear") ? "viridis" : "";
       const auto extracted = extract_scene(dataset, scene, nullptr, command_task());
-      const BenchRun one = measure(*renderer, data, mode, *extracted, scene, arguments);
-      if (arguments.json)
-        runs.push_back(to_json(one));
-      else
-        print_text(one);
+      for (const std::string& size : arguments.sizes)
+        for (const std::unique_ptr<Renderer>& renderer : renderers) {
+          const BenchRun one = measure(*renderer, workload.data, mode, *extracted, scene, parse_size(size), arguments);
+          if (arguments.json)
+            runs.push_back(to_json(one));
+          else
+            print_text(one);
+        }
     }
   }
-  if (arguments.json) print_json(boost::json::object{{"runs", std::move(runs)}});
+  if (arguments.json) {
+    print_json(boost::json::object{{"runs", std::move(runs)}, {"threads", thread_count()}});
+    return;
+  }
+  for (const std::unique_ptr<Renderer>& renderer : renderers) std::printf("%s\n", renderer->device().c_str());
 }
 
 }  // namespace
@@ -171,19 +224,28 @@ void run(const BenchArguments& arguments) {
 void add_bench_render_command(CLI::App& bench) {
   CLI::App* command = bench.add_subcommand("render", "Frames of a turning camera: order, draw, readback");
   auto arguments = std::make_shared<BenchArguments>();
-  command->add_option("--data", arguments->data, "Files or names of analytic data; may be repeated")->capture_default_str();
+  command
+      ->add_option("--data", arguments->data,
+                   "Files or names of analytic data; may be repeated (default: four standard workloads)")
+      ->allow_extra_args(false);
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->intervals, "As in render; may be repeated (default: a thin layer)")
       ->allow_extra_args(false);
-  command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->add_option("--size", arguments->sizes, "WIDTHxHEIGHT in pixels; may be repeated")
+      ->allow_extra_args(false)
+      ->capture_default_str();
   command->add_option("--mode", arguments->mode, "Colours: constant, linear (viridis) or both")
       ->check(CLI::IsMember({"constant", "linear", "both"}))
       ->capture_default_str();
-  command->add_option("--renderer", arguments->renderer, "auto, native, raster or compute")
-      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
+  command->add_option("--renderer", arguments->renderers, "auto, native, raster, compute, or all three; may be repeated")
+      ->check(CLI::IsMember({"auto", "native", "raster", "compute", "all"}))
+      ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--repeat", arguments->repeat, "Frames to measure")->check(CLI::Range(1, 100000))->capture_default_str();
+  command->add_option("--seconds", arguments->seconds, "A row ends after so long, but not before three frames")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });

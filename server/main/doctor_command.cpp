@@ -29,6 +29,7 @@ struct Findings {
   std::string device;         // what auto takes; empty where nothing can draw
   std::string device_detail;  // or why nothing can
   bool software = false;
+  std::string trial;    // how raster and compute compare there; empty where no trial was held
   std::string compute;  // why extraction does not work on the device; empty where it does
   std::vector<CodecProbe> codecs;
   Importer importer;
@@ -53,12 +54,13 @@ std::int64_t control_group_limit() {
   return 0;
 }
 
-Findings examine(const std::string& device) {
+Findings examine(const std::string& device, bool trial) {
   Findings findings;
   findings.attempts = probe_devices();
   try {
-    const std::unique_ptr<Renderer> renderer = make_renderer({"auto", device});
+    const std::unique_ptr<Renderer> renderer = make_renderer({"auto", device, trial});
     findings.device = renderer->device();
+    findings.trial = renderer_trial_report();
     for (const DeviceAttempt& attempt : findings.attempts)
       if (attempt.ok && attempt.detail.starts_with(findings.device)) findings.software = attempt.software;
   } catch (const Error& error) {
@@ -88,6 +90,10 @@ boost::json::object to_json(const Findings& findings) {
     out["device"] = findings.device;
     out["software"] = findings.software;
   }
+  if (findings.trial.empty())
+    out["renderer_trial"] = nullptr;
+  else
+    out["renderer_trial"] = findings.trial;
   out["compute_extraction"] = boost::json::object{{"ok", findings.compute.empty()},
                                                   {"detail", findings.compute.empty() ? findings.device : findings.compute}};
   out["codecs"] = std::move(codecs);
@@ -105,6 +111,7 @@ void print_text(const Findings& findings) {
     std::printf("  nothing can draw\n");
   else
     std::printf("  used: %s\n", findings.device.c_str());
+  if (!findings.trial.empty()) std::printf("  renderer %s\n", findings.trial.c_str());
   if (findings.software) std::printf("  *** SOFTWARE rendering: pictures are right, but slow; no GPU is used ***\n");
   std::printf("\nextraction in OpenGL compute (extract --device)\n  %-5s %s\n", findings.compute.empty() ? "ok" : "no",
               findings.compute.empty() ? "equals the CPU's on a small field" : findings.compute.c_str());
@@ -125,11 +132,12 @@ void print_text(const Findings& findings) {
 void add_doctor_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("doctor", "Says which devices were tried, why each failed, and what will be used");
   auto device = std::make_shared<std::string>("auto");
-  auto json = std::make_shared<bool>(false);
+  auto json = std::make_shared<bool>(false), trial = std::make_shared<bool>(false);
   command->add_option("--device", *device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_flag("--json", *json, "Print one JSON document");
-  command->callback([device, json] {
-    const Findings findings = examine(*device);
+  command->add_flag("--trial", *trial, "Hold the trial of the renderers raster and compute on a software device, too");
+  command->callback([device, json, trial] {
+    const Findings findings = examine(*device, *trial);
     if (*json)
       print_json(to_json(findings));
     else

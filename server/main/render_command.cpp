@@ -123,7 +123,7 @@ void check_out(const RenderArguments& arguments) {
   if (cycle && is_numbered(arguments.out)) numbered_path(arguments.out, 0);
   if (cycle && !is_numbered(arguments.out) && !arguments.out.ends_with(".png"))
     throw Error(ErrorCode::invalid_argument, arguments.out +
-                                                 ": a cycle is several pictures, which only .png can hold in one "
+                                                 ": a cycle is several pictures, and only .png holds them in one "
                                                  "file; expected .png, %02d in the name, or --phase");
 }
 

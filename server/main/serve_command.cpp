@@ -165,6 +165,7 @@ void serve(const ServeArguments& arguments) {
 
   Server server(std::move(options));
   log.info("device", "drawing on " + server.engine().device());
+  if (const std::string trial = renderer_trial_report(); !trial.empty()) log.info("renderer", trial);
   if (server.engine().device_is_software())
     log.warn("software_device",
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");

@@ -336,6 +336,10 @@ void RestApi::state(Session& session, const HttpRequest& request, HttpReply repl
       wanted.clear_intervals();
       wanted.clear_camera();
       wanted.clear_step();
+      wanted.clear_texture();
+      wanted.clear_smear();
+      wanted.clear_terms();
+      wanted.clear_time();
     }
     google::protobuf::util::FieldMaskUtil::MergeOptions replace;
     replace.set_replace_message_fields(true);

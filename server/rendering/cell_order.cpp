@@ -4,6 +4,7 @@
 #include "rendering/cell_order.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -43,7 +44,7 @@ int CellOrder::sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t
       Relation relation = relate(a, b);
       if (relation == Relation::unknown) {
         ++unresolved;
-        relation = a.distance2 > b.distance2 ? Relation::a_behind : Relation::b_behind;
+        relation = Relation::a_behind;  // it is not nearer
       }
       if (relation == Relation::a_behind) behind_[j * words_ + i / 64] |= 1ull << (i % 64);
       if (relation == Relation::b_behind) behind_[i * words_ + j / 64] |= 1ull << (j % 64);
@@ -52,20 +53,26 @@ int CellOrder::sort(const IntervalMesh& mesh, Vec3d eye, std::span<std::uint32_t
 }
 
 void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std::uint32_t> tetrahedra) {
-  items_.resize(tetrahedra.size());
+  // Far ones first, so that ties and cycles are broken in the likeliest order.
+  by_distance_.clear();
   Box3d box;
+  for (const std::uint32_t id : tetrahedra) {
+    Vec3d sum;
+    for (const std::uint32_t point : mesh.tetrahedra[id]) {
+      sum = sum + mesh.positions[point];
+      box.include(mesh.positions[point]);
+    }
+    const Vec3d from_eye = sum * 0.25 - eye;
+    by_distance_.emplace_back(-dot(from_eye, from_eye), id);
+  }
+  std::sort(by_distance_.begin(), by_distance_.end());
+  items_.resize(tetrahedra.size());
   for (std::size_t i = 0; i < items_.size(); ++i) {
     Item& item = items_[i];
-    item.id = tetrahedra[i];
+    item.id = by_distance_[i].second;
     item.interval = mesh.tetrahedron_interval[item.id];
-    const auto& points = mesh.tetrahedra[item.id];
-    Vec3d sum;
-    for (std::size_t v = 0; v < 4; ++v) {
-      item.p[v] = mesh.positions[points[v]];
-      sum = sum + item.p[v];
-      box.include(item.p[v]);
-    }
-    item.distance2 = dot(sum * 0.25 - eye, sum * 0.25 - eye);
+    item.points = mesh.tetrahedra[item.id];
+    for (std::size_t v = 0; v < 4; ++v) item.p[v] = mesh.positions[item.points[v]];
   }
   const double size = box.diagonal();
   const Vec3d center = box.center();
@@ -101,15 +108,9 @@ void CellOrder::prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std
       Vec3d normal = normalized(cross(item.p[kFaces[f][1]] - a, item.p[kFaces[f][2]] - a));
       double offset = dot(normal, a);
       if (dot(normal, item.p[f]) > offset) normal = normal * -1.0, offset = -offset;
-      item.plane[f] = {normal, offset};
+      item.plane[f] = {normal, offset, dot(normal, eye_) - offset};
     }
   }
-  // Far ones first, so that ties and cycles are broken in the likeliest order.
-  by_distance_.resize(items_.size());
-  for (std::size_t i = 0; i < items_.size(); ++i) by_distance_[i] = static_cast<std::uint32_t>(i);
-  std::sort(by_distance_.begin(), by_distance_.end(), [this](std::uint32_t a, std::uint32_t b) {
-    return items_[a].distance2 != items_[b].distance2 ? items_[a].distance2 > items_[b].distance2 : items_[a].id < items_[b].id;
-  });
 }
 
 CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
@@ -120,14 +121,15 @@ CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
     if (a.lower[2] >= b.upper[2]) return Relation::a_behind;
     if (b.lower[2] >= a.upper[2]) return Relation::b_behind;
   }
+  if (const Relation relation = relate_neighbors(a, b); relation != Relation::unknown) return relation;
   const auto by_faces = [this](const Item& inside, const Item& outside, Relation inside_behind, Relation outside_behind) {
     for (const Plane& plane : inside.plane) {
       double nearest = kInfinity;
-      for (const Vec3d& p : outside.p) nearest = std::min(nearest, dot(plane.normal, p) - plane.offset);
+      for (int v = 0; v < 4 && nearest >= -tolerance_; ++v)
+        nearest = std::min(nearest, dot(plane.normal, outside.p[v]) - plane.offset);
       if (nearest < -tolerance_) continue;
-      const double eye = dot(plane.normal, eye_) - plane.offset;  // the eye's distance from the plane
-      if (eye < -tolerance_) return outside_behind;
-      if (eye > std::max(nearest, 0.0) + tolerance_) return inside_behind;
+      if (plane.eye < -tolerance_) return outside_behind;
+      if (plane.eye > std::max(nearest, 0.0) + tolerance_) return inside_behind;
       return Relation::none;  // the eye is between the two: no ray meets both
     }
     return Relation::unknown;
@@ -136,6 +138,19 @@ CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
   if (relation == Relation::unknown) relation = by_faces(b, a, Relation::b_behind, Relation::a_behind);
   if (relation == Relation::unknown) relation = relate_by_edges(a, b);
   return relation;
+}
+
+/// Of two with a common face; unknown where they have none, or lie on the same side of it.
+CellOrder::Relation CellOrder::relate_neighbors(const Item& a, const Item& b) const {
+  int own_a = 6, own_b = 6;  // what is left of the sums of indices is the vertex that is not common
+  int common = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      if (a.points[static_cast<std::size_t>(i)] == b.points[static_cast<std::size_t>(j)]) ++common, own_a -= i, own_b -= j;
+  if (common != 3) return Relation::unknown;
+  const Plane& plane = a.plane[own_a];
+  if (dot(plane.normal, b.p[own_b]) - plane.offset < -tolerance_) return Relation::unknown;
+  return plane.eye < -tolerance_ ? Relation::b_behind : plane.eye > tolerance_ ? Relation::a_behind : Relation::none;
 }
 
 CellOrder::Relation CellOrder::relate_by_edges(const Item& a, const Item& b) const {
@@ -163,28 +178,32 @@ CellOrder::Relation CellOrder::relate_by_edges(const Item& a, const Item& b) con
 
 /// Whether some plane through the eye and an edge has the two on different sides. If so, no ray meets both.
 bool CellOrder::silhouettes_meet(const Item& a, const Item& b) const {
-  const auto apart = [this](const Item& edges_of, const Item& one, const Item& other) {
-    for (const auto& edge : kEdges) {
-      const Vec3d& at = edges_of.p[edge[0]];
-      const Vec3d n = cross(at - eye_, edges_of.p[edge[1]] - at);
-      const double size = length(n);
-      if (!(size > 0)) continue;
-      Range r1, r2;
-      for (const Vec3d& p : one.p) r1.include(dot(n, p - at) / size);
-      for (const Vec3d& p : other.p) r2.include(dot(n, p - at) / size);
-      if ((r1.upper <= tolerance_ && r2.lower >= -tolerance_) || (r2.upper <= tolerance_ && r1.lower >= -tolerance_)) return true;
+  const auto apart = [this](const Item& one, const Item& other) {
+    for (int e = 0; e < 6; ++e) {
+      const Vec3d& at = one.p[kEdges[e][0]];
+      const Vec3d n = cross(at - eye_, one.p[kEdges[e][1]] - at);
+      const double margin = tolerance_ * length(n);
+      if (!(margin > 0)) continue;
+      // Only an edge of the silhouette, which has both other corners on one side, can be between the two.
+      const double c = dot(n, one.p[kEdges[5 - e][0]] - at), d = dot(n, one.p[kEdges[5 - e][1]] - at);
+      const double lower = std::min(c, d), upper = std::max(c, d);
+      const double side = upper <= margin ? 1 : lower >= -margin ? -1 : 0;  // where the other has to be
+      if (side == 0) continue;
+      bool beyond = true;
+      for (int v = 0; v < 4 && beyond; ++v) beyond = side * dot(n, other.p[v] - at) >= -margin;
+      if (beyond) return true;
     }
     return false;
   };
-  return !apart(a, a, b) && !apart(b, a, b);
+  return !apart(a, b) && !apart(b, a);
 }
 
 /// Repeatedly takes the first item that has nothing left behind it. In a cycle: once relations of pairs whose pictures only seem
 /// to meet (their bounding boxes do) are dropped; if that does not end it, the farthest is taken and the pair counted.
 int CellOrder::emit(std::span<std::uint32_t> tetrahedra) {
   const std::size_t n = items_.size();
-  left_.assign(words_, 0);
-  for (std::size_t i = 0; i < n; ++i) left_[i / 64] |= 1ull << (i % 64);
+  left_.assign(words_, ~std::uint64_t{0});
+  if (n % 64 != 0) left_.back() = (std::uint64_t{1} << (n % 64)) - 1;
   const auto waits = [&](std::size_t i) {
     for (std::size_t w = 0; w < words_; ++w)
       if (behind_[i * words_ + w] & left_[w]) return true;
@@ -194,19 +213,22 @@ int CellOrder::emit(std::span<std::uint32_t> tetrahedra) {
   bool refined = false;
   for (std::size_t out = 0; out < n;) {
     std::size_t taken = n, farthest = n;
-    for (const std::uint32_t i : by_distance_) {
-      if (!(left_[i / 64] >> (i % 64) & 1)) continue;
-      if (farthest == n) farthest = i;
-      if (waits(i)) continue;
-      taken = i;
-      break;
-    }
+    for (std::size_t w = 0; w < words_ && taken == n; ++w)
+      for (std::uint64_t left = left_[w]; left != 0 && taken == n; left &= left - 1) {
+        const std::size_t i = 64 * w + static_cast<std::size_t>(std::countr_zero(left));
+        if (farthest == n) farthest = i;
+        if (!waits(i)) taken = i;
+      }
     if (taken == n && !refined) {
       refined = true;
       for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j)
-          if ((behind_[i * words_ + j / 64] >> (j % 64) & 1) && !silhouettes_meet(items_[i], items_[j]))
-            behind_[i * words_ + j / 64] &= ~(1ull << (j % 64));
+        for (std::size_t w = 0; w < words_ && (left_[i / 64] >> (i % 64) & 1); ++w)
+          for (std::uint64_t behind = behind_[i * words_ + w] & left_[w]; behind != 0; behind &= behind - 1) {
+            const int bit = std::countr_zero(behind);
+            const Item &a = items_[i], &b = items_[64 * w + static_cast<std::size_t>(bit)];
+            if (relate_neighbors(a, b) == Relation::unknown && !silhouettes_meet(a, b))
+              behind_[i * words_ + w] &= ~(std::uint64_t{1} << bit);
+          }
       continue;
     }
     if (taken == n) {

@@ -1,8 +1,10 @@
 // The order of the few tetrahedra inside one convex cell.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "extraction/interval_mesh.h"
@@ -26,12 +28,13 @@ class CellOrder {
   struct Plane {
     Vec3d normal;   // unit length, outwards
     double offset;  // dot(normal, x) <= offset inside
+    double eye;     // the eye's distance from it
   };
   struct Item {
     std::uint32_t id;
+    std::array<std::uint32_t, 4> points;
     std::uint16_t interval;
-    bool flat;         // of no volume: hides nothing
-    double distance2;  // of the centroid, squared
+    bool flat;  // of no volume: hides nothing
     // Of the picture on a plane through the middle of the cell, and of the depth behind that plane; only where in_front_.
     double lower[3], upper[3];
     Vec3d p[4];  // seen from the middle of the cell
@@ -40,15 +43,16 @@ class CellOrder {
 
   void prepare(const IntervalMesh& mesh, Vec3d eye, std::span<const std::uint32_t> tetrahedra);
   Relation relate(const Item& a, const Item& b) const;
+  Relation relate_neighbors(const Item& a, const Item& b) const;
   Relation relate_by_edges(const Item& a, const Item& b) const;
   bool silhouettes_meet(const Item& a, const Item& b) const;
   int emit(std::span<std::uint32_t> tetrahedra);
 
   std::span<const std::uint8_t> one_color_;
-  std::vector<Item> items_;
-  std::vector<std::uint32_t> by_distance_;  // [items] positions in items_, far ones first
-  std::vector<std::uint64_t> behind_;       // [items][words] bit j of row i: j must be drawn before i
-  std::vector<std::uint64_t> left_;         // [words] not drawn yet
+  std::vector<Item> items_;                                    // far ones first
+  std::vector<std::pair<double, std::uint32_t>> by_distance_;  // minus the squared distance of the centroid, id
+  std::vector<std::uint64_t> behind_;                          // [items][words] bit j of row i: j must be drawn before i
+  std::vector<std::uint64_t> left_;                            // [words] not drawn yet
   std::size_t words_ = 0;
   Vec3d eye_;              // seen from the middle of the cell
   double tolerance_ = 0;   // lengths below it do not count

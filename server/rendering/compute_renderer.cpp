@@ -1,6 +1,7 @@
 #include "rendering/compute_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <new>
 #include <vector>
@@ -99,7 +100,7 @@ DrawResult ComputeState::draw(const DrawInput& input) {
     (stage.name == "blend" || stage.name == "merge" ? facts.draw_ms : facts.order_ms) += stage.ms;
   facts.readback_ms = pipeline_.readback_ms();
   facts.order = order.method;
-  facts.order_exact = order.kind == TILE_ORDER_NONE || (late == 0 && (order.kind == TILE_ORDER_INDEX || order.list_exact));
+  facts.order_exact = order.kind == TILE_ORDER_NONE || (order.kind == TILE_ORDER_LIST ? order.list_exact : late == 0);
   if (order.kind == TILE_ORDER_INDEX)
     facts.order += late == 0 ? " (exact)" : " (exact but for " + std::to_string(late) + " fragments inside cells)";
   if (input.float_image) {

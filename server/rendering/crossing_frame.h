@@ -31,16 +31,20 @@ struct CrossingFrame {
 
   /// Calls visit(a, b, c, facet, interval) for the facets of a group that may lie in the tile.
   template <class Visit>
-  void visit_facets(std::span<const TileEntry> entries, const Visit& visit) const {
+  ISOSTRATA_INLINE void visit_facets(std::span<const TileEntry> entries, const Visit& visit) const {
     for (const TileEntry& entry : entries)
       for (std::uint32_t f = entry.first; f < entry.end; ++f) {
+        const ScreenVertex *a, *b, *c;
+        std::uint32_t facet = f;
         if (entry.clipped) {
           const ClippedFacet& piece = bins.clipped[f];
-          visit(piece.triangle[0], piece.triangle[1], piece.triangle[2], piece.facet, entry.interval);
+          a = &piece.triangle[0], b = &piece.triangle[1], c = &piece.triangle[2];
+          facet = piece.facet;
         } else {
           const auto& p = set.points[f];
-          visit(vertices[p[0]], vertices[p[1]], vertices[p[2]], f, entry.interval);
+          a = &vertices[p[0]], b = &vertices[p[1]], c = &vertices[p[2]];
         }
+        visit(*a, *b, *c, facet, entry.interval);
       }
   }
 };

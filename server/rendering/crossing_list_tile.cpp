@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "rendering/facet_spans.h"
-
 namespace isostrata {
 namespace {
 
@@ -13,16 +11,26 @@ constexpr std::size_t kPixels = static_cast<std::size_t>(kTileWidth) * kTileHeig
 static_assert(kPixels <= 1 << 16);
 constexpr std::size_t kMaxCrossings = std::size_t{1} << 22;  // of a part of a tile that has more than one pixel
 
-std::uint32_t ordered(float z) {
-  const auto bits = std::bit_cast<std::uint32_t>(z);
-  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-}
 float depth_of(std::uint64_t key) {
   const auto bits = static_cast<std::uint32_t>(key >> 32);
   return std::bit_cast<float>(bits & 0x80000000u ? bits & 0x7fffffffu : ~bits);
 }
-std::uint32_t facet_of(std::uint64_t key) { return static_cast<std::uint32_t>(key) >> 1; }
-bool enters(std::uint64_t key) { return key & 1; }
+std::uint32_t facet_of(std::uint64_t key) { return static_cast<std::uint32_t>(key) & 0x7fffffffu; }
+bool enters(std::uint64_t key) { return key >> 31 & 1; }
+
+/// Most pixels have a few crossings, and many of these in order.
+void sort_few(std::span<std::uint64_t> keys) {
+  if (keys.size() > 32) {
+    std::sort(keys.begin(), keys.end());
+    return;
+  }
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    const std::uint64_t key = keys[i];
+    std::size_t to = i;
+    for (; to > 0 && keys[to - 1] > key; --to) keys[to] = keys[to - 1];
+    keys[to] = key;
+  }
+}
 
 bool draws(const SurfaceStyle& surface, FacetLabel label) {
   return label == FacetLabel::lower ? surface.lower : label == FacetLabel::upper ? surface.upper : surface.domain;
@@ -89,34 +97,12 @@ struct CrossingListTile::Ray {
   }
 };
 
-bool CrossingListTile::gather(const CrossingFrame& frame, std::span<const TileEntry> entries, const PixelRect& part) {
-  keys_.clear();
-  pixels_.clear();
-  const bool may_split = part.x1 - part.x0 > 1 || part.y1 - part.y0 > 1;
-  bool too_many = false;
-  frame.visit_facets(
-      entries, [&](const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, std::uint32_t facet, std::uint16_t) {
-        int first_row, end_row;
-        if (too_many || !may_cover(a, b, c, part, first_row, end_row)) return;
-        const DepthPlane plane(a, b, c);
-        scan_facet(a, b, c, part, [&](int row, int first, int end, bool enters) {
-          const DepthPlane::Row depths = plane.row(first, row);
-          const std::uint32_t pixel = static_cast<std::uint32_t>((row - part.y0) * (part.x1 - part.x0) + first - part.x0);
-          for (int k = 0; k < end - first; ++k) {
-            keys_.push_back(std::uint64_t{ordered(depths.depth(k))} << 32 | facet << 1 | (enters ? 1 : 0));
-            pixels_.push_back(static_cast<std::uint16_t>(pixel + static_cast<std::uint32_t>(k)));
-          }
-        });
-        too_many = may_split && keys_.size() > kMaxCrossings;
-      });
-  return !too_many;
-}
-
 void CrossingListTile::sort_by_pixel() {
-  for (const std::uint16_t pixel : pixels_) ++first_[pixel + 1u];
+  const std::size_t count = records_.count;
+  for (std::size_t i = 0; i < count; ++i) ++first_[records_.pixels[i] + 1u];
   for (std::size_t p = 1; p < first_.size(); ++p) first_[p] += first_[p - 1];
-  sorted_.resize(keys_.size());
-  for (std::size_t i = 0; i < keys_.size(); ++i) sorted_[first_[pixels_[i]]++] = keys_[i];
+  if (sorted_.size() < count) sorted_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) sorted_[first_[records_.pixels[i]]++] = records_.keys[i];
   for (std::size_t p = first_.size() - 1; p > 0; --p) first_[p] = first_[p - 1];
   first_[0] = 0;
 }
@@ -187,7 +173,8 @@ void CrossingListTile::walk(const CrossingFrame& frame, int x, int y, std::span<
 
 std::int64_t CrossingListTile::draw_part(const CrossingFrame& frame, std::span<const TileEntry> entries, bool wants_depth,
                                          const PixelRect& part, TilePixels& tile) {
-  if (!gather(frame, entries, part)) {
+  const bool may_split = part.x1 - part.x0 > 1 || part.y1 - part.y0 > 1;
+  if (!gather_crossings(frame, entries, part, may_split ? kMaxCrossings : ~std::size_t{0}, records_)) {
     PixelRect halves[2] = {part, part};
     if (part.x1 - part.x0 > part.y1 - part.y0)
       halves[0].x1 = halves[1].x0 = (part.x0 + part.x1) / 2;
@@ -201,10 +188,10 @@ std::int64_t CrossingListTile::draw_part(const CrossingFrame& frame, std::span<c
   for (std::size_t p = 0; p < width * height; ++p) {
     const std::span<std::uint64_t> crossings(sorted_.data() + first_[p], sorted_.data() + first_[p + 1]);
     if (crossings.empty()) continue;
-    std::sort(crossings.begin(), crossings.end());
+    sort_few(crossings);
     walk(frame, part.x0 + static_cast<int>(p % width), part.y0 + static_cast<int>(p / width), crossings, wants_depth, tile);
   }
-  return static_cast<std::int64_t>(keys_.size());
+  return static_cast<std::int64_t>(records_.count);
 }
 
 std::int64_t CrossingListTile::draw(const CrossingFrame& frame, std::span<const TileEntry> entries, bool wants_depth,

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rendering/crossing_frame.h"
+#include "rendering/scan_simd.h"
 
 namespace isostrata {
 
@@ -21,10 +21,6 @@ class CrossingListTile {
   std::int64_t draw(const CrossingFrame& frame, std::span<const TileEntry> entries, bool wants_depth, TilePixels& tile);
 
  private:
-  /// Sorts by depth; at the same depth leaving comes before entering.
-  struct Crossing {
-    std::uint64_t key;  // depth in 32 bits that sort as it does, then the facet, then 1 where the ray enters
-  };
   struct Open {
     std::uint16_t interval;
     std::int32_t count;
@@ -33,14 +29,13 @@ class CrossingListTile {
 
   std::int64_t draw_part(const CrossingFrame& frame, std::span<const TileEntry> entries, bool wants_depth, const PixelRect& part,
                          TilePixels& tile);
-  bool gather(const CrossingFrame& frame, std::span<const TileEntry> entries, const PixelRect& part);
   void sort_by_pixel();
   void walk(const CrossingFrame& frame, int x, int y, std::span<const std::uint64_t> crossings, bool wants_depth,
             TilePixels& tile);
   void open(std::uint16_t interval, int change);
 
-  std::vector<std::uint64_t> keys_, sorted_;
-  std::vector<std::uint16_t> pixels_;  // of keys_, in the tile
+  CrossingRecords records_;
+  std::vector<std::uint64_t> sorted_;  // the records' keys by pixel
   std::vector<std::uint32_t> first_;   // [pixels + 1] into sorted_
   std::vector<Open> open_;
 };

@@ -1,5 +1,5 @@
-// Projected tetrahedra made on the device: a list of tetrahedra goes up, or is there already, and nothing comes back. Each batch is
-// projected by a compute program into vertices and draw commands (shaders/project_tetrahedra.comp), then drawn indirectly.
+// Projected tetrahedra made on the device: a list of tetrahedra goes up, or is there already, and nothing comes back. Each batch
+// is projected by a compute program into vertices and draw commands (shaders/project_tetrahedra.comp), then drawn indirectly.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,11 @@ class DeviceProjection {
     auto operator<=>(const Variant&) const = default;
   };
 
-  /// Puts there what is the same for all tiles of a frame. order: tetrahedra, back to front; parts: drawn_parts(). False where the
-  /// device has no room: then draw must not be called.
+  /// Puts there what is the same for all tiles of a frame. order: tetrahedra, back to front; parts: drawn_parts(). False where
+  /// the device has no room: then draw must not be called.
   bool prepare(const Variant& variant, std::span<const std::uint32_t> order, std::span<const std::uint32_t> parts);
-  /// Into the framebuffer, with the drawing program and the vertex array's formats given. The mesh, the facets and the frame's block
-  /// are bound.
+  /// Into the framebuffer, with the drawing program and the vertex array's formats given. The mesh, the facets and the frame's
+  /// block are bound.
   void draw(GLuint drawing_program, GLuint vertex_array);
 
  private:

@@ -32,6 +32,7 @@ struct TileMemory {
   PixelLists lists;
   TilePixels pixels;
   CoverBatch batch;
+  CoverScratch scratch;
   std::vector<TileEntry> nearest_first, sorted;
   std::vector<std::uint32_t> surfaces;
   float q_low[kTilePixels], q_high[kTilePixels];
@@ -77,6 +78,11 @@ void sort_by_nearness(std::vector<TileEntry>& entries, std::vector<TileEntry>& s
 
 struct SegmentsRenderer::State {
   PlacedMesh placed;
+  // Of the mesh and values that were drawn last:
+  std::weak_ptr<const IntervalMesh> mesh;
+  std::weak_ptr<const std::vector<float>> values;
+  std::vector<ValueRange> ranges;  // [intervals]
+  std::vector<ValueRange> blocks;  // block_ranges, made when they are first asked for
   std::mutex mutex;  // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
@@ -146,8 +152,8 @@ class TilePainter {
     part.q_high = memory.q_high;
   }
 
-  std::uint16_t interval_of(std::uint32_t id) const {
-    const std::size_t count = input_.mesh->tetrahedra.size();
+  std::uint32_t interval_of(std::uint32_t id) const {
+    const std::size_t count = placed_.first_piece;
     return id < count ? input_.mesh->tetrahedron_interval[id] : placed_.pieces[id - count].interval;
   }
 
@@ -167,6 +173,27 @@ class TilePainter {
     paint_part(part, memory);
   }
 
+  /// The corners of the entries from `begin` on. They lie about in memory, so they are asked for some time before.
+  void gather(const std::vector<TileEntry>& entries, std::size_t begin, CoverBatch& batch) const {
+    constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
+    const auto& tetrahedra = input_.mesh->tetrahedra;
+    const std::uint16_t* const intervals = input_.mesh->tetrahedron_interval.data();
+    const std::size_t count = placed_.first_piece;
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const std::size_t at = begin + i;
+      if (const std::size_t ahead = at + kIdsAhead; ahead < entries.size() && entries[ahead].id < count) {
+        __builtin_prefetch(&tetrahedra[entries[ahead].id]);
+        __builtin_prefetch(&intervals[entries[ahead].id]);
+      }
+      if (const std::size_t ahead = at + kPointsAhead; ahead < entries.size() && entries[ahead].id < count)
+        for (const std::uint32_t point : tetrahedra[entries[ahead].id]) __builtin_prefetch(&placed_.points[point]);
+      const std::uint32_t id = entries[at].id;
+      batch.interval[i] = static_cast<std::int32_t>(interval_of(id));
+      for (std::size_t v = 0; v < 4; ++v)
+        batch.vertex[v][i] = id < count ? placed_.points[tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
+    }
+  }
+
   /// The group's tetrahedra and surfaces in a part of the tile; in four parts of that where its fragments take too much memory.
   void paint_part(const CoverInput& part, TileMemory& memory) {
     FragmentStore& store = memory.store;
@@ -177,20 +204,14 @@ class TilePainter {
       memory.reserve(std::max(2 * store.capacity, store.count + wanted), store.q_in != nullptr);
       return true;
     };
-    const std::size_t count = input_.mesh->tetrahedra.size();
     const auto& entries = memory.nearest_first;
     for (std::size_t begin = 0; begin < entries.size(); begin += CoverBatch::kCapacity) {
       CoverBatch& batch = memory.batch;
       batch.count = std::min(CoverBatch::kCapacity, entries.size() - begin);
-      for (std::size_t i = 0; i < batch.count; ++i) {
-        const std::uint32_t id = entries[begin + i].id;
-        batch.interval[i] = interval_of(id);
-        for (std::size_t v = 0; v < 4; ++v)
-          batch.vertex[v][i] = id < count ? placed_.points[input_.mesh->tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
-      }
+      gather(entries, begin, batch);
       for (std::size_t done = 0; done < batch.count;) {
         if (!make_room(kLightRoom)) return paint_quarters(part, memory);
-        done = cover_tile(part, batch, done, store);
+        done = cover_tile(part, batch, done, memory.scratch, store);
       }
     }
     for (const std::uint32_t triangle : memory.surfaces) {
@@ -251,8 +272,24 @@ SegmentsRenderer::~SegmentsRenderer() = default;
 void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
   const Stopwatch order_watch;
   const SegmentView view = make_segment_view(input);
-  const SegmentOptics optics = make_segment_optics(input, view.scale);
-  place_mesh(input, view, optics, state_->placed);
+  SegmentOptics optics = make_segment_optics(input, view.scale);
+  if (state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
+    state_->ranges.clear();
+    state_->blocks.clear();
+    state_->mesh = input.mesh;
+    state_->values = input.color_values;
+  }
+  if (optics.cut) {
+    if (state_->blocks.empty()) state_->blocks = block_ranges(*input.mesh, *input.color_values);
+    std::vector<ValueRange> inside;
+    for (const Interval& interval : input.cut_intervals)
+      inside.push_back({static_cast<float>(interval.lower), static_cast<float>(interval.upper)});
+    straighten(inside, optics);
+  } else {
+    if (state_->ranges.empty()) state_->ranges = value_ranges(*input.mesh, input.color_values.get());
+    straighten(state_->ranges, optics);
+  }
+  place_mesh(input, view, optics, state_->blocks, state_->placed);
   const SegmentSurfaces surfaces(input, view, optics, state_->placed.tiles_x, state_->placed.tiles_y);
   facts.order = "per pixel (exact)";
   facts.order_exact = true;

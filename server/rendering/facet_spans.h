@@ -16,6 +16,10 @@
 
 #include "rendering/screen_transform.h"
 
+// These are compiled for each set of vectors into whoever calls them; a call from there to code for the oldest processor would
+// cost more than what it does.
+#define ISOSTRATA_INLINE inline __attribute__((always_inline))
+
 namespace isostrata {
 
 /// Pixels x0 <= x < x1, y0 <= y < y1.
@@ -24,20 +28,20 @@ struct PixelRect {
 };
 
 /// The first row, or column, whose centre is not before this screen coordinate.
-inline int first_center(std::int32_t coordinate) { return (coordinate + kSubpixels / 2 - 1) >> kSubpixelBits; }
+ISOSTRATA_INLINE int first_center(std::int32_t coordinate) { return (coordinate + kSubpixels / 2 - 1) >> kSubpixelBits; }
 
 /// The first column whose centre is not left of where the edge crosses the centre of the row. Precondition: upper.y <= centre of
 /// the row < lower.y.
 struct EdgeCrossings {
   double x, y, slope, left, right;
 
-  EdgeCrossings(const ScreenVertex& upper, const ScreenVertex& lower)
+  ISOSTRATA_INLINE EdgeCrossings(const ScreenVertex& upper, const ScreenVertex& lower)
       : x(upper.x),
         y(upper.y),
         slope((static_cast<double>(lower.x) - upper.x) / (static_cast<double>(lower.y) - upper.y)),
         left(std::min(upper.x, lower.x)),
         right(std::max(upper.x, lower.x)) {}
-  int column(int row) const {
+  ISOSTRATA_INLINE int column(int row) const {
     const double center = row * static_cast<double>(kSubpixels) + kSubpixels / 2;
     // Never beyond the ends, however it is rounded: facets are left out by their bounds.
     const double at = std::clamp(x + (center - y) * slope, left, right);
@@ -46,8 +50,8 @@ struct EdgeCrossings {
 };
 
 /// Whether the facet's bounds hold a pixel centre of the rect; `rows` become the first and the last but one of such rows.
-inline bool may_cover(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, const PixelRect& rect, int& first_row,
-                      int& end_row) {
+ISOSTRATA_INLINE bool may_cover(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, const PixelRect& rect,
+                                int& first_row, int& end_row) {
   first_row = std::max(first_center(std::min({a.y, b.y, c.y})), rect.y0);
   end_row = std::min(first_center(std::max({a.y, b.y, c.y})), rect.y1);
   const int first_column = std::max(first_center(std::min({a.x, b.x, c.x})), rect.x0);
@@ -58,10 +62,11 @@ inline bool may_cover(const ScreenVertex& a, const ScreenVertex& b, const Screen
 /// Calls span(row, first column, end column, enters) for each row of the rect in which the facet a, b, c (counter-clockwise seen
 /// from outside the solid) covers pixels. `enters`: the rays enter the solid there.
 template <class Span>
-void scan_facet(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, const PixelRect& rect, const Span& span) {
+ISOSTRATA_INLINE void scan_facet(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, const PixelRect& rect,
+                                 const Span& span) {
   int first_row = 0, end_row = 0;
   if (!may_cover(a, b, c, rect, first_row, end_row)) return;
-  // The edges by direction. One of a kind goes all the way; the other two meet at the vertex between.
+  // The edges by direction: one of a kind, which goes all the way, and one or two of the other, which meet at a vertex.
   const ScreenVertex* const v[3] = {&a, &b, &c};
   struct Side {
     const ScreenVertex *upper, *lower;
@@ -69,27 +74,26 @@ void scan_facet(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex
   Side down[2], up[2];
   int downs = 0, ups = 0;
   for (int i = 0; i < 3; ++i) {
-    const ScreenVertex &from = *v[i], &to = *v[(i + 1) % 3];
+    const ScreenVertex &from = *v[i], &to = *v[i == 2 ? 0 : i + 1];
     if (from.y < to.y)
       down[downs++] = {&from, &to};
     else if (from.y > to.y)
       up[ups++] = {&to, &from};
   }
   if (downs == 0 || ups == 0) return;
-  if (downs == 2 && down[0].upper->y > down[1].upper->y) std::swap(down[0], down[1]);
-  if (ups == 2 && up[0].upper->y > up[1].upper->y) std::swap(up[0], up[1]);
-  for (int d = 0; d < downs; ++d) {
-    const EdgeCrossings left(*down[d].upper, *down[d].lower);
-    for (int u = 0; u < ups; ++u) {
-      const int from = std::max({first_row, first_center(down[d].upper->y), first_center(up[u].upper->y)});
-      const int to = std::min({end_row, first_center(down[d].lower->y), first_center(up[u].lower->y)});
-      if (from >= to) continue;
-      const EdgeCrossings right(*up[u].upper, *up[u].lower);
-      for (int row = from; row < to; ++row) {
-        const int at_down = left.column(row), at_up = right.column(row);
-        const int first = std::max(std::min(at_down, at_up), rect.x0), end = std::min(std::max(at_down, at_up), rect.x1);
-        if (first < end) span(row, first, end, at_down < at_up);
-      }
+  const bool down_is_long = downs == 1;
+  const Side& whole = down_is_long ? down[0] : up[0];
+  const EdgeCrossings along(*whole.upper, *whole.lower);
+  const Side* const parts = down_is_long ? up : down;
+  for (int p = 0; p < (down_is_long ? ups : downs); ++p) {
+    const int from = std::max(first_row, first_center(parts[p].upper->y));
+    const int to = std::min(end_row, first_center(parts[p].lower->y));
+    if (from >= to) continue;
+    const EdgeCrossings across(*parts[p].upper, *parts[p].lower);
+    for (int row = from; row < to; ++row) {
+      const int one = along.column(row), other = across.column(row);
+      const int first = std::max(std::min(one, other), rect.x0), end = std::min(std::max(one, other), rect.x1);
+      if (first < end) span(row, first, end, (one < other) == down_is_long);
     }
   }
 }
@@ -102,7 +106,7 @@ struct DepthPlane {
   double bottom, bottom_x, bottom_y;  // q
   float lowest, highest;              // never beyond the vertices, however thin the facet
 
-  DepthPlane(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c)
+  ISOSTRATA_INLINE DepthPlane(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c)
       : x(a.x * (1.0 / kSubpixels)),
         y(a.y * (1.0 / kSubpixels)),
         top(static_cast<double>(a.z) * a.q),
@@ -130,7 +134,7 @@ struct DepthPlane {
       return std::min(highest, std::max(lowest, n / d));  // this way round NaN becomes `lowest`
     }
   };
-  Row row(int column, int at_row) const {
+  ISOSTRATA_INLINE Row row(int column, int at_row) const {
     const double dx = column + 0.5 - x, dy = at_row + 0.5 - y;
     return {static_cast<float>(top + dx * top_x + dy * top_y),
             static_cast<float>(top_x),

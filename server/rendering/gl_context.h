@@ -25,6 +25,8 @@ class GlContext {
   void release();
 
   const GlFunctions& gl() const { return gl_; }
+  /// So that a test can put in functions that fail as a device's would.
+  GlFunctions& gl_to_break() { return gl_; }
   const std::string& device() const { return device_; }  // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
   bool software() const { return software_; }
   const std::string& uuid() const { return uuid_; }  // of the device, lower-case hexadecimal digits; empty where it has none

@@ -235,6 +235,7 @@ void GlState::check_device() {
   if (gl_.GetGraphicsResetStatus && gl_.GetGraphicsResetStatus() != GL_NO_ERROR)
     throw Error(ErrorCode::unavailable, context_->device() + ": the driver has reset the device");
   const GLenum error = gl_.GetError();
+  if (error == GL_CONTEXT_LOST) throw Error(ErrorCode::unavailable, context_->device() + ": the context was lost");
   if (error == GL_OUT_OF_MEMORY) throw Error(ErrorCode::too_large, context_->device() + ": out of memory");
   if (error != GL_NO_ERROR) throw Error(ErrorCode::unavailable, context_->device() + ": OpenGL error " + std::to_string(error));
 }
@@ -312,6 +313,8 @@ class GlRenderer : public Renderer {
 
   DrawResult draw(const DrawInput& input) override {
     check(input);
+    if (!input.cut_intervals.empty())
+      throw Error(ErrorCode::unavailable, "picture: intervals that the renderer cuts are drawn by the native renderer only");
     try {
       if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_), project_on_);
       return state_->draw(input);

@@ -1,15 +1,15 @@
 #include "rendering/gl_tiles.h"
-#include "rendering/pixel_grid.h"
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
+#include "rendering/pixel_grid.h"
 #include "rendering/shader_sources.h"
 
 namespace isostrata {

@@ -24,7 +24,7 @@ class NativeRenderer final : public Renderer {
       TileSink sink(input);
       const bool constant = std::all_of(input.styles.begin(), input.styles.end(),
                                         [](const IntervalStyle& style) { return !style.visible || style.constant(); });
-      if (constant)
+      if (constant && input.cut_intervals.empty())
         crossings_.draw(input, sink, result.facts);
       else
         segments_.draw(input, sink, result.facts);

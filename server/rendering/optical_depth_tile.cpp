@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rendering/facet_spans.h"
 #include "rendering/resolve_simd.h"
+#include "rendering/scan_simd.h"
 
 namespace isostrata {
 namespace {
@@ -14,36 +14,6 @@ constexpr int kIntervalsPerSum = 8;  // so many that lie over one another do not
 constexpr double kSteps = 1 << 27;   // for ScreenTransform::reach
 
 }  // namespace
-
-template <bool kCut>
-std::int64_t OpticalDepthTile::add(const CrossingFrame& frame, std::span<const TileEntry> entries, const TilePixels& tile) {
-  std::int64_t crossings = 0;
-  const auto steps = static_cast<float>(steps_);
-  frame.visit_facets(
-      entries, [&](const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, std::uint32_t, std::uint16_t) {
-        int first_row, end_row;
-        if (!may_cover(a, b, c, tile.rect, first_row, end_row)) return;
-        const DepthPlane plane(a, b, c);
-        scan_facet(a, b, c, tile.rect, [&](int row, int first, int end, bool enters) {
-          crossings += end - first;
-          const std::size_t at =
-              static_cast<std::size_t>(row - tile.rect.y0) * kTileWidth + static_cast<std::size_t>(first - tile.rect.x0);
-          const DepthPlane::Row depths = plane.row(first, row);
-          const int sign = enters ? -1 : 1;
-          for (int k = 0; k < end - first; ++k) {
-            const std::size_t i = at + static_cast<std::size_t>(k);
-            float z = depths.depth(k);
-            if constexpr (kCut) {
-              if (!tile.nearest.empty()) z = std::min(std::max(z, tile.nearest[i]), std::max(tile.nearest[i], tile.farthest[i]));
-              balance_[i] += sign;
-              first_[i] = std::min(first_[i], z);
-            }
-            sum_[i] += sign * static_cast<std::int32_t>(std::lrint(z * steps));
-          }
-        });
-      });
-  return crossings;
-}
 
 void OpticalDepthTile::take_up(const CrossingFrame& frame, float extinction, const TilePixels& tile, bool cut) {
   for (std::size_t i = 0; cut && i < kPixels; ++i) {
@@ -94,7 +64,16 @@ std::int64_t OpticalDepthTile::draw(const CrossingFrame& frame, const DrawGroup&
     sum_.assign(kPixels, 0);
     if (cut) balance_.assign(kPixels, 0);
     const auto part = entries.subspan(begin, end - begin);
-    crossings += cut ? add<true>(frame, part, tile) : add<false>(frame, part, tile);
+    DepthSums to{tile.rect, static_cast<float>(steps_), sum_.data()};
+    if (cut) {
+      to.balance = balance_.data();
+      to.first = first_.data();
+      if (!tile.nearest.empty()) {
+        to.nearest = tile.nearest.data();
+        to.farthest = tile.farthest.data();
+      }
+    }
+    crossings += add_depths(frame, part, to);
     take_up(frame, extinction, tile, cut);
     begin = end;
   }

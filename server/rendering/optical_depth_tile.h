@@ -24,8 +24,6 @@ class OpticalDepthTile {
                     TilePixels& tile);
 
  private:
-  template <bool kCut>
-  std::int64_t add(const CrossingFrame& frame, std::span<const TileEntry> entries, const TilePixels& tile);
   void take_up(const CrossingFrame& frame, float extinction, const TilePixels& tile, bool cut);
   void paint(const CrossingFrame& frame, const Rgb& color, bool wants_depth, TilePixels& tile) const;
 

@@ -81,7 +81,7 @@ void project_vertices(std::span<const Vec3d> points, const ScreenTransform& tran
     const std::size_t done = project(&points[first].x, count, rows.data(), transform, &out[first]);
     if (done == count) return;
     // The rest in a vector that is filled up: the same arithmetic for every point.
-    constexpr std::size_t kLargest = HWY_MAX_BYTES / sizeof(double);
+    constexpr std::size_t kLargest = 256;  // doubles in a vector: HWY_MAX_BYTES is that of the target compiled last
     std::array<Vec3d, kLargest> last;
     std::array<ScreenVertex, kLargest> projected;
     for (std::size_t i = 0; i < kLargest; ++i) last[i] = points[first + std::min(done + i, count - 1)];

@@ -33,13 +33,14 @@ void fill_bins(const std::vector<std::span<const PlacedTetrahedron>>& chunks, in
 /// A piece of a tetrahedron that was cut at the eye or far outside the picture.
 struct CutTetrahedron {
   std::array<ScreenVertex, 4> vertex;
-  std::uint16_t interval = 0;
+  std::uint32_t interval;
 };
 
-/// The drawn tetrahedra on the screen. ids from mesh.tetrahedra.size() on are pieces. Memory is kept from frame to frame.
+/// The drawn tetrahedra on the screen. ids from first_piece on are pieces. Memory is kept from frame to frame.
 struct PlacedMesh {
   Buffer<ScreenVertex> points;  // [np]
-  std::vector<CutTetrahedron> pieces;
+  Buffer<CutTetrahedron> pieces;
+  std::size_t first_piece = 0;
   TileBins bins;
   std::int64_t drawn = 0;  // tetrahedra of drawn intervals, whether they cover a pixel or not
   int tiles_x = 0, tiles_y = 0;
@@ -47,6 +48,9 @@ struct PlacedMesh {
   Buffer<PlacedTetrahedron> placed;  // [tetrahedra], of each chunk from its first tetrahedron on
 };
 
-void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, PlacedMesh& out);
+/// blocks: block_ranges, where DrawInput::cut_intervals are asked for: then everything is a piece, one for each interval that a
+/// tetrahedron reaches into.
+void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, std::span<const ValueRange> blocks,
+                PlacedMesh& out);
 
 }  // namespace isostrata

@@ -22,7 +22,7 @@ constexpr std::int32_t kOwnLight = 1 << 4;  // in Group::faces: colour or extinc
 struct Group {
   alignas(64) float x[4][kMaxLanes], y[4][kMaxLanes];
   alignas(64) float side[6][kMaxLanes];  // dx/dy of the edges
-  alignas(64) std::int32_t row_first[kMaxLanes], row_last[kMaxLanes];
+  alignas(64) std::int32_t row_first[kMaxLanes], rows[kMaxLanes];
   alignas(64) float face_x[4][kMaxLanes], face_y[4][kMaxLanes], face_1[kMaxLanes];  // q on face f; the constant is of face 0
   alignas(64) std::int32_t faces[kMaxLanes];  // bit f: face f is seen from its back; kOwnLight
   alignas(64) float q0[kMaxLanes], q_low[kMaxLanes], q_high[kMaxLanes];
@@ -80,9 +80,10 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V box = hn::Mul(area, hn::Sub(q_high, q_low));
   // Of no volume within rounding: covers nothing. What a real sliver this thin would add is lost, a part in a million of its box.
   const auto solid = hn::Gt(hn::Abs(volume), hn::Mul(box, hn::Set(d, 2e-6f)));
-  row_last = hn::IfThenElse(solid, row_last, hn::Set(d, -1.0f));
-  hn::Store(hn::ConvertTo(di, row_first), di, g.row_first);
-  hn::Store(hn::ConvertTo(di, hn::Max(row_last, hn::Set(d, -1.0f))), di, g.row_last);
+  row_last = hn::IfThenElse(solid, row_last, hn::Set(d, -1e6f));
+  const V rows = hn::Max(hn::Add(hn::Sub(row_last, row_first), one), zero);
+  hn::Store(hn::ConvertTo(di, hn::IfThenElseZero(hn::Gt(rows, zero), row_first)), di, g.row_first);
+  hn::Store(hn::ConvertTo(di, rows), di, g.rows);
 
   const V tiny = hn::MulAdd(area, hn::Set(d, 1e-9f), hn::Set(d, 1e-20f));
   auto faces = hn::Zero(di);
@@ -103,14 +104,19 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   // The color-by value in the style's range.
   const auto interval = hn::LoadU(di, &batch.interval[first]);
   hn::Store(interval, di, g.interval);
-  const V lower = hn::GatherIndex(d, optics.lower.data(), interval),
-          range = hn::GatherIndex(d, optics.inverse_range.data(), interval);
+  // Most vectors hold one interval only, which spares them the gathers.
+  const auto one_interval = static_cast<std::size_t>(batch.interval[first]);
+  const bool uniform = hn::AllTrue(di, hn::Eq(interval, hn::Set(di, batch.interval[first])));
+  const auto of_interval = [&](const std::vector<float>& table) {
+    return uniform ? hn::Set(d, table[one_interval]) : hn::GatherIndex(d, table.data(), interval);
+  };
+  const V lower = of_interval(optics.lower), range = of_interval(optics.inverse_range);
   for (V& value : u) value = hn::Mul(hn::Sub(value, lower), range);
   const V sum = hn::Add(hn::Add(u[0], u[1]), hn::Add(u[2], u[3]));
   const auto number = hn::Eq(hn::Sub(sum, sum), zero);
   for (V& value : u) value = hn::IfThenElseZero(number, value);
   V u_low = least(u), u_high = most(u);
-  const auto beyond = hn::Or(hn::Lt(u_low, hn::Set(d, -1e-4f)), hn::Gt(u_high, hn::Set(d, 1 + 1e-4f)));
+  auto beyond = hn::Or(hn::Lt(u_low, hn::Set(d, -1e-4f)), hn::Gt(u_high, hn::Set(d, 1 + 1e-4f)));
   hn::Store(u[0], d, g.u0);
   hn::Store(hn::Sub(u_low, u[0]), d, g.u_low);
   hn::Store(hn::Sub(u_high, u[0]), d, g.u_high);
@@ -127,7 +133,17 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   hn::Store(hn::Mul(u_y, over_volume), d, g.u_y);
   hn::Store(hn::Mul(u_q, over_volume), d, g.u_q);
 
-  // The colours as a line over u.
+  hn::Store(of_interval(optics.extinction), d, g.extinction);
+  if (uniform && optics.straight[one_interval] && input.integral == Integral::exact) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const V slope = hn::Set(d, optics.line_rise[one_interval][c]);
+      hn::Store(slope, d, g.color_u[c]);
+      hn::Store(hn::MulAdd(slope, u[0], hn::Set(d, optics.line_start[one_interval][c])), d, g.color[c]);
+    }
+    hn::Store(faces, di, g.faces);
+    return;
+  }
+  // The colours as a line over u, for each tetrahedron its own.
   const auto map = hn::GatherIndex(di, optics.map_first.data(), interval),
              last = hn::GatherIndex(di, optics.map_last.data(), interval);
   const V samples = hn::ConvertTo(d, last);
@@ -155,19 +171,31 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V turn = hn::Sub(hn::GatherIndex(d, optics.turn.data(), index_high), hn::GatherIndex(d, optics.turn.data(), index_low));
   const auto bent = hn::Gt(hn::Mul(turn, width), hn::Set(d, 4 * kStraight));
   const V rise = hn::GatherIndex(d, optics.extinction_rise.data(), interval);
-  hn::Store(hn::GatherIndex(d, optics.extinction.data(), interval), d, g.extinction);
+  if (optics.cut) beyond = hn::Ne(zero, zero);
   auto own = hn::Or(hn::Or(beyond, bent), hn::Ne(rise, zero));
   if (input.integral == Integral::table2d) own = hn::Eq(zero, zero);
   faces = hn::Or(faces, hn::IfThenElseZero(hn::RebindMask(di, own), hn::Set(di, kOwnLight)));
   hn::Store(faces, di, g.faces);
 }
 
+/// Writes start, start + step, ...: at least `count` numbers, in whole vectors without a branch where they are few.
+HWY_INLINE void write_run(std::uint16_t* out, std::size_t count, unsigned start, unsigned step) {
+  const hn::CappedTag<std::uint16_t, 16> d;
+  const auto steps = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint16_t>(step)));
+  const auto run = hn::Add(steps, hn::Set(d, static_cast<std::uint16_t>(start)));
+  hn::StoreU(run, d, out);
+  for (std::size_t i = hn::Lanes(d); HWY_UNLIKELY(i < count); i += hn::Lanes(d))
+    hn::StoreU(hn::Add(run, hn::Set(d, static_cast<std::uint16_t>(i * step))), d, out + i);
+}
+
 /// The rows of pixels that the group's tetrahedra cover, as tetrahedron << 10 | row << 5.
 HWY_INLINE std::size_t list_rows(const Group& g, std::size_t tetrahedra, std::uint16_t* rows) {
   std::size_t count = 0;
-  for (std::size_t t = 0; t < tetrahedra; ++t)
-    for (std::int32_t y = g.row_first[t]; y <= g.row_last[t]; ++y)
-      rows[count++] = static_cast<std::uint16_t>(t << 10 | static_cast<std::size_t>(y) << 5);
+  for (std::size_t t = 0; t < tetrahedra; ++t) {
+    const auto here = static_cast<std::size_t>(g.rows[t]);
+    write_run(rows + count, here, static_cast<unsigned>(t) << 10 | static_cast<unsigned>(g.row_first[t]) << 5, 1u << 5);
+    count += here;
+  }
   return count;
 }
 
@@ -177,13 +205,11 @@ HWY_INLINE std::size_t list_pixels(const CoverInput& input, const Group& g, cons
   const hn::CappedTag<float, kMaxLanes> d;
   const hn::RebindToSigned<decltype(d)> di;
   const hn::Rebind<std::uint16_t, decltype(d)> d16;
-  const hn::CappedTag<std::uint16_t, 16> dw;
   using V = hn::Vec<decltype(d)>;
   const std::size_t lanes = hn::Lanes(d);
   const V slack = hn::Set(d, 1.0f / 1024), low = hn::Set(d, static_cast<float>(input.x0)),
           high = hn::Set(d, static_cast<float>(input.x1));
-  const auto steps = hn::Iota(dw, 0);
-  alignas(64) std::int32_t from[kMaxLanes], to[kMaxLanes];
+  alignas(64) std::int32_t start[kMaxLanes], widths[kMaxLanes];
   std::size_t out = 0;
   for (std::size_t i = 0; i < count; i += lanes) {
     const auto code = hn::PromoteTo(di, hn::LoadU(d16, rows + i));
@@ -203,16 +229,14 @@ HWY_INLINE std::size_t list_pixels(const CoverInput& input, const Group& g, cons
       most = hn::IfThenElse(meets, hn::Max(most, at), most);
     }
     const V first = hn::Max(hn::Ceil(hn::Sub(least, slack)), low), last = hn::Min(hn::Floor(hn::Add(most, slack)), high);
-    hn::Store(hn::ConvertTo(di, hn::Min(first, hn::Set(d, 1e6f))), di, from);
-    hn::Store(hn::ConvertTo(di, hn::Max(last, hn::Set(d, -1e6f))), di, to);
+    const V width = hn::Max(hn::Add(hn::Sub(last, first), hn::Set(d, 1.0f)), hn::Zero(d));
+    hn::Store(hn::Add(code, hn::ConvertTo(di, hn::Min(first, high))), di, start);
+    hn::Store(hn::ConvertTo(di, width), di, widths);
     const std::size_t here = std::min(lanes, count - i);
     for (std::size_t r = 0; r < here; ++r) {
-      const std::int32_t pixels_here = to[r] - from[r] + 1;
-      if (pixels_here <= 0) continue;
-      const auto start = static_cast<std::uint16_t>(rows[i + r] + from[r]);
-      for (std::size_t s = 0; s < static_cast<std::size_t>(pixels_here); s += hn::Lanes(dw))
-        hn::StoreU(hn::Add(steps, hn::Set(dw, static_cast<std::uint16_t>(start + s))), dw, pixels + out + s);
-      out += static_cast<std::size_t>(pixels_here);
+      const auto pixels_here = static_cast<std::size_t>(widths[r]);
+      write_run(pixels + out, pixels_here, static_cast<unsigned>(start[r]), 1);
+      out += pixels_here;
     }
   }
   return out;
@@ -286,6 +310,23 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
       q_in = hn::Min(q_in, hn::Sub(hn::GatherIndex(d, input.q_high, pixel), q0));
       q_out = hn::Max(q_out, hn::Sub(hn::GatherIndex(d, input.q_low, pixel), q0));
     }
+    const V flat = hn::MulAdd(of(g.u_x), x, hn::Mul(of(g.u_y), y)), u_q = of(g.u_q);
+    V u_low = of(g.u_low), u_high = of(g.u_high);
+    if (input.optics->cut) {
+      // u - u0 = (flat + u_q q) / w, with w = w0 + q or 1: what keeps u above 0 and below 1 is a bound on q.
+      const V u0 = of(g.u0), w0 = hn::MulAdd(q0, perspective, orthographic);
+      const auto bound = [&](V beyond, auto keep_if_positive) {  // (u - end) w = at + rise q has the sign that is kept
+        const V rise = hn::MulAdd(beyond, perspective, u_q), at = hn::MulAdd(beyond, w0, flat);
+        const V end = hn::Neg(hn::Div(at, hn::CopySign(hn::Max(hn::Abs(rise), hn::Set(d, 1e-20f)), rise)));
+        const auto farther_is_out = hn::Xor(hn::Lt(rise, zero), keep_if_positive);
+        q_out = hn::IfThenElse(farther_is_out, hn::Max(q_out, end), q_out);
+        q_in = hn::IfThenElse(farther_is_out, q_in, hn::Min(q_in, end));
+      };
+      bound(u0, hn::Eq(zero, zero));                     // u >= 0
+      bound(hn::Sub(u0, one), hn::Ne(zero, zero));       // u <= 1
+      u_low = hn::Max(u_low, hn::Neg(u0));
+      u_high = hn::Min(u_high, hn::Sub(one, u0));
+    }
     q_in = hn::Max(q_in, q_low);
     q_out = hn::Min(q_out, q_in);
     const V w_in = hn::MulAdd(hn::Add(q0, q_in), perspective, orthographic),
@@ -294,8 +335,6 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
     const V right = hn::Mul(hn::Sub(column, center_x), inverse_focal), down = hn::Mul(hn::Sub(row, center_y), inverse_focal);
     const V slant = hn::Sqrt(hn::MulAdd(right, right, hn::MulAdd(down, down, one)));
     const V length = hn::Mul(hn::Mul(hn::Sub(q_in, q_out), over), slant);
-    const V flat = hn::MulAdd(of(g.u_x), x, hn::Mul(of(g.u_y), y)), u_q = of(g.u_q);
-    const V u_low = of(g.u_low), u_high = of(g.u_high);
     const auto clamp = [&](V v) { return hn::Min(hn::Max(v, u_low), u_high); };
     const V u_in = clamp(hn::Mul(hn::MulAdd(u_q, q_in, flat), hn::Mul(over, w_out)));
     const V u_out = clamp(hn::Mul(hn::MulAdd(u_q, q_out, flat), hn::Mul(over, w_in)));
@@ -332,25 +371,24 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
   store.count += count;
 }
 
-std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t first, FragmentStore& store) {
+std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,
+                      FragmentStore& store) {
   const hn::CappedTag<float, kMaxLanes> d;
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t i = batch.count; i % lanes != 0; ++i) {  // copies fill the last vector; they have no rows
     for (auto& corner : batch.vertex) corner[i] = corner[batch.count - 1];
     batch.interval[i] = batch.interval[batch.count - 1];
   }
-  constexpr std::size_t kMost = kMaxLanes * kTileSize * kTileSize + 64;
-  thread_local Group group;
-  thread_local std::uint16_t rows[kMaxLanes * kTileSize + 64], pixels[kMost];
-  thread_local std::int32_t code_met[kMost];
-  thread_local float in[kMost], out[kMost];
+  Group group;
+  std::uint16_t* const rows = scratch.rows;
+  std::uint16_t* const pixels = scratch.pixels;
   for (; first < batch.count; first += lanes) {
     if (store.capacity - store.count < kLightRoom) return first;
     set_up(input, batch, first, group);
     const std::size_t row_count = list_rows(group, std::min(lanes, batch.count - first), rows);
     const std::size_t pixel_count = list_pixels(input, group, rows, row_count, pixels);
-    const std::size_t met = meet_rays(group, pixels, pixel_count, code_met, in, out);
-    shine(input, group, code_met, in, out, met, store);
+    const std::size_t met = meet_rays(group, pixels, pixel_count, scratch.met, scratch.in, scratch.out);
+    shine(input, group, scratch.met, scratch.in, scratch.out, met, store);
   }
   return batch.count;
 }
@@ -363,9 +401,10 @@ namespace isostrata {
 
 HWY_EXPORT(CoverTile);
 
-std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, FragmentStore& store) {
+std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,
+                       FragmentStore& store) {
   if (batch.count == 0) return 0;
-  return HWY_DYNAMIC_DISPATCH(CoverTile)(input, batch, first, store);
+  return HWY_DYNAMIC_DISPATCH(CoverTile)(input, batch, first, scratch, store);
 }
 
 }  // namespace isostrata

@@ -20,9 +20,6 @@
 
 namespace isostrata {
 
-/// The colour map is taken as straight within a tetrahedron where it errs by less, in display values of [0, 1].
-inline constexpr float kStraight = 1e-3f;
-
 /// Fragments of a part of a tile.
 struct FragmentStore {
   float* light = nullptr;            // [capacity][4] premultiplied colour and minus alpha
@@ -51,8 +48,18 @@ struct CoverBatch {
   std::size_t count = 0;
 };
 
+/// What cover_tile writes on the way; one for each thread.
+struct CoverScratch {
+  static constexpr std::size_t kMost = 16 * kTileSize * kTileSize + 64;
+  alignas(64) std::uint16_t rows[16 * kTileSize + 64];
+  alignas(64) std::uint16_t pixels[kMost];
+  alignas(64) std::int32_t met[kMost];
+  alignas(64) float in[kMost], out[kMost];
+};
+
 /// Appends the batch's fragments to `store`, up to its capacity: returns how many tetrahedra of the batch were done (all of
 /// them, or a multiple of the vectors' length where the store is full). Any thread.
-std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, FragmentStore& store);
+std::size_t cover_tile(const CoverInput& input, CoverBatch& batch, std::size_t first, CoverScratch& scratch,
+                       FragmentStore& store);
 
 }  // namespace isostrata

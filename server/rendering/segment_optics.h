@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "rendering/renderer.h"
@@ -20,12 +21,35 @@ struct SegmentOptics {
   // One after another, of each map, followed by a copy of the last sample:
   std::vector<float> red, green, blue;
   std::vector<float> turn;  // how much the slope of the colours (per unit of u) has changed up to this sample, in sum
+  // Where the map is straight over all values inside an interval (straighten), colour = line_start + line_rise * u. [intervals]
+  std::vector<std::uint8_t> straight;
+  std::vector<Rgb> line_start, line_rise;
   int groups = 0;
+  // The tetrahedra are cut here: u is the value's place in its interval, lower and inverse_range are the interval's, and what has
+  // u below 0 or above 1 is left out. Maps are sampled anew over the interval.
+  bool cut = false;
 
   /// The straight colour at u.
   Rgb color(std::size_t interval, float u) const;
 };
 
 SegmentOptics make_segment_optics(const DrawInput& input, double scale);
+
+/// The colour map is taken as straight where it errs by less, in display values of [0, 1].
+inline constexpr float kStraight = 1e-3f;
+
+/// The least and the greatest color-by value inside an interval; infinite where one is no number.
+struct ValueRange {
+  float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
+};
+/// [intervals]. O(tetrahedra), parallel. values may be null.
+std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values);
+
+/// The values of every kRangeBlock tetrahedra; parallel.
+inline constexpr std::size_t kRangeBlock = 64;
+std::vector<ValueRange> block_ranges(const IntervalMesh& mesh, const std::vector<float>& values);
+
+/// Finds the intervals over which colours run along a line.
+void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics);
 
 }  // namespace isostrata

@@ -22,9 +22,9 @@ struct ScreenVertex {
 };
 inline constexpr float kTooNearToSee = 1, kBeyondTheGuard = 2;
 
-/// Rays are met this little off the pixels' middles, in parts of the larger side of the picture, so that faces that are seen edge-on
-/// in straight views of regular grids do not lie on the rays, where either neighbour or none might own them. A few times the step
-/// of single precision there.
+/// Rays are met this little off the pixels' middles, in parts of the larger side of the picture, so that faces that are seen
+/// edge-on in straight views of regular grids do not lie on the rays, where either neighbour or none might own them. A few times
+/// the step of single precision there.
 inline constexpr double kRayShiftX = 1.0 / (1 << 22), kRayShiftY = 0.618 / (1 << 22);
 
 struct SegmentView {

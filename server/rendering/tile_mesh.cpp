@@ -1,6 +1,7 @@
 #include "rendering/tile_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"

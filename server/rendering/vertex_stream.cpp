@@ -27,6 +27,7 @@ void VertexStream::wait_for_region() {
   const GLenum state = gl_.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, 60'000'000'000);
   gl_.DeleteSync(fence);
   fence = nullptr;
+  if (state == GL_WAIT_FAILED) throw Error(ErrorCode::unavailable, "waiting for the device failed: its context is lost");
   if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED)
     throw Error(ErrorCode::unavailable, "the device has not drawn a batch of triangles within 60 s");
 }

@@ -338,7 +338,8 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
 }
 
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {
-  std::optional<TimePoint> earliest = next_phase_;
+  std::optional<TimePoint> earliest;
+  if (watched()) earliest = next_phase_;
   for (const auto& [key, viewer] : viewers_)
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
   return earliest;

@@ -24,6 +24,7 @@ class EngineTest : public ::testing::Test {
     EngineOptions options;
     options.catalogue = Catalogue::from_sources({"torus:12", "torus:24", "torus:96"});
     options.renderer = [control = control_] { return std::make_unique<PlainRenderer>(control); };
+    options.fallback_renderer = [control = fallback_control_] { return std::make_unique<PlainRenderer>(control); };
     engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) {
       std::lock_guard lock(mutex_);
       events_.push_back(std::move(event));
@@ -82,6 +83,7 @@ class EngineTest : public ::testing::Test {
   }
 
   std::shared_ptr<PlainRendererControl> control_ = std::make_shared<PlainRendererControl>();
+  std::shared_ptr<PlainRendererControl> fallback_control_ = std::make_shared<PlainRendererControl>();
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<EngineEvent> events_;
@@ -182,6 +184,32 @@ TEST_F(EngineTest, AFailingRendererIsAnAnswerAndNotTheEnd) {
   control_->fail = false;
   engine_->post(frame(1, 2));
   EXPECT_EQ(frame_of(2).revision, 1u);
+}
+
+TEST_F(EngineTest, ADeviceThatFailsAgainAndAgainIsReplaced) {
+  engine_->post(SceneUpdate{1, scene(1)});
+  control_->fail = true;
+  for (RequestId request = 1; request <= 3; ++request) {
+    engine_->post(frame(1, request));
+    EXPECT_EQ(failure_of(request).code, ErrorCode::unavailable);
+  }
+  engine_->post(frame(1, 4));
+  EXPECT_EQ(frame_of(4).device,
+            "plain in place of plain, which failed 3 frames in a row, the last with: the plain renderer was told to fail");
+  EXPECT_EQ(fallback_control_->drawn, 1);
+}
+
+TEST_F(EngineTest, FailuresWithFramesBetweenThemReplaceNothing) {
+  engine_->post(SceneUpdate{1, scene(1)});
+  for (RequestId request = 1; request <= 9; ++request) {
+    control_->fail = request % 3 != 0;  // two failures, a frame
+    engine_->post(frame(1, request));
+    if (request % 3 != 0)
+      failure_of(request);
+    else
+      EXPECT_EQ(frame_of(request).device, "plain");
+  }
+  EXPECT_EQ(fallback_control_->drawn, 0);
 }
 
 TEST_F(EngineTest, NothingOpenIsNothingToDraw) {

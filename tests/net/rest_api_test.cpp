@@ -100,6 +100,23 @@ TEST_F(Rest, IntervalsAreAddedChangedAndRemoved) {
   expect_problem(server_.ask("GET", one), 404, "not_found", "id");
 }
 
+TEST_F(Rest, SurfacesAndModesAreSetLikeEverythingElse) {
+  const std::string session = "/api/v1/sessions/" + new_session();
+  const std::string one = session + "/intervals/1";
+  ASSERT_EQ(status_of(server_.ask("PATCH", one, R"({"surface":{"upper":true,"silhouette":0.5},"opacityUpper":0.9})")), 200);
+  const auto interval = body(server_.ask("GET", one));
+  EXPECT_TRUE(interval.at("surface").at("upper").as_bool());
+  EXPECT_EQ(interval.at("opacityUpper").to_number<double>(), 0.9);
+  ASSERT_EQ(status_of(server_.ask("PATCH", one, R"({"opacityUpper":null})")), 200);
+  EXPECT_FALSE(body(server_.ask("GET", one)).as_object().contains("opacityUpper"));
+  expect_problem(server_.ask("PATCH", one, R"({"surface":{"opacity":7}})"), 400, "invalid_argument", "surface.opacity");
+  const auto state =
+      body(server_.ask("PATCH", session + "/state", R"({"mode":"RENDER_MODE_CYCLED","cycle":{"seconds":2,"playing":false}})"));
+  EXPECT_EQ(state.at("cycle").at("seconds").to_number<double>(), 2);
+  expect_problem(server_.ask("POST", session + "/commands", R"({"setSmear":{"smear":{"steps":[5]}}})"), 404, "not_found",
+                 "steps[0]");
+}
+
 TEST_F(Rest, AnImageIsThePictureOfItsRevision) {
   const std::string path = "/api/v1/sessions/" + new_session() + "/image";
   const auto response = server_.ask("GET", path + "?width=33&height=21");

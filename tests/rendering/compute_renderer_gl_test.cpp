@@ -9,6 +9,7 @@
 #include "data/analytic.h"
 #include "extraction/extract_intervals.h"
 #include "rendering/compute_renderer.h"
+#include "rendering/renderer_trial.h"
 #include "support/oracle.h"
 #include "support/pictures.h"
 
@@ -315,6 +316,25 @@ TEST(Compute, AWidePictureInPartsIsRastersPicture) {
   EXPECT_LE(different, 40);
 }
 
+TEST(Compute, AWindowOfALargerPictureIsThatPartOfIt) {
+  DrawInput input = extracted_input("torus:10");
+  use_map(input, "viridis");
+  for (const bool orthographic : {false, true}) {
+    input.camera.orthographic = orthographic;
+    const FloatImage whole = draw_floats(input, compute());
+    DrawInput part = input;
+    part.window = {11, 7, input.width, input.height};
+    part.width = 20;
+    part.height = 15;
+    const FloatImage image = draw_floats(part, compute());
+    for (int y = 0; y < 15; ++y)
+      for (int x = 0; x < 20; ++x) {
+        EXPECT_NEAR(pixel(image, x, y)[0], pixel(whole, x + 11, y + 7)[0], 1e-4) << x << "," << y;
+        EXPECT_NEAR(pixel(image, x, y)[3], pixel(whole, x + 11, y + 7)[3], 1e-4) << x << "," << y;
+      }
+  }
+}
+
 TEST(Compute, RoomForPairsGrowsWithThePictures) {
   DrawInput small = extracted_input("torus:6"), large = extracted_input("torus:10");
   const auto renderer = make_renderer({"compute", "surfaceless"});  // knows no need yet
@@ -379,6 +399,34 @@ TEST(Compute, ALostContextIsAClearErrorAndTheNextPictureWorks) {
     EXPECT_THAT(error.what(), HasSubstr("reset"));
   }
   EXPECT_EQ(draw_bytes(input, *renderer).rgba, before.rgba);
+}
+
+// On a software device only where it is asked for.
+TEST(RendererTrial, TheFasterOfRasterAndComputeIsKept) {
+  const auto renderer = make_renderer({"auto", "surfaceless", true});
+  const std::string report = renderer_trial_report();
+  const std::string kept = renderer->draw(extracted_input("torus:6")).facts.renderer;
+  EXPECT_TRUE(kept == "raster" || kept == "compute") << kept;
+  EXPECT_TRUE(report.starts_with(kept + ": ")) << report;
+  EXPECT_THAT(report, HasSubstr(" ms a frame in the trial; " + std::string(kept == "raster" ? "compute " : "raster ")));
+  EXPECT_THAT(report, HasSubstr(renderer->device()));
+  const auto again = make_renderer({"auto", "surfaceless", true});
+  EXPECT_EQ(renderer_trial_report(), report);  // remembered: a second trial would have other times
+  EXPECT_EQ(again->draw(extracted_input("torus:6")).facts.renderer, kept);
+}
+
+TEST(RendererTrial, ANamedSoftwareDeviceIsDrawnOnByRasterWithoutOne) {
+  EXPECT_EQ(make_renderer({"auto", "surfaceless"})->draw(extracted_input("torus:6")).facts.renderer, "raster");
+}
+
+TEST(RendererTrial, WhatDoesNotWorkIsNotTheFaster) {
+  RendererTrial trial{"a device", 2.5, 0, "", "too few buffers"};
+  EXPECT_FALSE(trial.compute_is_faster());
+  EXPECT_EQ(trial.report(), "raster: 2.50 ms a frame in the trial; compute does not work: too few buffers (a device)");
+  trial = {"a device", 2.5, 1.25, "", ""};
+  EXPECT_EQ(trial.report(), "compute: 1.25 ms a frame in the trial; raster 2.50 ms (a device)");
+  trial = {"a device", 0, 1.25, "no blending", ""};
+  EXPECT_TRUE(trial.compute_is_faster());
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ DrawInput extracted_input(const char* data, double lower, double middle, double 
   const std::vector<Interval> intervals{{array.lower + lower * span, array.lower + middle * span},
                                         {array.lower + middle * span, array.lower + upper * span}};
   ExtractOptions options;
-  options.facets = true;
+  options.facets = options.measure = true;
   IntervalMesh mesh = extract_intervals(dataset.grid, array, intervals, options, Task{});
   std::vector<float> values(mesh.values.begin(), mesh.values.end());
   DrawInput input = input_of(std::move(mesh));
@@ -49,12 +49,21 @@ DrawInput extracted_input(const char* data, double lower, double middle, double 
   return input;
 }
 
+template <class Rgba>
+std::string text(const Rgba& rgba) {
+  std::string out;
+  for (const auto v : rgba) out += std::to_string(v) + " ";
+  return out;
+}
+
 void expect_oracle(const DrawInput& input, double most, const std::string& what) {
   const FloatImage image = draw_segments(input);
   const OracleImage expected = oracle_image(input);
   const OracleError error = compare_images(expected, image);
   EXPECT_GT(error.covered, 0.05) << what;
-  EXPECT_LT(error.max, most) << what << " at " << error.max_x << "," << error.max_y;
+  EXPECT_LT(error.max, most) << what << " at " << error.max_x << "," << error.max_y << ": "
+                             << text(pixel(image, error.max_x, error.max_y)) << ", expected "
+                             << text(expected.rgba[static_cast<std::size_t>(error.max_y * input.width + error.max_x)]);
   EXPECT_LT(error.mean, 1e-4) << what;
 }
 
@@ -67,7 +76,9 @@ TEST(DrawSegments, MeetsTheOracleToHalfAStepOfEightBitsOnEveryGrid) {
     for (const char* side : {"+x", "-y", "+z"}) {
       DrawInput turned = input;
       turned.camera = view_of(input.bounds, side);
-      expect_oracle(turned, 2 * kHalfStep, std::string(data) + side);  // faces seen edge-on end at pixels' edges
+      // Not straight to the last bit: on a ray within a face the oracle too may count both neighbours, or none.
+      turned.camera.eye = turned.camera.eye + Vec3d{3e-5, 1.7e-5, 2.3e-5} * input.bounds.diagonal();
+      expect_oracle(turned, kHalfStep, std::string(data) + side);
     }
   }
 }
@@ -84,7 +95,11 @@ TEST(DrawSegments, AnEyeInsideMeetsTheOracle) {
   for (const char* data : kGrids) {
     DrawInput input = extracted_input(data, 0.1, 0.5, 0.9);
     input.camera.eye = input.bounds.center() + Vec3d{0.05, 0.02, 0.01} * input.bounds.diagonal();
-    expect_oracle(input, 2 * kHalfStep, data);
+    // The base grid of "mixed" has tetrahedra that are turned and overlap others; there is no right order between those, and
+    // those that are cut near the eye fall otherwise.
+    bool turned = false;
+    for (const IntervalSummary& summary : input.mesh->summaries) turned = turned || summary.inverted > 0;
+    expect_oracle(input, turned ? 10 * kHalfStep : kHalfStep, data);
   }
 }
 
@@ -139,7 +154,8 @@ TEST(DrawSegments, ThePapersTableLooksAtTheMean) {
 TEST(DrawSegments, BentMapsOverWideTetrahedraAreIntegratedInPanels) {
   for (const double range : {0.1, 1.0}) {
     DrawInput input = extracted_input("torus:6", 0.1, 0.5, 0.9);
-    for (IntervalStyle& style : input.styles) style.color_upper = style.color_lower + range * (style.color_upper - style.color_lower);
+    for (IntervalStyle& style : input.styles)
+      style.color_upper = style.color_lower + range * (style.color_upper - style.color_lower);
     expect_oracle(input, 2 * kHalfStep, "range " + std::to_string(range));
   }
 }
@@ -153,11 +169,44 @@ TEST(DrawSegments, ConstantIntervalsBesideMappedOnes) {
 TEST(DrawSegments, ValuesThatAreNoNumbersShowTheBeginningOfTheMap) {
   DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
   const auto other = std::make_shared<std::vector<float>>(input.color_values->size(), std::numeric_limits<float>::quiet_NaN());
-  const auto lowest = std::make_shared<std::vector<float>>(input.color_values->size(), static_cast<float>(input.styles[0].color_lower));
+  const auto lowest =
+      std::make_shared<std::vector<float>>(input.color_values->size(), static_cast<float>(input.styles[0].color_lower));
   input.color_values = other;
   const FloatImage nan = draw_segments(input);
   input.color_values = lowest;
   EXPECT_EQ(nan.rgba, draw_segments(input).rgba);
+}
+
+/// The tetrahedra of the data's grid as they are, to be cut by the renderer into the intervals of extracted_input.
+DrawInput uncut_input(const char* data, double lower, double middle, double upper) {
+  const auto dataset = make_analytic(data, {}, Task{});
+  const PointArray& array = dataset->arrays[0];
+  const double span = array.upper - array.lower;
+  ExtractOptions options;
+  const std::vector<Interval> all{{array.lower - 1, array.upper + 1}};
+  DrawInput input = extracted_input(data, lower, middle, upper);
+  auto mesh = std::make_shared<IntervalMesh>(extract_intervals(dataset->grid, array, all, options, Task{}));
+  input.color_values = std::make_shared<const std::vector<float>>(mesh->values.begin(), mesh->values.end());
+  input.mesh = mesh;
+  input.cut_intervals = {{array.lower + lower * span, array.lower + middle * span},
+                         {array.lower + middle * span, array.lower + upper * span}};
+  return input;
+}
+
+TEST(DrawSegments, IntervalsCutInTheRayAreThePictureOfTheSplitMesh) {
+  for (const bool orthographic : {false, true})
+    for (const bool inside : {false, true})
+      for (const bool constant : {false, true}) {
+        DrawInput split = extracted_input("tets:8", 0.2, 0.3, 0.5), cut = uncut_input("tets:8", 0.2, 0.3, 0.5);
+        for (DrawInput* input : {&split, &cut}) {
+          input->camera.orthographic = orthographic;
+          if (inside) input->camera.eye = input->bounds.center() + Vec3d{0.05, 0.02, 0.01} * input->bounds.diagonal();
+          if (constant) input->styles[1].color_map.clear();
+          input->styles[0].opacity_upper = 0.9;
+        }
+        EXPECT_LT(compare_images(oracle_image(split), draw_segments(cut)).max, kHalfStep)
+            << (orthographic ? "parallel " : "") << (inside ? "inside " : "") << (constant ? "constant" : "");
+      }
 }
 
 TEST(DrawSegments, ManyFragmentsInATileAreDoneInParts) {

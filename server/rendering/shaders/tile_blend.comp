@@ -437,32 +437,27 @@ void main() {
 #endif
         vec4 color = segment_light(interval, path, front, back);
 #ifdef SURFACES
+        // The surface that is entered through, the segment, the surface that is left through. Of two surfaces at one place the one through
+        // which the ray leaves comes first, however their u are rounded.
         vec4 fronts = front_planes(j, u), backs = back_planes(j, u);
-        float first = least_of(fronts), last = greatest_of(backs);
-        // Of two surfaces at one place the one through which the ray leaves comes first, however their u are rounded.
-        float aside = min(2e-6 * abs(from + enter), 0.25 * (enter - leave));
-        uint face = fronts.x == first ? 0u : fronts.y == first ? 1u : fronts.z == first ? 2u : 3u;
-        if (first < range.x - from && first < kFar && draws_surface(j, face)) {
-          vec4 surface = surface_light(j, face, at, enter);
-          put(from + enter - aside, surface);
+        float first = least_of(fronts), last = greatest_of(backs), aside = min(2e-6 * abs(from + enter), 0.25 * (enter - leave));
+        uint entered = fronts.x == first ? 0u : fronts.y == first ? 1u : fronts.z == first ? 2u : 3u;
+        uint left = backs.x == last ? 0u : backs.y == last ? 1u : backs.z == last ? 2u : 3u;
+        bvec2 drawn = bvec2(first < range.x - from && first < kFar && draws_surface(j, entered),
+                            last > range.y - from && last > -kFar && draws_surface(j, left));
+        for (int step = drawn.x ? 0 : 1; step < (drawn.y ? 3 : 2); ++step) {
+          float place = step == 2 ? leave : enter;
+          vec4 shown = step == 1 ? color : surface_light(j, step == 0 ? entered : left, at, place);
+          put(from + (step == 0 ? enter - aside : step == 1 ? 0.5 * (enter + leave) : leave + aside), shown);
 #ifdef NEAREST_DEPTH
-          if (surface.a > 0.0) nearest_u = max(nearest_u, from + enter);
+          if (shown.a > 0.0) nearest_u = max(nearest_u, from + place);
 #endif
         }
-#endif
+#else
         put(from + 0.5 * (enter + leave), color);
 #ifdef NEAREST_DEPTH
         if (color.a > 0.0) nearest_u = max(nearest_u, from + enter);
 #endif
-#ifdef SURFACES
-        face = backs.x == last ? 0u : backs.y == last ? 1u : backs.z == last ? 2u : 3u;
-        if (last > range.y - from && last > -kFar && draws_surface(j, face)) {
-          vec4 surface = surface_light(j, face, at, leave);
-          put(from + leave + aside, surface);
-#ifdef NEAREST_DEPTH
-          if (surface.a > 0.0) nearest_u = max(nearest_u, from + leave);
-#endif
-        }
 #endif
 #endif
       }

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "extract_bench.h"
 #include "paraview_peer.h"
+#include "render_bench.h"
 
 namespace {
 
@@ -87,6 +88,66 @@ void add_extract(CLI::App& app) {
   command->callback([arguments] { run_extract(*arguments); });
 }
 
+constexpr const char* kFrame =
+    "a frame: from a new camera to 8 bits a channel in memory, order, projection and readback included; what is derived once "
+    "from the mesh "
+    "(buffers, shaders, neighbours) is not. Difference: of colours, in steps of 8 bits, over the pixels that either side covers";
+
+struct RenderArguments {
+  RenderBenchOptions options;
+  std::string interval;
+  bool json = false;
+};
+
+void run_render(RenderArguments& arguments) {
+  if (!arguments.interval.empty()) arguments.options.interval = parse_ends(arguments.interval);
+  boost::json::array runs, left_out;
+  const RenderBenchReport report = run_render_bench(arguments.options, [&](const RenderRow& row) {
+    if (arguments.json)
+      runs.push_back(to_json(row));
+    else
+      print_text(row);
+  });
+  if (!arguments.json) {
+    for (const std::string& what : report.left_out) std::printf("left out: %s\n", what.c_str());
+    std::printf("%s; %s; ours: %d threads\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), kFrame);
+    return;
+  }
+  for (const std::string& what : report.left_out) left_out.push_back(boost::json::string(what));
+  const std::string text = boost::json::serialize(boost::json::object{{"runs", std::move(runs)},
+                                                                      {"left_out", std::move(left_out)},
+                                                                      {"threads", thread_count()},
+                                                                      {"vtk", report.vtk},
+                                                                      {"cpu", cpu_name()},
+                                                                      {"included", kFrame}});
+  std::printf("%s\n", text.c_str());
+}
+
+void add_render(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("render", "Frames of a turning camera: ours, and VTK's mappers for tetrahedra");
+  auto arguments = std::make_shared<RenderArguments>();
+  RenderBenchOptions& options = arguments->options;
+  command->add_option("--data", options.data, "A file or the name of analytic data; may be repeated (default: the standard rows)")
+      ->allow_extra_args(false);
+  command->add_option("--interval", arguments->interval, "LOWER:UPPER for --data (default: the middle tenth of the range)");
+  command->add_option("--size", options.sizes, "Of the square picture; may be repeated (default: 512 and 1024)")
+      ->check(CLI::Range(1, 16384))
+      ->allow_extra_args(false);
+  command->add_option("--peer", options.peers, "pt, bunyk, zsweep or raster; may be repeated (default: as the rows need)")
+      ->check(CLI::IsMember({"pt", "bunyk", "zsweep", "raster"}))
+      ->allow_extra_args(false);
+  command->add_option("--renderer", options.renderer, "Ours: auto, native, raster or compute")
+      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
+      ->capture_default_str();
+  command->add_option("--seconds", options.seconds, "For our frames of one row, before and after the peer's")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_flag("--full", options.full, "The long rows too, and more frames of each");
+  command->add_option("--threads", options.threads, "Threads for either side")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print one JSON document");
+  command->callback([arguments] { run_render(*arguments); });
+}
+
 struct MemoryArguments {
   std::string side, data, array, interval;
   int threads = 2;
@@ -112,6 +173,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Isostrata beside its peers, on the same data in one run"};
   app.require_subcommand(1);
   add_extract(app);
+  add_render(app);
   add_peak_memory(app);
   try {
     app.parse(argc, argv);

@@ -7,12 +7,16 @@ const stops: Record<string, string> = {
   magma: '#000004 #1c1044 #51127c #832681 #b73779 #e75263 #fc8961 #fec488 #fcfdbf',
   cividis: '#00224e #1f3a6d #434e6c #61646f #7d7c78 #9b9476 #bcaf6f #dfcb5d #fee838',
   turbo: '#30123b #4777ef #1bd0d5 #62fc6b #d2e935 #fe9b2d #db3a07 #7a0403',
+  batlow: '#011959 #103f60 #1c5a62 #3c6d56 #687b3e #9d892b #d29343 #f8a17b #fdb7bc #faccfa',
+  vik: '#001261 #034481 #307da6 #94bed2 #ebe5e0 #d9a98c #bd6432 #8b250a #590008',
   gray: '#000000 #ffffff',
   coolwarm: '#3b4cc0 #7b9ff9 #c0d4f5 #dddcdc #f2cbb7 #ee8468 #b40426',
 };
 
 /** A CSS background for the named map; null for a map that has no preview here. */
 export function colorMapGradient(name: string): string | null {
-  const colors = stops[name];
+  // A ramp is named by its colours: #rrggbb-#rrggbb.
+  const ramp = /^#[0-9a-f]{3,6}(-#[0-9a-f]{3,6})+$/i.test(name) ? name.replaceAll('-', ' ') : undefined;
+  const colors = stops[name] ?? ramp;
   return colors ? `linear-gradient(to right, ${colors.split(' ').join(', ')})` : null;
 }

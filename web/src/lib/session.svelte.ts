@@ -153,7 +153,7 @@ export class Session {
     this.sendInOrder(command.setAppearance({ integral }));
   }
   setCycle(change: Partial<SceneState['cycle']>): void {
-    this.edit({ cycle: { ...this.view.cycle, ...change } });
+    // Not laid over the view: the server moves the phase on meanwhile, and its word on that is the newer one.
     this.outbox.put(`cycle ${Object.keys(change).join()}`, command.setCycle(change));
   }
   setSmear(smear: SceneState['smear']): void {
