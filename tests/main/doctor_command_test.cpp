@@ -36,21 +36,33 @@ TEST(DoctorCommand, IsLoudAboutSoftware) {
 }
 
 // With EGL's vendor list empty and a driver that does not exist, neither EGL nor OSMesa makes a context.
-TEST(DoctorCommand, ExitsWithOneAndTheReasonsWhereNothingCanDraw) {
+TEST(DoctorCommand, ExitsWithOneAndTheReasonsWhereTheDeviceCannotDraw) {
   const std::string no_driver = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json MESA_GL_VERSION_OVERRIDE=3.0";
-  const CommandResult result = run_isostrata("doctor --json", no_driver);
+  const CommandResult result = run_isostrata("doctor --json --device osmesa", no_driver);
   EXPECT_EQ(result.status, 1);
   const auto document = boost::json::parse(result.out);
   EXPECT_FALSE(document.at("can_draw").as_bool());
   EXPECT_TRUE(document.at("device").is_null());
   EXPECT_THAT(std::string(document.at("reason").as_string()), HasSubstr("OSMesa"));
-  EXPECT_THAT(result.err, HasSubstr("no OpenGL 4.5 device for 'auto'"));
-  EXPECT_EQ(run_isostrata("render torus:8 --out a.png", no_driver).status, 1);
+  EXPECT_THAT(result.err, HasSubstr("no OpenGL 4.5 device for 'osmesa'"));
+  EXPECT_EQ(run_isostrata("render torus:8 --renderer raster --out a.png", no_driver).status, 1);
+}
+
+TEST(DoctorCommand, TheCpuDrawsWhereNoDeviceCan) {
+  const CommandResult result =
+      run_isostrata("doctor --json", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json MESA_GL_VERSION_OVERRIDE=3.0");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto document = boost::json::parse(result.out);
+  EXPECT_THAT(std::string(document.at("device").as_string()), HasSubstr("CPU"));
+  for (const auto& device : document.at("devices").as_array()) EXPECT_FALSE(device.at("ok").as_bool());
 }
 
 // Where EGL has no driver at all, OSMesa takes over by itself.
 TEST(DoctorCommand, FallsBackToOsmesaWithoutEgl) {
-  const CommandResult result = run_isostrata("doctor --json", "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json");
+  const TemporaryFolder folder;
+  const CommandResult result =
+      run_isostrata("render torus:8 --renderer raster --json --out '" + (folder / "a.png").string() + "'",
+                    "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(std::string(boost::json::parse(result.out).at("device").as_string()), HasSubstr("OSMesa"));
 }
