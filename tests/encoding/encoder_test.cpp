@@ -95,8 +95,8 @@ TEST(Vp9, TheBitRateOfTheOrderHoldsFromThatFrameOn) {
     }
     return static_cast<double>(sum) / 20;
   };
-  const double high = bytes_at(8000, 0), low = bytes_at(800, 30), again = bytes_at(8000, 60);
-  EXPECT_LT(low, 800e3 / 8 / 30 * 1.5);
+  const double high = bytes_at(8000, 0), low = bytes_at(400, 30), again = bytes_at(8000, 60);
+  EXPECT_LT(low, 400e3 / 8 / 30 * 1.5);
   EXPECT_LT(2.5 * low, high);
   EXPECT_LT(2.5 * low, again);
 }
