@@ -466,10 +466,11 @@ class Engine::Impl {
       auto image = std::make_shared<AnyImage>(std::move(result.image));
       EncodeOrder encode_order{request.jpeg_quality};
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
-      encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
-                                       encode_order](StreamEncoders& streams) mutable {
-        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order);
-      });
+      encoders_.post(request.session,
+                     [this, image, annotations, background = input.background, frame = std::move(frame), watch, encode_order,
+                      band_bytes = request.lossless ? request.band_bytes : 0](StreamEncoders& streams) mutable {
+                       encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes);
+                     });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
       if (error.code() == ErrorCode::unavailable) return error.what();
@@ -480,13 +481,17 @@ class Engine::Impl {
   }
 
   void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
-              const Stopwatch& since_taken, const EncodeOrder& order) {
+              const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes) {
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
       const Image& image = std::get<Image>(drawn);
       if (frame.video) {
         if (!encode_video(streams, image, order, frame)) return;
+      } else if (band_bytes > 0) {
+        auto bands = encode_png_bands(image, band_bytes, [&] { return overtaken(frame.session, frame.revision); });
+        if (bands.empty()) throw Error(ErrorCode::cancelled, "a newer scene came first");
+        frame.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
       } else {
         frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
       }
@@ -496,6 +501,12 @@ class Engine::Impl {
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
     }
+  }
+
+  bool overtaken(SessionKey key, std::uint64_t revision) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(key);
+    return it == sessions_.end() || !it->second.scene || it->second.scene->revision > revision;
   }
 
   /// False where the frame was answered with a failure.

@@ -31,7 +31,7 @@ void FrameScheduler::set_interaction(bool active, TimePoint now) {
 }
 
 void FrameScheduler::request_still(int width, int height) {
-  if (drawable_) still_ = FrameOrder{width, height, true};
+  if (drawable_) still_ = FrameOrder{width, height, true, true};
 }
 
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
@@ -39,7 +39,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   FrameOrder order{width_, height_, false};
   if (still_) {
     if (still_->width > 0) order = *still_;
-    order.lossless = true;
+    order.lossless = order.whole = true;
     // A still of another size is not the viewport's lossless frame.
     if (order.width == width_ && order.height == height_) dirty_ = wants_lossless_ = false;
     still_.reset();
@@ -86,6 +86,13 @@ std::uint64_t FrameScheduler::sent(std::uint64_t revision, bool lossless, TimePo
     dirty_ = true;
     if (lossless) wants_lossless_ = true;
   }
+  unacknowledged_.push_back({++last_frame_id_, now});
+  return last_frame_id_;
+}
+
+bool FrameScheduler::may_send_band(TimePoint now) const { return !hidden_ && in_flight() < kMaxBands && !stalled(now); }
+
+std::uint64_t FrameScheduler::sent_band(std::size_t, TimePoint now) {
   unacknowledged_.push_back({++last_frame_id_, now});
   return last_frame_id_;
 }

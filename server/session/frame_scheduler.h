@@ -15,6 +15,7 @@ using Duration = std::chrono::steady_clock::duration;
 struct FrameOrder {
   int width = 0, height = 0;
   bool lossless = false;
+  bool whole = false;  // asked for by name: in one piece
 };
 
 /// One viewer's frames. Not thread-safe: lives on the io thread.
@@ -28,6 +29,7 @@ class FrameScheduler {
   static constexpr Duration kStall = std::chrono::seconds(4);          // without an acknowledgement: nothing more is drawn
   static constexpr int kMaxWindow = 6;
   static constexpr double kTargetFps = 30;
+  static constexpr int kMaxBands = 3;  // on their way
 
   explicit FrameScheduler(Duration stall = kStall) : stall_(stall) {}
 
@@ -51,6 +53,10 @@ class FrameScheduler {
   void failed(bool had_started);
   /// A frame leaves: gives it its id.
   std::uint64_t sent(std::uint64_t revision, bool lossless, TimePoint now);
+  /// Whether the next piece of a picture may leave, whose first one sent() has counted: few are on their way at a time, so that
+  /// what changes need not wait long behind them.
+  bool may_send_band(TimePoint now) const;
+  std::uint64_t sent_band(std::size_t bytes, TimePoint now);
   /// Also acknowledges all before it; unknown ids do nothing.
   void acknowledged(std::uint64_t frame_id, TimePoint now);
 

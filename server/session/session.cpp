@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
 constexpr int kMovingJpegQuality = 90;
-constexpr int kMovingKbps = 12000;  // at 30 frames a second
+constexpr int kMovingKbps = 12000;            // at 30 frames a second
+constexpr std::size_t kBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -96,6 +97,7 @@ void Session::changed(TimePoint now) {
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) {
     viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+    viewer->bands.clear();
     viewer->outbox->send_state(state);
   }
   pump(now);
@@ -117,6 +119,9 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
       viewer.frames.set_viewport(static_cast<int>(viewport.width()), static_cast<int>(viewport.height()), viewport.hidden(), now);
+      if (!viewer.bands.empty() &&
+          (viewer.bands.front().width() != viewport.width() || viewer.bands.front().height() != viewport.height()))
+        viewer.bands.clear();
       return pump(viewer, now);
     }
     case v1::ClientMessage::kInteraction:
@@ -329,7 +334,17 @@ void Session::pump(TimePoint now) {
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
 }
 
+void Session::send_bands(Viewer& viewer, TimePoint now) {
+  while (!viewer.bands.empty() && viewer.frames.may_send_band(now)) {
+    v1::Frame& band = viewer.bands.front();
+    band.set_frame_id(viewer.frames.sent_band(band.payload().size(), now));
+    viewer.outbox->send_frame(std::move(band));
+    viewer.bands.pop_front();
+  }
+}
+
 void Session::pump(Viewer& viewer, TimePoint now) {
+  send_bands(viewer, now);
   if (viewer.frames.withdraw_order()) {
     engine_.post(ForgetFrame{key_, viewer.ordered_request});
     engine_.forget(viewer.ordered_request);
@@ -340,6 +355,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
   if (!order->lossless && viewer.stream != 0)
     request.video = VideoOrder{viewer.ladder.front(), viewer.stream, kMovingKbps, false};
+  if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = kBandBytes;
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
   *number = engine_.ask(std::move(request),
@@ -363,6 +379,21 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
       return pump(*viewer, now);
     }
     v1::Frame frame = to_wire(*ready);
+    viewer->bands.clear();
+    if (ready->bands) {
+      v1::Frame next = frame;
+      next.clear_facts();
+      for (std::size_t i = 0; i < ready->bands->size(); ++i) {
+        const PngBand& band = (*ready->bands)[i];
+        v1::Frame& piece = i == 0 ? frame : viewer->bands.emplace_back(next);
+        piece.mutable_band()->set_first_row(static_cast<std::uint32_t>(band.first_row));
+        piece.mutable_band()->set_rows(static_cast<std::uint32_t>(band.rows));
+        piece.mutable_band()->set_index(static_cast<std::uint32_t>(i));
+        piece.mutable_band()->set_count(static_cast<std::uint32_t>(ready->bands->size()));
+        piece.set_payload(band.bytes.data(), band.bytes.size());
+        piece.set_input_seq(viewer->input_of(ready->revision));
+      }
+    }
     frame.set_frame_id(viewer->frames.sent(ready->revision, ready->lossless, now));
     frame.set_input_seq(viewer->input_of(ready->revision));
     viewer->outbox->send_frame(std::move(frame));

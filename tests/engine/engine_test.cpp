@@ -136,7 +136,7 @@ TEST_F(EngineTest, AStreamThatIsClosedWhileItsFrameIsDrawnAnswersWithoutOne) {
 TEST_F(EngineTest, AnEncoderThatCannotIsToldApartFromADrawingThatFailed) {
   engine_->post(SceneUpdate{1, scene(7)});
   FrameRequest wanted = frame(1, 1);
-  wanted.video = VideoOrder{Codec::webp, 5, 4000, false};  // no video codec
+  wanted.video = VideoOrder{Codec::vp9_444, 5, -1, false};
   engine_->post(wanted);
   EXPECT_TRUE(failure_of(1).encoder_failed);
   control_->fail = true;
@@ -168,6 +168,27 @@ TEST_F(EngineTest, AFrameShowsTheNewestSceneAndSaysSo) {
   EXPECT_EQ(second.camera.eye.x, 5);
   EXPECT_EQ(second.stages.extract_ms, 0) << "the same ends are not extracted again";
   EXPECT_EQ((*second.bytes)[1], 'P');
+}
+
+TEST_F(EngineTest, ALosslessFrameInBandsIsWholeAndIsGivenUpForANewerScene) {
+  engine_->post(SceneUpdate{1, scene(7)});
+  FrameRequest wanted = frame(1, 1, true);
+  wanted.width = wanted.height = 200;
+  wanted.band_bytes = 4096;
+  control_->noise = true;
+  engine_->post(wanted);
+  const FrameReady ready = frame_of(1);
+  ASSERT_TRUE(ready.bands && !ready.bytes);
+  EXPECT_GT(ready.bands->size(), 1u);
+  EXPECT_EQ(ready.bands->back().first_row + ready.bands->back().rows, 200);
+
+  control_->delay_ms = 100;
+  wanted.request = 2;
+  engine_->post(SceneUpdate{1, scene(8)});
+  engine_->post(wanted);
+  wait_for<FrameStarted>([](const FrameStarted& f) { return f.request == 2; });
+  engine_->post(SceneUpdate{1, scene(9)});
+  EXPECT_EQ(failure_of(2).code, ErrorCode::cancelled);
 }
 
 TEST_F(EngineTest, ADragIsNeverBlindAndEndsAtTheNewestScene) {

@@ -57,7 +57,7 @@ export class Session {
   readonly notices = new Notices();
 
   /** Set by the viewport. */
-  drawFrame: ((picture: Picture, frame: Frame) => void) | null = null;
+  drawFrame: ((picture: Picture, frame: Frame, complete: boolean) => void) | null = null;
 
   private server: SceneState = emptyState;
   private viewport: ViewportSize = { width: 800, height: 600, hidden: false };
@@ -97,7 +97,7 @@ export class Session {
     });
     this.player = new FramePlayer({
       decode: (frame) => this.decoder.decode(frame),
-      draw: (picture, frame) => this.drawFrame?.(picture, frame),
+      draw: (picture, frame, complete) => this.drawFrame?.(picture, frame, complete),
       ack: (frameId, decodeMs) => {
         this.connection.send(command.frameAck(frameId, decodeMs));
         if (this.frame?.frameId === frameId) this.frame = { ...this.frame, decodeMs };
@@ -396,14 +396,22 @@ export class Session {
 
   private onFrame(frame: Frame): void {
     this.credits.answered(frame.inputSeq);
-    this.rate.tick(this.doors.now());
-    if (frame.lossless) {
+    const { band } = frame;
+    if (!band || band.index === 0) this.rate.tick(this.doors.now());
+    if (frame.lossless && !band) {
       this.lossless = frame;
       for (const resolve of this.wantStill.splice(0)) resolve(frame);
     }
     const { payload, ...readout } = frame;
     const decodeMs = this.frame?.decodeMs ?? 0;
-    this.frame = { ...readout, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    if (band && band.index > 0 && this.frame) {
+      // The facts came with the first band.
+      const lossless = band.index + 1 === band.count;
+      this.frame = { ...this.frame, frameId: frame.frameId, lossless, bytes: this.frame.bytes + payload.length };
+    } else {
+      const lossless = frame.lossless && (!band || band.count === 1);
+      this.frame = { ...readout, lossless, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    }
     void this.player.show(frame);
   }
 
