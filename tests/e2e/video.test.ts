@@ -1,16 +1,21 @@
 // Frames in motion as video in a real browser: what is negotiated, what becomes of colours, and what happens where it cannot be decoded.
+import { existsSync } from 'node:fs';
+import { resolve } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import type { Frame } from '../../web/src/lib/model';
-import { Server } from './server';
+import { binary, Server } from './server';
 import { difference, drawnPixels, launch, Viewer, type Picture } from './viewer';
+
+// Built for the tests where libavcodec's headers are.
+const h264Module = resolve(binary, '../../tests/libisostrata_avcodec.so');
 
 let server: Server;
 let browser: Browser;
 let viewer: Viewer;
 
 beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48'] });
+  server = await Server.start({ data: ['torus:48'], env: { ISOSTRATA_AVCODEC: existsSync(h264Module) ? h264Module : '' } });
   browser = await launch();
 });
 afterAll(async () => {
@@ -115,6 +120,48 @@ describe('video', () => {
     expect(new Set(moving().map((frame) => frame.streamId)).size).toBe(1);
     expect(moving().filter((frame) => frame.key).length).toBeGreaterThan(1);
     expect(viewer.problems).toEqual([]);
+  });
+
+  test.runIf(existsSync(h264Module))('a browser that lacks VP9 gets H.264, of odd sizes, too', async () => {
+    viewer = await Viewer.open(browser, server.ready.url, {
+      width: 1001,
+      height: 703,
+      before: () => {
+        const configure = VideoDecoder.prototype.configure;
+        VideoDecoder.prototype.configure = function (config) {
+          if (config.codec.startsWith('vp09')) throw new DOMException('no', 'NotSupportedError');
+          configure.call(this, config);
+        };
+      },
+    });
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.exactPicture();
+    expect(offered()).toEqual(['h264-420', 'jpeg']);
+    const { inMotion, exact } = await turnAndCompare();
+    expect(new Set(moving().map((frame) => frame.format))).toEqual(new Set(['h264-420']));
+    expect(difference(inMotion, exact)).toBeLessThan(4);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('the picture at rest comes in bands and is the one that a script gets in one piece', async () => {
+    await open();
+    const { exact } = await turnAndCompare();
+    const bands = viewer.events.flatMap((event) => (event.kind === 'frame' && event.frame.band ? [event.frame] : []));
+    expect(bands.length).toBeGreaterThan(1);
+    for (const frame of bands) expect(frame.payload.length).toBeLessThanOrEqual(64 * 1024);
+    const url = new URL(server.ready.url);
+    const { width, height } = exact;
+    const image = `api/v1/sessions/${viewer.sessionId}/image?width=${width}&height=${height}&token=${url.searchParams.get('token')}`;
+    const whole = await viewer.page.evaluate(async (path) => {
+      const bitmap = await createImageBitmap(await (await fetch(path)).blob());
+      const canvas = document.createElement('canvas');
+      canvas.width = bitmap.width;
+      canvas.height = bitmap.height;
+      const context = canvas.getContext('2d') as CanvasRenderingContext2D;
+      context.drawImage(bitmap, 0, 0);
+      return Array.from(context.getImageData(0, 0, canvas.width, canvas.height).data);
+    }, image);
+    expect(difference(exact, { width, height, pixels: new Uint8Array(whole) })).toBe(0);
   });
 
   test('a browser without WebCodecs, as on an insecure address, gets JPEG', async () => {
