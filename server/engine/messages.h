@@ -43,6 +43,7 @@ struct FrameRequest {
   bool lossless = false;
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
+  int bitrate_kbps = 0;  // what video may use; 0: not known
 };
 
 struct HistogramRequest {

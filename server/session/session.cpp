@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
-constexpr int kMovingJpegQuality = 90;
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -102,9 +101,13 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kInteraction:
       viewer.frames.set_interaction(message.interaction().active(), now);
       return pump(viewer, now);
-    case v1::ClientMessage::kFrameAck:
-      viewer.frames.acknowledged(message.frame_ack().frame_id(), now);
+    case v1::ClientMessage::kFrameAck: {
+      const double decode_ms = message.frame_ack().decode_ms();  // may be anything; what is too much is not believed
+      const double believed = decode_ms > 0 && decode_ms < 60000 ? decode_ms : 0;
+      viewer.frames.acknowledged(message.frame_ack().frame_id(), now,
+                                 std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(believed)));
       return pump(viewer, now);
+    }
     case v1::ClientMessage::kRequestStill: {
       const v1::RequestStill& still = message.request_still();
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
@@ -306,17 +309,19 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   }
   const auto order = viewer.frames.next(now);
   if (!order) return;
-  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
+  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
+  request.bitrate_kbps = order->bitrate_kbps;
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(std::move(request),
-                        [this, key = viewer.key, number, had_started = false](const EngineEvent& event, TimePoint then) mutable {
-                          on_frame_event(key, *number, had_started, event, then);
-                        });
+  *number = engine_.ask(std::move(request), [this, key = viewer.key, number, order = *order, had_started = false](
+                                                const EngineEvent& event, TimePoint then) mutable {
+    on_frame_event(key, *number, order, had_started, event, then);
+  });
   viewer.ordered_request = *number;
 }
 
-void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now) {
+void Session::on_frame_event(ViewerKey key, RequestId request, const FrameOrder& order, bool& had_started,
+                             const EngineEvent& event, TimePoint now) {
   Viewer* viewer = living(key);
   if (!viewer) return;
   if (std::holds_alternative<FrameStarted>(event)) {
@@ -325,7 +330,8 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
     viewer->frames.started();
   } else if (const auto* ready = std::get_if<FrameReady>(&event)) {
     v1::Frame frame = to_wire(*ready);
-    frame.set_frame_id(viewer->frames.sent(ready->revision, ready->lossless, now));
+    if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
+    frame.set_frame_id(viewer->frames.sent(order, ready->revision, ready->bytes->size(), now));
     frame.set_input_seq(viewer->input_of(ready->revision));
     viewer->outbox->send_frame(std::move(frame));
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
