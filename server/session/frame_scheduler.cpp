@@ -52,10 +52,9 @@ void FrameScheduler::request_still(int width, int height) {
   if (drawable_) still_ = FrameOrder{width, height, true, FramePhase::lossless};
 }
 
-FrameOrder FrameScheduler::order_of(FramePhase phase, TimePoint now) const {
+FrameOrder FrameScheduler::order_of(FramePhase phase) const {
   FrameOrder order{width_, height_, phase == FramePhase::lossless, phase, kFullQuality};
-  if (link_.bytes_per_second(now) > 0)
-    order.bitrate_kbps = static_cast<int>(std::min(ladder_.usable_bytes_per_second() * 0.008, 1e6));
+  order.bitrate_kbps = ladder_.bitrate_kbps();
   if (phase != FramePhase::moving) return order;
   order.step = ladder_.step();
   order.quality = ladder_.picture().quality;
@@ -90,21 +89,21 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   const bool rests = now - last_change_ >= kSettle;
   FrameOrder order;
   if (still_) {
-    order = order_of(FramePhase::lossless, now);
+    order = order_of(FramePhase::lossless);
     if (still_->width > 0) order.width = still_->width, order.height = still_->height;
     // A still of another size is not the viewport's lossless frame.
     if (order.width == width_ && order.height == height_) dirty_ = wants_lossless_ = reduced_ = false;
     still_.reset();
   } else if (rests && (reduced_ || dirty_) && (interacting_ || lossless_time(now) > kNoticed)) {
-    order = order_of(FramePhase::settled, now);
+    order = order_of(FramePhase::settled);
     dirty_ = reduced_ = false;
   } else if (rests && wants_lossless_ && !interacting_) {
-    order = order_of(FramePhase::lossless, now);
+    order = order_of(FramePhase::lossless);
     dirty_ = wants_lossless_ = reduced_ = false;
   } else if (dirty_) {
-    order = order_of(FramePhase::moving, now);
+    order = order_of(FramePhase::moving);
     dirty_ = false;
-    reduced_ = order.quality < kFullQuality || order.width < width_ || order.height < height_;
+    reduced_ = ladder_.video() || order.quality < kFullQuality || order.width < width_ || order.height < height_;
   } else {
     return std::nullopt;
   }
@@ -159,7 +158,7 @@ std::uint64_t FrameScheduler::sent(const FrameOrder& order, std::uint64_t revisi
   }
   if (order.lossless)
     lossless_bytes_ = static_cast<double>(bytes);
-  else
+  else if (order.phase == FramePhase::moving)
     ladder_.made(order.step, bytes);
   link_.sent(++last_frame_id_, bytes, now);
   return last_frame_id_;
@@ -167,7 +166,7 @@ std::uint64_t FrameScheduler::sent(const FrameOrder& order, std::uint64_t revisi
 
 void FrameScheduler::acknowledged(std::uint64_t frame_id, TimePoint now, Duration decode) {
   link_.acknowledged(frame_id, decode, now);
-  ladder_.link(link_.bytes_per_second(now), link_.queue_delay(), now);
+  ladder_.link(link_.bytes_per_second(now), link_.queue_delay(), static_cast<double>(width_) * height_, now);
 }
 
 // Enough credits to keep the link busy over one round trip at the target rate, and one being drawn.

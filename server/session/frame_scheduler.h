@@ -24,7 +24,7 @@ struct FrameOrder {
   bool lossless = false;
   FramePhase phase = FramePhase::moving;
   int quality = 90;      // JPEG's, of frames that are not lossless
-  int bitrate_kbps = 0;  // what video may use; 0: not known yet
+  int bitrate_kbps = 0;  // that video is told, so that a frame has the size that the link carries: at 30 frames a second
   int step = 0;          // of the picture ladder
 };
 
@@ -50,6 +50,8 @@ class FrameScheduler {
   void scene_changed(std::uint64_t revision, bool drawable, TimePoint now);
   void set_viewport(int width, int height, bool hidden, TimePoint now);
   void set_interaction(bool active, TimePoint now);
+  /// Moving frames are video, which has the size it is told to have.
+  void set_video(bool video) { ladder_.set_video(video); }
   /// 0 x 0: the viewport's size.
   void request_still(int width, int height);
 
@@ -82,7 +84,7 @@ class FrameScheduler {
   const PictureLadder& ladder() const { return ladder_; }
 
  private:
-  FrameOrder order_of(FramePhase phase, TimePoint now) const;
+  FrameOrder order_of(FramePhase phase) const;
   bool may_order(TimePoint now) const;
   Duration lossless_time(TimePoint now) const;
   TimePoint link_free_at(TimePoint now) const;

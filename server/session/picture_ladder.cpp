@@ -24,6 +24,8 @@ constexpr std::array<PictureStep, 13> kSteps{{{90, 1, 33},
 
 constexpr Duration kGrow = std::chrono::milliseconds(15), kShrink = std::chrono::milliseconds(50);  // of queue delay
 constexpr Duration kGainPause = std::chrono::milliseconds(100);  // what a change of the gain has done shows only afterwards
+constexpr int kFirstKbps = 2000, kMostKbps = 12000;              // beyond the most VP9 does not look better
+constexpr double kLeastBitsPerPixel = 0.05;                      // of video: below it fewer pixels look better than worse ones
 constexpr double kLeastGain = 0.4, kMostGain = 0.95;
 
 /// A frame's size, by that of a frame at step 0: JPEG 4:4:4 of volumes at several qualities and sizes.
@@ -46,15 +48,33 @@ double relative_bytes(const PictureStep& step) {
 const PictureStep& PictureLadder::at(int step) { return kSteps[static_cast<std::size_t>(std::clamp(step, 0, steps() - 1))]; }
 int PictureLadder::steps() { return static_cast<int>(kSteps.size()); }
 
+double PictureLadder::relative(int step) const { return video_ ? 1 : relative_bytes(at(step)); }
+
+void PictureLadder::set_video(bool video) {
+  if (video != video_) full_bytes_ = 0;
+  video_ = video;
+}
+
 void PictureLadder::made(int step, std::size_t bytes) {
-  const double full = static_cast<double>(bytes) / relative_bytes(at(step));
+  const double full = static_cast<double>(bytes) / relative(step);
   full_bytes_ = full_bytes_ <= 0 ? full : full_bytes_ + 0.3 * (full - full_bytes_);
 }
 
-double PictureLadder::expected_bytes(int step) const { return full_bytes_ * relative_bytes(at(step)); }
+double PictureLadder::expected_bytes(int step) const { return full_bytes_ * relative(step); }
 double PictureLadder::budget(int step, double share) const { return usable_ * share * at(step).interval_ms / 1000; }
 
-void PictureLadder::link(double bytes_per_second, Duration queue_delay, TimePoint now) {
+bool PictureLadder::fits(int step, double share, double pixels) const {
+  if (!video_) return expected_bytes(step) <= budget(step, share);
+  const double scale = at(step).scale;
+  return 8 * budget(step, share) >= kLeastBitsPerPixel * pixels * scale * scale;
+}
+
+int PictureLadder::bitrate_kbps() const {
+  if (usable_ <= 0) return kFirstKbps;
+  return static_cast<int>(std::clamp(8 * budget(step_, 1) * 30 / 1000, 50.0, static_cast<double>(kMostKbps)));
+}
+
+void PictureLadder::link(double bytes_per_second, Duration queue_delay, double pixels, TimePoint now) {
   if (bytes_per_second <= 0) return;
   if (now - last_gain_ >= kGainPause) {
     last_gain_ = now;
@@ -67,18 +87,18 @@ void PictureLadder::link(double bytes_per_second, Duration queue_delay, TimePoin
   usable_ = gain_ * bytes_per_second;
   if (full_bytes_ <= 0) return;
   if (first) step_ = 0;  // from where the way down is
-  if (expected_bytes(step_) > budget(step_, 1)) {
-    while (step_ + 1 < steps() && expected_bytes(step_) > budget(step_, 1)) ++step_;
+  if (!fits(step_, 1, pixels)) {
+    while (step_ + 1 < steps() && !fits(step_, 1, pixels)) ++step_;
     better_since_ = {};
     return;
   }
-  if (step_ == 0 || expected_bytes(step_ - 1) > budget(step_ - 1, kSpare)) {
+  if (step_ == 0 || !fits(step_ - 1, kSpare, pixels)) {
     better_since_ = {};
     return;
   }
   if (better_since_ == TimePoint{}) better_since_ = now;
   if (now - better_since_ < kPatience) return;
-  while (step_ > 0 && expected_bytes(step_ - 1) <= budget(step_ - 1, kSpare)) --step_;
+  while (step_ > 0 && fits(step_ - 1, kSpare, pixels)) --step_;
   better_since_ = {};
 }
 

@@ -23,10 +23,16 @@ class PictureLadder {
   static constexpr int kFirst = 4;        // the step until the link is known: half the bytes at the viewport's size
   static constexpr double kSpare = 0.85;  // and the share of the link that it may then need
 
+  /// Whether frames are of the size that bitrate_kbps() asks for: then quality is what that allows, and only pixels and rate are
+  /// given up here.
+  void set_video(bool video);
+  bool video() const { return video_; }
+
   /// A moving frame made at step() had this size; the ladder learns what pictures of this scene cost.
   void made(int step, std::size_t bytes);
   /// The link carries so much, and frames have waited so long behind others: above 50 ms less of it is used, below 15 ms more.
-  void link(double bytes_per_second, Duration queue_delay, TimePoint now);
+  /// pixels: of a whole picture.
+  void link(double bytes_per_second, Duration queue_delay, double pixels, TimePoint now);
 
   int step() const { return step_; }
   const PictureStep& picture() const { return at(step_); }
@@ -34,12 +40,17 @@ class PictureLadder {
   static int steps();
   /// Bytes of a moving frame at a step; 0 while nothing is known.
   double expected_bytes(int step) const;
-  /// Of the link's rate, what is used: for codecs that make frames of the size they are told to.
+  /// Of the link's rate, what is used; 0 while nothing is known.
   double usable_bytes_per_second() const { return usable_; }
+  /// For video: the rate at 30 frames a second that makes frames of step()'s budget.
+  int bitrate_kbps() const;
 
  private:
   double budget(int step, double share) const;
+  bool fits(int step, double share, double pixels) const;
+  double relative(int step) const;
 
+  bool video_ = false;
   int step_ = kFirst;
   double full_bytes_ = 0;  // of a frame at step 0, by those that were made
   double gain_ = 1;

@@ -188,7 +188,6 @@ TEST_F(Scheduler, OnASlowLinkPicturesShrinkWhileTheyMoveAndSettleBeforeTheyAreEx
   EXPECT_LT(order->width, 640);
   EXPECT_NEAR(static_cast<double>(order->width) / order->height, 640.0 / 480, 0.02);
   EXPECT_GT(order->bitrate_kbps, 0);
-  EXPECT_LE(order->bitrate_kbps, 8 * 20000 / 200);
   deliver_and_acknowledge(*order);
   tick(FrameScheduler::kSettle);
   order = frames_.next(now_);

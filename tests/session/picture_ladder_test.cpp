@@ -13,7 +13,7 @@ class Ladder : public ::testing::Test {
   void run(double bytes_per_second, Duration time, Duration queue_delay = {}) {
     for (const TimePoint end = now_ + time; now_ < end; now_ += milliseconds(40)) {
       ladder_.made(ladder_.step(), bytes());
-      ladder_.link(bytes_per_second, queue_delay, now_);
+      ladder_.link(bytes_per_second, queue_delay, 1280 * 720, now_);
     }
   }
   std::size_t bytes() const {
@@ -27,7 +27,8 @@ class Ladder : public ::testing::Test {
 
 TEST_F(Ladder, GivesUpQualityThenResolutionThenRate) {
   for (int i = 1; i < PictureLadder::steps(); ++i) {
-    const PictureStep &better = PictureLadder::at(i - 1), &worse = PictureLadder::at(i);
+    const PictureStep& better = PictureLadder::at(i - 1);
+    const PictureStep& worse = PictureLadder::at(i);
     EXPECT_LE(worse.quality, better.quality);
     EXPECT_LE(worse.scale, better.scale);
     EXPECT_GE(worse.interval_ms, better.interval_ms);
@@ -82,6 +83,20 @@ TEST_F(Ladder, UsesLessOfALinkWhoseFramesWait) {
   EXPECT_EQ(ladder_.usable_bytes_per_second(), low) << "neither too much nor too little";
   run(1e6, milliseconds(3000), milliseconds(5));
   EXPECT_NEAR(ladder_.usable_bytes_per_second(), full, 1);
+}
+
+TEST_F(Ladder, VideoIsToldItsRateAndGivesUpPixelsOnlyWhereTheyWouldBeStarved) {
+  ladder_.set_video(true);
+  EXPECT_GT(ladder_.bitrate_kbps(), 0) << "something to begin with";
+  run(250e3, milliseconds(3000));
+  EXPECT_EQ(ladder_.picture().scale, 1) << "2 Mb/s are enough for a video of 1280x720";
+  const double frame_bits = ladder_.bitrate_kbps() * 1000.0 / 30;
+  EXPECT_LE(frame_bits, 8 * 250e3 * ladder_.picture().interval_ms / 1000);
+  run(30e3, milliseconds(1000));
+  EXPECT_LT(ladder_.picture().scale, 1);
+  run(1e9, milliseconds(2000));
+  EXPECT_EQ(ladder_.step(), 0);
+  EXPECT_LT(ladder_.bitrate_kbps(), 20000);
 }
 
 }  // namespace
