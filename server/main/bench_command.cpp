@@ -8,6 +8,7 @@ void add_bench_command(CLI::App& app) {
   add_bench_encode_command(*bench);
   add_bench_extract_command(*bench);
   add_bench_render_command(*bench);
+  add_bench_stream_command(*bench);
 }
 
 }  // namespace isostrata

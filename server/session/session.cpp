@@ -14,9 +14,6 @@ namespace {
 
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
-constexpr int kMovingJpegQuality = 90;
-constexpr int kMovingKbps = 12000;            // at 30 frames a second
-constexpr std::size_t kBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -75,6 +72,7 @@ void Session::detach(Viewer& viewer, TimePoint now) {
 void Session::begin_stream(Viewer& viewer) {
   end_stream(viewer);
   if (is_video(viewer.ladder.front())) viewer.stream = ++last_stream_;
+  viewer.frames.set_video(viewer.stream != 0);
 }
 
 void Session::end_stream(Viewer& viewer) {
@@ -127,9 +125,13 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kInteraction:
       viewer.frames.set_interaction(message.interaction().active(), now);
       return pump(viewer, now);
-    case v1::ClientMessage::kFrameAck:
-      viewer.frames.acknowledged(message.frame_ack().frame_id(), now);
+    case v1::ClientMessage::kFrameAck: {
+      const double decode_ms = message.frame_ack().decode_ms();  // may be anything; what is too much is not believed
+      const double believed = decode_ms > 0 && decode_ms < 60000 ? decode_ms : 0;
+      viewer.frames.acknowledged(message.frame_ack().frame_id(), now,
+                                 std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(believed)));
       return pump(viewer, now);
+    }
     case v1::ClientMessage::kDecoderFailed: {
       const v1::DecoderFailed& failed = message.decoder_failed();
       if (failed.stream_id() == 0 || failed.stream_id() != viewer.stream) return;  // of a stream that has ended
@@ -335,7 +337,7 @@ void Session::pump(TimePoint now) {
 }
 
 void Session::send_bands(Viewer& viewer, TimePoint now) {
-  while (!viewer.bands.empty() && viewer.frames.may_send_band(now)) {
+  while (!viewer.bands.empty() && viewer.frames.next_band_at(now) <= now) {
     v1::Frame& band = viewer.bands.front();
     band.set_frame_id(viewer.frames.sent_band(band.payload().size(), now));
     viewer.outbox->send_frame(std::move(band));
@@ -352,20 +354,22 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   }
   const auto order = viewer.frames.next(now);
   if (!order) return;
-  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
-  if (!order->lossless && viewer.stream != 0)
-    request.video = VideoOrder{viewer.ladder.front(), viewer.stream, kMovingKbps, false};
-  if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = kBandBytes;
+  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
+  // A settled frame is a picture by itself, as good as pictures get that are not lossless.
+  if (order->phase == FramePhase::moving && viewer.stream != 0)
+    request.video = VideoOrder{viewer.ladder.front(), viewer.stream, order->bitrate_kbps, false};
+  if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(std::move(request),
-                        [this, key = viewer.key, number, had_started = false](const EngineEvent& event, TimePoint then) mutable {
-                          on_frame_event(key, *number, had_started, event, then);
-                        });
+  *number = engine_.ask(std::move(request), [this, key = viewer.key, number, order = *order, had_started = false](
+                                                const EngineEvent& event, TimePoint then) mutable {
+    on_frame_event(key, *number, order, had_started, event, then);
+  });
   viewer.ordered_request = *number;
 }
 
-void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now) {
+void Session::on_frame_event(ViewerKey key, RequestId request, const FrameOrder& order, bool& had_started,
+                             const EngineEvent& event, TimePoint now) {
   Viewer* viewer = living(key);
   if (!viewer) return;
   if (std::holds_alternative<FrameStarted>(event)) {
@@ -394,7 +398,8 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
         piece.set_input_seq(viewer->input_of(ready->revision));
       }
     }
-    frame.set_frame_id(viewer->frames.sent(ready->revision, ready->lossless, now));
+    if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
+    frame.set_frame_id(viewer->frames.sent(order, ready->revision, frame.payload().size(), now));
     frame.set_input_seq(viewer->input_of(ready->revision));
     viewer->outbox->send_frame(std::move(frame));
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
@@ -414,8 +419,12 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
   if (watched()) earliest = next_phase_;
-  for (const auto& [key, viewer] : viewers_)
+  for (const auto& [key, viewer] : viewers_) {
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
+    if (viewer->bands.empty()) continue;
+    if (const TimePoint at = viewer->frames.next_band_at(now); at != TimePoint::max() && (!earliest || at < *earliest))
+      earliest = at;
+  }
   return earliest;
 }
 

@@ -93,7 +93,8 @@ class Session {
   void run_deferred(TimePoint now);
   void pump(Viewer& viewer, TimePoint now);
   void play_cycle(TimePoint now);
-  void on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now);
+  void on_frame_event(ViewerKey key, RequestId request, const FrameOrder& order, bool& had_started, const EngineEvent& event,
+                      TimePoint now);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer);
   void end_stream(Viewer& viewer);

@@ -164,6 +164,10 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   session->pump(now);
 }
 
+void Sessions::round_trip(ViewerKey key, Duration time, TimePoint now) {
+  if (const auto it = viewers_.find(key); it != viewers_.end()) it->second->frames.round_trip(time, now);
+}
+
 void Sessions::detach(ViewerKey key, TimePoint now) {
   now_ = now;
   const auto it = viewers_.find(key);

@@ -247,6 +247,7 @@ class BandsAtRest : public NegotiatedCodec {
     const auto moving = take<FrameRequest>();
     start(*moving);
     finish(*moving, true);
+    now_ += std::chrono::milliseconds(20);
     acknowledge();
     now_ += std::chrono::seconds(1);
     sessions_->tick(now_);
@@ -277,8 +278,11 @@ TEST_F(BandsAtRest, FollowEachOtherAsTheyAreAcknowledged) {
   start(request);
   outbox_.frames.clear();
   finish_bands(request, 9);
-  EXPECT_EQ(outbox_.frames.size(), static_cast<std::size_t>(FrameScheduler::kMaxBands));
-  for (int i = 0; i < 20; ++i) acknowledge();
+  EXPECT_LT(outbox_.frames.size(), 9u);
+  for (int i = 0; i < 20; ++i) {
+    now_ += std::chrono::milliseconds(20);
+    acknowledge();
+  }
   ASSERT_EQ(outbox_.frames.size(), 9u);
   for (std::uint32_t i = 0; i < 9; ++i) {
     EXPECT_EQ(outbox_.frames[i].band().index(), i);
@@ -301,8 +305,13 @@ TEST_F(BandsAtRest, ThoseThatHaveNotLeftAreGivenUpForNewInput) {
   move.mutable_set_camera()->mutable_camera()->mutable_at();
   move.mutable_set_camera()->mutable_camera()->set_fov_deg(30);
   receive(move);
-  for (int i = 0; i < 3; ++i) acknowledge();
-  EXPECT_EQ(outbox_.frames.size(), static_cast<std::size_t>(FrameScheduler::kMaxBands));
+  const std::size_t left = outbox_.frames.size();
+  EXPECT_LT(left, 9u);
+  for (int i = 0; i < 9; ++i) {
+    now_ += std::chrono::milliseconds(20);
+    acknowledge();
+  }
+  EXPECT_EQ(outbox_.frames.size(), left);
   const auto next = take<FrameRequest>();
   ASSERT_TRUE(next);
   EXPECT_FALSE(next->lossless);

@@ -270,6 +270,11 @@ export class Session {
     this.send(command.cancel(operation));
   }
 
+  /** In pixels of the device; frames in motion may have fewer. */
+  get viewportHeight(): number {
+    return this.viewport.height;
+  }
+
   /** The newest lossless frame, asked for where the picture on the screen is not one. Null where none comes within ten seconds. */
   still(): Promise<Frame | null> {
     const newest = this.lossless;
@@ -406,11 +411,12 @@ export class Session {
     const decodeMs = this.frame?.decodeMs ?? 0;
     if (band && band.index > 0 && this.frame) {
       // The facts came with the first band.
-      const lossless = band.index + 1 === band.count;
-      this.frame = { ...this.frame, frameId: frame.frameId, lossless, bytes: this.frame.bytes + payload.length };
+      const bytes = this.frame.bytes + payload.length;
+      const { lossless, phase } = band.index + 1 === band.count ? frame : this.frame;
+      this.frame = { ...this.frame, frameId: frame.frameId, lossless, phase, bytes };
     } else {
-      const lossless = frame.lossless && (!band || band.count === 1);
-      this.frame = { ...readout, lossless, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+      const part = band && band.count > 1 ? { lossless: false, phase: 'settled' as const } : {};
+      this.frame = { ...readout, ...part, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
     }
     void this.player.show(frame);
   }
