@@ -309,6 +309,12 @@ bool draws_surfaces(const Scene& scene) {
 
 bool cuts_exactly(const Scene& scene, const std::string& array) {
   constexpr std::size_t kMostIntervals = 64;  // each is held against each block of tetrahedra
+  // Where two intervals are at one place, their order within a ray's segment depends on how the mesh is split.
+  std::vector<Interval> sorted;
+  for (const SceneInterval& interval : scene.intervals) sorted.push_back({interval.lower, interval.upper});
+  std::sort(sorted.begin(), sorted.end(), [](const Interval& a, const Interval& b) { return a.lower < b.lower; });
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].lower < sorted[i - 1].upper) return false;
   return !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
          scene.mode != SceneMode::smear && !draws_surfaces(scene) &&
          (!uses_color_values(scene) || scene.color_by.empty() || scene.color_by == array) &&

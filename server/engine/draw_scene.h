@@ -41,7 +41,7 @@ struct SmearPart {
 
 /// How grids of nothing but tetrahedra are drawn.
 enum class TetrahedraWay {
-  automatic,  // cut where the intervals were moved and cut_pays(), split else
+  automatic,  // cut where only ends of intervals were moved and the base mesh is at hand, split else
   split,      // as any grid: extraction splits tetrahedra
   cut         // where cuts_exactly(), the intervals are cut in the rays and no mesh is extracted; split else
 };
@@ -81,7 +81,8 @@ struct ExtractedScene {
 };
 
 /// Whether the intervals can be cut out of a grid of tetrahedra where they are drawn, and the picture is that of the split mesh:
-/// one field at one step, colours that run along it or are constant, no surfaces, no combined ranges. `array` is the scene's.
+/// one field at one step, colours that run along it or are constant, no surfaces, no combined ranges, no intervals that overlap.
+/// `array` is the scene's.
 bool cuts_exactly(const Scene& scene, const std::string& array);
 
 /// The tetrahedra and cells of each of the scene's intervals; of a smear, added over its steps.

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t kBytes = std::uint64_t{1} << 30;
 
-/// One cube of six tetrahedra after the other along x, none sharing points, with the values that are given; every second one
-/// mirrored where asked for.
+/// One tetrahedron after the other along x, none sharing points, with the values that are given; every second one mirrored where
+/// asked for.
 std::shared_ptr<const Dataset> tetrahedra(const std::vector<std::array<float, 4>>& values, bool mirror = false) {
   struct Storage {
     std::vector<Vec3f> points;
@@ -36,8 +36,8 @@ std::shared_ptr<const Dataset> tetrahedra(const std::vector<std::array<float, 4>
   }
   auto dataset = std::make_shared<Dataset>();
   dataset->name = "tetrahedra";
-  dataset->grid.shape = UnstructuredGrid{std::span<const Vec3f>(storage->points), storage->types, storage->offsets,
-                                         storage->connectivity};
+  dataset->grid.shape =
+      UnstructuredGrid{std::span<const Vec3f>(storage->points), storage->types, storage->offsets, storage->connectivity};
   dataset->grid.storage = storage;
   dataset->bounds = dataset->grid.bounds();
   dataset->cell_types = count_cell_types(dataset->grid);
@@ -133,7 +133,7 @@ TEST(BaseTetrahedra, CellsWithoutAValueAreLeftOut) {
 }
 
 TEST(BaseTetrahedra, OtherCellsAndTooLittleMemoryAreRefused) {
-  const auto mixed = make_analytic("mixed:4", {}, Task{}), tets = make_analytic("tets:8", {}, Task{});
+  const auto mixed = make_analytic("mixed:5", {}, Task{}), tets = make_analytic("tets:8", {}, Task{});
   EXPECT_FALSE(only_tetrahedra(*mixed));
   EXPECT_FALSE(only_tetrahedra(*make_analytic("torus:4", {}, Task{})));
   const auto code = [](const Dataset& dataset, std::uint64_t bytes) {
