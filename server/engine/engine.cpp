@@ -290,13 +290,14 @@ class Engine::Impl {
   void prepare_base(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
     if (!cuts_intervals_ || options_.tetrahedra != TetrahedraWay::automatic || extracted.base || !previous ||
         previous->steps != extracted.steps || previous->request.intervals == extracted.request.intervals ||
-        !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset))
+        !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
       return;
     jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
       try {
         bases_.make(dataset, array, base_task_);
       } catch (const std::exception&) {  // extraction goes on without it
       }
+      base_in_making_ = false;
     });
   }
 
@@ -524,9 +525,10 @@ class Engine::Impl {
 
   // Destroyed from the last: every thread ends before what it uses.
   DatasetStore store_;
-  BrickMemory bricks_;  // of all sessions
-  BaseMeshes bases_;    // likewise
-  Task base_task_;      // of making those that nobody waits for
+  BrickMemory bricks_;                       // of all sessions
+  BaseMeshes bases_;                         // likewise
+  Task base_task_;                           // of making those that nobody waits for
+  std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
   WorkerThreads loaders_;
   WorkerThreads jobs_;
   std::vector<std::unique_ptr<WorkerThreads>> encoders_;

@@ -261,7 +261,8 @@ std::vector<IntervalSummary> measure_intervals(const BaseTetrahedra& base, std::
         double f[4];
         for (std::size_t v = 0; v < 4; ++v) f[v] = double{(*base.values)[base.mesh->tetrahedra[t][v]]};
         std::sort(std::begin(f), std::end(f));
-        share = share_below(f, intervals[i].upper) - share_below(f, intervals[i].lower);
+        share = (ranges.most[t] >= bounds[i].end ? share_below(f, intervals[i].upper) : 1) -
+                (ranges.least[t] < bounds[i].begin ? share_below(f, intervals[i].lower) : 0);
       }
       volume += share * std::abs(volume_of(*base.mesh, t));
     }

@@ -36,6 +36,7 @@ std::vector<Threshold> thresholds_of(std::span<const Interval> intervals, std::s
 struct Piece {
   std::vector<Vec3d> positions;
   std::vector<BoundaryFacet> facets;  // points from 0 on
+  std::vector<std::int64_t> active;   // [intervals] cells
 };
 
 class Cutter {
@@ -46,10 +47,15 @@ class Cutter {
         bounds_(value_bounds(intervals)),
         thresholds_(thresholds_of(intervals, bounds_)) {}
 
+  /// With the number of active cells.
   void cut_block(std::size_t block, Piece& out) const {
     const std::size_t first = block * TetrahedronRanges::kBlock,
                       last = std::min(base_.mesh->tetrahedra.size(), first + TetrahedronRanges::kBlock);
     const TetrahedronRanges& ranges = base_.ranges;
+    out.active.resize(intervals_.size(), 0);
+    for (std::size_t i = 0; i < bounds_.size(); ++i)
+      if (ranges.block_reaches(block, bounds_[i]))
+        for (std::size_t t = first; t < last; ++t) out.active[i] += ranges.reaches(t, bounds_[i]);
     for (const Threshold& threshold : thresholds_) {
       if (!threshold.beyond(ranges.block_most[block]) || threshold.beyond(ranges.block_least[block])) continue;
       for (std::size_t t = first; t < last; ++t)
@@ -141,22 +147,6 @@ class Cutter {
   const std::vector<Threshold> thresholds_;
 };
 
-std::vector<IntervalSummary> count_active(const BaseTetrahedra& base, std::span<const Interval> intervals) {
-  const std::vector<ValueBounds> bounds = value_bounds(intervals);
-  std::vector<IntervalSummary> sums(intervals.size());
-  for (std::size_t i = 0; i < intervals.size(); ++i) {
-    sums[i].interval = intervals[i];
-    for (std::size_t b = 0; b < base.ranges.block_least.size(); ++b) {
-      if (!base.ranges.block_reaches(b, bounds[i])) continue;
-      const std::size_t first = b * TetrahedronRanges::kBlock;
-      for (std::size_t t = first; t < first + TetrahedronRanges::kBlock; ++t)
-        sums[i].active_cells += base.ranges.reaches(t, bounds[i]);
-    }
-    sums[i].tetrahedra = sums[i].active_cells;
-  }
-  return sums;
-}
-
 }  // namespace
 
 IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Interval> intervals) {
@@ -197,7 +187,12 @@ IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Inter
     }
   });
   mesh.cells = base.mesh->cells;
-  mesh.summaries = count_active(base, intervals);
+  mesh.summaries.resize(intervals.size());
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    mesh.summaries[i].interval = intervals[i];
+    for (std::size_t c = 0; c < block_chunks; ++c) mesh.summaries[i].active_cells += pieces[c].active[i];
+    mesh.summaries[i].tetrahedra = mesh.summaries[i].active_cells;
+  }
   return mesh;
 }
 
