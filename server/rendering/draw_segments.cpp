@@ -78,6 +78,7 @@ void sort_by_nearness(std::vector<TileEntry>& entries, std::vector<TileEntry>& s
 
 struct SegmentsRenderer::State {
   PlacedMesh placed;
+  ColorIntegralMemory colors;
   // Of the mesh and values that were drawn last:
   std::weak_ptr<const IntervalMesh> mesh;
   std::weak_ptr<const std::vector<float>> values;
@@ -284,7 +285,7 @@ SegmentsRenderer::~SegmentsRenderer() = default;
 void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
   const Stopwatch order_watch;
   const SegmentView view = make_segment_view(input);
-  SegmentOptics optics = make_segment_optics(input, view.scale);
+  SegmentOptics optics = make_segment_optics(input, view.scale, &state_->colors);
   if (state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
     state_->ranges.clear();
     state_->mesh = input.mesh;
