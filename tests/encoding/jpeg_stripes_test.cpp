@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
 
+#include <array>
 #include <random>
 
 #include "base/error.h"
@@ -14,7 +15,8 @@ Image picture(int width, int height) {
   std::mt19937 random(2);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      for (const unsigned v : {static_cast<unsigned>(x * 3 + y), static_cast<unsigned>(x ^ y), random() % 60, 255u})
+      for (const unsigned v :
+           {static_cast<unsigned>(x * 3 + y), static_cast<unsigned>(x ^ y), static_cast<unsigned>(random() % 60), 255u})
         image.rgba.push_back(static_cast<std::uint8_t>(v));
   return image;
 }

@@ -1,6 +1,6 @@
 // What this browser decodes, found by decoding: a frame of each format with a known picture goes in, and the right pixels must come out. A
 // browser's own word (isConfigSupported) is not taken: decoders hold frames back, and read colours in a way of their own.
-import { probeColors, probeSide, probeStreams, type ProbeStream } from './probe-streams';
+import { insideBlock, probeColor, probeSide, probeStreams, type ProbeStream } from './probe-streams';
 import { browserVideo, videoColor } from './video-decoder';
 
 const patienceMs = 1500;
@@ -16,11 +16,10 @@ export interface ProbeDoors {
 
 /** The blocks' middles, and with full chroma every pixel, are what they should be. */
 export function rightPixels(pixels: Uint8ClampedArray, fullChroma: boolean): boolean {
-  const block = probeSide / 4;
   for (let y = 0; y < probeSide; y++)
     for (let x = 0; x < probeSide; x++) {
-      const color = probeColors[Math.floor(y / block) * 4 + Math.floor(x / block)] as readonly number[];
-      const inside = Math.min(x % block, block - 1 - (x % block), y % block, block - 1 - (y % block)) >= 4;
+      const color = probeColor(x, y);
+      const inside = insideBlock(x, y);
       if (!inside && !fullChroma) continue;
       for (let c = 0; c < 3; c++) {
         const apart = Math.abs((pixels[4 * (y * probeSide + x) + c] as number) - (color[c] as number));
