@@ -1,6 +1,7 @@
 #include "engine/engine.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -106,6 +107,7 @@ class Engine::Impl {
       : options_(std::move(options)),
         sink_(std::move(sink)),
         store_(options_.store),
+        bases_(options_.store.max_bytes),
         loaders_(4),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
     std::promise<std::string> started;
@@ -126,6 +128,7 @@ class Engine::Impl {
       for (auto& [id, operation] : operations_)
         if (const auto living = operation.lock()) living->task().cancel();
     }
+    base_task_.cancel();
     changed_.notify_all();
     render_thread_.join();
   }
@@ -251,13 +254,16 @@ class Engine::Impl {
       operation->task().check();
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
-      LayerAids aids;
+      SceneAids aids;
       aids.bricks = &bricks_;
+      aids.bases = &bases_;
+      aids.tetrahedra = cuts_intervals_ ? options_.tetrahedra : TetrahedraWay::split;
       extracted = extract_scene(steps, scene, previous, operation->task(), aids);
     } catch (...) {
       failure = std::current_exception();
     }
     operation->finish();
+    if (extracted) prepare_base(*extracted, scene, previous.get());
     std::vector<EngineEvent> events;
     {
       std::lock_guard lock(mutex_);
@@ -280,6 +286,21 @@ class Engine::Impl {
     }
     changed_.notify_all();
     for (EngineEvent& event : events) send(std::move(event));
+  }
+
+  /// Intervals that were moved once will be moved again: the grid that they are cut out of then is made meanwhile.
+  void prepare_base(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
+    if (!cuts_intervals_ || options_.tetrahedra != TetrahedraWay::automatic || extracted.base || !previous ||
+        previous->steps != extracted.steps || previous->request.intervals == extracted.request.intervals ||
+        !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
+      return;
+    jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
+      try {
+        bases_.make(dataset, array, base_task_);
+      } catch (const std::exception&) {  // extraction goes on without it
+      }
+      base_in_making_ = false;
+    });
   }
 
   static void fail_waiting(SessionState& session, std::vector<EngineEvent>& events) {
@@ -361,6 +382,7 @@ class Engine::Impl {
     std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
+      cuts_intervals_ = renderer->cuts_intervals();
       started.set_value(renderer->device());
     } catch (...) {
       started.set_exception(std::current_exception());
@@ -380,10 +402,23 @@ class Engine::Impl {
                 " frames in a row, the last with: " + *failure;
       try {
         renderer = options_.fallback_renderer ? options_.fallback_renderer() : make_renderer({"native", "native"});
+        take_renderer(*renderer);
       } catch (const std::exception&) {
         failures = 0;  // go on as before; each frame says why it fails
         instead.clear();
       }
+    }
+  }
+
+  /// What was made for a renderer that cuts intervals is made anew where the next one cannot.
+  void take_renderer(const Renderer& renderer) {
+    const std::lock_guard lock(mutex_);
+    cuts_intervals_ = renderer.cuts_intervals();
+    if (cuts_intervals_) return;
+    for (auto& [key, session] : sessions_) {
+      if (!session.ready || !session.ready->base) continue;
+      session.ready.reset();
+      advance(key, session);
     }
   }
 
@@ -466,10 +501,11 @@ class Engine::Impl {
       auto image = std::make_shared<AnyImage>(std::move(result.image));
       EncodeOrder encode_order{request.jpeg_quality};
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
-      encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
-                                       encode_order](StreamEncoders& streams) mutable {
-        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order);
-      });
+      encoders_.post(request.session,
+                     [this, image, annotations, background = input.background, frame = std::move(frame), watch, encode_order,
+                      band_bytes = request.lossless ? request.band_bytes : 0](StreamEncoders& streams) mutable {
+                       encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes);
+                     });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
       if (error.code() == ErrorCode::unavailable) return error.what();
@@ -480,13 +516,17 @@ class Engine::Impl {
   }
 
   void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
-              const Stopwatch& since_taken, const EncodeOrder& order) {
+              const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes) {
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
       const Image& image = std::get<Image>(drawn);
       if (frame.video) {
         if (!encode_video(streams, image, order, frame)) return;
+      } else if (band_bytes > 0) {
+        auto bands = encode_png_bands(image, band_bytes, [&] { return overtaken(frame.session, frame.revision); });
+        if (bands.empty()) throw Error(ErrorCode::cancelled, "a newer scene came first");
+        frame.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
       } else {
         frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
       }
@@ -496,6 +536,12 @@ class Engine::Impl {
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
     }
+  }
+
+  bool overtaken(SessionKey key, std::uint64_t revision) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(key);
+    return it == sessions_.end() || !it->second.scene || it->second.scene->revision > revision;
   }
 
   /// False where the frame was answered with a failure.
@@ -521,6 +567,7 @@ class Engine::Impl {
   const EngineOptions options_;
   const Sink sink_;
   std::string device_;
+  std::atomic<bool> cuts_intervals_{false};  // the renderer of now
 
   std::mutex mutex_;  // guards the block below
   std::condition_variable changed_;
@@ -532,7 +579,10 @@ class Engine::Impl {
 
   // Destroyed from the last: every thread ends before what it uses.
   DatasetStore store_;
-  BrickMemory bricks_;  // of all sessions
+  BrickMemory bricks_;                       // of all sessions
+  BaseMeshes bases_;                         // likewise
+  Task base_task_;                           // of making those that nobody waits for
+  std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
   WorkerThreads loaders_;
   WorkerThreads jobs_;
   EncoderThreads encoders_;

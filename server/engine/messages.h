@@ -2,6 +2,7 @@
 // so that the engine can move to a process of its own.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -56,6 +57,8 @@ struct FrameRequest {
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
   std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
+  std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one. Given up, as `cancelled`, once
+                               // the session has a newer scene
 };
 
 struct HistogramRequest {
@@ -166,7 +169,8 @@ struct FrameReady {
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
   std::vector<IntervalFacts> intervals;
-  std::shared_ptr<const Bytes> bytes;
+  std::shared_ptr<const Bytes> bytes;                 // null where there are bands
+  std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top
 };
 
 /// Answers any request that could not be met. A scene whose extraction failed answers the frame requests that waited for it.

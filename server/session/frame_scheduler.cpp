@@ -91,6 +91,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   if (still_) {
     order = order_of(FramePhase::lossless);
     if (still_->width > 0) order.width = still_->width, order.height = still_->height;
+    order.whole = true;
     // A still of another size is not the viewport's lossless frame.
     if (order.width == width_ && order.height == height_) dirty_ = wants_lossless_ = reduced_ = false;
     still_.reset();
@@ -160,6 +161,26 @@ std::uint64_t FrameScheduler::sent(const FrameOrder& order, std::uint64_t revisi
     lossless_bytes_ = static_cast<double>(bytes);
   else if (order.phase == FramePhase::moving)
     ladder_.made(order.step, bytes);
+  link_.sent(++last_frame_id_, bytes, now);
+  return last_frame_id_;
+}
+
+TimePoint FrameScheduler::next_band_at(TimePoint now) const {
+  if (hidden_ || stalled(now) || in_flight() >= kMaxBands) return TimePoint::max();
+  if (in_flight() == 0) return now;
+  if (link_.bytes_per_second(now) <= 0) return TimePoint::max();  // an acknowledgement comes first
+  return link_free_at(now) - kBandQueue;
+}
+
+std::size_t FrameScheduler::band_bytes(TimePoint now) const {
+  const double rate = link_.bytes_per_second(now);
+  if (rate <= 0) return kMaxBandBytes;
+  return static_cast<std::size_t>(
+      std::clamp(rate * seconds(kBandQueue), static_cast<double>(kMinBandBytes), static_cast<double>(kMaxBandBytes)));
+}
+
+std::uint64_t FrameScheduler::sent_band(std::size_t bytes, TimePoint now) {
+  lossless_bytes_ += static_cast<double>(bytes);
   link_.sent(++last_frame_id_, bytes, now);
   return last_frame_id_;
 }

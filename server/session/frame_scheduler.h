@@ -26,6 +26,7 @@ struct FrameOrder {
   int quality = 90;      // JPEG's, of frames that are not lossless
   int bitrate_kbps = 0;  // that video is told, so that a frame has the size that the link carries: at 30 frames a second
   int step = 0;          // of the picture ladder
+  bool whole = false;    // asked for by name: in one piece
 };
 
 /// One viewer's frames. Not thread-safe: lives on the io thread.
@@ -40,6 +41,9 @@ class FrameScheduler {
   static constexpr Duration kStall = std::chrono::seconds(4);          // without an acknowledgement: nothing more is drawn
   static constexpr int kMaxWindow = 6;
   static constexpr double kTargetFps = 30;
+  static constexpr int kMaxBands = 12;                                             // of a lossless picture, on their way
+  static constexpr Duration kBandQueue = std::chrono::milliseconds(60);            // that new input may wait behind them
+  static constexpr std::size_t kMinBandBytes = 8 << 10, kMaxBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
   static constexpr Duration kQueue = std::chrono::milliseconds(15);  // that a frame may wait on the way behind others
   static constexpr Duration kNoticed =
       std::chrono::milliseconds(250);  // a lossless frame that takes longer is preceded by a settled one
@@ -68,6 +72,12 @@ class FrameScheduler {
   void failed(bool had_started);
   /// A frame leaves: gives it its id. bytes: of what is sent.
   std::uint64_t sent(const FrameOrder& order, std::uint64_t revision, std::size_t bytes, TimePoint now);
+  /// The next piece of a picture, whose first one sent() has counted: when it may leave. As few are on their way as keep the link
+  /// busy.
+  TimePoint next_band_at(TimePoint now) const;
+  std::uint64_t sent_band(std::size_t bytes, TimePoint now);
+  /// How large the pieces should be: the link passes each in a moment.
+  std::size_t band_bytes(TimePoint now) const;
   /// Also acknowledges all before it; unknown ids do nothing. decode: the client's own time for it.
   void acknowledged(std::uint64_t frame_id, TimePoint now, Duration decode = Duration::zero());
   /// Of something without weight.

@@ -95,7 +95,10 @@ void Session::broadcast(const v1::ServerMessage& message) {
 void Session::changed(TimePoint now, bool soon) {
   unannounced_ = true;
   if (!soon || now - announced_ >= kAnnounce) announce(now);
-  for (auto& [key, viewer] : viewers_) viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+  for (auto& [key, viewer] : viewers_) {
+    viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+    viewer->bands.clear();
+  }
   pump(now);
 }
 
@@ -127,6 +130,9 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
       viewer.frames.set_viewport(static_cast<int>(viewport.width()), static_cast<int>(viewport.height()), viewport.hidden(), now);
+      if (!viewer.bands.empty() &&
+          (viewer.bands.front().width() != viewport.width() || viewer.bands.front().height() != viewport.height()))
+        viewer.bands.clear();
       return pump(viewer, now);
     }
     case v1::ClientMessage::kInteraction:
@@ -346,7 +352,17 @@ void Session::pump(TimePoint now) {
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
 }
 
+void Session::send_bands(Viewer& viewer, TimePoint now) {
+  while (!viewer.bands.empty() && viewer.frames.next_band_at(now) <= now) {
+    v1::Frame& band = viewer.bands.front();
+    band.set_frame_id(viewer.frames.sent_band(band.payload().size(), now));
+    viewer.outbox->send_frame(std::move(band));
+    viewer.bands.pop_front();
+  }
+}
+
 void Session::pump(Viewer& viewer, TimePoint now) {
+  send_bands(viewer, now);
   if (viewer.frames.withdraw_order()) {
     engine_.post(ForgetFrame{key_, viewer.ordered_request});
     engine_.forget(viewer.ordered_request);
@@ -359,6 +375,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   // A settled frame is a picture by itself, as good as pictures get that are not lossless.
   if (order->phase == FramePhase::moving && viewer.stream != 0)
     request.video = VideoOrder{viewer.ladder.front(), viewer.stream, order->bitrate_kbps, false};
+  if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
   *number = engine_.ask(std::move(request), [this, key = viewer.key, number, order = *order, had_started = false](
@@ -383,8 +400,23 @@ void Session::on_frame_event(ViewerKey key, RequestId request, const FrameOrder&
       return pump(*viewer, now);
     }
     v1::Frame frame = to_wire(*ready);
+    viewer->bands.clear();
+    if (ready->bands) {
+      v1::Frame next = frame;
+      next.clear_facts();
+      for (std::size_t i = 0; i < ready->bands->size(); ++i) {
+        const PngBand& band = (*ready->bands)[i];
+        v1::Frame& piece = i == 0 ? frame : viewer->bands.emplace_back(next);
+        piece.mutable_band()->set_first_row(static_cast<std::uint32_t>(band.first_row));
+        piece.mutable_band()->set_rows(static_cast<std::uint32_t>(band.rows));
+        piece.mutable_band()->set_index(static_cast<std::uint32_t>(i));
+        piece.mutable_band()->set_count(static_cast<std::uint32_t>(ready->bands->size()));
+        piece.set_payload(band.bytes.data(), band.bytes.size());
+        piece.set_input_seq(viewer->input_of(ready->revision));
+      }
+    }
     if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
-    frame.set_frame_id(viewer->frames.sent(order, ready->revision, ready->bytes->size(), now));
+    frame.set_frame_id(viewer->frames.sent(order, ready->revision, frame.payload().size(), now));
     frame.set_input_seq(viewer->input_of(ready->revision));
     viewer->outbox->send_frame(std::move(frame));
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
@@ -405,8 +437,12 @@ std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
   if (watched()) earliest = next_phase_;
   if (unannounced_) earliest = earliest ? std::min(*earliest, announced_ + kAnnounce) : announced_ + kAnnounce;
-  for (const auto& [key, viewer] : viewers_)
+  for (const auto& [key, viewer] : viewers_) {
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
+    if (viewer->bands.empty()) continue;
+    if (const TimePoint at = viewer->frames.next_band_at(now); at != TimePoint::max() && (!earliest || at < *earliest))
+      earliest = at;
+  }
   return earliest;
 }
 

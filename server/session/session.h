@@ -101,6 +101,7 @@ class Session {
   void begin_stream(Viewer& viewer);
   void end_stream(Viewer& viewer);
   void step_down(Viewer& viewer, TimePoint now);
+  void send_bands(Viewer& viewer, TimePoint now);
 
   const SessionKey key_;
   const std::string id_;

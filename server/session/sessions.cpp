@@ -124,6 +124,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
     if (!is_video(codec) || (hello.moving_formats_size() > 0 && offers(hello.moving_formats(), name_of(codec))))
       viewer.ladder.push_back(codec);
   if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
+  viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");
   session->attach(viewer, now);
   if (hello.has_viewport())
     viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),

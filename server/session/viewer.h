@@ -38,6 +38,8 @@ struct Viewer {
   std::uint64_t ignored_messages = 0;
   FrameScheduler frames;
   std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first; the first is in use
+  bool takes_bands = false;                // lossless pictures in pieces
+  std::deque<v1::Frame> bands;             // of the newest one, that have not been sent
   StreamId stream = 0;                     // of its moving frames, where that is video
   RequestId ordered_request = 0;           // not started
 

@@ -1,16 +1,21 @@
 // Frames in motion as video in a real browser: what is negotiated, what becomes of colours, and what happens where it cannot be decoded.
+import { existsSync } from 'node:fs';
+import { resolve } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import type { Frame } from '../../web/src/lib/model';
-import { Server } from './server';
+import { binary, Server } from './server';
 import { difference, drawnPixels, launch, Viewer, type Picture } from './viewer';
+
+// Built for the tests where libavcodec's headers are.
+const h264Module = resolve(binary, '../../tests/libisostrata_avcodec.so');
 
 let server: Server;
 let browser: Browser;
 let viewer: Viewer;
 
 beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48'] });
+  server = await Server.start({ data: ['torus:48'], env: { ISOSTRATA_AVCODEC: existsSync(h264Module) ? h264Module : '' } });
   browser = await launch();
 });
 afterAll(async () => {
@@ -23,16 +28,40 @@ afterEach(async () => {
 });
 
 async function open(before?: () => void): Promise<void> {
-  viewer = await Viewer.open(browser, server.ready.url, before ? { before } : {});
+  viewer = await Viewer.open(browser, server.ready.url, { before: [recordMoving, ...(before ? [before] : [])] });
   await viewer.until('layers', (state) => state.intervals.length > 0);
   await viewer.exactPicture();
 }
-const moving = (): Frame[] => viewer.events.flatMap((event) => (event.kind === 'frame' && !event.frame.lossless ? [event.frame] : []));
+const moving = (): Frame[] => viewer.events.flatMap((event) => (event.kind === 'frame' && event.frame.phase === 'moving' ? [event.frame] : []));
 const offered = (): string[] => viewer.events.flatMap((event) => (event.kind === 'welcome' ? event.welcome.movingFormats : []));
-const canvas = () => viewer.page.locator('canvas').first();
 
-/** Presses the pointer, turns the picture and stays: the moving frame of the newest state, then, let go, the exact one. */
-async function turnAndCompare(): Promise<{ inMotion: Picture; exact: Picture }> {
+/** Keeps what the page draws last from a VideoFrame, or of JPEG: in the page, before its own scripts. */
+function recordMoving(): void {
+  const draw = CanvasRenderingContext2D.prototype.drawImage as (...args: unknown[]) => void;
+  CanvasRenderingContext2D.prototype.drawImage = function (this: CanvasRenderingContext2D, ...args: unknown[]) {
+    draw.apply(this, args);
+    const video = typeof VideoFrame !== 'undefined' && args[0] instanceof VideoFrame;
+    if (video && this.canvas.isConnected)
+      Object.assign(globalThis, {
+        lastMoving: { id: (args[0] as VideoFrame).timestamp, image: this.getImageData(0, 0, this.canvas.width, this.canvas.height) },
+      });
+  };
+}
+async function lastMoving(): Promise<{ id: number; picture: Picture } | null> {
+  const found = await viewer.page.evaluate(() => {
+    const { lastMoving } = globalThis as unknown as { lastMoving?: { id: number; image: ImageData } };
+    if (!lastMoving) return null;
+    const { data, width, height } = lastMoving.image;
+    let text = '';
+    for (let i = 0; i < data.length; i += 0x8000) text += String.fromCharCode(...data.subarray(i, i + 0x8000));
+    return { id: lastMoving.id, width, height, base64: btoa(text) };
+  });
+  if (!found) return null;
+  const { id, width, height, base64 } = found;
+  return { id, picture: { width, height, pixels: new Uint8Array(Buffer.from(base64, 'base64')) } };
+}
+
+async function turn(): Promise<Picture> {
   const { page } = viewer;
   await page.mouse.move(400, 300);
   await page.mouse.down();
@@ -40,13 +69,19 @@ async function turnAndCompare(): Promise<{ inMotion: Picture; exact: Picture }> 
     await page.mouse.move(400 + 12 * i, 300 + 4 * i);
     await page.waitForTimeout(25);
   }
-  await expect
-    .poll(async () => (await canvas().getAttribute('data-revision')) === String(viewer.state.revision), { timeout: 20_000 })
-    .toBe(true);
-  expect(await canvas().getAttribute('data-phase')).toBe('moving');
-  const inMotion = await viewer.picture();
   await page.mouse.up();
-  return { inMotion, exact: await viewer.exactPicture() };
+  return viewer.exactPicture();
+}
+
+/** Turns the picture until the last video frame shows what the exact picture shows: where drawing is slow, the hand may rest before. */
+async function turnAndCompare(): Promise<{ inMotion: Picture; exact: Picture }> {
+  for (let tries = 0; tries < 12; tries++) {
+    const exact = await turn();
+    const last = await lastMoving();
+    const frame = moving().find(({ frameId }) => Number(frameId) === last?.id);
+    if (last && frame?.revision === viewer.state.revision && last.picture.width === exact.width) return { inMotion: last.picture, exact };
+  }
+  throw new Error('no video frame of the newest state and of full size');
 }
 
 /** The root mean square difference of the two colour differences R - G and B - G. */
@@ -82,7 +117,8 @@ describe('video', () => {
     const frames = moving();
     expect(frames.length).toBeGreaterThan(3);
     expect(new Set(frames.map((frame) => frame.format))).toEqual(new Set(['vp9-444']));
-    expect(frames.filter((frame) => frame.key)).toHaveLength(1);
+    for (const [i, frame] of frames.entries())  // a key frame where the size changes, and nowhere else
+      expect(frame.key, `frame ${i}`).toBe(frame.width !== frames[i - 1]?.width);
     expect(drawnPixels(exact)).toBeGreaterThan(1000);
     expect(difference(inMotion, exact)).toBeLessThan(3);
     expect(viewer.problems).toEqual([]);
@@ -98,7 +134,6 @@ describe('video', () => {
       if (interval) await viewer.row(interval).locator('input[type=color]').fill(color);
     await viewer.exactPicture();
     const { inMotion, exact } = await turnAndCompare();
-    expect(await canvas().getAttribute('data-format')).toBe('png');
     const [ours, halved] = [chromaError(inMotion, exact), chromaError(halvedChroma(exact), exact)];
     console.log(`rms of colour differences: ours ${ours.toFixed(2)}, halved chroma alone ${halved.toFixed(2)}`);
     expect(halved).toBeGreaterThan(2); // there are such edges
@@ -113,16 +148,58 @@ describe('video', () => {
     const { inMotion, exact } = await turnAndCompare();
     expect(difference(inMotion, exact)).toBeLessThan(3);
     expect(new Set(moving().map((frame) => frame.streamId)).size).toBe(1);
-    expect(moving().filter((frame) => frame.key).length).toBeGreaterThan(1);
+    expect(moving().filter((frame) => frame.key).length).toBeGreaterThan(1); // a key frame of each size
     expect(viewer.problems).toEqual([]);
+  });
+
+  test.runIf(existsSync(h264Module))('a browser that lacks VP9 gets H.264, of odd sizes, too', async () => {
+    viewer = await Viewer.open(browser, server.ready.url, {
+      width: 1001,
+      height: 703,
+      before: [recordMoving, () => {
+        const configure = VideoDecoder.prototype.configure;
+        VideoDecoder.prototype.configure = function (config) {
+          if (config.codec.startsWith('vp09')) throw new DOMException('no', 'NotSupportedError');
+          configure.call(this, config);
+        };
+      }],
+    });
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.exactPicture();
+    expect(offered()).toEqual(['h264-420', 'jpeg']);
+    const { inMotion, exact } = await turnAndCompare();
+    expect(new Set(moving().map((frame) => frame.format))).toEqual(new Set(['h264-420']));
+    expect(difference(inMotion, exact)).toBeLessThan(4);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('the picture at rest comes in bands and is the one that a script gets in one piece', async () => {
+    await open();
+    const exact = await turn();
+    const bands = viewer.events.flatMap((event) => (event.kind === 'frame' && event.frame.band ? [event.frame] : []));
+    expect(bands.length).toBeGreaterThan(1);
+    for (const frame of bands) expect(frame.payload.length).toBeLessThanOrEqual(64 * 1024);
+    const url = new URL(server.ready.url);
+    const { width, height } = exact;
+    const image = `api/v1/sessions/${viewer.sessionId}/image?width=${width}&height=${height}&token=${url.searchParams.get('token')}`;
+    const whole = await viewer.page.evaluate(async (path) => {
+      const bitmap = await createImageBitmap(await (await fetch(path)).blob());
+      const canvas = document.createElement('canvas');
+      canvas.width = bitmap.width;
+      canvas.height = bitmap.height;
+      const context = canvas.getContext('2d') as CanvasRenderingContext2D;
+      context.drawImage(bitmap, 0, 0);
+      return Array.from(context.getImageData(0, 0, canvas.width, canvas.height).data);
+    }, image);
+    expect(difference(exact, { width, height, pixels: new Uint8Array(whole) })).toBe(0);
   });
 
   test('a browser without WebCodecs, as on an insecure address, gets JPEG', async () => {
     await open(() => Reflect.deleteProperty(globalThis, 'VideoDecoder'));
     expect(offered()).toEqual(['jpeg']);
-    const { inMotion, exact } = await turnAndCompare();
+    expect(drawnPixels(await turn())).toBeGreaterThan(1000);
     expect(new Set(moving().map((frame) => frame.format))).toEqual(new Set(['jpeg']));
-    expect(difference(inMotion, exact)).toBeLessThan(3);
+    expect(viewer.problems).toEqual([]);
   });
 
   test('a decoder that shows wrong colours is not used', async () => {
@@ -151,12 +228,11 @@ describe('video', () => {
       };
     });
     expect(offered()[0]).toBe('vp9-444');
-    await turnAndCompare();
-    const { inMotion, exact } = await turnAndCompare();
+    for (let i = 0; i < 3; i++) await turn();
+    expect(drawnPixels(await turn())).toBeGreaterThan(1000);
     const formats = moving().map((frame) => frame.format);
     expect(formats[0]).toBe('vp9-444');
     expect(formats[formats.length - 1]).toBe('jpeg');
-    expect(difference(inMotion, exact)).toBeLessThan(3);
     expect(viewer.problems).toEqual([]);
   });
 

@@ -39,9 +39,10 @@ class NegotiatedCodec : public ::testing::Test {
     message.set_seq(++seq_);
     sessions_->receive(viewer_, message, now_);
   }
-  v1::Welcome hello(const Names& formats) {
+  v1::Welcome hello(const Names& formats, const Names& stills = {}) {
     v1::ClientMessage message;
     message.mutable_hello()->set_protocol_major(1);
+    for (const std::string& format : stills) message.mutable_hello()->add_still_formats(format);
     message.mutable_hello()->mutable_viewport()->set_width(64);
     message.mutable_hello()->mutable_viewport()->set_height(48);
     for (const std::string& format : formats) message.mutable_hello()->add_moving_formats(format);
@@ -236,6 +237,111 @@ TEST_F(NegotiatedCodec, AViewerThatLeavesClosesItsStreamAndOneThatJoinsHasItsOwn
   EXPECT_NE(second->video->stream, first->video->stream);
   sessions_->detach(viewer_, now_);
   EXPECT_EQ(closed_streams_, std::vector<StreamId>{first->video->stream});
+}
+
+/// A viewer that takes lossless pictures in pieces, at rest, before an engine that answers with five.
+class BandsAtRest : public NegotiatedCodec {
+ protected:
+  /// Goes on to the lossless request.
+  FrameRequest rest() {
+    hello({"jpeg"}, {"png", "png-bands"});
+    const auto moving = take<FrameRequest>();
+    start(*moving);
+    finish(*moving, true);
+    now_ += std::chrono::milliseconds(20);
+    acknowledge();
+    now_ += std::chrono::seconds(1);
+    sessions_->tick(now_);
+    const auto request = take<FrameRequest>();
+    EXPECT_TRUE(request && request->lossless);
+    return request.value_or(FrameRequest{});
+  }
+  void finish_bands(const FrameRequest& request, int count) {
+    FrameReady ready;
+    ready.session = request.session;
+    ready.request = request.request;
+    ready.revision = 1000;
+    ready.lossless = true;
+    ready.jpeg = false;
+    ready.width = request.width;
+    ready.height = request.height;
+    std::vector<PngBand> bands;
+    for (int i = 0; i < count; ++i) bands.push_back({i, 1, Bytes(5, static_cast<std::uint8_t>(i))});
+    ready.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
+    sessions_->on_event(ready, now_);
+  }
+};
+
+TEST_F(BandsAtRest, FollowEachOtherAsTheyAreAcknowledged) {
+  const FrameRequest request = rest();
+  EXPECT_GT(request.band_bytes, 0u);
+  EXPECT_LE(request.band_bytes, 64u << 10);
+  start(request);
+  outbox_.frames.clear();
+  finish_bands(request, 9);
+  EXPECT_LT(outbox_.frames.size(), 9u);
+  for (int i = 0; i < 20; ++i) {
+    now_ += std::chrono::milliseconds(20);
+    acknowledge();
+  }
+  ASSERT_EQ(outbox_.frames.size(), 9u);
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(outbox_.frames[i].band().index(), i);
+    EXPECT_EQ(outbox_.frames[i].band().first_row(), i);
+    EXPECT_EQ(outbox_.frames[i].band().count(), 9u);
+    EXPECT_EQ(outbox_.frames[i].frame_id(), outbox_.frames[0].frame_id() + i);
+    EXPECT_EQ(outbox_.frames[i].payload().size(), 5u);
+    EXPECT_EQ(outbox_.frames[i].phase(), v1::FRAME_PHASE_LOSSLESS);
+  }
+}
+
+TEST_F(BandsAtRest, ThoseThatHaveNotLeftAreGivenUpForNewInput) {
+  const FrameRequest request = rest();
+  start(request);
+  outbox_.frames.clear();
+  finish_bands(request, 9);
+  v1::ClientMessage move;
+  move.mutable_set_camera()->mutable_camera()->mutable_eye()->set_z(3);
+  move.mutable_set_camera()->mutable_camera()->mutable_up()->set_y(1);
+  move.mutable_set_camera()->mutable_camera()->mutable_at();
+  move.mutable_set_camera()->mutable_camera()->set_fov_deg(30);
+  receive(move);
+  const std::size_t left = outbox_.frames.size();
+  EXPECT_LT(left, 9u);
+  for (int i = 0; i < 9; ++i) {
+    now_ += std::chrono::milliseconds(20);
+    acknowledge();
+  }
+  EXPECT_EQ(outbox_.frames.size(), left);
+  const auto next = take<FrameRequest>();
+  ASSERT_TRUE(next);
+  EXPECT_FALSE(next->lossless);
+}
+
+TEST_F(BandsAtRest, APictureThatIsAskedForByNameComesInOnePiece) {
+  const FrameRequest request = rest();
+  start(request);
+  finish_bands(request, 1);
+  acknowledge();
+  v1::ClientMessage still;
+  still.mutable_request_still();
+  receive(still);
+  const auto asked = take<FrameRequest>();
+  ASSERT_TRUE(asked && asked->lossless);
+  EXPECT_EQ(asked->band_bytes, 0u);
+}
+
+TEST_F(NegotiatedCodec, WhoDoesNotNameBandsGetsTheLosslessPictureInOnePiece) {
+  hello({"jpeg"}, {"png"});
+  const auto moving = take<FrameRequest>();
+  start(*moving);
+  finish(*moving, true);
+  acknowledge();
+  now_ += std::chrono::seconds(1);
+  sessions_->tick(now_);
+  const auto request = take<FrameRequest>();
+  ASSERT_TRUE(request && request->lossless);
+  EXPECT_EQ(request->band_bytes, 0u);
 }
 
 }  // namespace

@@ -6,14 +6,16 @@ export type Picture = ImageBitmap | VideoFrame;
 
 export interface FrameDoors {
   decode(frame: Frame): Promise<Picture>;
-  draw(picture: Picture, frame: Frame): void;
+  /** `complete`: nothing of what it belongs to is missing any more. */
+  draw(picture: Picture, frame: Frame, complete: boolean): void;
   ack(frameId: bigint, decodeMs: number): void;
   failed(frame: Frame, problem: unknown): void;
   now(): number;
 }
 
 export class FramePlayer {
-  private drawnId = -1n;
+  private drawnId = -1n; // of a picture in bands: its first band's
+  private bandsDrawn = 0;
   private epoch = 0;
 
   constructor(private readonly doors: FrameDoors) {}
@@ -35,16 +37,25 @@ export class FramePlayer {
     }
     const decodeMs = this.doors.now() - begun;
     if (epoch === this.epoch) {
-      if (picture && frame.frameId > this.drawnId) {
-        this.drawnId = frame.frameId;
-        this.doors.draw(picture, frame);
-      }
+      if (picture) this.draw(picture, frame);
       // Also a frame that could not be shown has used up its credit.
       this.doors.ack(frame.frameId, decodeMs);
     }
     picture?.close();
   }
+
+  private draw(picture: Picture, frame: Frame): void {
+    const first = firstOf(frame);
+    if (first < this.drawnId || (first === this.drawnId && !frame.band)) return;
+    // Bands of one picture come in any order: they are decoded side by side.
+    this.bandsDrawn = first === this.drawnId ? this.bandsDrawn + 1 : 1;
+    this.drawnId = first;
+    this.doors.draw(picture, frame, this.bandsDrawn === (frame.band?.count ?? 1));
+  }
 }
+
+/** The picture that a frame belongs to, by the id of its first band. */
+const firstOf = (frame: Frame): bigint => frame.frameId - BigInt(frame.band?.index ?? 0);
 
 /** The browser's decoders: video by its stream, all else by itself. */
 export class FrameDecoder {

@@ -229,6 +229,7 @@ export interface Frame {
   camera: Camera | null;
   streamId: number; // of video; 0: a picture by itself
   key: boolean; // of a stream: decodes without those before it
+  band: { firstRow: number; rows: number; index: number; count: number } | null; // a part of the picture only
   decoder: string; // of key frames: VideoDecoderConfig's codec
   payload: Uint8Array<ArrayBuffer>;
 }

@@ -114,7 +114,7 @@ export const command = {
       protocolMinor,
       client: 'isostrata-web 0.1.0',
       viewport,
-      stillFormats: ['png'],
+      stillFormats: ['png', 'png-bands'],
       movingFormats: [...movingFormats],
       resumeToken,
     },
@@ -393,6 +393,7 @@ function frameOf(f: WireFrame): Frame {
     streamId: Number(f.streamId),
     key: f.key,
     decoder: f.decoder,
+    band: f.band ? { firstRow: f.band.firstRow, rows: f.band.rows, index: f.band.index, count: f.band.count } : null,
     payload: f.payload as Uint8Array<ArrayBuffer>,
   };
 }

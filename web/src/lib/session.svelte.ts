@@ -57,7 +57,7 @@ export class Session {
   readonly notices = new Notices();
 
   /** Set by the viewport. */
-  drawFrame: ((picture: Picture, frame: Frame) => void) | null = null;
+  drawFrame: ((picture: Picture, frame: Frame, complete: boolean) => void) | null = null;
 
   private server: SceneState = emptyState;
   private viewport: ViewportSize = { width: 800, height: 600, hidden: false };
@@ -97,7 +97,7 @@ export class Session {
     });
     this.player = new FramePlayer({
       decode: (frame) => this.decoder.decode(frame),
-      draw: (picture, frame) => this.drawFrame?.(picture, frame),
+      draw: (picture, frame, complete) => this.drawFrame?.(picture, frame, complete),
       ack: (frameId, decodeMs) => {
         this.connection.send(command.frameAck(frameId, decodeMs));
         if (this.frame?.frameId === frameId) this.frame = { ...this.frame, decodeMs };
@@ -401,14 +401,23 @@ export class Session {
 
   private onFrame(frame: Frame): void {
     this.credits.answered(frame.inputSeq);
-    this.rate.tick(this.doors.now());
-    if (frame.lossless) {
+    const { band } = frame;
+    if (!band || band.index === 0) this.rate.tick(this.doors.now());
+    if (frame.lossless && !band) {
       this.lossless = frame;
       for (const resolve of this.wantStill.splice(0)) resolve(frame);
     }
     const { payload, ...readout } = frame;
     const decodeMs = this.frame?.decodeMs ?? 0;
-    this.frame = { ...readout, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    if (band && band.index > 0 && this.frame) {
+      // The facts came with the first band.
+      const bytes = this.frame.bytes + payload.length;
+      const { lossless, phase } = band.index + 1 === band.count ? frame : this.frame;
+      this.frame = { ...this.frame, frameId: frame.frameId, lossless, phase, bytes };
+    } else {
+      const part = band && band.count > 1 ? { lossless: false, phase: 'settled' as const } : {};
+      this.frame = { ...readout, ...part, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    }
     void this.player.show(frame);
   }
 
