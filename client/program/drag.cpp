@@ -11,6 +11,8 @@
 #include <numbers>
 #include <thread>
 
+#include "frame_decoder.h"
+
 namespace isostrata::client {
 namespace {
 
@@ -136,8 +138,20 @@ void throw_error(const v1::ServerMessage& message) {
   if (message.has_error()) throw ClientError(message.error().code(), message.error().message());
 }
 
+/// The frame's picture; of a video stream that began before anyone decoded it, a new beginning is asked for instead.
+std::optional<Picture> decode(Client& client, FrameDecoder& decoder, const v1::Frame& frame) {
+  std::optional<Picture> picture = decoder.decode(frame);
+  if (picture) return picture;
+  v1::ClientMessage failed;
+  failed.mutable_decoder_failed()->set_stream_id(frame.stream_id());
+  failed.mutable_decoder_failed()->set_again(true);
+  client.send(std::move(failed));
+  return std::nullopt;
+}
+
 /// Waits for the lossless frame that contains the message `seq`.
-void rest(Client& client, std::uint64_t seq, double since_ms, std::chrono::milliseconds timeout, Dragged& dragged) {
+void rest(Client& client, FrameDecoder& decoder, std::uint64_t seq, double since_ms, std::chrono::milliseconds timeout,
+          Dragged& dragged) {
   const double give_up = now_ms() + static_cast<double>(timeout.count());
   while (now_ms() < give_up) {
     const auto message = client.receive(std::chrono::milliseconds(50));
@@ -145,11 +159,14 @@ void rest(Client& client, std::uint64_t seq, double since_ms, std::chrono::milli
     throw_error(*message);
     if (!message->has_frame()) continue;
     const v1::Frame& frame = message->frame();
-    Picture picture = decode(frame.payload());
-    if (frame.input_seq() < seq || frame.phase() != v1::FRAME_PHASE_LOSSLESS) continue;
+    std::optional<Picture> picture = decode(client, decoder, frame);
+    if (!picture || frame.input_seq() < seq) continue;
+    if (frame.phase() == v1::FRAME_PHASE_SETTLED && dragged.rest_to_settled_ms == 0)
+      dragged.rest_to_settled_ms = now_ms() - since_ms;
+    if (frame.phase() != v1::FRAME_PHASE_LOSSLESS) continue;
     dragged.rest_to_lossless_ms = now_ms() - since_ms;
     dragged.lossless_bytes = static_cast<double>(frame.payload().size());
-    dragged.lossless = std::move(picture);
+    dragged.lossless = std::move(*picture);
     return;
   }
   throw ClientError("timeout", "no lossless frame came after the drag");
@@ -159,6 +176,7 @@ void rest(Client& client, std::uint64_t seq, double since_ms, std::chrono::milli
 
 Dragged drag(Client& client, const Options& options, const DragArguments& arguments) {
   const v1::State start = client.state();
+  FrameDecoder decoder;
   Dragged dragged;
   dragged.seconds = arguments.seconds;
   Audience audience(client, options, arguments);
@@ -189,7 +207,7 @@ Dragged drag(Client& client, const Options& options, const DragArguments& argume
     if (!message->has_frame()) continue;
     const v1::Frame& frame = message->frame();
     const double arrived = now_ms();
-    decode(frame.payload());
+    if (!decode(client, decoder, frame)) continue;
     const double decoded = now_ms();
     for (; !inputs.empty() && inputs.front().seq <= frame.input_seq(); inputs.pop_front()) {
       newest_shown_ms = inputs.front().at_ms;
@@ -211,7 +229,7 @@ Dragged drag(Client& client, const Options& options, const DragArguments& argume
   const double last_at = now_ms();
   const std::uint64_t last = client.send(last_input(arguments, start));
   client.send(interaction(false));
-  rest(client, last, last_at, options.timeout, dragged);
+  rest(client, decoder, last, last_at, options.timeout, dragged);
   return dragged;
 }
 

@@ -10,6 +10,7 @@
 
 #include "arguments.h"
 #include "drag.h"
+#include "frame_decoder.h"
 
 namespace isostrata::client {
 namespace {
@@ -135,7 +136,7 @@ void add_latency(CLI::App& app, Options& options) {
   struct Arguments {
     SceneArguments scene;
     DragArguments drag;
-    std::string reference, timeline;
+    std::string reference, timeline, codec = "auto";
     bool json = false;
   };
   const auto a = std::make_shared<Arguments>();
@@ -157,8 +158,13 @@ void add_latency(CLI::App& app, Options& options) {
                    "A JSON file to write: inputs [sent ms, latency ms] and frames [decoded ms, age ms, bytes, width, height] by "
                    "the machine's steady clock")
       ->type_name("FILE");
+  command->add_option("--codec", a->codec, "Of frames in motion: auto, jpeg or vp9-444")
+      ->check(CLI::IsMember({"auto", "jpeg", "vp9-444"}))
+      ->capture_default_str();
   command->add_flag("--json", a->json, "One JSON document");
   command->callback([&options, a] {
+    options.moving_formats = a->codec == "auto" ? decodable_formats() : std::vector<std::string>{"jpeg"};
+    if (a->codec != "auto" && a->codec != "jpeg") options.moving_formats.push_back(a->codec);
     Client client = connect(options, a->scene);
     set_scene(client, a->scene);
     if (client.state().intervals_size() == 0)

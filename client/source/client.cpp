@@ -36,7 +36,7 @@ class Client::Impl {
       body.mutable_viewport()->set_height(static_cast<std::uint32_t>(options.height));
     }
     body.add_still_formats("png");
-    body.add_moving_formats("jpeg");
+    for (const std::string& format : options.moving_formats) body.add_moving_formats(format);
     body.set_resume_token(options.resume_token);
     send(std::move(hello));
     const auto deadline = Steady::now() + timeout_;

@@ -36,7 +36,7 @@ constexpr double kFallsAfter = 0.4;                      // of the run
 struct BenchArguments {
   std::string data = "cylinder", interval = "0.9934:0.9949";  // the paper's tapered cylinder: 55.6 K tetrahedra
   std::vector<std::string> links{"loopback", "40ms-20mbit", "80ms-2mbit", "40ms-20mbit-to-2mbit", "20ms-5mbit"};
-  std::string size = "1280x720", renderer = "native", device = "auto";
+  std::string size = "1280x720", codec = "auto", renderer = "native", device = "auto";
   double seconds = 8;
   int viewers = 0, silent = 0;
   int threads = 0;
@@ -178,12 +178,14 @@ json::object measure(const BenchServer& server, const BenchArguments& arguments,
                                  "latency",
                                  "--json",
                                  "--turn",
+                                 "--camera",
+                                 "reset",
                                  "--size",
                                  arguments.size,
                                  "--interval",
                                  arguments.interval,
-                                 "--camera",
-                                 "reset",
+                                 "--codec",
+                                 arguments.codec,
                                  "--seconds",
                                  std::to_string(arguments.seconds)};
   if (!reference.empty()) words.insert(words.end(), {"--reference", reference});
@@ -282,6 +284,9 @@ void add_bench_stream_command(CLI::App& bench) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->add_option("--codec", arguments->codec, "Of frames in motion: auto, jpeg or vp9-444")
+      ->check(CLI::IsMember({"auto", "jpeg", "vp9-444"}))
+      ->capture_default_str();
   command->add_option("--seconds", arguments->seconds, "How long the camera turns, for each link")
       ->check(CLI::Range(0.5, 3600.0))
       ->capture_default_str();

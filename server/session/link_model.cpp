@@ -9,10 +9,19 @@ constexpr Duration kLong =
     std::chrono::milliseconds(1500);                        // by the clock, so that a link that became fast is known as such soon
 constexpr double kLongPassage = 0.5, kShortPassage = 0.12;  // by seconds of passing, so that one that became slow is, at once
 constexpr std::size_t kMaxFlying = 4096;
-constexpr double kLeastPassage = 1e-4;  // clocks and threads are no better than that
+constexpr double kGrain = 0.015, kDelay = 0.05;  // seconds: what threads and timers are late by, often and seldom
+constexpr double kLeastPassage = 1e-4;           // clocks and threads are no better than that
 
 double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
 Duration duration(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
+
+// A frame that should pass within the grain says nothing about the rate, since what it was late by was something else. But none
+// is early by accident, and much too late is a slower link.
+bool tells(double bytes, double passing, double known_rate) {
+  if (known_rate <= 0 || bytes >= known_rate * passing) return true;
+  const double expected = bytes / known_rate;
+  return expected >= kGrain || passing > expected + kDelay;
+}
 
 }  // namespace
 
@@ -27,17 +36,19 @@ void LinkModel::acknowledged(std::uint64_t frame, Duration decode, TimePoint now
   const Duration trip = now - it->at;
   decode = std::clamp(decode, Duration::zero(), trip);
   note_round_trip(trip - decode, now);
-  last_decode_ = decode;
+  // What a decoder needs is the client's own matter; what it needs more than usual are frames that wait for it.
+  decode_ = passages_.empty() ? decode : std::min(decode, decode_ + (decode - decode_) / 16);
   // All that came before has passed in one go with it, as far as can be told.
   double bytes = 0;
   for (auto each = flying_.begin(); each <= it; ++each) bytes += static_cast<double>(each->bytes);
   const TimePoint first_sent = flying_.front().at;
-  const TimePoint passed = std::max(now - decode - shortest_round_trip(), first_sent);
+  const TimePoint passed = std::max(now - decode_ - shortest_round_trip(), first_sent);
   const TimePoint began = std::max(first_sent, last_passed_);
   const Duration waited = std::max(last_passed_ - first_sent, Duration::zero());
   queue_delay_ += (waited - queue_delay_) / 4;
-  passages_.push_back({now, bytes, std::max(seconds(passed - began), kLeastPassage)});
-  while (now - passages_.front().at > kMemory || passages_.size() > 256) passages_.pop_front();
+  const double passing = std::max(seconds(passed - began), kLeastPassage);
+  if (tells(bytes, passing, mean_rate())) passages_.push_back({now, bytes, passing});
+  if (passages_.size() > 256) passages_.pop_front();
   last_passed_ = std::max(passed, last_passed_);
   flying_.erase(flying_.begin(), it + 1);
 }
@@ -56,36 +67,36 @@ Duration LinkModel::shortest_round_trip() const { return round_trips_.empty() ? 
 double LinkModel::overdue_seconds(TimePoint now) const {
   if (flying_.empty()) return 0;
   const TimePoint began = std::max(flying_.front().at, last_passed_);
-  return std::max(0.0, seconds(now - last_decode_ - shortest_round_trip() - began));
+  return std::max(0.0, seconds(now - decode_ - shortest_round_trip() - began));
+}
+
+double LinkModel::mean_rate() const {
+  double bytes = 0, passing = 0, lately = 0;
+  for (auto it = passages_.rbegin(); it != passages_.rend(); ++it) {
+    if (bytes > 0 && (passages_.back().at - it->at > kLong || passing > kLongPassage)) break;
+    bytes += it->bytes;
+    passing += it->seconds;
+    if (lately == 0 && passing >= kShortPassage) lately = bytes / passing;
+  }
+  if (bytes <= 0) return 0;
+  return lately > 0 ? std::min(bytes / passing, lately) : bytes / passing;
 }
 
 double LinkModel::bytes_per_second(TimePoint now) const {
-  double bytes = 0, passing = 0, lately = 0;
-  bool has_short = false;
-  for (auto it = passages_.rbegin(); it != passages_.rend(); ++it) {
-    if (it != passages_.rbegin() && (now - it->at > kLong || passing > kLongPassage)) break;
-    bytes += it->bytes;
-    passing += it->seconds;
-    if (!has_short && passing >= kShortPassage) {
-      has_short = true;
-      lately = bytes / passing;
-    }
-  }
-  if (bytes <= 0) return 0;
-  double rate = bytes / passing;
-  if (has_short) rate = std::min(rate, lately);
-  if (const double overdue = overdue_seconds(now); overdue > 0) {
-    const auto oldest = static_cast<double>(flying_.front().bytes);
-    if (oldest < rate * overdue) rate = std::min(rate, (bytes + oldest) / (passing + overdue));
-  }
-  return rate;
+  const double rate = mean_rate();
+  if (rate <= 0 || flying_.empty()) return rate;
+  const double overdue = overdue_seconds(now);
+  const auto oldest = static_cast<double>(flying_.front().bytes);
+  if (overdue <= 0 || oldest >= rate * overdue || !tells(oldest, overdue, rate)) return rate;
+  // As if it passed now, after others at the rate that was known.
+  return std::min(rate, (kShortPassage * rate + oldest) / (kShortPassage + overdue));
 }
 
 TimePoint LinkModel::free_at(TimePoint now) const {
   const double rate = bytes_per_second(now);
   if (flying_.empty() || rate <= 0) return now;
   // What has not been heard of may have passed up to one round trip ago; beyond its time it passes any moment, but not before.
-  const TimePoint heard_of = now - shortest_round_trip() - last_decode_;
+  const TimePoint heard_of = now - shortest_round_trip() - decode_;
   TimePoint free = last_passed_;
   bool oldest = true;
   for (const Flying& each : flying_) {

@@ -25,8 +25,8 @@ class LinkModel {
   static constexpr Duration kMemory = std::chrono::seconds(10);  // of the shortest round trip
 
   void sent(std::uint64_t frame, std::size_t bytes, TimePoint now);
-  /// decode: what the client says that it took, which is no fault of the way; no more than the round trip is believed. Frames
-  /// before it count as arrived with it. Unknown ids do nothing.
+  /// decode: what the client says that it took; what is usual of it is no fault of the way, and no more than the round trip is
+  /// believed. Frames before it count as arrived with it. Unknown ids do nothing.
   void acknowledged(std::uint64_t frame, Duration decode, TimePoint now);
   /// The round trip of something without weight: a WebSocket ping.
   void round_trip(Duration time, TimePoint now);
@@ -57,13 +57,14 @@ class LinkModel {
   };
 
   void note_round_trip(Duration time, TimePoint now);
+  double mean_rate() const;
   double overdue_seconds(TimePoint now) const;
 
   std::deque<Flying> flying_;
   std::deque<Passage> passages_;                            // the newest last
   std::deque<std::pair<TimePoint, Duration>> round_trips_;  // increasing in both: only what may become the shortest is kept
   TimePoint last_passed_{};
-  Duration last_decode_{};
+  Duration decode_{};  // that is usual
   Duration queue_delay_{};
 };
 

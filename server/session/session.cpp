@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
+constexpr Duration kAnnounce = std::chrono::milliseconds(4);  // between cameras that are told on, where more come than that
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -58,6 +59,7 @@ void Session::attach(Viewer& viewer, TimePoint now) {
 }
 
 void Session::detach(Viewer& viewer, TimePoint now) {
+  announce(now);  // nobody may be there later to see to it
   if (viewer.ordered_request != 0) {
     engine_.post(ForgetFrame{key_, viewer.ordered_request});
     engine_.forget(viewer.ordered_request);
@@ -90,21 +92,32 @@ void Session::broadcast(const v1::ServerMessage& message) {
   for (auto& [key, viewer] : viewers_) viewer->outbox->send(message);
 }
 
-void Session::changed(TimePoint now) {
-  engine_.post(SceneUpdate{key_, state_.scene});
-  const v1::State state = wire_state();
+void Session::changed(TimePoint now, bool soon) {
+  unannounced_ = true;
+  if (!soon || now - announced_ >= kAnnounce) announce(now);
   for (auto& [key, viewer] : viewers_) {
     viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
     viewer->bands.clear();
-    viewer->outbox->send_state(state);
   }
   pump(now);
+}
+
+// Thousands of cameras a second would be copied to everyone, and nobody sees them.
+void Session::announce(TimePoint now) {
+  if (!unannounced_) return;
+  unannounced_ = false;
+  announced_ = now;
+  engine_.post(SceneUpdate{key_, state_.scene});
+  const v1::State state = wire_state();
+  for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
 }
 
 void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
   last_use_ = now;
   const ViewerKey key = viewer.key;
   const std::uint64_t seq = message.seq();
+  // An answer never overtakes the change that it answers.
+  if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
   const Reply reply = [this, key, seq](std::optional<v1::Error> error) {
     Viewer* to = living(key);
     if (to && error) send_error(*to, seq, std::move(*error));
@@ -211,7 +224,8 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
   }
   CommandOutcome outcome = apply_command(state_, message, context(viewer));
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
-  if (outcome.changed) changed(now);
+  if (outcome.changed) changed(now, viewer && message.has_set_camera());
+  if (outcome.error) announce(now);
   reply(std::move(outcome.error));
 }
 
@@ -293,6 +307,7 @@ void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply) {
 
 RequestId Session::picture(int width, int height, bool jpeg, EngineDoor::Listener listener, TimePoint now) {
   last_use_ = now;
+  announce(now);
   FrameRequest request{key_, 0, width, height, true, jpeg, 95};
   return engine_.ask(std::move(request), std::move(listener));
 }
@@ -332,6 +347,7 @@ void Session::play_cycle(TimePoint now) {
 }
 
 void Session::pump(TimePoint now) {
+  if (now - announced_ >= kAnnounce) announce(now);
   play_cycle(now);
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
 }
@@ -354,6 +370,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   }
   const auto order = viewer.frames.next(now);
   if (!order) return;
+  announce(now);
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
   // A settled frame is a picture by itself, as good as pictures get that are not lossless.
   if (order->phase == FramePhase::moving && viewer.stream != 0)
@@ -419,6 +436,7 @@ void Session::on_frame_event(ViewerKey key, RequestId request, const FrameOrder&
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
   if (watched()) earliest = next_phase_;
+  if (unannounced_) earliest = earliest ? std::min(*earliest, announced_ + kAnnounce) : announced_ + kAnnounce;
   for (const auto& [key, viewer] : viewers_) {
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
     if (viewer->bands.empty()) continue;

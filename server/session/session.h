@@ -88,7 +88,9 @@ class Session {
 
   Viewer* living(ViewerKey key);
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.get(), viewer ? viewer->frames.aspect() : 1}; }
-  void changed(TimePoint now);
+  /// soon: the engine and the viewers need not hear of it at once, as more of the kind may follow.
+  void changed(TimePoint now, bool soon = false);
+  void announce(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
   void run_deferred(TimePoint now);
   void pump(Viewer& viewer, TimePoint now);
@@ -108,6 +110,8 @@ class Session {
   SceneState state_;
   std::shared_ptr<const DatasetFacts> dataset_;
   std::map<ViewerKey, Viewer*> viewers_;
+  bool unannounced_ = false;  // the scene is newer than the engine and the viewers know
+  TimePoint announced_{};
   std::optional<Opening> opening_;
   std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
   StreamId last_stream_ = 0;

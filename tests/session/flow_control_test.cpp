@@ -95,6 +95,19 @@ TEST(FlowControl, JitterIsNoReasonToStopOrToBeLate) {
   }
 }
 
+TEST(FlowControl, JitterOfSmallFramesIsNotTakenForASlowLink) {
+  for (const double mbit : {2.0, 1000.0}) {
+    SimulatedWorld world;
+    world.bits_per_second = [=](double) { return mbit * 1e6; };
+    world.full_bytes = 2000;
+    world.jitter_ms = 40;
+    const SimulatedRun run = simulate(world, 5);
+    EXPECT_EQ(run.frames.back().order.quality, 90) << mbit;
+    EXPECT_EQ(run.frames.back().order.width, 1280) << mbit;
+    EXPECT_GE(run.fps(1000, 5000), 24) << mbit;
+  }
+}
+
 TEST(FlowControl, AfterALossThePictureIsTheNewestAtOnce) {
   SimulatedWorld world;
   world.bits_per_second = kSlow;

@@ -85,6 +85,21 @@ TEST_F(Link, DecodingIsTheClientsTimeAndNotTheWays) {
   EXPECT_NEAR(rate(), 250e3, 1);
 }
 
+TEST_F(Link, ADecoderThatFallsBehindIsAQueueToo) {
+  for (int i = 0; i < 4; ++i) {
+    send(2500);
+    now_ = passed_ + kTrip + milliseconds(10);
+    model_.acknowledged(frame_, milliseconds(10), now_);
+  }
+  EXPECT_NEAR(rate(), 250e3, 1);
+  for (int i = 0; i < 4; ++i) {
+    send(2500);
+    now_ = passed_ + kTrip + milliseconds(60 + 40 * i);
+    model_.acknowledged(frame_, milliseconds(60 + 40 * i), now_);
+  }
+  EXPECT_LT(rate(), 60e3) << "to send more would be of no use";
+}
+
 TEST_F(Link, AClientThatSaysItDecodesForHoursIsNotBelieved) {
   send(25000);
   now_ += milliseconds(200);

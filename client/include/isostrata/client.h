@@ -35,7 +35,8 @@ struct Options {
   std::string resume_token;  // of an earlier Welcome: joins that session
   std::string name = "isostrata-client";
   int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
-  std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own
+  std::vector<std::string> moving_formats{"jpeg"};  // of Hello: what is decoded of frames in motion
+  std::chrono::milliseconds timeout{60000};         // of every wait that has no timeout of its own
 };
 
 /// One connection. Not thread-safe: everything happens on the caller's thread, inside the calls.
