@@ -19,7 +19,7 @@ constexpr int kMinKbps = 16, kMaxKbps = 1000000;
 constexpr int kSpeed = 8;
 constexpr int kCyclicRefresh = 3;      // aq-mode: a part of the picture is coded finer in each frame, in turn
 constexpr int kMaxIntraPercent = 300;  // a key frame may take this much of a frame's share
-constexpr int kBestQuantizer = 1;      // of 0..63; 0 would be lossless, and slow
+constexpr int kBestQuantizer = 3;      // of 0..63. Finer ones make more bytes than pictures better
 constexpr int kWorstQuantizer = 58;
 
 class Vp9Encoder final : public Encoder {
