@@ -15,12 +15,15 @@ constexpr double kLeastPassage = 1e-4;           // clocks and threads are no be
 double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
 Duration duration(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
-// A frame that should pass within the grain says nothing about the rate, since what it was late by was something else. But none
-// is early by accident, and much too late is a slower link.
-bool tells(double bytes, double passing, double known_rate) {
-  if (known_rate <= 0 || bytes >= known_rate * passing) return true;
+enum class Word { none, doubtful, good };
+
+// A frame that should pass within the grain says nothing about the rate, since what it was late by was something else; where it
+// is very late, the next one must say so too. But none is early by accident.
+Word word_of(double bytes, double passing, double known_rate) {
+  if (known_rate <= 0 || bytes >= known_rate * passing) return Word::good;
   const double expected = bytes / known_rate;
-  return expected >= kGrain || passing > expected + kDelay;
+  if (expected >= kGrain) return Word::good;
+  return passing > expected + kDelay ? Word::doubtful : Word::none;
 }
 
 }  // namespace
@@ -47,7 +50,11 @@ void LinkModel::acknowledged(std::uint64_t frame, Duration decode, TimePoint now
   const Duration waited = std::max(last_passed_ - first_sent, Duration::zero());
   queue_delay_ += (waited - queue_delay_) / 4;
   const double passing = std::max(seconds(passed - began), kLeastPassage);
-  if (tells(bytes, passing, mean_rate())) passages_.push_back({now, bytes, passing});
+  const Word word = word_of(bytes, passing, mean_rate());
+  const bool doubted = !passages_.empty() && passages_.back().seconds < 0;
+  if (word != Word::doubtful && doubted) passages_.pop_back();
+  if (word == Word::doubtful && doubted) passages_.back().seconds *= -1;
+  if (word != Word::none) passages_.push_back({now, bytes, word == Word::doubtful && !doubted ? -passing : passing});
   if (passages_.size() > 256) passages_.pop_front();
   last_passed_ = std::max(passed, last_passed_);
   flying_.erase(flying_.begin(), it + 1);
@@ -73,6 +80,7 @@ double LinkModel::overdue_seconds(TimePoint now) const {
 double LinkModel::mean_rate() const {
   double bytes = 0, passing = 0, lately = 0;
   for (auto it = passages_.rbegin(); it != passages_.rend(); ++it) {
+    if (it->seconds < 0) continue;
     if (bytes > 0 && (passages_.back().at - it->at > kLong || passing > kLongPassage)) break;
     bytes += it->bytes;
     passing += it->seconds;
@@ -87,7 +95,7 @@ double LinkModel::bytes_per_second(TimePoint now) const {
   if (rate <= 0 || flying_.empty()) return rate;
   const double overdue = overdue_seconds(now);
   const auto oldest = static_cast<double>(flying_.front().bytes);
-  if (overdue <= 0 || oldest >= rate * overdue || !tells(oldest, overdue, rate)) return rate;
+  if (overdue <= 0 || oldest >= rate * overdue || word_of(oldest, overdue, rate) != Word::good) return rate;
   // As if it passed now, after others at the rate that was known.
   return std::min(rate, (kShortPassage * rate + oldest) / (kShortPassage + overdue));
 }

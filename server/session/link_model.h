@@ -53,7 +53,7 @@ class LinkModel {
   };
   struct Passage {
     TimePoint at;
-    double bytes, seconds;
+    double bytes, seconds;  // seconds < 0: doubtful, until the next one says the same
   };
 
   void note_round_trip(Duration time, TimePoint now);

@@ -85,6 +85,30 @@ TEST_F(Link, DecodingIsTheClientsTimeAndNotTheWays) {
   EXPECT_NEAR(rate(), 250e3, 1);
 }
 
+TEST_F(Link, OneSmallFrameThatIsVeryLateIsDoubtedAndTwoAreBelieved) {
+  send(25000);
+  hear();
+  const auto late = [&] {
+    send(1000);
+    now_ = passed_ + kTrip + milliseconds(200);
+    passed_ = now_ - kTrip;
+    model_.acknowledged(frame_, {}, now_);
+  };
+  const auto on_time = [&] {
+    send(1000);
+    hear();
+  };
+  for (int i = 0; i < 5; ++i) {
+    late();
+    EXPECT_NEAR(rate(), 250e3, 1) << "a thread that slept";
+    on_time();
+    EXPECT_NEAR(rate(), 250e3, 1);
+  }
+  late();
+  late();
+  EXPECT_LT(rate(), 125e3);
+}
+
 TEST_F(Link, ADecoderThatFallsBehindIsAQueueToo) {
   for (int i = 0; i < 4; ++i) {
     send(2500);
