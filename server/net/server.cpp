@@ -61,6 +61,7 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   SiteOptions site;
   site.base_path = parse_base_url(options.base_url, public_host);
   site.web_root = options.web_root;
+  site.log = options.log;
   site.access.token = options.token;
   site.access.port = port;
   site.access.allowed_hosts = options.allowed_hosts;
@@ -216,6 +217,7 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     wake();
+    site_.end(reason);
     sessions_.shut_down(reason);
     asio::co_spawn(io_, end_soon(), asio::detached);
   }

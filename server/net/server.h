@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/engine.h"
+#include "net/log_line.h"
 
 namespace isostrata {
 
@@ -28,6 +29,7 @@ struct ServerOptions {
   std::chrono::milliseconds hello_timeout{10000};  // a WebSocket without its Hello is closed
   std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
   EngineOptions engine;
+  LogSink log;  // called on the thread of run(); empty: nobody listens
 };
 
 class Server {

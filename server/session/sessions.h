@@ -39,6 +39,8 @@ class Sessions final : public EngineDoor {
   void receive_malformed(ViewerKey viewer, const std::string& why);
   void detach(ViewerKey viewer, TimePoint now);
   std::size_t viewer_count() const { return viewers_.size(); }
+  /// Null: the viewer has not said hello.
+  const Session* watched_by(ViewerKey viewer);
 
   // ---- scripts ----
 
