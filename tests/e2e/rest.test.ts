@@ -29,7 +29,7 @@ afterAll(async () => {
 });
 
 function call(method: string, path: string, body?: Json, headers: Record<string, string> = {}): Promise<Response> {
-  const json = body === undefined ? {} : { 'Content-Type': 'application/json' };
+  const json: Record<string, string> = body === undefined ? {} : { 'Content-Type': 'application/json' };
   return fetch(`${base}/api/v1${path}`, {
     method,
     headers: { Authorization: `Bearer ${token}`, ...json, ...headers },
