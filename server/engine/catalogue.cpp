@@ -109,7 +109,7 @@ Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
 
 // Sizes that a software renderer still turns smoothly; a larger one is a matter of naming it: `isostrata serve torus:256`.
 Catalogue Catalogue::analytic() {
-  return from_sources({"torus:32", "sphere:32", "marschner-lobb:40", "cylinder:48x32x16", "tets:16", "mixed:17"});
+  return from_sources({"torus:32", "sphere:32", "marschner-lobb:40", "cylinder:48x32x16", "implicit-flow:32", "tets:16", "mixed:17"});
 }
 
 const CatalogueEntry* Catalogue::find(std::string_view id) const {

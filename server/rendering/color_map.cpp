@@ -1,6 +1,6 @@
-// The colour maps that are built in: every third entry of the published 256 (of plasma, which bends more, every one), as packed
-// sRGB bytes. Linear interpolation between them stays within 1/255 of the published entries (tested against the published tables
-// where they are at hand).
+// The colour maps that are built in, as splines fitted to the published tables of 256 colours (the greatest error made small), so
+// that they bend smoothly: steps of a table's last digit would be kinks, which exact integrals have to stop at. Within 1.1/255 of
+// the published entries (tested against the published tables where they are at hand).
 //
 // viridis, plasma, inferno, magma: Nathaniel Smith and Stefan van der Walt, mpl-colormaps, CC0 1.0 (public domain).
 //
@@ -16,7 +16,7 @@
 //   LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR
 //   THE USE OR OTHER DEALINGS IN THE SOFTWARE.
 //
-// coolwarm: computed, after Kenneth Moreland, "Diverging Color Maps for Scientific Visualization", 2009. gray: computed.
+// coolwarm: fitted to colours computed after Kenneth Moreland, "Diverging Color Maps for Scientific Visualization", 2009.
 #include "rendering/style.h"
 
 #include <algorithm>
@@ -30,137 +30,77 @@ namespace isostrata {
 namespace {
 constexpr std::size_t kMaxRampColors = 16;
 
-constexpr std::string_view kViridis =
-    "440154450559460a5d470e61471365481769481b6d481f70482374482677472a7a472e7c46327e453581443983433d844240864144873f47883e4a89"
-    "3d4e8a3b518b3a548c38588c375b8d355e8d34618d32648e31678e306a8e2e6d8e2d708e2c728e2b758e2a788e297b8e277e8e26818e25838e24868e"
-    "23898e228c8d218f8d20928c1f948c1f978b1f9a8a1e9d891fa0881fa28721a58522a88425ab8227ad812ab07f2eb37c32b67a37b8783bbb7540bd72"
-    "46c06f4cc26c52c56958c7655ec96265cb5e6ccd5a73d0567ad15181d34d89d54890d74398d83ea0da39a8db34b0dd2fb8de29c0df25c8e020d0e11c"
-    "d8e219dfe318e7e419efe51cf6e620fde725";
+/// Weights of a uniform cubic B-spline on kPieces equal pieces of [0, 1], of red, green and blue.
+constexpr int kPieces = 16;
+using Spline = std::array<std::array<float, kPieces + 3>, 3>;
 
-constexpr std::string_view kPlasma =
-    "0d088710078813078916078a19068c1b068d1d068e20068f2206902406912605912805922a05932c05942e05952f0596310597330597350498370499"
-    "38049a3a049a3c049b3e049c3f049c41049d43039e44039e46039f48039f4903a04b03a14c02a14e02a25002a25102a35302a35502a45601a45801a4"
-    "5901a55b01a55c01a65e01a66001a66100a76300a76400a76600a76700a86900a86a00a86c00a86e00a86f00a87100a87201a87401a87501a87701a8"
-    "7801a87a02a87b02a87d03a87e03a88004a88104a78305a78405a78606a68707a68808a68a09a58b0aa58d0ba58e0ca48f0da4910ea3920fa39410a2"
-    "9511a19613a19814a099159f9a169f9c179e9d189d9e199da01a9ca11b9ba21d9aa31e9aa51f99a62098a72197a82296aa2395ab2494ac2694ad2793"
-    "ae2892b02991b12a90b22b8fb32c8eb42e8db52f8cb6308bb7318ab83289ba3388bb3488bc3587bd3786be3885bf3984c03a83c13b82c23c81c33d80"
-    "c43e7fc5407ec6417dc7427cc8437bc9447aca457acb4679cc4778cc4977cd4a76ce4b75cf4c74d04d73d14e72d24f71d35171d45270d5536fd5546e"
-    "d6556dd7566cd8576bd9586ada5a6ada5b69db5c68dc5d67dd5e66de5f65de6164df6263e06363e16462e26561e26660e3685fe4695ee56a5de56b5d"
-    "e66c5ce76e5be76f5ae87059e97158e97257ea7457eb7556eb7655ec7754ed7953ed7a52ee7b51ef7c51ef7e50f07f4ff0804ef1814df1834cf2844b"
-    "f3854bf3874af48849f48948f58b47f58c46f68d45f68f44f79044f79143f79342f89441f89540f9973ff9983ef99a3efa9b3dfa9c3cfa9e3bfb9f3a"
-    "fba139fba238fca338fca537fca636fca835fca934fdab33fdac33fdae32fdaf31fdb130fdb22ffdb42ffdb52efeb72dfeb82cfeba2cfebb2bfebd2a"
-    "febe2afec029fdc229fdc328fdc527fdc627fdc827fdca26fdcb26fccd25fcce25fcd025fcd225fbd324fbd524fbd724fad824fada24f9dc24f9dd25"
-    "f8df25f8e125f7e225f7e425f6e626f6e826f5e926f5eb27f4ed27f3ee27f3f027f2f227f1f426f1f525f0f724f0f921";
+// clang-format off
+constexpr Spline kViridis{{
+    {0.2316f, 0.2711f, 0.2849f, 0.2823f, 0.2604f, 0.2308f, 0.1987f, 0.1732f, 0.1492f, 0.1272f, 0.1121f, 0.1457f, 0.2364f, 0.3585f, 0.5058f, 0.6678f, 0.8382f, 0.9957f, 1.1395f},
+    {-0.0716f, -0.0010f, 0.0998f, 0.1727f, 0.2541f, 0.3198f, 0.3895f, 0.4453f, 0.5089f, 0.5626f, 0.6263f, 0.6795f, 0.7399f, 0.7855f, 0.8334f, 0.8613f, 0.8899f, 0.9001f, 0.9516f},
+    {0.1918f, 0.3403f, 0.4159f, 0.4914f, 0.5240f, 0.5513f, 0.5515f, 0.5622f, 0.5544f, 0.5564f, 0.5329f, 0.5101f, 0.4540f, 0.3938f, 0.2982f, 0.2013f, 0.0762f, 0.1104f, 0.3535f},
+}};
 
-constexpr std::string_view kInferno =
-    "00000401010802020e04031407051b0a07220d0829110a30150b37190c3e1e0c45230c4c280b532d0b59320a5e3809623d0965420a68470b6a4c0c6b"
-    "510e6c550f6d5a116e5f136e64156e69166e6d186e721a6e771c6d7c1d6d801f6c85216b8a226a8f24699326679827669d2964a22b62a62d60ab2f5e"
-    "b0315bb43359b93556bd3853c13a50c63d4dca404ace4347d24644d54a41d94d3ddd513ae05536e35933e65d2fe9612beb6628ee6a24f06f20f2741c"
-    "f47918f67e14f78410f8890cf98e09fa9407fb9906fc9f07fca50afcaa0ffcb014fbb61afbbc21fac228f9c72ff8cd37f7d340f5d949f4df53f3e55d"
-    "f2ea69f1ef75f2f482f4f88ef8fb9afcffa4";
+constexpr Spline kPlasma{{
+    {-0.2051f, 0.0794f, 0.1933f, 0.3020f, 0.3969f, 0.4962f, 0.5825f, 0.6667f, 0.7340f, 0.7992f, 0.8509f, 0.9026f, 0.9423f, 0.9740f, 0.9941f, 0.9959f, 0.9812f, 0.9372f, 0.9084f},
+    {0.0798f, 0.0203f, 0.0212f, 0.0083f, 0.0001f, 0.0003f, 0.0654f, 0.1384f, 0.2059f, 0.2797f, 0.3469f, 0.4232f, 0.4965f, 0.5824f, 0.6677f, 0.7671f, 0.8652f, 0.9797f, 1.0635f},
+    {0.3670f, 0.5509f, 0.5843f, 0.6409f, 0.6532f, 0.6692f, 0.6310f, 0.5950f, 0.5230f, 0.4773f, 0.4089f, 0.3683f, 0.3018f, 0.2605f, 0.1935f, 0.1586f, 0.1246f, 0.1934f, -0.0972f},
+}};
 
-constexpr std::string_view kMagma =
-    "00000401010802020d04041406051a0907200c0926100b2d130d34160f3b1a10421e11492211502712582c115f31116536106b3b0f70400f74451077"
-    "4a10794f127b54137d59157e5d177f621980671b806b1d81701f817521817922827e24828326818827818c2981912b81962c809b2e7fa02f7fa5317e"
-    "aa337dae347bb3367ab83779bd3977c23b75c73d73cc3f71d0416fd5446dd9466bde4968e24d66e55064e95462ec5860ef5d5ef2625df4675cf66c5c"
-    "f7725cf9785dfa7d5efb835ffc8961fc8e64fd9467fd9a6afe9f6dfea571feaa74feb078feb67cfebb81fec185fec68afecc8ffed194fed799fddc9e"
-    "fde2a3fde7a9fcecaefcf2b4fcf7b9fcfdbf";
+constexpr Spline kInferno{{
+    {-0.0010f, -0.0072f, 0.0325f, 0.1269f, 0.2366f, 0.3432f, 0.4362f, 0.5415f, 0.6350f, 0.7372f, 0.8190f, 0.8981f, 0.9457f, 0.9841f, 0.9886f, 0.9834f, 0.9387f, 0.9543f, 1.1802f},
+    {0.0231f, -0.0122f, 0.0315f, 0.0572f, 0.0243f, 0.0629f, 0.0977f, 0.1352f, 0.1677f, 0.2132f, 0.2683f, 0.3476f, 0.4429f, 0.5504f, 0.6693f, 0.7894f, 0.9168f, 1.0087f, 1.0367f},
+    {-0.0296f, -0.0089f, 0.1439f, 0.2888f, 0.4211f, 0.4214f, 0.4462f, 0.4071f, 0.3968f, 0.3226f, 0.2818f, 0.1848f, 0.1343f, 0.0131f, 0.0315f, 0.2032f, 0.3632f, 0.6990f, 0.6878f},
+}};
 
-constexpr std::string_view kBatlow =
-    "011959041e5a07225b09275c0b2b5c0c2f5d0d335e0e375e0f3b5f103e5f114160114460124761134a61144d62154f621752621855621a57621c5a62"
-    "1e5d62215f6124616027635f2b655e2f675c33695a376b583b6d563f6e5444705248714f4d734d52744a5776475b7745607942657a3f6a7b3d6f7d3a"
-    "747e387980357f81338483318a842f8f862d95872c9b892ba18a2ba78b2cad8c2db38e2fb98f32be9035c49138ca923ccf9340d49445d9954ade964f"
-    "e39754e7985aeb9a60ef9b67f29d6df59f74f8a17bf9a382fba689fca890fdaa97fdac9efdafa5fdb1abfdb3b1fdb5b8fdb7befdbac4fdbccbfcbed1"
-    "fcc0d8fcc3dffcc5e5fbc7ecfbcaf3faccfa";
+constexpr Spline kMagma{{
+    {0.0371f, -0.0150f, 0.0365f, 0.1076f, 0.2083f, 0.3191f, 0.4102f, 0.5124f, 0.6081f, 0.7157f, 0.8129f, 0.9092f, 0.9628f, 0.9907f, 0.9949f, 1.0004f, 0.9902f, 0.9915f, 0.9614f},
+    {-0.0284f, -0.0005f, 0.0253f, 0.0793f, 0.0575f, 0.0621f, 0.1149f, 0.1440f, 0.1852f, 0.2088f, 0.2547f, 0.3054f, 0.4143f, 0.5264f, 0.6522f, 0.7592f, 0.8828f, 0.9825f, 1.1438f},
+    {-0.0424f, -0.0039f, 0.1346f, 0.2685f, 0.4382f, 0.4888f, 0.5096f, 0.5064f, 0.5046f, 0.4756f, 0.4438f, 0.3841f, 0.3530f, 0.3697f, 0.4418f, 0.5234f, 0.6357f, 0.7414f, 0.9024f},
+}};
 
-constexpr std::string_view kVik =
-    "001261011764021c6702206a02256d022a70022e73023376023779033c7c03417f034582034a85044f8806548b08598f0c5e921164961769991e6f9d"
-    "2575a12d7ba53681a93f87ad488db25194b65a9aba64a0be6da6c277acc680b2ca8ab8ce94bed29dc4d6a7c9dab0cfdebad5e2c3dae5ccdfe8d5e3e9"
-    "dee6e9e5e7e8eae6e4ede4deeee0d8eedbd0edd5c8ebd0c0e9cab8e6c4b0e4bea8e1b8a0dfb298dcac90daa688d7a081d59b79d39572d0906bce8b64"
-    "cc855dc98056c77b4fc57548c27041c06b3abe6533bb602db75a26b3531faf4c18a94512a33e0d9c37099631078f2b068926068321067e1d06781806"
-    "7314066d1007680c076307075e0308590008";
+constexpr Spline kBatlow{{
+    {-0.0798f, 0.0139f, 0.0539f, 0.0654f, 0.0844f, 0.1257f, 0.2054f, 0.2985f, 0.3998f, 0.5047f, 0.6262f, 0.7523f, 0.8635f, 0.9573f, 0.9942f, 0.9930f, 0.9902f, 0.9818f, 0.9720f},
+    {-0.0007f, 0.0989f, 0.1954f, 0.2648f, 0.3216f, 0.3771f, 0.4180f, 0.4503f, 0.4791f, 0.5102f, 0.5406f, 0.5655f, 0.5830f, 0.6116f, 0.6593f, 0.7055f, 0.7502f, 0.8004f, 0.8505f},
+    {0.3218f, 0.3525f, 0.3653f, 0.3791f, 0.3854f, 0.3854f, 0.3531f, 0.3031f, 0.2450f, 0.1923f, 0.1558f, 0.2017f, 0.2921f, 0.4165f, 0.5721f, 0.7049f, 0.8373f, 0.9783f, 1.1392f},
+}};
 
-int hex_digit(char c) { return c <= '9' ? c - '0' : c - 'a' + 10; }
+constexpr Spline kVik{{
+    {0.0090f, -0.0022f, 0.0145f, 0.0052f, 0.0231f, 0.1820f, 0.3709f, 0.5775f, 0.7694f, 0.9675f, 0.9110f, 0.8649f, 0.8090f, 0.7674f, 0.7163f, 0.5773f, 0.4488f, 0.3574f, 0.2173f},
+    {0.0128f, 0.0605f, 0.1763f, 0.2577f, 0.3716f, 0.4804f, 0.6242f, 0.7349f, 0.8718f, 0.9342f, 0.7868f, 0.6761f, 0.5477f, 0.4519f, 0.3278f, 0.1737f, 0.0793f, 0.0006f, -0.0934f},
+    {0.3979f, 0.3607f, 0.4537f, 0.4945f, 0.5777f, 0.6410f, 0.7486f, 0.8138f, 0.9203f, 0.9177f, 0.7141f, 0.5684f, 0.3955f, 0.2703f, 0.1088f, -0.0014f, 0.0389f, 0.0109f, 0.1170f},
+}};
 
-ColorMap unpack(std::string_view name, std::string_view hex) {
+constexpr Spline kCoolwarm{{
+    {0.1456f, 0.2326f, 0.3014f, 0.3841f, 0.4650f, 0.5546f, 0.6386f, 0.7244f, 0.8003f, 0.8662f, 0.9301f, 0.9614f, 0.9755f, 0.9605f, 0.9292f, 0.8711f, 0.8006f, 0.7050f, 0.6182f},
+    {0.0952f, 0.3211f, 0.3951f, 0.5214f, 0.5965f, 0.7012f, 0.7525f, 0.8273f, 0.8418f, 0.8852f, 0.8193f, 0.7831f, 0.6871f, 0.6153f, 0.4896f, 0.3919f, 0.2333f, 0.1091f, -0.5534f},
+    {0.6634f, 0.7533f, 0.8502f, 0.9196f, 0.9737f, 0.9981f, 1.0036f, 0.9796f, 0.9351f, 0.8702f, 0.7737f, 0.6801f, 0.5779f, 0.4828f, 0.3856f, 0.3005f, 0.2170f, 0.1514f, 0.0744f},
+}};
+// clang-format on
+
+ColorMap sampled(std::string_view name, const Spline& spline) {
+  constexpr int kSteps = 8 * kPieces;
   ColorMap map{std::string(name), {}};
-  for (std::size_t i = 0; i + 5 < hex.size(); i += 6) {
+  for (int i = 0; i <= kSteps; ++i) {
+    const auto piece = static_cast<std::size_t>(std::min(i * kPieces / kSteps, kPieces - 1));
+    const float x = static_cast<float>(i) * kPieces / kSteps - static_cast<float>(piece), y = 1 - x;
+    const float weight[4] = {y * y * y / 6, (3 * x * x * x - 6 * x * x + 4) / 6, (3 * y * y * y - 6 * y * y + 4) / 6,
+                             x * x * x / 6};
     Rgb rgb{};
-    for (std::size_t c = 0; c < 3; ++c)
-      rgb[c] = static_cast<float>(16 * hex_digit(hex[i + 2 * c]) + hex_digit(hex[i + 2 * c + 1])) / 255.0f;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t k = 0; k < 4; ++k) rgb[c] += weight[k] * spline[c][piece + k];
+      rgb[c] = std::clamp(rgb[c], 0.0f, 1.0f);
+    }
     map.rgb.push_back(rgb);
   }
   return map;
 }
 
-// ---- coolwarm -------------------------------------------------------------------------------------------------------------
-
-constexpr std::array<double, 3> kWhite{0.9505, 1.0, 1.089};  // D65
-
-double linear_from_srgb(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-double srgb_from_linear(double v) { return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
-double lab_curve(double t) { return t > 0.008856 ? std::cbrt(t) : 7.787 * t + 16.0 / 116; }
-double lab_curve_inverse(double t) { return t > 0.206893 ? t * t * t : (t - 16.0 / 116) / 7.787; }
-
-struct Msh {
-  double magnitude, saturation, hue;  // CIELAB in polar coordinates (Moreland 2009, section 5.2)
-};
-
-Msh msh_from_rgb(const Rgb& rgb) {
-  const double r = linear_from_srgb(rgb[0]), g = linear_from_srgb(rgb[1]), b = linear_from_srgb(rgb[2]);
-  const double x = lab_curve((0.4124 * r + 0.3576 * g + 0.1805 * b) / kWhite[0]);
-  const double y = lab_curve((0.2126 * r + 0.7152 * g + 0.0722 * b) / kWhite[1]);
-  const double z = lab_curve((0.0193 * r + 0.1192 * g + 0.9505 * b) / kWhite[2]);
-  const double l = 116 * y - 16, a = 500 * (x - y), b2 = 200 * (y - z);
-  const double m = std::sqrt(l * l + a * a + b2 * b2);
-  return {m, std::acos(l / m), std::atan2(b2, a)};
-}
-
-Rgb rgb_from_msh(const Msh& msh) {
-  const double l = msh.magnitude * std::cos(msh.saturation);
-  const double a = msh.magnitude * std::sin(msh.saturation) * std::cos(msh.hue);
-  const double b = msh.magnitude * std::sin(msh.saturation) * std::sin(msh.hue);
-  const double fy = (l + 16) / 116;
-  const double x = kWhite[0] * lab_curve_inverse(fy + a / 500), y = kWhite[1] * lab_curve_inverse(fy);
-  const double z = kWhite[2] * lab_curve_inverse(fy - b / 200);
-  const std::array<double, 3> linear{3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z,
-                                     0.0557 * x - 0.2040 * y + 1.0570 * z};
-  Rgb rgb{};
-  for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<float>(std::clamp(srgb_from_linear(linear[c]), 0.0, 1.0));
-  return rgb;
-}
-
-// Hue turns away from the unsaturated middle so that its change is not seen as a band (Moreland 2009, figure 7).
-double turned_hue(const Msh& end, double middle_magnitude) {
-  const double turn = end.saturation * std::sqrt(middle_magnitude * middle_magnitude - end.magnitude * end.magnitude) /
-                      (end.magnitude * std::sin(end.saturation));
-  return end.hue > -1.0471975511965976 ? end.hue + turn : end.hue - turn;
-}
-
-ColorMap make_coolwarm() {
-  const Msh cool = msh_from_rgb({0.230f, 0.299f, 0.754f}), warm = msh_from_rgb({0.706f, 0.016f, 0.150f});
-  const double middle = std::max({cool.magnitude, warm.magnitude, 88.0});
-  ColorMap map{"coolwarm", {}};
-  for (int i = 0; i <= 64; ++i) {
-    const double t = i / 64.0;
-    const Msh& end = t < 0.5 ? cool : warm;
-    const double to_end = std::abs(2 * t - 1);
-    const double hue = turned_hue(end, middle);
-    map.rgb.push_back(
-        rgb_from_msh({middle + (end.magnitude - middle) * to_end, end.saturation * to_end, hue + (end.hue - hue) * to_end}));
-  }
-  return map;
-}
-
 const std::vector<ColorMap>& all_maps() {
-  static const std::vector<ColorMap> maps{unpack("viridis", kViridis),
-                                          unpack("plasma", kPlasma),
-                                          unpack("inferno", kInferno),
-                                          unpack("magma", kMagma),
-                                          unpack("batlow", kBatlow),
-                                          unpack("vik", kVik),
-                                          make_coolwarm(),
-                                          ColorMap{"gray", {{0, 0, 0}, {1, 1, 1}}}};
+  static const std::vector<ColorMap> maps{sampled("viridis", kViridis),   sampled("plasma", kPlasma),
+                                          sampled("inferno", kInferno),   sampled("magma", kMagma),
+                                          sampled("batlow", kBatlow),     sampled("vik", kVik),
+                                          sampled("coolwarm", kCoolwarm), ColorMap{"gray", {{0, 0, 0}, {1, 1, 1}}}};
   return maps;
 }
 

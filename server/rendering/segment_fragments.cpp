@@ -31,9 +31,19 @@ struct Group {
   alignas(64) float color[3][kMaxLanes], color_u[3][kMaxLanes];  // colour = color + color_u * u
   alignas(64) float extinction[kMaxLanes];
   alignas(64) std::int32_t interval[kMaxLanes];
+  const SegmentOptics::Look* look;  // all of the group's, or null
 };
 
 constexpr int kEdge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/// What all intervals of a group share of looks, or null.
+HWY_INLINE const SegmentOptics::Look* common_look(const SegmentOptics& optics, const std::int32_t* intervals, bool uniform) {
+  const std::int32_t look = optics.look[static_cast<std::size_t>(intervals[0])];
+  if (look < 0) return nullptr;
+  for (std::size_t i = 1; !uniform && i < hn::Lanes(hn::CappedTag<float, kMaxLanes>()); ++i)
+    if (optics.look[static_cast<std::size_t>(intervals[i])] != look) return nullptr;
+  return &optics.looks[static_cast<std::size_t>(look)];
+}
 
 /// Planes, gradient and colours of the group. Returns which lanes hold a tetrahedron of any volume.
 HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::size_t first, Group& g) {
@@ -141,7 +151,14 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
       hn::Store(slope, d, g.color_u[c]);
       hn::Store(hn::MulAdd(slope, u[0], hn::Set(d, optics.line_start[one_interval][c])), d, g.color[c]);
     }
+    g.look = nullptr;
     hn::Store(faces, di, g.faces);
+    return;
+  }
+  if (optics.cut) beyond = hn::Ne(zero, zero);
+  g.look = input.integral == Integral::exact ? common_look(optics, &batch.interval[first], uniform) : nullptr;
+  if (g.look) {
+    hn::Store(hn::Or(faces, hn::IfThenElseZero(hn::RebindMask(di, beyond), hn::Set(di, kOwnLight))), di, g.faces);
     return;
   }
   // The colours as a line over u, for each tetrahedron its own.
@@ -172,7 +189,6 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   const V turn = hn::Sub(hn::GatherIndex(d, optics.turn.data(), index_high), hn::GatherIndex(d, optics.turn.data(), index_low));
   const auto bent = hn::Gt(hn::Mul(turn, width), hn::Set(d, 4 * kStraight));
   const V rise = hn::GatherIndex(d, optics.extinction_rise.data(), interval);
-  if (optics.cut) beyond = hn::Ne(zero, zero);
   auto own = hn::Or(hn::Or(beyond, bent), hn::Ne(rise, zero));
   if (input.integral == Integral::table2d) own = hn::Eq(zero, zero);
   faces = hn::Or(faces, hn::IfThenElseZero(hn::RebindMask(di, own), hn::Set(di, kOwnLight)));
@@ -343,12 +359,17 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
     const V tau = hn::Mul(length, of(g.extinction));
     const V mean = mean_transmittance(d, tau);  // over the segment
     V alpha = hn::Mul(tau, mean);
-    const V back = hn::Add(hn::Sub(mean, one), alpha);
-    const V turn = hn::Mul(back, hn::Sub(u_out, u_in));
     V rgb[3];
-    for (int c = 0; c < 3; ++c) {
-      const V slope = of(g.color_u[c]);
-      rgb[c] = hn::MulAdd(alpha, hn::MulAdd(slope, u_in, of(g.color[c])), hn::Mul(slope, turn));
+    if (g.look) {
+      const V u0 = of(g.u0);
+      integrated_light(d, *g.look, hn::Add(u0, u_in), hn::Add(u0, u_out), tau, alpha, rgb);
+    } else {
+      const V back = hn::Add(hn::Sub(mean, one), alpha);
+      const V turn = hn::Mul(back, hn::Sub(u_out, u_in));
+      for (int c = 0; c < 3; ++c) {
+        const V slope = of(g.color_u[c]);
+        rgb[c] = hn::MulAdd(alpha, hn::MulAdd(slope, u_in, of(g.color[c])), hn::Mul(slope, turn));
+      }
     }
     if (any_own) {
       const auto faces = hn::TableLookupLanes(all_faces, hn::IndicesFromVec(di, index));
@@ -389,7 +410,7 @@ std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t fi
     for (auto& corner : batch.vertex) corner[i] = corner[batch.count - 1];
     batch.interval[i] = batch.interval[batch.count - 1];
   }
-  Group group;
+  Group group{};
   std::uint16_t* const rows = scratch.rows;
   std::uint16_t* const pixels = scratch.pixels;
   for (; first < batch.count; first += lanes) {

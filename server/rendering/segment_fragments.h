@@ -7,9 +7,9 @@
 // The light of a segment of optical depth tau, colours c_in and c_out at its ends: where colour is linear between them and the
 // extinction constant, with a = 1 - exp(-tau) and b = a / tau - (1 - a),
 //   (a - b) c_in + b c_out
-// exactly. That is so in most tetrahedra, for a colour map is nearly straight over the small part of it that one of them spans:
-// kStraight bounds the error. Elsewhere, and where the extinction runs with the value, the segment is cut into panels of optical
-// depth below 1, each integrated by Gauss and Legendre with three points.
+// exactly. Where the colour map bends over an interval, its antiderivatives take the place of the ends' colours
+// (color_integrals.h). Maps that have none, and extinction that runs with the value, are cut into panels of optical depth below 1,
+// each integrated by Gauss and Legendre with three points.
 #pragma once
 
 #include <cstddef>

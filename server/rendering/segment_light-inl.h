@@ -9,6 +9,7 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include "rendering/color_integrals.h"
 #include "rendering/segment_optics.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,6 +31,93 @@ HWY_INLINE V mean_transmittance(D d, V tau) {
     sum = hn::IfThenElse(thick, hn::Div(hn::Sub(one, hn::Exp(d, hn::Neg(hn::Min(safe, hn::Set(d, 80.0f))))), safe), sum);
   }
   return sum;
+}
+
+/// Entry index of a table of kMostPieces numbers.
+template <class D, class VI>
+HWY_INLINE hn::Vec<D> piece_entry(D d, const float* table, VI index) {
+#if HWY_HAVE_SCALABLE || HWY_TARGET == HWY_SCALAR
+  return hn::GatherIndex(d, table, index);
+#else
+  if constexpr (hn::MaxLanes(D()) >= 16)
+    return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, index));
+  else if constexpr (hn::MaxLanes(D()) == 8) {
+    const hn::RebindToSigned<D> di;
+    const auto in_half = hn::IndicesFromVec(d, hn::And(index, hn::Set(di, 7)));
+    const auto low = hn::TableLookupLanes(hn::Load(d, table), in_half),
+               high = hn::TableLookupLanes(hn::Load(d, table + 8), in_half);
+    return hn::IfThenElse(hn::RebindMask(d, hn::Gt(index, hn::Set(di, 7))), high, low);
+  } else
+    return hn::GatherIndex(d, table, index);
+#endif
+}
+
+/// g0 and g1 at a place in pieces.
+template <class D, class V>
+HWY_INLINE void look_up(D d, const ColorIntegrals& integrals, V place, V* g0, V* g1) {
+  const hn::RebindToSigned<D> di;
+  const auto piece =
+      hn::Min(hn::Max(hn::ConvertTo(di, place), hn::Zero(di)), hn::Set(di, static_cast<std::int32_t>(integrals.pieces) - 1));
+  const V x = hn::Sub(place, hn::ConvertTo(d, piece));
+  for (int c = 0; c < 3; ++c) {
+    g0[c] = piece_entry(d, integrals.g0[c][4], piece);
+    for (int p = 3; p >= 0; --p) g0[c] = hn::MulAdd(g0[c], x, piece_entry(d, integrals.g0[c][p], piece));
+    g1[c] = piece_entry(d, integrals.g1[c][5], piece);
+    for (int p = 4; p >= 0; --p) g1[c] = hn::MulAdd(g1[c], x, piece_entry(d, integrals.g1[c][p], piece));
+  }
+}
+
+/// Premultiplied colour of segments of depth tau and opacity alpha along which u runs linearly (see color_integrals.h).
+template <class D, class V>
+HWY_INLINE void integrated_light(D d, const SegmentOptics::Look& look, V u_in, V u_out, V tau, V alpha, V* rgb) {
+  constexpr float kDeepest = 0.5f;  // where the exponential is still nearly a line
+  const ColorIntegrals& integrals = *look.integrals;
+  const V half = hn::Set(d, 0.5f), end = hn::Set(d, integrals.pieces);
+  const V first = hn::Set(d, look.first), rise = hn::Set(d, look.rise);
+  // A segment over next to nothing of the map sees a little more of it, or the differences would be rounding. That may reach
+  // beyond the map's ends, where the outer cubics go on.
+  const V seen_in = hn::MulAdd(rise, u_in, first), seen_out = hn::MulAdd(rise, u_out, first), seen = hn::Sub(seen_out, seen_in);
+  const V width = hn::CopySign(hn::Max(hn::Abs(seen), hn::Set(d, integrals.pieces / 512)), seen);
+  V p = hn::Mul(half, hn::Sub(hn::Add(seen_in, seen_out), width));
+  V from0[3], from1[3];
+  look_up(d, integrals, p, from0, from1);
+
+  /// The light of the next part of the segment, without what lies before it.
+  const auto part = [&](V step, V depth, V opacity, V trust, V* light) {
+    const V next = hn::Add(p, step);
+    V to0[3], to1[3];
+    look_up(d, integrals, next, to0, to1);
+    const V over = hn::Div(hn::Set(d, 1.0f), hn::Sub(next, p));
+    const V middle = hn::Mul(half, hn::Sub(hn::Add(p, next), end));
+    // The weight exp(-depth s) as a line: its slope is 12 times its centre of gravity, seen from the middle.
+    const V lean = hn::Mul(hn::Mul(trust, depth), hn::MulAdd(hn::Mul(depth, depth), hn::Set(d, 1.0f / 60), hn::Set(d, -1.0f)));
+    for (int c = 0; c < 3; ++c) {
+      const V mean = hn::Mul(hn::Sub(to0[c], from0[c]), over);
+      const V moment = hn::Mul(hn::NegMulAdd(middle, mean, hn::Mul(hn::Sub(to1[c], from1[c]), over)), over);
+      light[c] = hn::Mul(opacity, hn::MulAdd(lean, moment, mean));
+      from0[c] = to0[c];
+      from1[c] = to1[c];
+    }
+    p = next;
+  };
+  /// 0 where a part is too short for its slope to be more than rounding.
+  const auto trust_in = [&](V step) {
+    return hn::IfThenElseZero(hn::Ge(hn::Abs(step), hn::Set(d, integrals.pieces / 256)), hn::Set(d, 1.0f));
+  };
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Le(tau, hn::Set(d, kDeepest))))) return part(width, tau, alpha, trust_in(seen), rgb);
+
+  const float parts = std::ceil(hn::GetLane(hn::MaxOfLanes(d, hn::Min(tau, hn::Set(d, 64.0f)))) / kDeepest);
+  const V share = hn::Set(d, 1 / parts);
+  const V depth = hn::Mul(tau, share), opacity = hn::Mul(depth, mean_transmittance(d, depth));
+  const V step = hn::Mul(width, share), trust = trust_in(hn::Mul(seen, share));
+  V through = hn::Set(d, 1.0f);
+  for (int c = 0; c < 3; ++c) rgb[c] = hn::Zero(d);
+  for (float i = 0; i < parts; ++i) {
+    V light[3];
+    part(step, hn::Min(depth, hn::Set(d, kDeepest)), opacity, trust, light);
+    for (int c = 0; c < 3; ++c) rgb[c] = hn::MulAdd(through, light[c], rgb[c]);
+    through = hn::NegMulAdd(through, opacity, through);
+  }
 }
 
 template <class D, class V, class VI>

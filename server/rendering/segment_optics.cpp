@@ -58,9 +58,25 @@ void look_inside(const DrawInput& input, std::size_t i, SegmentOptics& optics) {
   optics.extinction_rise[i] = last - first;
 }
 
+void add_look(const DrawInput& input, std::size_t i, ColorIntegralMemory& memory, SegmentOptics& optics) {
+  const IntervalStyle& style = input.styles[i];
+  if (style.color_map.empty() || optics.inverse_range[i] == 0 || optics.extinction_rise[i] != 0) return;
+  SegmentOptics::Look look{memory.of(color_map(style.color_map).rgb), 0, 0};
+  if (!look.integrals) return;
+  look.rise = look.integrals->pieces;
+  if (optics.cut) {  // u is the place in the interval
+    const double per_value = static_cast<double>(look.integrals->pieces) / (style.color_upper - style.color_lower);
+    look.first = static_cast<float>((input.cut_intervals[i].lower - style.color_lower) * per_value);
+    look.rise = static_cast<float>((input.cut_intervals[i].upper - input.cut_intervals[i].lower) * per_value);
+  }
+  const auto known = std::find(optics.looks.begin(), optics.looks.end(), look);
+  optics.look[i] = static_cast<std::int32_t>(known - optics.looks.begin());
+  if (known == optics.looks.end()) optics.looks.push_back(look);
+}
+
 }  // namespace
 
-SegmentOptics make_segment_optics(const DrawInput& input, double scale) {
+SegmentOptics make_segment_optics(const DrawInput& input, double scale, ColorIntegralMemory* memory) {
   SegmentOptics optics;
   const double unit = input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal());
   std::map<std::string, std::int32_t> maps;
@@ -98,6 +114,8 @@ SegmentOptics make_segment_optics(const DrawInput& input, double scale) {
     optics.map_last.push_back(static_cast<std::int32_t>(map.rgb.size()) - 1);
   }
   for (std::size_t i = 0; i < input.cut_intervals.size(); ++i) look_inside(input, i, optics);
+  optics.look.assign(input.styles.size(), -1);
+  for (std::size_t i = 0; memory && i < input.styles.size(); ++i) add_look(input, i, *memory, optics);
   return optics;
 }
 
@@ -121,17 +139,6 @@ std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector
     const std::lock_guard lock(mutex);
     for (std::size_t i = 0; i < ranges.size(); ++i)
       ranges[i] = {std::min(ranges[i].least, mine[i].least), std::max(ranges[i].most, mine[i].most)};
-  });
-  return ranges;
-}
-
-std::vector<ValueRange> block_ranges(const IntervalMesh& mesh, const std::vector<float>& values) {
-  std::vector<ValueRange> ranges((mesh.tetrahedra.size() + kRangeBlock - 1) / kRangeBlock);
-  parallel_for(static_cast<std::int64_t>(ranges.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
-      for (std::size_t t = b * kRangeBlock; t < std::min(mesh.tetrahedra.size(), (b + 1) * kRangeBlock); ++t)
-        for (const std::uint32_t point : mesh.tetrahedra[t])  // NaN is in no range
-          ranges[b] = {std::min(ranges[b].least, values[point]), std::max(ranges[b].most, values[point])};
   });
   return ranges;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "rendering/color_integrals.h"
 #include "rendering/renderer.h"
 
 namespace isostrata {
@@ -24,6 +25,15 @@ struct SegmentOptics {
   // Where the map is straight over all values inside an interval (straighten), colour = line_start + line_rise * u. [intervals]
   std::vector<std::uint8_t> straight;
   std::vector<Rgb> line_start, line_rise;
+  // Where extinction is constant and the map has them: integrals, and the place in pieces at u = 0 and how much from there to u
+  // = 1.
+  std::vector<std::int32_t> look;  // [intervals] into `looks`, -1: none
+  struct Look {
+    std::shared_ptr<const ColorIntegrals> integrals;
+    float first = 0, rise = 0;
+    bool operator==(const Look&) const = default;
+  };
+  std::vector<Look> looks;
   int groups = 0;
   // The tetrahedra are cut here: u is the value's place in its interval, lower and inverse_range are the interval's, and what has
   // u below 0 or above 1 is left out. Maps are sampled anew over the interval.
@@ -33,7 +43,8 @@ struct SegmentOptics {
   Rgb color(std::size_t interval, float u) const;
 };
 
-SegmentOptics make_segment_optics(const DrawInput& input, double scale);
+/// `memory` may be null: then no looks.
+SegmentOptics make_segment_optics(const DrawInput& input, double scale, ColorIntegralMemory* memory);
 
 /// The colour map is taken as straight where it errs by less, in display values of [0, 1].
 inline constexpr float kStraight = 1e-3f;
@@ -44,10 +55,6 @@ struct ValueRange {
 };
 /// [intervals]. O(tetrahedra), parallel. values may be null.
 std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values);
-
-/// The values of every kRangeBlock tetrahedra; parallel.
-inline constexpr std::size_t kRangeBlock = 64;
-std::vector<ValueRange> block_ranges(const IntervalMesh& mesh, const std::vector<float>& values);
 
 /// Finds the intervals over which colours run along a line.
 void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics);

@@ -197,6 +197,20 @@ describe('a layer', () => {
     expect(await viewer.page.locator('.band').count()).toBe(0);
   });
 
+  test('is named, and its controls with it', async () => {
+    const interval = await openWithOneLayer();
+    const field = viewer.row(interval).getByRole('textbox', { name: 'Layer 1: name' });
+    await field.fill('warm core');
+    await field.press('Enter');
+    await viewer.until('the name', (s) => s.intervals[0]?.name === 'warm core');
+    await viewer.row(interval).getByRole('button', { name: 'warm core: visible' }).waitFor();
+    await viewer.photograph('layer-name.png');
+    await field.fill('');
+    await field.press('Enter');
+    await viewer.until('no name', (s) => s.intervals[0]?.name === '');
+    await viewer.row(interval).getByRole('button', { name: 'Layer 1: visible' }).waitFor();
+  });
+
   test('takes its colours from a colour map', async () => {
     const interval = await openWithOneLayer();
     const before = await viewer.exactPicture();
