@@ -39,6 +39,7 @@ struct ServeArguments {
   std::string token_file;
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
+  std::string tls_certificate, tls_key;
   std::string renderer = "auto", device = "auto", tetrahedra = "auto";
   std::size_t max_sessions = 32;
   long session_ttl_s = 600;
@@ -131,6 +132,8 @@ void serve(const ServeArguments& arguments) {
   options.web_root = find_web_root(arguments.web_root);
   options.token = token_of(arguments);
   options.allowed_hosts = arguments.allowed_hosts;
+  options.tls_certificate = arguments.tls_certificate;
+  options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
@@ -138,8 +141,8 @@ void serve(const ServeArguments& arguments) {
 
   if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
   if (!loopback(arguments.host))
-    log.warn("not_loopback", "listening on " + arguments.host +
-                                 ": the port is open to the network, unencrypted; an ssh tunnel to 127.0.0.1 is safer");
+    log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network" +
+                                 (arguments.tls_certificate.empty() ? ", unencrypted; an ssh tunnel to 127.0.0.1 is safer" : ""));
   if (!StaticFiles(options.web_root).built())
     log.warn("no_page", "the web page is not built (npm ci && npm run build in web/), only the API is served");
 
@@ -187,6 +190,13 @@ void add_serve_command(CLI::App& app) {
   auto* token_file =
       command->add_option("--token-file", arguments->token_file, "File whose first line is the token")->excludes(token);
   command->add_flag("--no-auth", arguments->no_auth, "Ask for no token")->excludes(token)->excludes(token_file);
+  auto* certificate = command
+                          ->add_option("--tls-cert", arguments->tls_certificate,
+                                       "Certificate, and those that sign it, in PEM: https instead of http")
+                          ->type_name("FILE");
+  command->add_option("--tls-key", arguments->tls_key, "The certificate's key, in PEM, without a password")
+      ->type_name("FILE")
+      ->needs(certificate);
   command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")
       ->type_name("NAME[:PORT]");
   command

@@ -21,6 +21,7 @@ struct ServerOptions {
   std::filesystem::path web_root;  // the built page
   std::string token;               // empty: everyone may ask
   std::vector<std::string> allowed_hosts;
+  std::filesystem::path tls_certificate, tls_key;  // PEM; both or none: without them the port speaks plain HTTP
   std::size_t max_sessions = 32;
   std::chrono::seconds session_ttl{600};
   std::chrono::seconds idle_timeout{0};  // ends after that long without a connection; 0: never

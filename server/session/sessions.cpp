@@ -49,8 +49,11 @@ bool offers(const Format& formats, const char* wanted) {
 Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post)
     : options_(std::move(options)), post_(std::move(post)) {}
 
-Sessions::~Sessions() {
+Sessions::~Sessions() { end_all(); }
+
+void Sessions::end_all() {
   while (!sessions_.empty()) remove(sessions_.begin()->first);
+  observers_.clear();
 }
 
 ViewerKey Sessions::attach(Outbox& outbox, TimePoint now) {

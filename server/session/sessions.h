@@ -49,6 +49,9 @@ class Sessions final : public EngineDoor {
   Session* find(const std::string& id);
   /// Not from inside a session's reply: there, end_unwatched_soon.
   bool end(const std::string& id);
+  /// Ends all of them without a word to their viewers, and forgets the observers. Whoever waits for an answer gets one: call it
+  /// while those still live.
+  void end_all();
   /// Ends it at the next tick, unless somebody watches it then.
   void end_unwatched_soon(SessionKey key) { over_.push_back(key); }
   std::vector<const Session*> list() const;
@@ -61,7 +64,7 @@ class Sessions final : public EngineDoor {
   /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a
   /// second.
   TimePoint tick(TimePoint now);
-  /// The observer must live as long as this.
+  /// The observer must live until end_all(), or as long as this.
   void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
   /// Tells everyone that the server ends, and closes their connections.
   void shut_down(const std::string& reason);
