@@ -39,7 +39,7 @@ std::optional<HttpResponse> refuse_body(const Route& route, const HttpRequest& r
 std::optional<HttpResponse> refuse_query(const Route& route, const RequestTarget& target) {
   for (const auto& [name, value] : target.query) {
     if (name == "token") continue;
-    const auto known = [&](const QueryParameter& q) { return q.name == name; };
+    const auto known = [&wanted = name](const QueryParameter& q) { return q.name == wanted; };
     if (std::any_of(route.query.begin(), route.query.end(), known)) continue;
     std::string expected;
     for (const QueryParameter& q : route.query) expected += (expected.empty() ? "" : ", ") + q.name;
