@@ -109,6 +109,7 @@ class Engine::Impl {
         store_(options_.store),
         bases_(options_.store.max_bytes),
         loaders_(4),
+        exporters_(1),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
     std::promise<std::string> started;
     auto device = started.get_future();
@@ -196,6 +197,31 @@ class Engine::Impl {
         Histogram counted = histogram(array, request.bins);
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower,
                             counted.upper, std::move(counted.counts)});
+      });
+    });
+  }
+
+  void take(StatisticsRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    loaders_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
+                             statistics(dataset->array(request.array))});
+      });
+    });
+  }
+
+  void take(ExportRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    exporters_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const CatalogueEntry& source = entry(request.scene.dataset);
+        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, operation->task());
+        send(ExportReady{request.session, request.request, mesh});
       });
     });
   }
@@ -472,6 +498,7 @@ class Engine::Impl {
     Stopwatch watch;
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      if (request.still && is_float(*request.still)) input.float_image = true;
       const auto annotations = std::make_shared<Drawing>();
       if (order.scene.annotations.any()) {
         *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
@@ -503,8 +530,8 @@ class Engine::Impl {
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
       encoders_.post(request.session,
                      [this, image, annotations, background = input.background, frame = std::move(frame), watch, encode_order,
-                      band_bytes = request.lossless ? request.band_bytes : 0](StreamEncoders& streams) mutable {
-                       encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes);
+                      band_bytes = request.lossless ? request.band_bytes : 0, still = request.still](StreamEncoders& streams) mutable {
+                       encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes, still);
                      });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
@@ -516,12 +543,13 @@ class Engine::Impl {
   }
 
   void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
-              const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes) {
+              const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes, std::optional<StillFormat> still) {
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
-      const Image& image = std::get<Image>(drawn);
-      if (frame.video) {
+      if (still) {
+        frame.bytes = std::make_shared<const Bytes>(std::visit([&](const auto& image) { return encode_still(image, *still); }, drawn));
+      } else if (const Image& image = std::get<Image>(drawn); frame.video) {
         if (!encode_video(streams, image, order, frame)) return;
       } else if (band_bytes > 0) {
         auto bands = encode_png_bands(image, band_bytes, [&] { return overtaken(frame.session, frame.revision); });
@@ -584,6 +612,7 @@ class Engine::Impl {
   Task base_task_;                           // of making those that nobody waits for
   std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
   WorkerThreads loaders_;
+  WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
   WorkerThreads jobs_;
   EncoderThreads encoders_;
   std::thread render_thread_;

@@ -11,9 +11,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "data/statistics.h"
 #include "encoding/codec.h"
 #include "encoding/encode_image.h"
+#include "encoding/encode_still.h"
 #include "engine/dataset_facts.h"
+#include "engine/export_mesh.h"
 #include "engine/scene.h"
 
 namespace isostrata {
@@ -59,6 +62,7 @@ struct FrameRequest {
   std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
   std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one. Given up, as `cancelled`, once
                                // the session has a newer scene
+  std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
 };
 
 struct HistogramRequest {
@@ -68,6 +72,25 @@ struct HistogramRequest {
   int step = 0;
   std::string array;
   int bins = 256;
+};
+
+/// Answered by StatisticsReady or RequestFailed.
+struct StatisticsRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+};
+
+/// Extracts the scene's layers and writes them to a file by the ending of its name (extraction/write_mesh.h), one export after
+/// the other; the file is complete or not there. Answered by ExportReady or RequestFailed.
+struct ExportRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  Scene scene;
+  std::string path;  // of the server's own choice, never a client's
+  WriteOptions options;
 };
 
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
@@ -93,8 +116,8 @@ struct CloseStream {
   StreamId stream = 0;
 };
 
-using EngineRequest =
-    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession, CloseStream>;
+using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
+                                   CloseSession, CloseStream, StatisticsRequest, ExportRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -104,6 +127,7 @@ struct OperationProgress {
   std::uint64_t operation = 0;
   std::string stage;
   double fraction = 0;
+  RequestId works_for = 0;  // the request; 0: a scene's extraction
 };
 
 /// Follows the last OperationProgress of an operation.
@@ -111,6 +135,7 @@ struct OperationDone {
   SessionKey session = 0;
   std::uint64_t operation = 0;
   bool cancelled = false;
+  RequestId works_for = 0;
 };
 
 struct DatasetReady {
@@ -127,6 +152,21 @@ struct HistogramReady {
   std::string array;
   double lower = 0, upper = 0;
   std::vector<std::uint64_t> counts;
+};
+
+struct StatisticsReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+  Statistics statistics;
+};
+
+struct ExportReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  ExportedMesh mesh;
 };
 
 /// The drawing of a requested frame begins: the next one may be asked for.
@@ -183,7 +223,7 @@ struct RequestFailed {
   bool encoder_failed = false;  // the picture was drawn; its video codec failed and will again
 };
 
-using EngineEvent =
-    std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
+using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
+                                 RequestFailed, StatisticsReady, ExportReady>;
 
 }  // namespace isostrata

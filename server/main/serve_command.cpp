@@ -1,7 +1,5 @@
 // isostrata serve: the server, from its flags to its last line.
 #include <fcntl.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <array>
@@ -18,6 +16,7 @@
 #include "base/parallel.h"
 #include "main/commands.h"
 #include "main/config_file.h"
+#include "main/server_log.h"
 #include "net/server.h"
 #include "net/static_files.h"
 #include "session/random_token.h"
@@ -40,6 +39,7 @@ struct ServeArguments {
   std::string token_file;
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
+  std::string tls_certificate, tls_key;
   std::string renderer = "auto", device = "auto", tetrahedra = "auto";
   std::size_t max_sessions = 32;
   long session_ttl_s = 600;
@@ -49,29 +49,6 @@ struct ServeArguments {
   std::string ready_file;
   std::string log_format = "text";
   std::string web_root;
-};
-
-// Messages go to standard error; none of them ever holds the token.
-class Log {
- public:
-  explicit Log(bool json) : json_(json), logger_("isostrata", std::make_shared<spdlog::sinks::stderr_sink_mt>()) {
-    logger_.set_pattern(json ? "%v" : "%Y-%m-%dT%H:%M:%S.%e%z %l %v");
-  }
-  void info(const std::string& event, const std::string& text) { write(spdlog::level::info, event, text); }
-  void warn(const std::string& event, const std::string& text) { write(spdlog::level::warn, event, text); }
-
- private:
-  void write(spdlog::level::level_enum level, const std::string& event, const std::string& text) {
-    if (!json_) return logger_.log(level, text);
-    const auto ms =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-    const std::string line = json::serialize(json::object{
-        {"time_ms", ms}, {"level", level == spdlog::level::warn ? "warning" : "info"}, {"event", event}, {"message", text}});
-    logger_.log(level, line);
-  }
-
-  const bool json_;
-  spdlog::logger logger_;
 };
 
 std::string read_token_file(const std::string& path) {
@@ -131,7 +108,7 @@ void print_address(const Server& server) {
 }
 
 void serve(const ServeArguments& arguments) {
-  Log log(arguments.log_format == "json");
+  ServerLog log(arguments.log_format == "json");
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
 
@@ -155,14 +132,17 @@ void serve(const ServeArguments& arguments) {
   options.web_root = find_web_root(arguments.web_root);
   options.token = token_of(arguments);
   options.allowed_hosts = arguments.allowed_hosts;
+  options.tls_certificate = arguments.tls_certificate;
+  options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
+  options.log = [&log](const LogLine& line) { log.write(line); };
 
   if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
   if (!loopback(arguments.host))
-    log.warn("not_loopback", "listening on " + arguments.host +
-                                 ": the port is open to the network, unencrypted; an ssh tunnel to 127.0.0.1 is safer");
+    log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network" +
+                                 (arguments.tls_certificate.empty() ? ", unencrypted; an ssh tunnel to 127.0.0.1 is safer" : ""));
   if (!StaticFiles(options.web_root).built())
     log.warn("no_page", "the web page is not built (npm ci && npm run build in web/), only the API is served");
 
@@ -210,6 +190,13 @@ void add_serve_command(CLI::App& app) {
   auto* token_file =
       command->add_option("--token-file", arguments->token_file, "File whose first line is the token")->excludes(token);
   command->add_flag("--no-auth", arguments->no_auth, "Ask for no token")->excludes(token)->excludes(token_file);
+  auto* certificate = command
+                          ->add_option("--tls-cert", arguments->tls_certificate,
+                                       "Certificate, and those that sign it, in PEM: https instead of http")
+                          ->type_name("FILE");
+  command->add_option("--tls-key", arguments->tls_key, "The certificate's key, in PEM, without a password")
+      ->type_name("FILE")
+      ->needs(certificate);
   command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")
       ->type_name("NAME[:PORT]");
   command

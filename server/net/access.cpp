@@ -85,7 +85,8 @@ bool Access::token_accepted(const HttpRequest& request, const RequestTarget& tar
 }
 
 std::string Access::set_cookie(std::string_view base_path) const {
-  return cookie_ + "=" + options_.token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict";
+  return cookie_ + "=" + options_.token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict" +
+         (options_.secure ? "; Secure" : "");
 }
 
 }  // namespace isostrata

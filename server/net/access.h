@@ -13,6 +13,7 @@ namespace isostrata {
 struct AccessOptions {
   std::string token;                       // empty: everyone may ask (--no-auth)
   std::vector<std::string> allowed_hosts;  // "name" (any port) or "name:port", lower case; beside the loopback names
+  bool secure = false;                     // served over TLS: the cookie goes nowhere else
   unsigned short port = 0;                 // being served; names the cookie, since browsers share cookies between ports
 };
 

@@ -12,6 +12,7 @@
 #include <boost/asio/use_awaitable.hpp>
 
 #include "net/connections.h"
+#include "net/tls_gate.h"
 
 namespace isostrata {
 namespace {
@@ -61,14 +62,23 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   SiteOptions site;
   site.base_path = parse_base_url(options.base_url, public_host);
   site.web_root = options.web_root;
+  site.log = options.log;
   site.access.token = options.token;
   site.access.port = port;
+  site.access.secure = !options.tls_certificate.empty();
   site.access.allowed_hosts = options.allowed_hosts;
   if (!public_host.empty()) site.access.allowed_hosts.push_back(public_host);
   if (options.host != "0.0.0.0" && options.host != "::") site.access.allowed_hosts.push_back(bracketed(options.host));
   for (std::string& host : site.access.allowed_hosts)
     for (char& c : host) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return site;
+}
+
+std::unique_ptr<TlsGate> make_gate(const ServerOptions& options) {
+  if (options.tls_certificate.empty() != options.tls_key.empty())
+    throw Error(ErrorCode::invalid_argument, "--tls-cert and --tls-key belong together; one of them is missing");
+  if (options.tls_certificate.empty()) return nullptr;
+  return std::make_unique<TlsGate>(options.tls_certificate, options.tls_key);
 }
 
 SessionsOptions sessions_options(const ServerOptions& options, const Engine& engine) {
@@ -100,6 +110,7 @@ class Server::Impl {
                      options_.hello_timeout,
                      options_.write_timeout,
                      [this] { wake(); }},
+        tls_(make_gate(options_)),
         io_(1),
         acceptor_(listen(io_, options_.host, options_.port)),
         port_(acceptor_.local_endpoint().port()),
@@ -115,6 +126,7 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     tick_.cancel();
+    sessions_.end_all();  // what waits for sessions belongs to the site, which goes first
     io_.restart();
     io_.poll();
   }
@@ -125,7 +137,7 @@ class Server::Impl {
   std::string url() const {
     std::string host = bracketed(options_.host);
     if (host == "0.0.0.0" || host == "[::]") host = "127.0.0.1";
-    return "http://" + host + ":" + std::to_string(port_) + site_options_.base_path +
+    return (tls_ ? "https://" : "http://") + host + ":" + std::to_string(port_) + site_options_.base_path +
            (options_.token.empty() ? "" : "?token=" + encode_percent(options_.token));
   }
 
@@ -203,7 +215,9 @@ class Server::Impl {
         continue;
       }
       try {
-        asio::co_spawn(io_, serve_connection(std::move(socket), connections_), asio::detached);
+        asio::co_spawn(io_,
+                       tls_ ? tls_->serve(std::move(socket), connections_) : serve_connection(std::move(socket), connections_),
+                       asio::detached);
       } catch (const std::exception&) {
         // No memory for this one: it is closed, and the next is accepted.
       }
@@ -216,6 +230,7 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     wake();
+    site_.end(reason);
     sessions_.shut_down(reason);
     asio::co_spawn(io_, end_soon(), asio::detached);
   }
@@ -232,7 +247,8 @@ class Server::Impl {
 
   const ServerOptions options_;
   std::string public_host_;
-  Connections connections_;  // outlives io_, whose coroutines still refer to it when they are destroyed
+  Connections connections_;             // outlives io_, whose coroutines still refer to it when they are destroyed
+  const std::unique_ptr<TlsGate> tls_;  // null: plain
   asio::io_context io_;
   tcp::acceptor acceptor_;
   const unsigned short port_;

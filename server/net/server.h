@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/engine.h"
+#include "net/log_line.h"
 
 namespace isostrata {
 
@@ -20,6 +21,7 @@ struct ServerOptions {
   std::filesystem::path web_root;  // the built page
   std::string token;               // empty: everyone may ask
   std::vector<std::string> allowed_hosts;
+  std::filesystem::path tls_certificate, tls_key;  // PEM; both or none: without them the port speaks plain HTTP
   std::size_t max_sessions = 32;
   std::chrono::seconds session_ttl{600};
   std::chrono::seconds idle_timeout{0};  // ends after that long without a connection; 0: never
@@ -28,6 +30,7 @@ struct ServerOptions {
   std::chrono::milliseconds hello_timeout{10000};  // a WebSocket without its Hello is closed
   std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
   EngineOptions engine;
+  LogSink log;  // called on the thread of run(); empty: nobody listens
 };
 
 class Server {

@@ -49,8 +49,11 @@ bool offers(const Format& formats, std::string_view wanted) {
 Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post)
     : options_(std::move(options)), post_(std::move(post)) {}
 
-Sessions::~Sessions() {
+Sessions::~Sessions() { end_all(); }
+
+void Sessions::end_all() {
   while (!sessions_.empty()) remove(sessions_.begin()->first);
+  observers_.clear();
 }
 
 ViewerKey Sessions::attach(Outbox& outbox, TimePoint now) {
@@ -126,6 +129,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
   viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");
   session->attach(viewer, now);
+  for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
   if (hello.has_viewport())
     viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
                                hello.viewport().hidden(), now);
@@ -172,8 +176,16 @@ void Sessions::detach(ViewerKey key, TimePoint now) {
   now_ = now;
   const auto it = viewers_.find(key);
   if (it == viewers_.end()) return;
-  if (Session* session = find(it->second->session)) session->detach(*it->second, now);
+  if (Session* session = find(it->second->session)) {
+    session->detach(*it->second, now);
+    for (SessionsObserver* observer : observers_) observer->viewer_left(*session);
+  }
   viewers_.erase(it);
+}
+
+const Session* Sessions::watched_by(ViewerKey viewer) {
+  const auto it = viewers_.find(viewer);
+  return it == viewers_.end() ? nullptr : find(it->second->session);
 }
 
 Session* Sessions::create(TimePoint now, v1::Error& error) {
@@ -193,6 +205,7 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
   auto& slot = sessions_[key];
   slot = std::make_unique<Session>(key, *this);
   slot->touch(now);
+  for (SessionsObserver* observer : observers_) observer->session_began(*slot);
   return slot.get();
 }
 
@@ -242,7 +255,10 @@ void Sessions::remove(SessionKey key) {
     listener(RequestFailed{key, request, 0, ErrorCode::not_found, "the session has ended"}, now_);
     it = pending_.begin();
   }
-  sessions_.erase(key);
+  const auto ending = sessions_.find(key);
+  if (ending == sessions_.end()) return;
+  for (SessionsObserver* observer : observers_) observer->session_ended(*ending->second);
+  sessions_.erase(ending);
 }
 
 RequestId Sessions::ask(EngineRequest request, Listener listener) {
@@ -261,6 +277,7 @@ RequestId Sessions::ask(EngineRequest request, Listener listener) {
 
 void Sessions::on_event(const EngineEvent& event, TimePoint now) {
   now_ = now;
+  for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);
   const RequestId request = request_of(event);
   if (request == 0) {
     if (Session* session = find(session_of(event))) session->on_event(event, now);

@@ -11,6 +11,7 @@
 
 #include "encoding/encoder.h"
 #include "session/session.h"
+#include "session/sessions_observer.h"
 
 namespace isostrata {
 
@@ -43,6 +44,8 @@ class Sessions final : public EngineDoor {
   void round_trip(ViewerKey viewer, Duration time, TimePoint now);
   void detach(ViewerKey viewer, TimePoint now);
   std::size_t viewer_count() const { return viewers_.size(); }
+  /// Null: the viewer has not said hello.
+  const Session* watched_by(ViewerKey viewer);
 
   // ---- scripts ----
 
@@ -51,6 +54,9 @@ class Sessions final : public EngineDoor {
   Session* find(const std::string& id);
   /// Not from inside a session's reply: there, end_unwatched_soon.
   bool end(const std::string& id);
+  /// Ends all of them without a word to their viewers, and forgets the observers. Whoever waits for an answer gets one: call it
+  /// while those still live.
+  void end_all();
   /// Ends it at the next tick, unless somebody watches it then.
   void end_unwatched_soon(SessionKey key) { over_.push_back(key); }
   std::vector<const Session*> list() const;
@@ -63,6 +69,8 @@ class Sessions final : public EngineDoor {
   /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a
   /// second.
   TimePoint tick(TimePoint now);
+  /// The observer must live until end_all(), or as long as this.
+  void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
   /// Tells everyone that the server ends, and closes their connections.
   void shut_down(const std::string& reason);
 
@@ -86,6 +94,7 @@ class Sessions final : public EngineDoor {
   std::map<ViewerKey, std::unique_ptr<Viewer>> viewers_;
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
+  std::vector<SessionsObserver*> observers_;
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   SessionKey last_session_ = 0;
