@@ -45,6 +45,7 @@ class Client::Impl {
     if (options.width > 0) {
       body.mutable_viewport()->set_width(static_cast<std::uint32_t>(options.width));
       body.mutable_viewport()->set_height(static_cast<std::uint32_t>(options.height));
+      body.mutable_viewport()->set_hidden(options.hidden);
     }
     body.add_still_formats("png");
     body.add_moving_formats("jpeg");
