@@ -44,6 +44,7 @@ int main(int argc, char** argv) {
   app.parse_complete_callback([&] { options.timeout = std::chrono::seconds(timeout_s); });
   isostrata::client::add_info(app, options);
   isostrata::client::add_snapshot(app, options);
+  isostrata::client::add_set(app, options);
   isostrata::client::add_record(app, options);
   isostrata::client::add_watch(app, options);
   isostrata::client::add_latency(app, options);

@@ -98,6 +98,26 @@ TEST_F(ClientCommand, WatchAsJsonIsADocumentALine) {
   EXPECT_TRUE(framed) << ended.out;
 }
 
+TEST_F(ClientCommand, SetMovesAnIntervalAndKeepsStates) {
+  client::Client watcher({.url = server_.url(), .width = 0});
+  watcher.open_dataset("torus:12");
+  const std::string session = watcher.welcome().session();
+  const auto id = watcher.state().intervals(0).id();
+  const Ended ended =
+      server_.client({"set", "--session", session, "--move", std::to_string(id) + "=0.125:0.25", "--save-state", path("s.json")});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  watcher.set_view("+x");  // an answer comes after what happened before
+  EXPECT_EQ(watcher.interval_of(id).lower(), 0.125);
+  EXPECT_NE(ended.out.find("session  " + session + " shows torus-12 at revision "), std::string::npos) << ended.out;
+  watcher.set_intervals({});
+  ASSERT_EQ(server_.client({"set", "--session", session, "--load-state", path("s.json")}).status, 0);
+  watcher.set_view("+y");
+  EXPECT_EQ(watcher.state().intervals_size(), 4);
+  EXPECT_EQ(server_.client({"set", "--session", session, "--move", "first=0:1"}).status, 2);
+  EXPECT_EQ(server_.client({"set", "--session", session, "--move", "999=0:1"}).status, 1);
+  EXPECT_EQ(server_.client({"set", "--session", session, "--load-state", path("nosuch.json")}).status, 1);
+}
+
 TEST_F(ClientCommand, SnapshotsAreOfTheFormatThatTheNameSays) {
   ASSERT_EQ(server_.client({"snapshot", "--dataset", "torus:12", "--size", "40x30", "--out", path("a.jpg")}).status, 0);
   EXPECT_EQ(read_text(folder_ / "a.jpg").substr(0, 2), "\xff\xd8");
