@@ -1,6 +1,6 @@
 // One vocabulary: a person looks at the page while curl, the C++ client and the Python package each move a layer of the same session.
 import { execFile } from 'node:child_process';
-import { existsSync } from 'node:fs';
+import { existsSync, readFileSync, rmSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { promisify } from 'node:util';
 import type { Browser } from 'playwright-core';
@@ -20,6 +20,9 @@ beforeAll(async () => {
   server = await Server.start({ data: ['torus:40'] });
   viewer = await Viewer.open(browser, server.ready.url);
   await viewer.until('layers', (state) => state.intervals.length > 0);
+  // One layer, so that whatever it does is seen.
+  await run(join(dirname(binary), 'isostrata-client'), [server.ready.url, 'set', '--session', viewer.sessionId, '--interval', '0.15:0.4,color=#ff8000,opacity=0.9']);
+  await viewer.until('one layer', (state) => state.intervals.length === 1);
   picture = await viewer.exactPicture();
 });
 afterAll(async () => {
@@ -78,7 +81,6 @@ with isostrata.connect(sys.argv[1], session=sys.argv[2]) as s:
 test('a film that the client records is played by the browser', async () => {
   const film = join(dirname(binary), '..', 'clients-film.webm');
   await run(join(dirname(binary), 'isostrata-client'), [server.ready.url, 'record', '--session', viewer.sessionId, '--size', '160x120', '--frames', '12', '--fps', '10', '--orbit', '90', '--out', film]);
-  const { readFileSync, rmSync } = await import('node:fs');
   const base64 = readFileSync(film).toString('base64');
   rmSync(film);
   // A page of its own: that of the server does not let films in.
