@@ -18,8 +18,9 @@ class BuildWithMessages(build_py):
             ["protoc", f"--python_out={self.build_lib}", f"--pyi_out={self.build_lib}", f"-I{PROTOCOL}", str(proto)], check=True
         )
 
-    def find_all_modules(self):
-        return [module for module in super().find_all_modules() if module[0] != "isostrata.v1"]
+    def get_outputs(self, include_bytecode=True):
+        made = [str(Path(self.build_lib) / "isostrata" / "v1" / name) for name in ("isostrata_pb2.py", "isostrata_pb2.pyi")]
+        return super().get_outputs(include_bytecode) + made
 
 
 setup(cmdclass={"build_py": BuildWithMessages})
