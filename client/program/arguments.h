@@ -38,6 +38,7 @@ void parse_size(const std::string& text, int& width, int& height);
 void add_info(CLI::App& app, Options& options);
 void add_snapshot(CLI::App& app, Options& options);
 void add_set(CLI::App& app, Options& options);
+void add_export(CLI::App& app, Options& options);
 void add_record(CLI::App& app, Options& options);
 void add_watch(CLI::App& app, Options& options);
 void add_latency(CLI::App& app, Options& options);

@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   isostrata::client::add_snapshot(app, options);
   isostrata::client::add_set(app, options);
   isostrata::client::add_record(app, options);
+  isostrata::client::add_export(app, options);
   isostrata::client::add_watch(app, options);
   isostrata::client::add_latency(app, options);
   try {

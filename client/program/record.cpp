@@ -38,7 +38,7 @@ v1::Camera orbit_at(const v1::Camera& start, const RecordArguments& arguments, i
   const bool closed = std::fmod(std::abs(arguments.orbit_deg), 360) == 0;
   const double part = frames < 2 ? 0 : static_cast<double>(frame) / (closed ? frames : frames - 1);
   // About the up direction of the beginning, whatever the elevation: a plate that turns.
-  return turned(turned(start, arguments.orbit_deg * part), 0, arguments.elevation_deg);
+  return turned(turned(start, arguments.orbit_deg * part, 0), 0, arguments.elevation_deg);
 }
 
 void record(const Options& options, const RecordArguments& arguments) {

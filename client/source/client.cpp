@@ -7,6 +7,7 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket.hpp>
 #include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>
 #include <deque>
 
@@ -22,6 +23,38 @@ using Steady = std::chrono::steady_clock;
 
 constexpr std::size_t kMaxServerMessage = 512u << 20;        // a lossless frame of the largest size
 constexpr auto kStopPeriod = std::chrono::milliseconds(50);  // how late a request to stop is seen at most
+
+/// What REST tells of long work.
+struct OperationStatus {
+  std::string id, status, stage, code, detail;
+  double fraction = 0;
+};
+
+OperationStatus parse_operation(const std::string& text) {
+  try {
+    const auto document = boost::json::parse(text);
+    OperationStatus out;
+    out.id = document.at("id").as_string();
+    out.status = document.at("status").as_string();
+    out.stage = document.at("stage").as_string();
+    out.fraction = document.at("fraction").to_number<double>();
+    if (const auto* error = document.as_object().if_contains("error")) {
+      out.code = error->at("code").as_string();
+      out.detail = error->at("detail").as_string();
+    }
+    return out;
+  } catch (const std::exception& wrong) {
+    throw ClientError("protocol", std::string("the server's answer is no operation: ") + wrong.what());
+  }
+}
+
+// Cancels it, or forgets it and its file.
+void give_up(const Options& options, const std::string& operation) {
+  try {
+    http_request(options, "DELETE", operation);
+  } catch (const ClientError&) {  // it has ended by itself, or the server has
+  }
+}
 
 [[noreturn]] void refuse(const v1::Error& error) { throw ClientError(error.code(), error.message(), error.field()); }
 
@@ -48,7 +81,7 @@ class Client::Impl {
       body.mutable_viewport()->set_hidden(options.hidden);
     }
     body.add_still_formats("png");
-    body.add_moving_formats("jpeg");
+    for (const std::string& format : options.moving_formats) body.add_moving_formats(format);
     body.set_resume_token(options_.resume_token);
     send(std::move(hello));
     const auto deadline = Steady::now() + timeout_;
@@ -201,6 +234,42 @@ class Client::Impl {
     wait("the server did not tell the new state", [&](const v1::ServerMessage& answered) {
       return answered.has_pong() && answered.pong().client_time_ms() == mark && state_.revision() >= wanted;
     });
+  }
+
+  void export_mesh(std::ostream& to, const std::string& format, const std::vector<std::string>& facets) {
+    boost::json::object wanted{{"format", format}};
+    if (!facets.empty()) wanted["facets"] = boost::json::array(facets.begin(), facets.end());
+    const std::string session = "api/v1/sessions/" + welcome_.session();
+    auto operation = parse_operation(http_request(options_, "POST", session + "/exports", boost::json::serialize(wanted)).body);
+    const std::string path = session + "/operations/" + operation.id;
+    Options unstoppable = options_;  // what tidies up is not itself stopped
+    unstoppable.stop = nullptr;
+    try {
+      auto deadline = Steady::now() + timeout_;
+      auto pause = std::chrono::milliseconds(20);
+      for (double before = -1; operation.status == "running"; before = operation.fraction) {
+        if (operation.fraction != before) deadline = Steady::now() + timeout_;
+        if (Steady::now() > deadline) throw ClientError("timeout", "the export did not go on in time");
+        // Waiting by receiving: what happens in the session is heard, frames are acknowledged, a stop is seen.
+        const auto end = Steady::now() + pause;
+        while (auto message = receive_until(end))
+          if (message->has_shutdown()) throw ClientError("closed", message->shutdown().reason());
+        pause = std::min(pause * 2, std::chrono::milliseconds(500));
+        operation = parse_operation(http_get(options_, path));
+        if (options_.on_progress) {
+          v1::Progress progress;
+          progress.set_stage(operation.stage);
+          progress.set_fraction(operation.fraction);
+          options_.on_progress(progress);
+        }
+      }
+      if (operation.status != "done") throw ClientError(operation.code, operation.detail);
+      http_download(options_, session + "/exports/" + operation.id, to);
+    } catch (...) {
+      give_up(unstoppable, path);
+      throw;
+    }
+    give_up(unstoppable, path);
   }
 
   Options options_;
@@ -366,6 +435,9 @@ void Client::open_dataset(const std::string& dataset) { impl_->open_dataset(data
 v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
 std::string Client::still(int width, int height, const std::string& format) { return impl_->still(width, height, format); }
+void Client::export_mesh(std::ostream& to, const std::string& format, const std::vector<std::string>& facets) {
+  impl_->export_mesh(to, format, facets);
+}
 void Client::restore_state(const std::string& json) { impl_->restore_state(json); }
 void Client::close() { impl_->close(); }
 

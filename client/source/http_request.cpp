@@ -2,9 +2,10 @@
 // head.
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/read.hpp>
+#include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/json/parse.hpp>
+#include <ostream>
 
 #include "isostrata/rest.h"
 #include "server_address.h"
@@ -14,6 +15,8 @@ namespace {
 
 namespace asio = boost::asio;
 using Error = boost::system::error_code;
+
+constexpr std::size_t kMaxHead = 64 << 10, kPiece = 256 << 10;
 
 // Runs until `done`, the deadline, or a request to stop.
 void run(asio::io_context& io, const bool& done, const Options& options, std::chrono::steady_clock::time_point deadline,
@@ -56,62 +59,91 @@ std::string field_of(const std::string& head, std::string_view name) {
   throw ClientError(code, detail, field);
 }
 
-}  // namespace
+/// What a request sends, and where the body of its answer goes.
+struct Exchange {
+  std::string method, path, body, if_match;
+  std::ostream* to = nullptr;  // null: into the answer
+};
 
-HttpAnswer http_request(const Options& options, const std::string& method, const std::string& path, const std::string& body,
-                        const std::string& if_match) {
+HttpAnswer exchange(const Options& options, const Exchange& what) {
   const ServerAddress address = parse_address(options);
   const std::string where = address.host + ":" + address.port;
-  for (const char c : path + if_match)
+  for (const char c : what.path + what.if_match)
     if (static_cast<unsigned char>(c) <= ' ')
-      throw ClientError("bad_argument", "'" + path + "' has a character that a URL has not");
+      throw ClientError("bad_argument", "'" + what.path + "' has a character that a URL has not");
   Error error;
   bool done = false;
-  const auto ended = [&](Error e, auto&&) {
-    error = e;
-    done = true;
-  };
-  const auto check = [&] {
-    if (error && error != asio::error::eof) throw ClientError("connection", where + ": " + error.message());
-    done = false;
-  };
-  const auto deadline = std::chrono::steady_clock::now() + options.timeout;
-  const std::string late = where + ": no answer to " + method + " " + path;
+  std::size_t read = 0;
+  const auto late = where + ": no answer to " + what.method + " " + what.path;
   std::string answer, request;  // outlive the io_context, whose operations use them
   asio::io_context io(1);
+  // Each step has the timeout for itself: a large file may take longer than one as long as it comes.
+  const auto step = [&] {
+    run(io, done, options, std::chrono::steady_clock::now() + options.timeout, late);
+    done = false;
+    if (error && error != asio::error::eof) throw ClientError("connection", where + ": " + error.message());
+  };
   asio::ip::tcp::resolver resolver(io);
   const auto found = resolver.resolve(address.connect_to, address.port, error);
-  check();
+  if (error) throw ClientError("connection", where + ": " + error.message());
   asio::ip::tcp::socket socket(io);
-  asio::async_connect(socket, found, ended);
-  run(io, done, options, deadline, late);
-  check();
+  asio::async_connect(socket, found, [&](Error e, const auto&) { error = e, done = true; });
+  step();
 
-  request = method + " " + address.base_path + path + " HTTP/1.0\r\nHost: " + where + "\r\nConnection: close\r\n";
+  request = what.method + " " + address.base_path + what.path + " HTTP/1.0\r\nHost: " + where + "\r\nConnection: close\r\n";
   if (!address.token.empty()) request += "Authorization: Bearer " + address.token + "\r\n";
-  if (!if_match.empty()) request += "If-Match: " + if_match + "\r\n";
-  if (!body.empty()) request += "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) + "\r\n";
-  request += "\r\n" + body;
-  asio::async_write(socket, asio::buffer(request), ended);
-  run(io, done, options, deadline, late);
-  check();
-  asio::async_read(socket, asio::dynamic_buffer(answer), ended);
-  run(io, done, options, deadline, late);
-  check();
-
+  if (!what.if_match.empty()) request += "If-Match: " + what.if_match + "\r\n";
+  if (!what.body.empty())
+    request += "Content-Type: application/json\r\nContent-Length: " + std::to_string(what.body.size()) + "\r\n";
+  request += "\r\n" + what.body;
+  asio::async_write(socket, asio::buffer(request), [&](Error e, std::size_t) { error = e, done = true; });
+  step();
+  asio::async_read_until(socket, asio::dynamic_buffer(answer, kMaxHead), "\r\n\r\n",
+                         [&](Error e, std::size_t n) { error = e, read = n, done = true; });
+  run(io, done, options, std::chrono::steady_clock::now() + options.timeout, late);
+  done = false;
   const auto head_end = answer.find("\r\n\r\n");
+  if (error && error != asio::error::eof && error != asio::error::not_found)
+    throw ClientError("connection", where + ": " + error.message());
   if (!answer.starts_with("HTTP/1.") || head_end == std::string::npos || answer.size() < 12)
     throw ClientError("protocol", where + ": this is not an HTTP server");
+
   const std::string head = answer.substr(0, head_end + 2);
   HttpAnswer result{std::atoi(answer.c_str() + 9), field_of(head, "content-type"), field_of(head, "etag"),
                     answer.substr(head_end + 4)};
+  std::ostream* const to = result.status < 300 ? what.to : nullptr;  // a refusal is read as one
+  std::uint64_t size = result.body.size();
+  const auto pass_on = [&] {
+    if (!to) return;
+    if (!to->write(result.body.data(), static_cast<std::streamsize>(result.body.size())))
+      throw ClientError("unwritable", "what is downloaded cannot be written");
+    result.body.clear();
+  };
+  std::string piece(kPiece, '\0');
+  for (pass_on(); error != asio::error::eof; pass_on()) {
+    socket.async_read_some(asio::buffer(piece), [&](Error e, std::size_t n) { error = e, read = n, done = true; });
+    step();
+    result.body.append(piece, 0, read);
+    size += read;
+  }
   if (const std::string length = field_of(head, "content-length");
-      !length.empty() && method != "HEAD" && std::strtoull(length.c_str(), nullptr, 10) != result.body.size())
-    throw ClientError("connection", where + ": the answer to " + method + " " + path + " was cut short");
+      !length.empty() && what.method != "HEAD" && std::strtoull(length.c_str(), nullptr, 10) != size)
+    throw ClientError("connection", where + ": the answer to " + what.method + " " + what.path + " was cut short");
   if (result.status >= 400 || result.status < 200) refuse(result.status, result.body);
   return result;
 }
 
-std::string http_get(const Options& options, const std::string& path) { return http_request(options, "GET", path).body; }
+}  // namespace
+
+HttpAnswer http_request(const Options& options, const std::string& method, const std::string& path, const std::string& body,
+                        const std::string& if_match) {
+  return exchange(options, {method, path, body, if_match});
+}
+
+std::string http_get(const Options& options, const std::string& path) { return exchange(options, {"GET", path}).body; }
+
+void http_download(const Options& options, const std::string& path, std::ostream& to) {
+  exchange(options, {.method = "GET", .path = path, .to = &to});
+}
 
 }  // namespace isostrata::client

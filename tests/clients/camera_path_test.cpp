@@ -62,7 +62,7 @@ TEST(CameraPath, IsContinuous) {
 
 TEST(CameraPath, KeepsItsDistanceBetweenCamerasOfOneDistance) {
   const auto start = camera({3, 0, 0}, {0, 0, 0}, {0, 0, 1});
-  const CameraPath path({{0, start, {}}, {1, turned(start, 90), {}}, {2, turned(start, 180), {}}});
+  const CameraPath path({{0, start, {}}, {1, turned(start, 90, 0), {}}, {2, turned(start, 180, 0), {}}});
   for (int i = 0; i <= 20; ++i) {
     const auto at = path.camera_at(0.1 * i);
     EXPECT_NEAR(length(of(at.eye())), 3, 1e-9) << i;

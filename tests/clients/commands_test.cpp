@@ -118,6 +118,35 @@ TEST_F(ClientCommand, SetMovesAnIntervalAndKeepsStates) {
   EXPECT_EQ(server_.client({"set", "--session", session, "--load-state", path("nosuch.json")}).status, 1);
 }
 
+TEST_F(ClientCommand, ExportsAreTheFilesThatExtractWrites) {
+  for (const std::string& name : {"a.vtu", "a.ply", "a.stl"}) {
+    const Ended ended = server_.client({"export", "--dataset", "torus:12", "--interval", "0.1:0.3", "--out", path(name)});
+    ASSERT_EQ(ended.status, 0) << ended.err;
+    const Ended extract = run_to_end(
+        {Served::program("isostrata"), "extract", "torus:12", "--interval", "0.1:0.3", "--out", path("extract-" + name)});
+    ASSERT_EQ(extract.status, 0) << extract.err;
+    EXPECT_EQ(read_text(folder_ / name), read_text(folder_ / ("extract-" + name))) << name;
+  }
+  const Ended part = server_.client(
+      {"export", "--dataset", "torus:12", "--interval", "0.1:0.3", "--out", path("part.stl"), "--facets", "lower,domain"});
+  ASSERT_EQ(part.status, 0) << part.err;
+  EXPECT_LT(fs::file_size(folder_ / "part.stl"), fs::file_size(folder_ / "a.stl"));
+  EXPECT_EQ(server_.client({"export", "--out", path("a.obj")}).status, 2);
+  EXPECT_EQ(server_.client({"export", "--out", path("a.stl"), "--facets", "left"}).status, 2);
+  EXPECT_EQ(server_.client({"export", "--dataset", "torus:12", "--out", "/no/such/folder/a.stl"}).status, 1);
+}
+
+TEST_F(ClientCommand, CtrlCEndsAnExportAndTheServersWork) {
+  Process exporting({Served::program("isostrata-client"), server_.url(), "export", "--dataset", "torus:260", "--interval",
+                     "0.05:1.2", "--out", path("a.vtu")});
+  for (int i = 0; i < 3000 && !fs::exists(folder_ / "a.vtu.part") && !exporting.ended(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  exporting.signal(SIGINT);
+  EXPECT_EQ(exporting.wait(), 1) << exporting.err();
+  EXPECT_NE(exporting.err().find("stopped"), std::string::npos) << exporting.err();
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
 TEST_F(ClientCommand, SnapshotsAreOfTheFormatThatTheNameSays) {
   ASSERT_EQ(server_.client({"snapshot", "--dataset", "torus:12", "--size", "40x30", "--out", path("a.jpg")}).status, 0);
   EXPECT_EQ(read_text(folder_ / "a.jpg").substr(0, 2), "\xff\xd8");

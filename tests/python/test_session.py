@@ -197,6 +197,30 @@ class Pictures(WithServer):
             self.assertEqual((Path(folder) / "a.jpg").read_bytes()[:2], b"\xff\xd8")
         self.assertRefused("invalid_argument", s.still, "bmp")
 
+    def test_meshes_are_exported(self):
+        s = self.connect()
+        told = []
+        s.on_progress(lambda stage, fraction: told.append(fraction))
+        with tempfile.TemporaryDirectory() as folder:
+            s.export(Path(folder) / "a.vtu")
+            s.export(Path(folder) / "a.stl")
+            s.export(Path(folder) / "lower.stl", facets=["lower"])
+            self.assertIn(b"UnstructuredGrid", (Path(folder) / "a.vtu").read_bytes()[:200])
+            self.assertLess((Path(folder) / "lower.stl").stat().st_size, (Path(folder) / "a.stl").stat().st_size)
+            self.assertRefused("invalid_argument", s.export, Path(folder) / "a.obj")
+            s.intervals.set([])
+            self.assertRefused("not_found", s.export, Path(folder) / "none.vtu")
+            self.assertFalse((Path(folder) / "none.vtu").exists())
+        self.assertTrue(told)
+        self.assertEqual(s.rest.json("GET", f"sessions/{s.id}/operations")["operations"], [])
+
+    def test_statistics_agree_with_the_histogram(self):
+        s = self.connect()
+        statistics, histogram = s.statistics(), s.histogram(bins=4096)
+        middles = (histogram.edges[1:] + histogram.edges[:-1]) / 2
+        mean = np.average(middles, weights=histogram.counts)
+        self.assertAlmostEqual(statistics["mean"], mean, delta=histogram.edges[1] - histogram.edges[0])
+
     def test_frames_come_while_things_change_and_end_lossless(self):
         s = self.connect(frames=True)
         s.intervals.move(s.intervals[0], 0.1, 0.3)

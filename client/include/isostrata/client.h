@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -110,6 +111,10 @@ class Client {
   v1::Frame lossless_frame();
   /// A picture of any size as a file's bytes; format "png", "jpeg" and what else the server knows. The viewport is as it was.
   std::string still(int width, int height, const std::string& format = "png");
+
+  /// The layers as a mesh file, written as it comes: "vtu" (tetrahedra), "ply" or "stl" (their boundary, or the named parts of
+  /// it: "lower", "upper", "domain"). The server's progress is told; a stop takes its work with it.
+  void export_mesh(std::ostream& to, const std::string& format, const std::vector<std::string>& facets = {});
 
   // ---- the whole state, as one JSON document
   // ------------------------------------------------------------------------------------

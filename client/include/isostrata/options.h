@@ -6,6 +6,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "isostrata/v1/isostrata.pb.h"
 
@@ -32,7 +33,8 @@ struct Options {
   std::string session = "";       // its id, where that is what is known: joins that session, and fails where it is not there
   std::string name = "isostrata-client";
   int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
-  bool hidden = false;            // the viewport is there (views fit it), but no frames are sent: for who asks for stills
+  std::vector<std::string> moving_formats{"jpeg"};  // of Hello: what is decoded of frames in motion
+  bool hidden = false;  // the viewport is there (views fit it), but no frames are sent: for who asks for stills
   std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own; progress starts it anew
   /// Set from anywhere, a signal handler too: what waits asks the server to cancel its work and throws "cancelled".
   const std::atomic<bool>* stop = nullptr;

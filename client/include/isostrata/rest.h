@@ -1,6 +1,7 @@
 // The server's REST interface (api/v1), for what is one question and one answer. Each call opens a connection of its own.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 
 #include "isostrata/options.h"
@@ -22,5 +23,7 @@ HttpAnswer http_request(const Options& options, const std::string& method, const
 
 /// The body of a GET.
 std::string http_get(const Options& options, const std::string& path);
+/// The body of a GET, written as it comes.
+void http_download(const Options& options, const std::string& path, std::ostream& to);
 
 }  // namespace isostrata::client

@@ -54,7 +54,7 @@ v1::ClipPlane clip_plane(const Vec3& normal, double offset);
 
 v1::Camera camera(const Vec3& eye, const Vec3& at, const Vec3& up, double fov_deg = 30, bool orthographic = false);
 /// The camera turned about its `at`: to the right about its up direction by azimuth, then upwards by elevation. In degrees.
-v1::Camera turned(const v1::Camera& camera, double azimuth_deg, double elevation_deg = 0);
+v1::Camera turned(const v1::Camera& camera, double azimuth_deg, double elevation_deg);
 /// The camera nearer to its `at`: 2 shows everything twice as large.
 v1::Camera zoomed(const v1::Camera& camera, double factor);
 

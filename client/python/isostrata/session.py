@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Union
@@ -387,6 +388,36 @@ class Session:
     def wait(self, holds: Callable[[Session], object], timeout: float | None = None) -> None:
         """Until ``holds(session)``, whoever changes it: ``s.wait(lambda s: s.revision > 7)``."""
         self._connection.wait(lambda: holds(self), "the session did not come to be so in time", timeout)
+
+    def export(self, path: str | PathLike[str], facets: Sequence[str] = ()) -> None:
+        """The layers as a mesh file: .vtu (tetrahedra), .ply or .stl (their boundary, or of it what ``facets`` names: "lower", "upper",
+        "domain"). ``on_progress`` hears of it; Ctrl-C takes the server's work with it."""
+        wanted = {"format": str(path).rpartition(".")[2].lower(), **({"facets": list(facets)} if facets else {})}
+        operation = self.rest.json("POST", f"sessions/{self.id}/exports", wanted)
+        where = f"sessions/{self.id}/operations/{operation['id']}"
+        try:
+            pause = 0.02
+            while operation["status"] == "running":
+                time.sleep(pause)
+                pause = min(2 * pause, 0.5)
+                operation = self.rest.json("GET", where)
+                if self._connection.on_progress:
+                    self._connection.on_progress(v1.Progress(stage=operation["stage"], fraction=operation["fraction"]))
+            if operation["status"] != "done":
+                error = operation.get("error", {})
+                raise IsostrataError(error.get("code", "internal"), error.get("detail", "the export failed"), error.get("field", ""))
+            data = self.rest.request("GET", f"sessions/{self.id}/exports/{operation['id']}")[0]
+            with open(path, "wb") as file:
+                file.write(data)
+        finally:
+            try:
+                self.rest.request("DELETE", where)  # cancels it, or forgets it and its file
+            except IsostrataError:
+                pass
+
+    def statistics(self, array: str = "") -> dict[str, float]:
+        """lower, upper, mean, standardDeviation and the like of an array at the state's step."""
+        return self.rest.json("GET", f"sessions/{self.id}/statistics", query={"array": array or self.array})
 
     # ---- long work ----------------------------------------------------------------------------------------------------------------
 
