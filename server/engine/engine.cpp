@@ -1,5 +1,7 @@
 #include "engine/engine.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
@@ -26,6 +28,13 @@ namespace {
 // of two in a row at most one is cancelled, so that a drag over slow data still shows every other one.
 constexpr int kDeviceFailures = 3;  // frames in a row before another renderer takes over
 constexpr double kSupersededGraceMs = 250;
+constexpr auto kIdlePulse = std::chrono::milliseconds(200);
+
+// A drawing that runs in loops of ours has a pulse. One that a device does for us has none, so it gets time by its size.
+std::uint32_t patience_for(const FrameRequest& request, const std::string& device) {
+  const std::int64_t pixels = std::int64_t{request.width} * request.height;
+  return static_cast<std::uint32_t>(1 + pixels / (1 << 22)) * (is_software_device(device) ? 6 : 1);
+}
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
   RequestFailed failed{session, request, revision, ErrorCode::internal, {}};
@@ -85,12 +94,6 @@ struct DrawOrder {
 };
 
 }  // namespace
-
-bool is_software_device(const std::string& device) {
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "OSMesa", "lavapipe", "Software"})
-    if (device.find(name) != std::string::npos) return true;
-  return false;
-}
 
 bool same_extraction(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b) &&
@@ -198,6 +201,7 @@ class Engine::Impl {
   template <class Work>
   void run(SessionKey session, RequestId request, Operation& operation, const Work& work) {
     try {
+      const Doing opening(options_.board, Stage::opening, session, request, operation.id());
       operation.task().check();
       work();
     } catch (...) {
@@ -246,6 +250,7 @@ class Engine::Impl {
     std::shared_ptr<const ExtractedScene> extracted;
     std::exception_ptr failure;
     try {
+      const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
       operation->task().check();
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
@@ -343,6 +348,7 @@ class Engine::Impl {
     int failures = 0;     // of the device, frames in a row
     std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
+      const Doing starting(Doing::OnRenderThread{}, options_.board, Stage::starting, 0, 0, 1);
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
       started.set_value(renderer->device());
     } catch (...) {
@@ -353,7 +359,7 @@ class Engine::Impl {
       std::optional<DrawOrder> order;
       {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return stopping_ || (order = next_order()); });
+        while (!changed_.wait_for(lock, kIdlePulse, [&] { return stopping_ || (order = next_order()); })) beat();
         if (stopping_) return;
       }
       const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead);
@@ -368,6 +374,10 @@ class Engine::Impl {
         instead.clear();
       }
     }
+  }
+
+  void beat() {
+    if (options_.board) ++options_.board->slots[ActivityBoard::kRenderThread].pulse;
   }
 
   // The next session in turn that has a frame to draw. With mutex_ held.
@@ -418,6 +428,8 @@ class Engine::Impl {
     const FrameRequest& request = order.request;
     send(FrameStarted{request.session, request.request});
     Stopwatch watch;
+    const Doing drawing(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request,
+                        patience_for(request, device_));
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
       const auto annotations = std::make_shared<Drawing>();
@@ -462,6 +474,7 @@ class Engine::Impl {
 
   void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,
               int quality) {
+    const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
@@ -500,7 +513,13 @@ Engine::Engine(EngineOptions options, Sink sink) : impl_(std::make_unique<Impl>(
 Engine::~Engine() = default;
 void Engine::post(EngineRequest request) { impl_->post(std::move(request)); }
 const Catalogue& Engine::catalogue() const { return impl_->catalogue(); }
-const std::string& Engine::device() const { return impl_->device(); }
-bool Engine::device_is_software() const { return is_software_device(impl_->device()); }
+std::string Engine::device() const { return impl_->device(); }
+EngineFacts Engine::facts() const {
+  EngineFacts facts;
+  facts.process = getpid();
+  facts.processes = 1;
+  facts.renderer_trial = renderer_trial_report();
+  return facts;
+}
 
 }  // namespace isostrata

@@ -41,6 +41,7 @@ struct ServeArguments {
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
   std::string renderer = "auto", device = "auto";
+  std::string worker = "process";
   std::size_t max_sessions = 32;
   long session_ttl_s = 600;
   long idle_timeout_s = 0;
@@ -145,6 +146,16 @@ void serve(const ServeArguments& arguments) {
                                    " files are offered; name a smaller directory to see others");
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
+  if (arguments.worker == "process") {
+    options.worker.emplace();
+    options.worker->threads = arguments.threads;
+    options.worker->log = [&log](std::string_view event, const std::string& text) {
+      if (event == "worker_replaced")
+        log.info(std::string(event), text);
+      else
+        log.warn(std::string(event), text);
+    };
+  }
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
   options.port = static_cast<unsigned short>(arguments.port);
@@ -165,7 +176,7 @@ void serve(const ServeArguments& arguments) {
 
   Server server(std::move(options));
   log.info("device", "drawing on " + server.engine().device());
-  if (const std::string trial = renderer_trial_report(); !trial.empty()) log.info("renderer", trial);
+  if (const std::string trial = server.engine().facts().renderer_trial; !trial.empty()) log.info("renderer", trial);
   if (server.engine().device_is_software())
     log.warn("software_device",
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
@@ -216,6 +227,13 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--worker", arguments->worker,
+          "process: the engine runs in a process of its own, which is replaced where it crashes or hangs; thread: in the "
+          "server's")
+      ->check(CLI::IsMember({"process", "thread"}))
       ->capture_default_str();
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))
