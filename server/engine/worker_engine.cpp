@@ -256,6 +256,7 @@ class WorkerEngine::Impl {
         cause = live(process, at, error);
       } catch (const std::exception& failure) {
         cause = failure.what();
+        error = std::current_exception();
       }
       {
         std::lock_guard lock(mutex_);
@@ -265,10 +266,10 @@ class WorkerEngine::Impl {
     }
   }
 
-  /// The pause before the next worker; false where none is wanted any more.
+  /// The pause before the next worker, where there has been one that could draw; false where none is wanted any more.
   bool rest() {
     std::unique_lock lock(mutex_);
-    return !changed_.wait_for(lock, history_.pause(), [&] { return stopping_; });
+    return !changed_.wait_for(lock, started_once_ ? history_.pause() : milliseconds(0), [&] { return stopping_; });
   }
 
   /// Returns why the worker ended.
