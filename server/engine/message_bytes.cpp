@@ -26,6 +26,8 @@ constexpr TimeMode last_of<TimeMode> = TimeMode::spacetime;
 template <>
 constexpr Triangulation last_of<Triangulation> = Triangulation::strict;
 template <>
+constexpr TetrahedraWay last_of<TetrahedraWay> = TetrahedraWay::cut;
+template <>
 constexpr RangeOperator last_of<RangeOperator> = RangeOperator::exclusive_or;
 
 class Writer {

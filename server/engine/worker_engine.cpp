@@ -431,8 +431,16 @@ class WorkerEngine::Impl {
   }
 
   WorkerSetup setup() const {
-    return {options_.catalogue.entries(),     choice_.renderer,         choice_.device, options_.store.max_bytes,
-            options_.store.importer.string(), options_.store.timeout_s, worker_.threads};
+    WorkerSetup setup;
+    setup.catalogue = options_.catalogue.entries();
+    setup.renderer = choice_.renderer;
+    setup.device = choice_.device;
+    setup.max_bytes = options_.store.max_bytes;
+    setup.importer = options_.store.importer.string();
+    setup.import_timeout_s = options_.store.timeout_s;
+    setup.tetrahedra = options_.tetrahedra;
+    setup.threads = worker_.threads;
+    return setup;
   }
 
   const EngineOptions options_;

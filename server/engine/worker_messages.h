@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/catalogue.h"
+#include "engine/draw_scene.h"
 #include "engine/messages.h"
 
 namespace isostrata {
@@ -18,6 +19,7 @@ struct WorkerSetup {
   std::uint64_t max_bytes = 0;   // DatasetStoreOptions
   std::string importer;
   double import_timeout_s = 0;
+  TetrahedraWay tetrahedra = TetrahedraWay::automatic;
   int threads = 0;  // set_thread_count
 };
 

@@ -40,7 +40,7 @@ struct ServeArguments {
   std::string token_file;
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
-  std::string renderer = "auto", device = "auto";
+  std::string renderer = "auto", device = "auto", tetrahedra = "auto";
   std::string worker = "process";
   std::size_t max_sessions = 32;
   long session_ttl_s = 600;
@@ -156,6 +156,9 @@ void serve(const ServeArguments& arguments) {
         log.warn(std::string(event), text);
     };
   }
+  options.engine.tetrahedra = arguments.tetrahedra == "cut"     ? TetrahedraWay::cut
+                              : arguments.tetrahedra == "split" ? TetrahedraWay::split
+                                                                : TetrahedraWay::automatic;
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
   options.port = static_cast<unsigned short>(arguments.port);
@@ -234,6 +237,12 @@ void add_serve_command(CLI::App& app) {
           "process: the engine runs in a process of its own, which is replaced where it crashes or hangs; thread: in the "
           "server's")
       ->check(CLI::IsMember({"process", "thread"}))
+      ->capture_default_str();
+  command
+      ->add_option("--tetrahedra", arguments->tetrahedra,
+                   "Grids of nothing but tetrahedra: split by extraction, or cut in the rays by the native renderer; auto: cut "
+                   "while intervals are moved")
+      ->check(CLI::IsMember({"auto", "split", "cut"}))
       ->capture_default_str();
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))
