@@ -16,7 +16,7 @@ std::string to_string(Stage stage) {
     case Stage::starting:
       return "starting";
     case Stage::opening:
-      return "opening data";
+      return "reading data";
     case Stage::extracting:
       return "extracting";
     case Stage::drawing:

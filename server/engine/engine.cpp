@@ -109,6 +109,7 @@ class Engine::Impl {
         store_(options_.store),
         bases_(options_.store.max_bytes),
         loaders_(4),
+        exporters_(1),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
     for (int i = 0; i < 2; ++i) encoders_.push_back(std::make_unique<WorkerThreads>(1));
     std::promise<std::string> started;
@@ -197,6 +198,31 @@ class Engine::Impl {
         Histogram counted = histogram(array, request.bins);
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower,
                             counted.upper, std::move(counted.counts)});
+      });
+    });
+  }
+
+  void take(StatisticsRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    loaders_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
+                             statistics(dataset->array(request.array))});
+      });
+    });
+  }
+
+  void take(ExportRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    exporters_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const CatalogueEntry& source = entry(request.scene.dataset);
+        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, operation->task());
+        send(ExportReady{request.session, request.request, mesh});
       });
     });
   }
@@ -468,6 +494,7 @@ class Engine::Impl {
                         patience_for(request, device_));
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      if (request.still && is_float(*request.still)) input.float_image = true;
       const auto annotations = std::make_shared<Drawing>();
       if (order.scene.annotations.any()) {
         *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
@@ -495,9 +522,9 @@ class Engine::Impl {
             {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
       auto image = std::make_shared<AnyImage>(std::move(result.image));
       encoders_[request.session % encoders_.size()]->post([this, image, annotations, background = input.background,
-                                                           frame = std::move(frame), watch,
-                                                           quality = request.jpeg_quality]() mutable {
-        encode(*image, *annotations, background, std::move(frame), watch, quality);
+                                                           frame = std::move(frame), watch, quality = request.jpeg_quality,
+                                                           still = request.still]() mutable {
+        encode(*image, *annotations, background, std::move(frame), watch, quality, still);
       });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
@@ -509,13 +536,19 @@ class Engine::Impl {
   }
 
   void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,
-              int quality) {
+              int quality, std::optional<StillFormat> still) {
     const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
-      const Image& image = std::get<Image>(drawn);
-      frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, quality) : encode_png(image));
+      const auto bytes_of = [&](const auto& image) -> Bytes {
+        if (still) return encode_still(image, *still);
+        if constexpr (std::is_same_v<std::decay_t<decltype(image)>, Image>)
+          return frame.jpeg ? encode_jpeg(image, quality) : encode_png(image);
+        else
+          throw Error(ErrorCode::internal, "a frame came as floats");
+      };
+      frame.bytes = std::make_shared<const Bytes>(std::visit(bytes_of, drawn));
       frame.stages.encode_ms = watch.elapsed_ms();
       frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
       send(std::move(frame));
@@ -544,6 +577,7 @@ class Engine::Impl {
   Task base_task_;                           // of making those that nobody waits for
   std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
   WorkerThreads loaders_;
+  WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
   WorkerThreads jobs_;
   std::vector<std::unique_ptr<WorkerThreads>> encoders_;
   std::thread render_thread_;
@@ -556,6 +590,8 @@ const Catalogue& Engine::catalogue() const { return impl_->catalogue(); }
 std::string Engine::device() const { return impl_->device(); }
 EngineFacts Engine::facts() const {
   EngineFacts facts;
+  facts.device = device();
+  facts.device_is_software = is_software_device(facts.device);
   facts.process = getpid();
   facts.processes = 1;
   facts.renderer_trial = renderer_trial_report();

@@ -8,6 +8,6 @@ bool is_software_device(const std::string& device) {
   return false;
 }
 
-bool FrameEngine::device_is_software() const { return is_software_device(device()); }
+bool FrameEngine::device_is_software() const { return facts().device_is_software; }
 
 }  // namespace isostrata

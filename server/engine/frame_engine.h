@@ -14,6 +14,8 @@ namespace isostrata {
 
 /// Whose process draws, for people, scripts and tests.
 struct EngineFacts {
+  std::string device;  // what draws now
+  bool device_is_software = false;
   bool own_process = false;
   pid_t process = 0;            // that the engine runs in; 0: it is being replaced
   std::uint64_t processes = 0;  // that were started so far

@@ -28,6 +28,10 @@ constexpr Triangulation last_of<Triangulation> = Triangulation::strict;
 template <>
 constexpr TetrahedraWay last_of<TetrahedraWay> = TetrahedraWay::cut;
 template <>
+constexpr StillFormat last_of<StillFormat> = StillFormat::exr;
+template <>
+constexpr FacetLabel last_of<FacetLabel> = FacetLabel::domain;
+template <>
 constexpr RangeOperator last_of<RangeOperator> = RangeOperator::exclusive_or;
 
 class Writer {

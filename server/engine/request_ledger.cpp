@@ -137,7 +137,7 @@ std::vector<EngineRequest> RequestLedger::begin_life() {
   ++life_;
   std::vector<EngineRequest> all;
   for (const auto& [key, session] : sessions_)
-    if (session.scene && session.withheld.empty()) all.push_back(SceneUpdate{key, *session.scene});
+    if (session.scene && session.withheld.empty()) all.emplace_back(SceneUpdate{key, *session.scene});
   std::vector<const Open*> open;
   for (const auto& [number, of] : requests_) open.push_back(&of);
   std::sort(open.begin(), open.end(), [](const Open* a, const Open* b) { return a->order < b->order; });
@@ -148,7 +148,7 @@ std::vector<EngineRequest> RequestLedger::begin_life() {
 std::vector<EngineEvent> RequestLedger::end_life(const std::vector<ActivityFacts>& at, const std::string& cause,
                                                  bool may_withhold) {
   std::vector<EngineEvent> events;
-  for (const auto& [session, operation] : operations_) events.push_back(OperationDone{session, operation, true});
+  for (const auto& [session, operation] : operations_) events.emplace_back(OperationDone{session, operation, true});
   operations_.clear();
 
   std::set<SessionKey> blamed;  // their scenes
@@ -160,7 +160,7 @@ std::vector<EngineEvent> RequestLedger::end_life(const std::vector<ActivityFacts
     if (about_scene)
       blamed.insert(of.session);
     else if (counted.insert(of.request).second && ++it->second.deaths >= kMostDeaths) {
-      events.push_back(failure(it->second.session, of.request, cause + "; it is not tried again"));
+      events.emplace_back(failure(it->second.session, of.request, cause + "; it is not tried again"));
       requests_.erase(it);
     }
   }
@@ -171,10 +171,10 @@ std::vector<EngineEvent> RequestLedger::end_life(const std::vector<ActivityFacts
     if (++session.deaths < kMostSceneDeaths || !may_withhold || !session.scene) continue;
     session.withheld = cause + ", for the " + std::to_string(session.deaths) +
                        "th time in a row over this scene; it is drawn again once more of it changes than the view";
-    events.push_back(failure(key, 0, session.withheld));
+    events.emplace_back(failure(key, 0, session.withheld));
     for (auto of = requests_.begin(); of != requests_.end();) {
       if (of->second.session == key && is_frame(of->second.request)) {
-        events.push_back(failure(key, of->first, session.withheld));
+        events.emplace_back(failure(key, of->first, session.withheld));
         of = requests_.erase(of);
       } else {
         ++of;
@@ -190,7 +190,7 @@ void RequestLedger::forgive() {
 
 std::vector<EngineEvent> RequestLedger::give_up(const std::string& cause) {
   std::vector<EngineEvent> events = unannounce();
-  for (const auto& [number, of] : requests_) events.push_back(failure(of.session, number, cause));
+  for (const auto& [number, of] : requests_) events.emplace_back(failure(of.session, number, cause));
   requests_.clear();
   return events;
 }
@@ -198,13 +198,13 @@ std::vector<EngineEvent> RequestLedger::give_up(const std::string& cause) {
 std::vector<EngineEvent> RequestLedger::announce(const std::string& text, double fraction) {
   for (const auto& [number, of] : requests_) announced_.insert(of.session);
   std::vector<EngineEvent> events;
-  for (const SessionKey key : announced_) events.push_back(OperationProgress{key, wire(kWatchdog), text, fraction});
+  for (const SessionKey key : announced_) events.emplace_back(OperationProgress{key, wire(kWatchdog), text, fraction});
   return events;
 }
 
 std::vector<EngineEvent> RequestLedger::unannounce() {
   std::vector<EngineEvent> events;
-  for (const SessionKey key : announced_) events.push_back(OperationDone{key, wire(kWatchdog), false});
+  for (const SessionKey key : announced_) events.emplace_back(OperationDone{key, wire(kWatchdog), false});
   announced_.clear();
   return events;
 }

@@ -29,7 +29,7 @@ Watchdog::Verdict Watchdog::look(const std::vector<ActivityFacts>& at, Duration 
         verdict.silent = seen.silent;
         verdict.stage = of.stage;
       }
-    } else if (ready && seen.silent >= hard_) {
+    } else if (ready && seen.silent >= hard_ * kCancelled) {
       if (!std::exchange(seen.cancelled, true)) verdict.stuck.push_back(of);
       if (seen.silent >= hard_ * kOtherThreads && !verdict.hung) {
         verdict.hung = true;

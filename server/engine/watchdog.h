@@ -19,7 +19,7 @@ class Watchdog {
   struct Verdict {
     bool hanging = false;              // the render thread has passed the soft limit
     bool hung = false;                 // something has passed its last limit
-    std::vector<ActivityFacts> stuck;  // other threads that have just passed the hard limit: cancelling may help
+    std::vector<ActivityFacts> stuck;  // other threads that have just become late: cancelling may help
     Duration silent{0};                // the longest silence in units of the usual patience, of what hangs
     double fraction = 0;               // of the way to the end, of the render thread
     Stage stage = Stage::idle;         // of what hangs
@@ -29,7 +29,8 @@ class Watchdog {
   Verdict look(const std::vector<ActivityFacts>& at, Duration passed, bool ready);
 
   static constexpr int kStarting = 12;
-  static constexpr int kOtherThreads = 6;  // times the hard limit: they have phases without a pulse, and others draw meanwhile
+  static constexpr int kCancelled = 3;     // times the hard limit: work of another thread is cancelled,
+  static constexpr int kOtherThreads = 6;  // and then it is hung; it may have phases without a pulse, and others draw meanwhile
 
  private:
   struct Seen {

@@ -84,7 +84,10 @@ class WorkerEngine::Impl {
   }
   EngineFacts facts() const {
     std::lock_guard lock(mutex_);
-    return facts_;
+    EngineFacts facts = facts_;
+    facts.device = device_ + instead_;
+    facts.device_is_software = is_software_device(device_);
+    return facts;
   }
 
  private:

@@ -61,6 +61,7 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   SiteOptions site;
   site.base_path = parse_base_url(options.base_url, public_host);
   site.web_root = options.web_root;
+  site.log = options.log;
   site.access.token = options.token;
   site.access.port = port;
   site.access.allowed_hosts = options.allowed_hosts;
@@ -79,6 +80,7 @@ SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine
   sessions.server_name = options.name;
   sessions.device = engine.device();
   sessions.device_is_software = engine.device_is_software();
+  sessions.engine = [&engine] { return engine.facts(); };
   for (const CatalogueEntry& entry : engine.catalogue().entries()) {
     v1::DatasetEntry& to = sessions.datasets.emplace_back();
     to.set_id(entry.id);
@@ -221,6 +223,7 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     wake();
+    site_.end(reason);
     sessions_.shut_down(reason);
     asio::co_spawn(io_, end_soon(), asio::detached);
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/worker_engine.h"
+#include "net/log_line.h"
 
 namespace isostrata {
 
@@ -30,6 +31,7 @@ struct ServerOptions {
   std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
   EngineOptions engine;
   std::optional<WorkerOptions> worker;  // the engine runs in a process of its own; none: in this one
+  LogSink log;                          // called on the thread of run(); empty: nobody listens
 };
 
 class Server {

@@ -119,6 +119,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
     if (!session) return refuse(viewer, seq, std::move(error), kCloseTryAgainLater);
   }
   session->attach(viewer, now);
+  for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
   if (hello.has_viewport())
     viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
                                hello.viewport().hidden(), now);
@@ -133,8 +134,9 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
   *welcome.mutable_state() = session->wire_state();
   if (session->dataset()) *welcome.mutable_dataset_info() = to_wire(*session->dataset());
-  welcome.set_device(options_.device);
-  welcome.set_device_is_software(options_.device_is_software);
+  const EngineFacts drawing = engine();
+  welcome.set_device(drawing.device);
+  welcome.set_device_is_software(drawing.device_is_software);
   for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
   welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
   welcome.mutable_limits()->set_max_width(kMaxSide);
@@ -156,12 +158,28 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   session->pump(now);
 }
 
+EngineFacts Sessions::engine() const {
+  if (options_.engine) return options_.engine();
+  EngineFacts facts;
+  facts.device = options_.device;
+  facts.device_is_software = options_.device_is_software;
+  return facts;
+}
+
 void Sessions::detach(ViewerKey key, TimePoint now) {
   now_ = now;
   const auto it = viewers_.find(key);
   if (it == viewers_.end()) return;
-  if (Session* session = find(it->second->session)) session->detach(*it->second, now);
+  if (Session* session = find(it->second->session)) {
+    session->detach(*it->second, now);
+    for (SessionsObserver* observer : observers_) observer->viewer_left(*session);
+  }
   viewers_.erase(it);
+}
+
+const Session* Sessions::watched_by(ViewerKey viewer) {
+  const auto it = viewers_.find(viewer);
+  return it == viewers_.end() ? nullptr : find(it->second->session);
 }
 
 Session* Sessions::create(TimePoint now, v1::Error& error) {
@@ -181,6 +199,7 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
   auto& slot = sessions_[key];
   slot = std::make_unique<Session>(key, *this);
   slot->touch(now);
+  for (SessionsObserver* observer : observers_) observer->session_began(*slot);
   return slot.get();
 }
 
@@ -230,7 +249,10 @@ void Sessions::remove(SessionKey key) {
     listener(RequestFailed{key, request, 0, ErrorCode::not_found, "the session has ended"}, now_);
     it = pending_.begin();
   }
-  sessions_.erase(key);
+  const auto ending = sessions_.find(key);
+  if (ending == sessions_.end()) return;
+  for (SessionsObserver* observer : observers_) observer->session_ended(*ending->second);
+  sessions_.erase(ending);
 }
 
 RequestId Sessions::ask(EngineRequest request, Listener listener) {
@@ -249,6 +271,7 @@ RequestId Sessions::ask(EngineRequest request, Listener listener) {
 
 void Sessions::on_event(const EngineEvent& event, TimePoint now) {
   now_ = now;
+  for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);
   const RequestId request = request_of(event);
   if (request == 0) {
     if (Session* session = find(session_of(event))) session->on_event(event, now);

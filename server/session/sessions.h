@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "engine/frame_engine.h"
 #include "session/session.h"
+#include "session/sessions_observer.h"
 
 namespace isostrata {
 
@@ -20,6 +22,7 @@ struct SessionsOptions {
   std::string server_name = "isostrata";            // with its version, for Welcome
   std::string device;
   bool device_is_software = false;
+  std::function<EngineFacts()> engine;  // whose process draws, asked again each time; empty: device is all that is known
   std::vector<v1::DatasetEntry> datasets;
 };
 
@@ -38,6 +41,8 @@ class Sessions final : public EngineDoor {
   void receive_malformed(ViewerKey viewer, const std::string& why);
   void detach(ViewerKey viewer, TimePoint now);
   std::size_t viewer_count() const { return viewers_.size(); }
+  /// Null: the viewer has not said hello.
+  const Session* watched_by(ViewerKey viewer);
 
   // ---- scripts ----
 
@@ -51,6 +56,7 @@ class Sessions final : public EngineDoor {
   std::vector<const Session*> list() const;
   const std::vector<v1::DatasetEntry>& datasets() const { return options_.datasets; }
   const SessionsOptions& options() const { return options_; }
+  EngineFacts engine() const;
 
   // ---- engine and time ----
 
@@ -58,6 +64,8 @@ class Sessions final : public EngineDoor {
   /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a
   /// second.
   TimePoint tick(TimePoint now);
+  /// The observer must live as long as this.
+  void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
   /// Tells everyone that the server ends, and closes their connections.
   void shut_down(const std::string& reason);
 
@@ -81,6 +89,7 @@ class Sessions final : public EngineDoor {
   std::map<ViewerKey, std::unique_ptr<Viewer>> viewers_;
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
+  std::vector<SessionsObserver*> observers_;
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   SessionKey last_session_ = 0;
