@@ -28,6 +28,8 @@ constexpr Triangulation last_of<Triangulation> = Triangulation::strict;
 template <>
 constexpr TetrahedraWay last_of<TetrahedraWay> = TetrahedraWay::cut;
 template <>
+constexpr Codec last_of<Codec> = Codec::h264_420;
+template <>
 constexpr StillFormat last_of<StillFormat> = StillFormat::exr;
 template <>
 constexpr FacetLabel last_of<FacetLabel> = FacetLabel::domain;
@@ -59,6 +61,15 @@ class Writer {
   }
   void write(const std::filesystem::path& path) { write(path.string()); }
   void write(const std::shared_ptr<const Bytes>& picture) { bytes.picture = picture; }
+  void write(const Bytes& of) {
+    put<std::uint64_t>(of.size());
+    bytes.body.append(reinterpret_cast<const char*>(of.data()), of.size());
+  }
+  template <class T>
+  void write(const std::shared_ptr<const T>& shared) {
+    put(shared != nullptr);
+    if (shared) put(*shared);
+  }
   template <class T>
   void write(const std::optional<T>& value) {
     put(value.has_value());
@@ -150,6 +161,20 @@ class Reader {
     path = text;
   }
   void read(std::shared_ptr<const Bytes>& picture) { picture = std::exchange(picture_, nullptr); }
+  void read(Bytes& bytes) {
+    const std::size_t size = count();
+    bytes.assign(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(size));
+    rest_.remove_prefix(size);
+  }
+  template <class T>
+  void read(std::shared_ptr<const T>& shared) {
+    bool there = false;
+    get(there);
+    if (!there) return shared.reset();
+    auto value = std::make_shared<T>();
+    get(*value);
+    shared = std::move(value);
+  }
   template <class T>
   void read(std::optional<T>& value) {
     bool there = false;

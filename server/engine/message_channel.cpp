@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -12,6 +13,8 @@ namespace isostrata {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4d617349;  // a stream that has lost its step does not hold it
+
+constexpr std::uint64_t kPiece = 4ull << 20;
 
 struct Header {
   std::uint32_t magic = kMagic;
@@ -103,8 +106,13 @@ std::optional<MessageBytes> MessageChannel::receive() {
       header.picture > (header.has_picture ? most : 0) || (header.by_file && !file))
     throw Error(ErrorCode::bad_data, "what came is no message");
   MessageBytes message;
-  message.body.resize(header.body);
-  if (!read_all(message.body.data(), message.body.size(), nullptr)) return std::nullopt;
+  // Piece by piece, so that memory is taken by what comes and not by what was announced.
+  for (std::uint64_t done = 0; done < header.body;) {
+    const std::uint64_t piece = std::min(header.body - done, kPiece);
+    message.body.resize(done + piece);
+    if (!read_all(message.body.data() + done, piece, nullptr)) return std::nullopt;
+    done += piece;
+  }
   if (!header.has_picture) return message;
   struct stat facts {};
   if (header.by_file && (fstat(file.get(), &facts) != 0 || static_cast<std::uint64_t>(facts.st_size) != header.picture))

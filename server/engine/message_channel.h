@@ -32,7 +32,7 @@ class Descriptor {
 /// One thread at a time may receive; any thread may send and shut_down. Lock: send_mutex_.
 class MessageChannel {
  public:
-  static constexpr std::uint64_t kMaxBody = 64ull << 20;
+  static constexpr std::uint64_t kMaxBody = 512ull << 20;  // a picture in bands is in the body
   static constexpr std::uint64_t kMaxPicture = 2ull << 30;
   static constexpr std::uint64_t kMaxInline = 256ull << 10;  // of a picture; longer ones go by memory file
 

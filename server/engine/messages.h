@@ -2,6 +2,7 @@
 // so that the engine can move to a process of its own.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "base/error.h"
 #include "data/statistics.h"
+#include "encoding/codec.h"
 #include "encoding/encode_image.h"
 #include "encoding/encode_still.h"
 #include "engine/dataset_facts.h"
@@ -21,6 +23,7 @@ namespace isostrata {
 
 using SessionKey = std::uint64_t;  // of one scene; never used again
 using RequestId = std::uint64_t;   // chosen by the asker, unique in the process
+using StreamId = std::uint64_t;    // of video; chosen by the asker, unique in its session, never used again
 
 // ---- to the engine -----------------------------------------------------------------------------------------------------------
 
@@ -37,6 +40,15 @@ struct SceneUpdate {
   Scene scene;
 };
 
+/// A frame as the next one of a video stream. The stream begins with its first order; that frame, and the first of another size,
+/// is a key frame. Every frame of a stream must reach its viewer, in order.
+struct VideoOrder {
+  Codec codec = Codec::vp9_444;
+  StreamId stream = 0;
+  int bitrate_kbps = 8000;  // at 30 frames a second: EncodeOrder (encoding/encoder.h)
+  bool key = false;         // for somebody who has none of the frames before
+};
+
 /// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or
 /// RequestFailed. While intervals are being extracted, a moving frame shows the last ones that are ready; a lossless one waits
 /// for the newest.
@@ -48,6 +60,9 @@ struct FrameRequest {
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
+  std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
+  std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one. Given up, as `cancelled`, once
+                               // the session has a newer scene
 };
 
 struct HistogramRequest {
@@ -95,8 +110,14 @@ struct CloseSession {
   SessionKey session = 0;
 };
 
+/// Forgets the stream's encoder. Frames of it that are still being drawn are answered RequestFailed.
+struct CloseStream {
+  SessionKey session = 0;
+  StreamId stream = 0;
+};
+
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   CloseSession, StatisticsRequest, ExportRequest>;
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -166,6 +187,12 @@ struct StageTimes {
   double total_ms = 0;  // from taking the scene to having the bytes
 };
 
+struct VideoFacts {
+  Codec codec = Codec::vp9_444;
+  StreamId stream = 0;
+  bool key = false;
+};
+
 struct FrameReady {
   SessionKey session = 0;
   RequestId request = 0;
@@ -173,6 +200,7 @@ struct FrameReady {
   int step = 0;
   bool lossless = false;
   bool jpeg = true;
+  std::optional<VideoFacts> video;  // a frame of this stream; else a picture by itself
   int width = 0, height = 0;
   Camera camera;  // that it was drawn with
   StageTimes stages;
@@ -181,7 +209,8 @@ struct FrameReady {
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
   std::vector<IntervalFacts> intervals;
-  std::shared_ptr<const Bytes> bytes;
+  std::shared_ptr<const Bytes> bytes;                 // null where there are bands
+  std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top
 };
 
 /// Answers any request that could not be met. A scene whose extraction failed answers the frame requests that waited for it.
@@ -191,6 +220,7 @@ struct RequestFailed {
   std::uint64_t revision = 0;
   ErrorCode code = ErrorCode::internal;
   std::string message;
+  bool encoder_failed = false;  // the picture was drawn; its video codec failed and will again
 };
 
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,

@@ -248,14 +248,24 @@ class WorkerEngine::Impl {
 
   void keep() {
     WorkerFolder::sweep();
+    try {
+      const WorkerFolder folder;
+      keep_ = folder.make("kept");  // what one worker has read the next one maps
+      keep(folder);
+    } catch (...) {
+      if (!started_once_) first_.set_exception(std::current_exception());
+    }
+  }
+
+  void keep(const WorkerFolder& folder) {
     for (;;) {
       if (!rest()) return;
       std::string cause;
       std::vector<ActivityFacts> at;
       std::exception_ptr error;
       try {
-        const WorkerFolder folder;  // what a dead worker leaves behind goes with it
-        WorkerProcess process(worker_.program, worker_.arguments, folder.path());
+        const WorkerFolder::Part temporary(folder.make("worker"));  // what a dead worker leaves behind goes with it
+        WorkerProcess process(worker_.program, worker_.arguments, temporary.path);
         cause = live(process, at, error);
       } catch (const std::exception& failure) {
         cause = failure.what();
@@ -441,6 +451,7 @@ class WorkerEngine::Impl {
     setup.max_bytes = options_.store.max_bytes;
     setup.importer = options_.store.importer.string();
     setup.import_timeout_s = options_.store.timeout_s;
+    setup.keep = keep_.string();
     setup.tetrahedra = options_.tetrahedra;
     setup.threads = worker_.threads;
     return setup;
@@ -449,8 +460,9 @@ class WorkerEngine::Impl {
   const EngineOptions options_;
   WorkerOptions worker_;
   const Sink sink_;
-  std::promise<void> first_;   // kept by keeper_ and the readers, one after the other
-  bool started_once_ = false;  // as first_
+  std::filesystem::path keep_;  // of keeper_
+  std::promise<void> first_;    // kept by keeper_ and the readers, one after the other
+  bool started_once_ = false;   // as first_
 
   mutable std::mutex mutex_;         // guards what follows
   std::condition_variable changed_;  // what the keeper waits for

@@ -45,6 +45,18 @@ WorkerFolder::~WorkerFolder() {
   fs::remove_all(path_, ignored);
 }
 
+fs::path WorkerFolder::make(const char* name) const {
+  const fs::path folder = path_ / name;
+  if (mkdir(folder.c_str(), 0700) != 0)
+    throw Error(ErrorCode::unavailable, "cannot make the directory " + folder.string() + ": " + std::strerror(errno));
+  return folder;
+}
+
+WorkerFolder::Part::~Part() {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
 void WorkerFolder::sweep() {
   std::error_code error;
   fs::directory_iterator it(base(), fs::directory_options::skip_permission_denied, error);

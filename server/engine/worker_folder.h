@@ -1,5 +1,4 @@
-// Where a worker keeps its temporary files: a private folder of the server's, so that a worker that is killed leaves nothing
-// behind.
+// Where workers keep their files: a private folder of the server's, so that workers that are killed leave nothing behind.
 #pragma once
 
 #include <filesystem>
@@ -16,6 +15,17 @@ class WorkerFolder {
   WorkerFolder(const WorkerFolder&) = delete;
   WorkerFolder& operator=(const WorkerFolder&) = delete;
   const std::filesystem::path& path() const { return path_; }
+
+  /// A new folder of that name in it. Throws unavailable.
+  std::filesystem::path make(const char* name) const;
+  /// Is removed when it goes out of scope.
+  struct Part {
+    explicit Part(std::filesystem::path path) : path(std::move(path)) {}
+    ~Part();
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+    const std::filesystem::path path;
+  };
 
   /// Removes this user's folders whose servers were killed.
   static void sweep();

@@ -19,6 +19,7 @@ struct WorkerSetup {
   std::uint64_t max_bytes = 0;   // DatasetStoreOptions
   std::string importer;
   double import_timeout_s = 0;
+  std::string keep;
   TetrahedraWay tetrahedra = TetrahedraWay::automatic;
   int threads = 0;  // set_thread_count
 };

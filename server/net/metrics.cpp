@@ -31,7 +31,16 @@ std::string known_method(const std::string& method) {
   return "other";
 }
 
+std::size_t bytes_of(const FrameReady& frame) {
+  std::size_t bytes = frame.bytes ? frame.bytes->size() : 0;
+  if (frame.bands)
+    for (const PngBand& band : *frame.bands) bytes += band.bytes.size();
+  return bytes;
+}
+
 std::string format_of(const FrameReady& frame) {
+  if (frame.video) return std::string(name_of(frame.video->codec));
+  if (!frame.bytes) return "png";  // in bands
   const auto& b = *frame.bytes;
   const auto begins = [&](std::string_view magic) {
     return b.size() >= magic.size() && std::equal(magic.begin(), magic.end(), b.begin(),
@@ -129,7 +138,7 @@ void Metrics::engine_event(const Session*, const EngineEvent& event) {
   } else if (const auto* frame = std::get_if<FrameReady>(&event)) {
     const prometheus::Labels labels{{"phase", frame->lossless ? "still" : "moving"}, {"format", format_of(*frame)}};
     f.frames.Add(labels).Increment();
-    f.frame_bytes.Add(labels).Increment(static_cast<double>(frame->bytes->size()));
+    f.frame_bytes.Add(labels).Increment(static_cast<double>(bytes_of(*frame)));
     const StageTimes& ms = frame->stages;
     const std::array<std::pair<const char*, double>, 6> stages = {{{"extract", ms.extract_ms},
                                                                    {"order", ms.order_ms},

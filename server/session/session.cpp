@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
-constexpr int kMovingJpegQuality = 90;
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -54,6 +53,7 @@ void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
   viewer.session = key_;
   last_use_ = now;
+  begin_stream(viewer);
   viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
 }
 
@@ -62,9 +62,28 @@ void Session::detach(Viewer& viewer, TimePoint now) {
     engine_.post(ForgetFrame{key_, viewer.ordered_request});
     engine_.forget(viewer.ordered_request);
   }
+  end_stream(viewer);
   viewers_.erase(viewer.key);
   viewer.session = 0;
   last_use_ = now;
+}
+
+// Whoever begins to look, or to look anew, gets a stream of their own, which begins with a key frame.
+void Session::begin_stream(Viewer& viewer) {
+  end_stream(viewer);
+  if (is_video(viewer.ladder.front())) viewer.stream = ++last_stream_;
+  viewer.frames.set_video(viewer.stream != 0);
+}
+
+void Session::end_stream(Viewer& viewer) {
+  if (viewer.stream != 0) engine_.post(CloseStream{key_, viewer.stream});
+  viewer.stream = 0;
+}
+
+void Session::step_down(Viewer& viewer, TimePoint now) {
+  if (viewer.ladder.size() > 1) viewer.ladder.erase(viewer.ladder.begin());
+  begin_stream(viewer);
+  viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);  // the picture it did not get
 }
 
 void Session::broadcast(const v1::ServerMessage& message) {
@@ -76,6 +95,7 @@ void Session::changed(TimePoint now) {
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) {
     viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+    viewer->bands.clear();
     viewer->outbox->send_state(state);
   }
   pump(now);
@@ -97,14 +117,32 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
       viewer.frames.set_viewport(static_cast<int>(viewport.width()), static_cast<int>(viewport.height()), viewport.hidden(), now);
+      if (!viewer.bands.empty() &&
+          (viewer.bands.front().width() != viewport.width() || viewer.bands.front().height() != viewport.height()))
+        viewer.bands.clear();
       return pump(viewer, now);
     }
     case v1::ClientMessage::kInteraction:
       viewer.frames.set_interaction(message.interaction().active(), now);
       return pump(viewer, now);
-    case v1::ClientMessage::kFrameAck:
-      viewer.frames.acknowledged(message.frame_ack().frame_id(), now);
+    case v1::ClientMessage::kFrameAck: {
+      const double decode_ms = message.frame_ack().decode_ms();  // may be anything; what is too much is not believed
+      const double believed = decode_ms > 0 && decode_ms < 60000 ? decode_ms : 0;
+      viewer.frames.acknowledged(message.frame_ack().frame_id(), now,
+                                 std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(believed)));
       return pump(viewer, now);
+    }
+    case v1::ClientMessage::kDecoderFailed: {
+      const v1::DecoderFailed& failed = message.decoder_failed();
+      if (failed.stream_id() == 0 || failed.stream_id() != viewer.stream) return;  // of a stream that has ended
+      if (!failed.again()) {
+        step_down(viewer, now);
+      } else {
+        begin_stream(viewer);
+        viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+      }
+      return pump(viewer, now);
+    }
     case v1::ClientMessage::kRequestStill: {
       const v1::RequestStill& still = message.request_still();
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
@@ -309,7 +347,17 @@ void Session::pump(TimePoint now) {
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
 }
 
+void Session::send_bands(Viewer& viewer, TimePoint now) {
+  while (!viewer.bands.empty() && viewer.frames.next_band_at(now) <= now) {
+    v1::Frame& band = viewer.bands.front();
+    band.set_frame_id(viewer.frames.sent_band(band.payload().size(), now));
+    viewer.outbox->send_frame(std::move(band));
+    viewer.bands.pop_front();
+  }
+}
+
 void Session::pump(Viewer& viewer, TimePoint now) {
+  send_bands(viewer, now);
   if (viewer.frames.withdraw_order()) {
     engine_.post(ForgetFrame{key_, viewer.ordered_request});
     engine_.forget(viewer.ordered_request);
@@ -317,17 +365,22 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   }
   const auto order = viewer.frames.next(now);
   if (!order) return;
-  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
+  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
+  // A settled frame is a picture by itself, as good as pictures get that are not lossless.
+  if (order->phase == FramePhase::moving && viewer.stream != 0)
+    request.video = VideoOrder{viewer.ladder.front(), viewer.stream, order->bitrate_kbps, false};
+  if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(std::move(request),
-                        [this, key = viewer.key, number, had_started = false](const EngineEvent& event, TimePoint then) mutable {
-                          on_frame_event(key, *number, had_started, event, then);
-                        });
+  *number = engine_.ask(std::move(request), [this, key = viewer.key, number, order = *order, had_started = false](
+                                                const EngineEvent& event, TimePoint then) mutable {
+    on_frame_event(key, *number, order, had_started, event, then);
+  });
   viewer.ordered_request = *number;
 }
 
-void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now) {
+void Session::on_frame_event(ViewerKey key, RequestId request, const FrameOrder& order, bool& had_started,
+                             const EngineEvent& event, TimePoint now) {
   Viewer* viewer = living(key);
   if (!viewer) return;
   if (std::holds_alternative<FrameStarted>(event)) {
@@ -335,13 +388,39 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
     if (viewer->ordered_request == request) viewer->ordered_request = 0;
     viewer->frames.started();
   } else if (const auto* ready = std::get_if<FrameReady>(&event)) {
+    if (ready->video && ready->video->stream != viewer->stream) {
+      // It was being drawn when its stream ended.
+      viewer->frames.failed(had_started);
+      return pump(*viewer, now);
+    }
     v1::Frame frame = to_wire(*ready);
-    frame.set_frame_id(viewer->frames.sent(ready->revision, ready->lossless, now));
+    viewer->bands.clear();
+    if (ready->bands) {
+      v1::Frame next = frame;
+      next.clear_facts();
+      for (std::size_t i = 0; i < ready->bands->size(); ++i) {
+        const PngBand& band = (*ready->bands)[i];
+        v1::Frame& piece = i == 0 ? frame : viewer->bands.emplace_back(next);
+        piece.mutable_band()->set_first_row(static_cast<std::uint32_t>(band.first_row));
+        piece.mutable_band()->set_rows(static_cast<std::uint32_t>(band.rows));
+        piece.mutable_band()->set_index(static_cast<std::uint32_t>(i));
+        piece.mutable_band()->set_count(static_cast<std::uint32_t>(ready->bands->size()));
+        piece.set_payload(band.bytes.data(), band.bytes.size());
+        piece.set_input_seq(viewer->input_of(ready->revision));
+      }
+    }
+    if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
+    frame.set_frame_id(viewer->frames.sent(order, ready->revision, frame.payload().size(), now));
     frame.set_input_seq(viewer->input_of(ready->revision));
     viewer->outbox->send_frame(std::move(frame));
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
     if (viewer->ordered_request == request) viewer->ordered_request = 0;
     viewer->frames.failed(had_started);
+    if (failed->encoder_failed) {
+      step_down(*viewer, now);
+      return pump(*viewer, now);
+    }
+    if (failed->code == ErrorCode::cancelled) return pump(*viewer, now);
     // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
     if (had_started) send_error(*viewer, 0, wire_error(*failed));
   }
@@ -351,8 +430,12 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
   if (watched()) earliest = next_phase_;
-  for (const auto& [key, viewer] : viewers_)
+  for (const auto& [key, viewer] : viewers_) {
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
+    if (viewer->bands.empty()) continue;
+    if (const TimePoint at = viewer->frames.next_band_at(now); at != TimePoint::max() && (!earliest || at < *earliest))
+      earliest = at;
+  }
   return earliest;
 }
 

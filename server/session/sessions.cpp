@@ -40,7 +40,7 @@ RequestId request_of(const EngineEvent& event) {
 }
 
 template <class Format>
-bool offers(const Format& formats, const char* wanted) {
+bool offers(const Format& formats, std::string_view wanted) {
   return formats.empty() || std::find(formats.begin(), formats.end(), wanted) != formats.end();
 }
 
@@ -118,6 +118,13 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
     session = create(now, error);
     if (!session) return refuse(viewer, seq, std::move(error), kCloseTryAgainLater);
   }
+  // Video only for who says to have decoded it: an empty list stands for JPEG.
+  viewer.ladder.clear();
+  for (const Codec codec : options_.moving_codecs)
+    if (!is_video(codec) || (hello.moving_formats_size() > 0 && offers(hello.moving_formats(), name_of(codec))))
+      viewer.ladder.push_back(codec);
+  if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
+  viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");
   session->attach(viewer, now);
   for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
   if (hello.has_viewport())
@@ -145,6 +152,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   welcome.mutable_limits()->set_max_terms(kMaxTerms);
   welcome.mutable_limits()->set_max_smear_steps(kMaxSmearSteps);
   welcome.mutable_limits()->set_max_clip_planes(kMaxClipPlanes);
+  for (const Codec codec : viewer.ladder) welcome.add_moving_formats(std::string(name_of(codec)));
   viewer.outbox->send(std::move(answer));
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.
@@ -164,6 +172,10 @@ EngineFacts Sessions::engine() const {
   facts.device = options_.device;
   facts.device_is_software = options_.device_is_software;
   return facts;
+}
+
+void Sessions::round_trip(ViewerKey key, Duration time, TimePoint now) {
+  if (const auto it = viewers_.find(key); it != viewers_.end()) it->second->frames.round_trip(time, now);
 }
 
 void Sessions::detach(ViewerKey key, TimePoint now) {

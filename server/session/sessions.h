@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "encoding/encoder.h"
 #include "engine/frame_engine.h"
 #include "session/session.h"
 #include "session/sessions_observer.h"
@@ -24,6 +25,8 @@ struct SessionsOptions {
   bool device_is_software = false;
   std::function<EngineFacts()> engine;  // whose process draws, asked again each time; empty: device is all that is known
   std::vector<v1::DatasetEntry> datasets;
+  std::vector<Codec> moving_codecs =
+      isostrata::moving_codecs();  // that frames in motion may be sent in, the best first, JPEG last
 };
 
 /// Not thread-safe: lives on the io thread. `post` is Engine::post.
@@ -39,6 +42,8 @@ class Sessions final : public EngineDoor {
   void receive(ViewerKey viewer, const v1::ClientMessage& message, TimePoint now);
   /// What came was not a message of this protocol: answers "malformed" and closes.
   void receive_malformed(ViewerKey viewer, const std::string& why);
+  /// The connection has measured its way, with nothing of weight.
+  void round_trip(ViewerKey viewer, Duration time, TimePoint now);
   void detach(ViewerKey viewer, TimePoint now);
   std::size_t viewer_count() const { return viewers_.size(); }
   /// Null: the viewer has not said hello.

@@ -46,6 +46,7 @@ FrameReady full_frame(std::size_t bytes) {
   frame.device = "plain";
   frame.intervals = {{1, 2, 3, 4.5}};
   frame.bytes = std::make_shared<const Bytes>(bytes, std::uint8_t{42});
+  frame.video = VideoFacts{Codec::h264_420, 8, true};
   return frame;
 }
 
@@ -79,7 +80,7 @@ TEST(MessageBytes, ASceneArrivesAsItWas) {
 
 TEST(MessageBytes, AFrameArrivesWithItsPictureBesideIt) {
   const MessageBytes bytes = to_bytes(FromWorker{EngineEvent{full_frame(1000)}});
-  EXPECT_LT(bytes.body.size(), 600u) << "the picture is not copied into the message";
+  EXPECT_LT(bytes.body.size(), 700u) << "the picture is not copied into the message";
   ASSERT_TRUE(bytes.picture);
   const FromWorker arrived = from_worker(bytes);
   const auto& frame = std::get<FrameReady>(std::get<EngineEvent>(arrived));
@@ -88,6 +89,21 @@ TEST(MessageBytes, AFrameArrivesWithItsPictureBesideIt) {
   ASSERT_EQ(frame.intervals.size(), 1u);
   EXPECT_EQ(frame.intervals[0].volume, 4.5);
   EXPECT_EQ(*frame.bytes, Bytes(1000, 42));
+  ASSERT_TRUE(frame.video);
+  EXPECT_EQ(frame.video->codec, Codec::h264_420);
+  EXPECT_TRUE(frame.video->key);
+}
+
+TEST(MessageBytes, APictureInBandsArrives) {
+  FrameReady sent;
+  sent.bands = std::make_shared<const std::vector<PngBand>>(std::vector<PngBand>{{0, 4, {1, 2, 3}}, {4, 2, {4}}});
+  const FromWorker arrived = from_worker(to_bytes(FromWorker{EngineEvent{sent}}));
+  const auto& frame = std::get<FrameReady>(std::get<EngineEvent>(arrived));
+  EXPECT_FALSE(frame.bytes);
+  ASSERT_TRUE(frame.bands);
+  ASSERT_EQ(frame.bands->size(), 2u);
+  EXPECT_EQ((*frame.bands)[0].bytes, (Bytes{1, 2, 3}));
+  EXPECT_EQ((*frame.bands)[1].first_row, 4);
 }
 
 TEST(MessageBytes, FactsOfADatasetArriveAsTheyWere) {

@@ -187,6 +187,7 @@ export interface Welcome {
   device: string;
   deviceIsSoftware: boolean;
   colorMaps: string[];
+  movingFormats: string[]; // the best first
   limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
 }
 
@@ -206,12 +207,16 @@ export interface IntervalFacts {
   volume: number;
 }
 
+/** moving: as good as the link carries; settled: of full size and quality, not yet lossless; exact: lossless. */
+export type FramePhase = 'moving' | 'settled' | 'exact';
+
 export interface Frame {
   frameId: bigint;
   revision: number;
   inputSeq: number;
   step: number;
   lossless: boolean;
+  phase: FramePhase;
   format: string;
   width: number;
   height: number;
@@ -222,6 +227,10 @@ export interface Frame {
   tetrahedra: number;
   intervals: IntervalFacts[];
   camera: Camera | null;
+  streamId: number; // of video; 0: a picture by itself
+  key: boolean; // of a stream: decodes without those before it
+  band: { firstRow: number; rows: number; index: number; count: number } | null; // a part of the picture only
+  decoder: string; // of key frames: VideoDecoderConfig's codec
   payload: Uint8Array<ArrayBuffer>;
 }
 
