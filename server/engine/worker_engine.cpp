@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <csignal>
 #include <deque>
+#include <fstream>
 #include <future>
 #include <mutex>
 #include <thread>
@@ -27,6 +29,19 @@ constexpr std::size_t kMaxQueue = 20000;       // messages to a worker that does
 std::string seconds_of(milliseconds time) {
   const auto ms = time.count();
   return ms % 1000 == 0 ? std::to_string(ms / 1000) + " s" : std::to_string(ms) + " ms";
+}
+
+// Of this control group, as far as the kernel says.
+long killed_for_memory() {
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::")) continue;
+    std::ifstream events("/sys/fs/cgroup" + line.substr(3) + "/memory.events");
+    long count = 0;
+    for (std::string name; events >> name >> count;)
+      if (name == "oom_kill") return count;
+  }
+  return 0;
 }
 
 // "drawing and extracting"
@@ -67,9 +82,12 @@ class WorkerEngine::Impl {
       RequestLedger::Outcome outcome = ledger_.ask(std::move(request));
       event = std::move(outcome.event);
       given_up_ = given_up_ || (outcome.give_up_worker && living_);
-      if (outcome.request && living_)
+      if (const RequestId number = outcome.request ? answered_request_of(*outcome.request) : 0; number != 0 && !hopeless_.empty())
+        event = ledger_.hear(RequestFailed{session_of(*outcome.request), number, 0, ErrorCode::unavailable, hopeless_});
+      else if (outcome.request && living_)
         event = enqueue(std::move(*outcome.request));
-      else if (const auto* cancel = outcome.request ? std::get_if<CancelRequest>(&*outcome.request) : nullptr)
+      else if (const auto* cancel = outcome.request ? std::get_if<CancelRequest>(&*outcome.request) : nullptr;
+               cancel && cancel->request != 0)
         event = ledger_.hear(cancelled(*cancel));
       if (given_up_) changed_.notify_all();
     }
@@ -252,8 +270,18 @@ class WorkerEngine::Impl {
       const WorkerFolder folder;
       keep_ = folder.make("kept");  // what one worker has read the next one maps
       keep(folder);
-    } catch (...) {
-      if (!started_once_) first_.set_exception(std::current_exception());
+    } catch (const std::exception& error) {
+      if (!started_once_) return first_.set_exception(std::current_exception());
+      // Nothing is left to try: no memory, no temporary folder. Whoever waits is told, and whoever will ask.
+      const std::string what = std::string("the renderer's process cannot be replaced: ") + error.what();
+      std::vector<EngineEvent> events;
+      {
+        std::lock_guard lock(mutex_);
+        hopeless_ = what;
+        events = ledger_.give_up(what);
+      }
+      log("worker_gone", what);
+      send(std::move(events));
     }
   }
 
@@ -268,7 +296,7 @@ class WorkerEngine::Impl {
         WorkerProcess process(worker_.program, worker_.arguments, temporary.path);
         cause = live(process, at, error);
       } catch (const std::exception& failure) {
-        cause = failure.what();
+        cause = std::string("not started: ") + failure.what();
         error = std::current_exception();
       }
       {
@@ -298,6 +326,7 @@ class WorkerEngine::Impl {
     }
     std::thread reader([this, &life] { read(life); });
     std::thread writer([this, &life] { write(life); });
+    const long killed_before = killed_for_memory();
     std::string cause = watch(life);
     at = isostrata::read(process.board());
     process.kill();
@@ -309,9 +338,10 @@ class WorkerEngine::Impl {
     living_ = false;
     facts_.process = 0;
     error = life.error;
-    if (!life.refused.empty()) return life.refused;
+    if (!life.refused.empty()) return "not able to go on: " + life.refused;
     if (cause.empty() && end)
       cause = to_string(*end) + (life.ready ? " while " : " before it could draw, while ") + stages_of(at);
+    if (end && end->signal == SIGKILL && killed_for_memory() > killed_before) cause += ": the kernel was out of memory";
     return cause;
   }
 
@@ -475,7 +505,8 @@ class WorkerEngine::Impl {
   DeathHistory history_;
   RendererChoice choice_;
   std::string device_;
-  std::string instead_;  // as in Engine
+  std::string instead_;   // as in Engine
+  std::string hopeless_;  // why no worker will come any more
   EngineFacts facts_;
 
   std::thread keeper_;
