@@ -117,9 +117,13 @@ class WorkerEngineTest : public ::testing::Test {
     ADD_FAILURE() << "no worker comes";
     return 0;
   }
+  /// Never to process 0, which would be this one and all around it.
+  void signal_worker(int signal) {
+    if (const pid_t process = worker(); process > 0) kill(process, signal);
+  }
   void kill_worker(int signal = SIGKILL) {
     const std::uint64_t before = engine_->facts().deaths;
-    kill(worker(), signal);
+    signal_worker(signal);
     if (signal == SIGKILL)
       for (int i = 0; i < 6000 && engine_->facts().deaths == before; ++i) std::this_thread::sleep_for(10ms);
   }
@@ -197,7 +201,7 @@ TEST_F(WorkerEngineTest, ADragGoesOnOverADeath) {
   std::uint64_t shown = 0;
   for (std::uint64_t revision = 1; revision <= 60; ++revision) {
     engine_->post(SceneUpdate{1, scene(revision, 0.4 + 0.01 * static_cast<double>(revision))});
-    if (revision == 20) kill(worker(), SIGKILL);
+    if (revision == 20) signal_worker(SIGKILL);
     if (revision % 10 != 0) continue;
     engine_->post(frame(1, ++request));
     const auto ready = frame_of(request);
@@ -325,7 +329,7 @@ TEST_F(WorkerEngineTest, LargePicturesPass) {
 TEST_F(WorkerEngineTest, ADatasetThatIsBeingReadCanBeCancelledWhileTheWorkerIsReplaced) {
   start();
   engine_->post(OpenRequest{1, 1, "torus-160"});
-  kill(worker(), SIGKILL);
+  signal_worker(SIGKILL);
   engine_->post(CancelRequest{1, 0, 1});
   // Whichever was first: it is answered once.
   std::unique_lock lock(mutex_);

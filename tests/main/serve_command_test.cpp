@@ -89,6 +89,7 @@ class ServeCommand : public ::testing::Test {
     return true;
   }
   int stop(int signal) {
+    if (server_ <= 0) return -1;  // a signal to -1 would be one to every process
     kill(server_, signal);
     const int status = end_of(server_);
     server_ = -1;
@@ -214,6 +215,7 @@ TEST_F(ServeCommand, AWorkerEndsWithItsServerHoweverThatEnds) {
   for (const int signal : {SIGTERM, SIGKILL}) {
     SERVE_OR_SKIP({"torus:12"});
     const pid_t worker = ready_.at("worker").to_number<pid_t>();
+    ASSERT_GT(worker, 0);
     EXPECT_NE(worker, server_);
     EXPECT_TRUE(runs(worker));
     for (const int meant_for_the_server : {SIGINT, SIGTERM, SIGHUP}) kill(worker, meant_for_the_server);
@@ -227,6 +229,7 @@ TEST_F(ServeCommand, AWorkerEndsWithItsServerHoweverThatEnds) {
 TEST_F(ServeCommand, AKilledWorkerIsReplaced) {
   SERVE_OR_SKIP({"torus:12"});
   const pid_t worker = ready_.at("worker").to_number<pid_t>();
+  ASSERT_GT(worker, 0);
   kill(worker, SIGKILL);
   EXPECT_TRUE(soon_gone(worker));
   const std::string picture = (directory_ / "a.png").string();

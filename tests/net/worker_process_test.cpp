@@ -31,6 +31,10 @@ class ServerWithWorker : public ::testing::Test {
     ADD_FAILURE() << "no worker comes";
     return 0;
   }
+  /// Never to process 0, which would be this one and all around it.
+  void signal_worker(int signal) {
+    if (const pid_t process = worker(); process > 0) kill(process, signal);
+  }
   /// Moves an end of the first interval; the input's number.
   static std::uint64_t drag(Client& client, double lower) {
     v1::ClientMessage move;
@@ -74,7 +78,7 @@ TEST_F(ServerWithWorker, ADragGoesOnOverAKilledWorkerOnTheSameConnection) {
   double lower = 0.1;
   for (int i = 0; i < 40; ++i) {
     const std::uint64_t seq = drag(client, lower += 0.002);
-    if (i == 10 || i == 25) kill(worker(), SIGKILL);
+    if (i == 10 || i == 25) signal_worker(SIGKILL);
     if (i % 5 == 4) ASSERT_TRUE(frame_with(client, seq, look)) << "no frame contains move " << i;
   }
   EXPECT_EQ(client.lossless_frame().revision(), client.state().revision());
@@ -94,7 +98,7 @@ TEST_F(ServerWithWorker, TheApiSaysWhoDrawsAndWhoDied) {
   EXPECT_TRUE(has(said, "\"process\":" + std::to_string(worker()))) << said;
   EXPECT_TRUE(has(said, "\"deaths\":0")) << said;
   for (int i = 0; i < 3; ++i) {
-    kill(worker(), SIGKILL);
+    signal_worker(SIGKILL);
     for (int n = 0; n < 6000 && server_.engine().facts().deaths == static_cast<std::uint64_t>(i); ++n)
       std::this_thread::sleep_for(10ms);
   }
@@ -121,8 +125,7 @@ TEST_F(ServerWithWorker, AFloodToAWorkerThatStandsStillFillsNoMemory) {
   Client client(server_.client_options());
   client.open_dataset("torus-12");
   client.lossless_frame();
-  const pid_t stopped = worker();
-  kill(stopped, SIGSTOP);
+  signal_worker(SIGSTOP);
   const std::size_t before = resident_bytes();
   v1::ClientMessage flood;
   auto& intervals = *flood.mutable_set_intervals();
@@ -142,7 +145,7 @@ TEST_F(ServerWithWorker, AFloodToAWorkerThatStandsStillFillsNoMemory) {
     }
   }
   EXPECT_LT(resident_bytes(), before + (12u << 20));
-  kill(stopped, SIGCONT);
+  signal_worker(SIGCONT);
   EXPECT_EQ(client.lossless_frame().revision(), client.state().revision());
 }
 
