@@ -50,6 +50,7 @@ Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> p
     : options_(std::move(options)), post_(std::move(post)) {}
 
 Sessions::~Sessions() {
+  observers_.clear();
   while (!sessions_.empty()) remove(sessions_.begin()->first);
 }
 

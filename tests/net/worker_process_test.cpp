@@ -81,7 +81,8 @@ TEST_F(ServerWithWorker, ADragGoesOnOverAKilledWorkerOnTheSameConnection) {
     if (i == 10 || i == 25) signal_worker(SIGKILL);
     if (i % 5 == 4) ASSERT_TRUE(frame_with(client, seq, look)) << "no frame contains move " << i;
   }
-  EXPECT_EQ(client.lossless_frame().revision(), client.state().revision());
+  const std::uint64_t shown = client.lossless_frame().revision();
+  EXPECT_EQ(shown, client.state().revision());
   EXPECT_EQ(client.state().intervals(0).lower(), lower);
   EXPECT_EQ(errors, 0);
   EXPECT_GE(said, 1) << "viewers are told";
@@ -146,7 +147,8 @@ TEST_F(ServerWithWorker, AFloodToAWorkerThatStandsStillFillsNoMemory) {
   }
   EXPECT_LT(resident_bytes(), before + (12u << 20));
   signal_worker(SIGCONT);
-  EXPECT_EQ(client.lossless_frame().revision(), client.state().revision());
+  const std::uint64_t shown = client.lossless_frame().revision();
+  EXPECT_EQ(shown, client.state().revision());
 }
 
 }  // namespace
