@@ -41,7 +41,9 @@ TEST(MessageChannel, MessagesOfEverySizeArriveInOrderAndLeaveNoDescriptor) {
       const MessageBytes sent = message(body, picture);
       EXPECT_EQ(got->body, sent.body);
       ASSERT_EQ(got->picture == nullptr, picture == 0);
-      if (picture > 0) EXPECT_EQ(*got->picture, *sent.picture);
+      if (picture > 0) {
+        EXPECT_EQ(*got->picture, *sent.picture);
+      }
     }
     EXPECT_FALSE(there.receive()) << "the other side is gone";
     sender.join();
