@@ -1,5 +1,7 @@
 #include "engine/engine.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -29,6 +31,13 @@ namespace {
 // of two in a row at most one is cancelled, so that a drag over slow data still shows every other one.
 constexpr int kDeviceFailures = 3;  // frames in a row before another renderer takes over
 constexpr double kSupersededGraceMs = 250;
+constexpr auto kIdlePulse = std::chrono::milliseconds(200);
+
+// A drawing that runs in loops of ours has a pulse. One that a device does for us has none, so it gets time by its size.
+std::uint32_t patience_for(const FrameRequest& request, const std::string& device) {
+  const std::int64_t pixels = std::int64_t{request.width} * request.height;
+  return static_cast<std::uint32_t>(1 + pixels / (1 << 22)) * (is_software_device(device) ? 6 : 1);
+}
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
   RequestFailed failed{session, request, revision, ErrorCode::internal, {}};
@@ -89,12 +98,6 @@ struct DrawOrder {
 };
 
 }  // namespace
-
-bool is_software_device(const std::string& device) {
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "OSMesa", "lavapipe", "Software"})
-    if (device.find(name) != std::string::npos) return true;
-  return false;
-}
 
 bool same_extraction(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b) &&
@@ -229,6 +232,7 @@ class Engine::Impl {
   template <class Work>
   void run(SessionKey session, RequestId request, Operation& operation, const Work& work) {
     try {
+      const Doing opening(options_.board, Stage::opening, session, request, operation.id());
       operation.task().check();
       work();
     } catch (...) {
@@ -277,6 +281,7 @@ class Engine::Impl {
     std::shared_ptr<const ExtractedScene> extracted;
     std::exception_ptr failure;
     try {
+      const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
       operation->task().check();
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
@@ -321,6 +326,7 @@ class Engine::Impl {
         !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
       return;
     jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
+      const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
         bases_.make(dataset, array, base_task_);
       } catch (const std::exception&) {  // extraction goes on without it
@@ -407,6 +413,7 @@ class Engine::Impl {
     int failures = 0;     // of the device, frames in a row
     std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
+      const Doing starting(Doing::OnRenderThread{}, options_.board, Stage::starting, 0, 0, 1);
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
       cuts_intervals_ = renderer->cuts_intervals();
       started.set_value(renderer->device());
@@ -418,7 +425,7 @@ class Engine::Impl {
       std::optional<DrawOrder> order;
       {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return stopping_ || (order = next_order()); });
+        while (!changed_.wait_for(lock, kIdlePulse, [&] { return stopping_ || (order = next_order()); })) beat();
         if (stopping_) return;
       }
       const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead);
@@ -434,6 +441,10 @@ class Engine::Impl {
         instead.clear();
       }
     }
+  }
+
+  void beat() {
+    if (options_.board) ++options_.board->slots[ActivityBoard::kRenderThread].pulse;
   }
 
   /// What was made for a renderer that cuts intervals is made anew where the next one cannot.
@@ -496,6 +507,8 @@ class Engine::Impl {
     const FrameRequest& request = order.request;
     send(FrameStarted{request.session, request.request});
     Stopwatch watch;
+    const Doing drawing(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request,
+                        patience_for(request, device_));
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
       if (request.still && is_float(*request.still)) input.float_image = true;
@@ -528,11 +541,11 @@ class Engine::Impl {
       auto image = std::make_shared<AnyImage>(std::move(result.image));
       EncodeOrder encode_order{request.jpeg_quality};
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
-      encoders_.post(request.session,
-                     [this, image, annotations, background = input.background, frame = std::move(frame), watch, encode_order,
-                      band_bytes = request.lossless ? request.band_bytes : 0, still = request.still](StreamEncoders& streams) mutable {
-                       encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes, still);
-                     });
+      encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
+                                       encode_order, band_bytes = request.lossless ? request.band_bytes : 0,
+                                       still = request.still](StreamEncoders& streams) mutable {
+        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes, still);
+      });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
       if (error.code() == ErrorCode::unavailable) return error.what();
@@ -542,14 +555,24 @@ class Engine::Impl {
     return std::nullopt;
   }
 
+  void send_encoded(FrameReady frame, const Stopwatch& encoding, const Stopwatch& since_taken) {
+    frame.stages.encode_ms = encoding.elapsed_ms();
+    frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
+    send(std::move(frame));
+  }
+
   void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
               const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes, std::optional<StillFormat> still) {
+    const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
       if (still) {
-        frame.bytes = std::make_shared<const Bytes>(std::visit([&](const auto& image) { return encode_still(image, *still); }, drawn));
-      } else if (const Image& image = std::get<Image>(drawn); frame.video) {
+        frame.bytes = std::make_shared<const Bytes>(std::visit([&](const auto& of) { return encode_still(of, *still); }, drawn));
+        return send_encoded(std::move(frame), watch, since_taken);
+      }
+      const Image& image = std::get<Image>(drawn);
+      if (frame.video) {
         if (!encode_video(streams, image, order, frame)) return;
       } else if (band_bytes > 0) {
         auto bands = encode_png_bands(image, band_bytes, [&] { return overtaken(frame.session, frame.revision); });
@@ -558,9 +581,7 @@ class Engine::Impl {
       } else {
         frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
       }
-      frame.stages.encode_ms = watch.elapsed_ms();
-      frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
-      send(std::move(frame));
+      send_encoded(std::move(frame), watch, since_taken);
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
     }
@@ -622,7 +643,15 @@ Engine::Engine(EngineOptions options, Sink sink) : impl_(std::make_unique<Impl>(
 Engine::~Engine() = default;
 void Engine::post(EngineRequest request) { impl_->post(std::move(request)); }
 const Catalogue& Engine::catalogue() const { return impl_->catalogue(); }
-const std::string& Engine::device() const { return impl_->device(); }
-bool Engine::device_is_software() const { return is_software_device(impl_->device()); }
+std::string Engine::device() const { return impl_->device(); }
+EngineFacts Engine::facts() const {
+  EngineFacts facts;
+  facts.device = device();
+  facts.device_is_software = is_software_device(facts.device);
+  facts.process = getpid();
+  facts.processes = 1;
+  facts.renderer_trial = renderer_trial_report();
+  return facts;
+}
 
 }  // namespace isostrata

@@ -117,7 +117,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   CloseSession, CloseStream, StatisticsRequest, ExportRequest>;
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 

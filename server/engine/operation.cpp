@@ -1,5 +1,7 @@
 #include "engine/operation.h"
 
+#include "base/pulse.h"
+
 namespace isostrata {
 
 constexpr double kAnnounceEveryMs = 100;
@@ -17,6 +19,7 @@ void Operation::supersede(double grace_ms) {
 }
 
 void Operation::progress(double fraction, std::string_view stage) {
+  pulse();
   const double now_ms = watch_.elapsed_ms();
   if (const double grace = grace_ms_; grace >= 0 && now_ms >= grace) task_.cancel();
   std::lock_guard lock(mutex_);

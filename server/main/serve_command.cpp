@@ -41,6 +41,7 @@ struct ServeArguments {
   std::vector<std::string> allowed_hosts;
   std::string tls_certificate, tls_key;
   std::string renderer = "auto", device = "auto", tetrahedra = "auto";
+  std::string worker = "process";
   std::size_t max_sessions = 32;
   long session_ttl_s = 600;
   long idle_timeout_s = 0;
@@ -74,12 +75,20 @@ std::string token_of(const ServeArguments& arguments) {
 
 bool loopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
 
+// The process that draws first, where it is not the server's; it may be replaced (/api/v1/engine).
+json::value worker_of(const Server& server) {
+  const EngineFacts facts = server.engine().facts();
+  return facts.own_process ? json::value(facts.process) : json::value(nullptr);
+}
+
 // Complete or not there: written beside and renamed into place. It holds the token, so only its owner may read it.
 void write_ready_file(const fs::path& path, const Server& server) {
-  const std::string text =
-      json::serialize(
-          json::object{{"url", server.url()}, {"port", server.port()}, {"pid", getpid()}, {"device", server.engine().device()}}) +
-      "\n";
+  const std::string text = json::serialize(json::object{{"url", server.url()},
+                                                        {"port", server.port()},
+                                                        {"pid", getpid()},
+                                                        {"device", server.engine().device()},
+                                                        {"worker", worker_of(server)}}) +
+                           "\n";
   const fs::path beside = path.string() + ".new." + std::to_string(getpid());
   const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const int opening_failed = file >= 0 ? 0 : errno;
@@ -122,6 +131,16 @@ void serve(const ServeArguments& arguments) {
                                    " files are offered; name a smaller directory to see others");
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
+  if (arguments.worker == "process") {
+    options.worker.emplace();
+    options.worker->threads = arguments.threads;
+    options.worker->log = [&log](std::string_view event, const std::string& text) {
+      if (event == "worker_replaced")
+        log.info(std::string(event), text);
+      else
+        log.warn(std::string(event), text);
+    };
+  }
   options.engine.tetrahedra = arguments.tetrahedra == "cut"     ? TetrahedraWay::cut
                               : arguments.tetrahedra == "split" ? TetrahedraWay::split
                                                                 : TetrahedraWay::automatic;
@@ -148,7 +167,7 @@ void serve(const ServeArguments& arguments) {
 
   Server server(std::move(options));
   log.info("device", "drawing on " + server.engine().device());
-  if (const std::string trial = renderer_trial_report(); !trial.empty()) log.info("renderer", trial);
+  if (const std::string trial = server.engine().facts().renderer_trial; !trial.empty()) log.info("renderer", trial);
   if (server.engine().device_is_software())
     log.warn("software_device",
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
@@ -206,6 +225,13 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--worker", arguments->worker,
+          "process: the engine runs in a process of its own, which is replaced where it crashes or hangs; thread: in the "
+          "server's")
+      ->check(CLI::IsMember({"process", "thread"}))
       ->capture_default_str();
   command
       ->add_option("--tetrahedra", arguments->tetrahedra,

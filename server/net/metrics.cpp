@@ -31,7 +31,16 @@ std::string known_method(const std::string& method) {
   return "other";
 }
 
+std::size_t bytes_of(const FrameReady& frame) {
+  std::size_t bytes = frame.bytes ? frame.bytes->size() : 0;
+  if (frame.bands)
+    for (const PngBand& band : *frame.bands) bytes += band.bytes.size();
+  return bytes;
+}
+
 std::string format_of(const FrameReady& frame) {
+  if (frame.video) return std::string(name_of(frame.video->codec));
+  if (!frame.bytes) return "png";  // in bands
   const auto& b = *frame.bytes;
   const auto begins = [&](std::string_view magic) {
     return b.size() >= magic.size() && std::equal(magic.begin(), magic.end(), b.begin(),
@@ -63,6 +72,7 @@ struct Metrics::Families {
   prometheus::Gauge& viewers;
   prometheus::Gauge& connections;
   prometheus::Gauge& operations;
+  prometheus::Gauge& worker_deaths;
   prometheus::Gauge& resident;
 
   prometheus::Family<prometheus::Counter>& counters(const char* name, const char* help) {
@@ -92,6 +102,7 @@ struct Metrics::Families {
         viewers(gauge("isostrata_viewers", "Open WebSockets")),
         connections(gauge("isostrata_connections", "Open connections")),
         operations(gauge("isostrata_operations_running", "Long work that runs")),
+        worker_deaths(gauge("isostrata_worker_deaths", "Processes that drew, and died or hung")),
         resident(gauge("process_resident_memory_bytes", "Resident memory")) {}
 };
 
@@ -127,7 +138,7 @@ void Metrics::engine_event(const Session*, const EngineEvent& event) {
   } else if (const auto* frame = std::get_if<FrameReady>(&event)) {
     const prometheus::Labels labels{{"phase", frame->lossless ? "still" : "moving"}, {"format", format_of(*frame)}};
     f.frames.Add(labels).Increment();
-    f.frame_bytes.Add(labels).Increment(static_cast<double>(frame->bytes->size()));
+    f.frame_bytes.Add(labels).Increment(static_cast<double>(bytes_of(*frame)));
     const StageTimes& ms = frame->stages;
     const std::array<std::pair<const char*, double>, 6> stages = {{{"extract", ms.extract_ms},
                                                                    {"order", ms.order_ms},
@@ -145,6 +156,7 @@ std::string Metrics::text(const MetricsGauges& gauges) {
   f.viewers.Set(static_cast<double>(gauges.viewers));
   f.connections.Set(static_cast<double>(gauges.connections));
   f.operations.Set(static_cast<double>(gauges.operations));
+  f.worker_deaths.Set(static_cast<double>(gauges.worker_deaths));
   f.resident.Set(resident_bytes());
   return prometheus::TextSerializer().Serialize(f.registry.Collect());
 }

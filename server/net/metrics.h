@@ -11,7 +11,7 @@ namespace isostrata {
 
 /// What is measured when somebody asks.
 struct MetricsGauges {
-  std::size_t sessions = 0, viewers = 0, connections = 0, operations = 0;
+  std::size_t sessions = 0, viewers = 0, connections = 0, operations = 0, worker_deaths = 0;
 };
 
 /// Not thread-safe: lives on the io thread. Label values come from closed sets (routes' templates, error codes, stages), never

@@ -26,16 +26,24 @@ json::object limits_object() {
 }
 
 json::object version_object(const Sessions& sessions) {
-  const SessionsOptions& options = sessions.options();
-  return {{"server", options.server_name},
+  const EngineFacts engine = sessions.engine();
+  return {{"server", sessions.options().server_name},
           {"api", "v1"},
           {"protocolMajor", kProtocolMajor},
           {"protocolMinor", kProtocolMinor},
-          {"device", options.device},
-          {"deviceIsSoftware", options.device_is_software},
+          {"device", engine.device},
+          {"deviceIsSoftware", engine.device_is_software},
           {"imageFormats", json::array{"png", "jpeg", "webp", "exr"}},
           {"exportFormats", json::array{"vtu", "ply", "stl"}},
           {"limits", limits_object()}};
+}
+
+json::object engine_object(const Sessions& sessions) {
+  const EngineFacts engine = sessions.engine();
+  return {{"device", engine.device},          {"deviceIsSoftware", engine.device_is_software},
+          {"ownProcess", engine.own_process}, {"process", engine.process},
+          {"processes", engine.processes},    {"deaths", engine.deaths},
+          {"lastDeath", engine.last_death},   {"fallback", engine.fallback}};
 }
 
 }  // namespace
@@ -58,13 +66,21 @@ void add_server_routes(std::vector<Route>& routes, RestContext& context) {
                     .open = true,
                     .handler = [&context](Call call) {
                       const Sessions& sessions = context.sessions;
+                      const EngineFacts engine = sessions.engine();
                       call.reply(json_response(200, json::object{{"status", "ok"},
                                                                  {"server", sessions.options().server_name},
-                                                                 {"device", sessions.options().device},
-                                                                 {"deviceIsSoftware", sessions.options().device_is_software},
+                                                                 {"device", engine.device},
+                                                                 {"deviceIsSoftware", engine.device_is_software},
                                                                  {"sessions", sessions.list().size()},
                                                                  {"viewers", sessions.viewer_count()}}));
                     }});
+  routes.push_back({.method = "GET",
+                    .path = "/engine",
+                    .id = "getEngine",
+                    .tag = "server",
+                    .summary = "Whose process draws, and what became of those before it",
+                    .answers = {{200, "The engine", "Engine"}},
+                    .handler = [&context](Call call) { call.reply(json_response(200, engine_object(context.sessions))); }});
   routes.push_back({.method = "GET",
                     .path = "/color-maps",
                     .id = "listColorMaps",

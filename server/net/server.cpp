@@ -81,7 +81,7 @@ std::unique_ptr<TlsGate> make_gate(const ServerOptions& options) {
   return std::make_unique<TlsGate>(options.tls_certificate, options.tls_key);
 }
 
-SessionsOptions sessions_options(const ServerOptions& options, const Engine& engine) {
+SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine& engine) {
   SessionsOptions sessions;
   sessions.max_sessions = options.max_sessions;
   sessions.session_ttl = options.session_ttl;
@@ -89,12 +89,18 @@ SessionsOptions sessions_options(const ServerOptions& options, const Engine& eng
   sessions.server_name = options.name;
   sessions.device = engine.device();
   sessions.device_is_software = engine.device_is_software();
+  sessions.engine = [&engine] { return engine.facts(); };
   for (const CatalogueEntry& entry : engine.catalogue().entries()) {
     v1::DatasetEntry& to = sessions.datasets.emplace_back();
     to.set_id(entry.id);
     to.set_name(entry.name);
   }
   return sessions;
+}
+
+std::unique_ptr<FrameEngine> make_engine(const ServerOptions& options, FrameEngine::Sink sink) {
+  if (options.worker) return std::make_unique<WorkerEngine>(options.engine, *options.worker, std::move(sink));
+  return std::make_unique<Engine>(options.engine, std::move(sink));
 }
 
 }  // namespace
@@ -115,8 +121,8 @@ class Server::Impl {
         acceptor_(listen(io_, options_.host, options_.port)),
         port_(acceptor_.local_endpoint().port()),
         site_options_(site_options(options_, port_, public_host_)),
-        engine_(options_.engine, [this](EngineEvent event) { arrive(std::move(event)); }),
-        sessions_(sessions_options(options_, engine_), [this](EngineRequest request) { engine_.post(std::move(request)); }),
+        engine_(make_engine(options_, [this](EngineEvent event) { arrive(std::move(event)); })),
+        sessions_(sessions_options(options_, *engine_), [this](EngineRequest request) { engine_->post(std::move(request)); }),
         site_(site_options_, sessions_),
         tick_(io_) {}
 
@@ -132,7 +138,7 @@ class Server::Impl {
   }
 
   unsigned short port() const { return port_; }
-  const Engine& engine() const { return engine_; }
+  const FrameEngine& engine() const { return *engine_; }
 
   std::string url() const {
     std::string host = bracketed(options_.host);
@@ -253,7 +259,7 @@ class Server::Impl {
   tcp::acceptor acceptor_;
   const unsigned short port_;
   const SiteOptions site_options_;
-  Engine engine_;
+  const std::unique_ptr<FrameEngine> engine_;
   Sessions sessions_;
   Site site_;
   asio::steady_timer tick_;
@@ -265,7 +271,7 @@ Server::Server(ServerOptions options) : impl_(std::make_unique<Impl>(std::move(o
 Server::~Server() = default;
 unsigned short Server::port() const { return impl_->port(); }
 std::string Server::url() const { return impl_->url(); }
-const Engine& Server::engine() const { return impl_->engine(); }
+const FrameEngine& Server::engine() const { return impl_->engine(); }
 void Server::run(bool signals, const std::function<void()>& ready) { impl_->run(signals, ready); }
 void Server::stop(const std::string& reason) { impl_->stop(reason); }
 

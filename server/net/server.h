@@ -5,10 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/engine.h"
+#include "engine/worker_engine.h"
 #include "net/log_line.h"
 
 namespace isostrata {
@@ -30,7 +31,8 @@ struct ServerOptions {
   std::chrono::milliseconds hello_timeout{10000};  // a WebSocket without its Hello is closed
   std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
   EngineOptions engine;
-  LogSink log;  // called on the thread of run(); empty: nobody listens
+  std::optional<WorkerOptions> worker;  // the engine runs in a process of its own; none: in this one
+  LogSink log;                          // called on the thread of run(); empty: nobody listens
 };
 
 class Server {
@@ -41,7 +43,7 @@ class Server {
 
   unsigned short port() const;
   std::string url() const;  // with its token
-  const Engine& engine() const;
+  const FrameEngine& engine() const;
 
   /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are
   /// told the reason.

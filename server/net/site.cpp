@@ -119,13 +119,14 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
 
 HttpResponse Site::ready() const {
   if (!ending_.empty()) return problem(503, "unavailable", ending_);
-  return json_response(200, boost::json::object{{"status", "ready"}, {"device", sessions_.options().device}});
+  return json_response(200, boost::json::object{{"status", "ready"}, {"device", sessions_.engine().device}});
 }
 
 HttpResponse Site::metrics_text() {
   return {200,
           "text/plain; version=0.0.4; charset=utf-8",
-          metrics_.text({sessions_.list().size(), sessions_.viewer_count(), connections_, api_.operations().running()}),
+          metrics_.text({sessions_.list().size(), sessions_.viewer_count(), connections_, api_.operations().running(),
+                         static_cast<std::size_t>(sessions_.engine().deaths)}),
           {{"Cache-Control", "no-store"}}};
 }
 

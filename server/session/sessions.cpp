@@ -144,8 +144,9 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
   *welcome.mutable_state() = session->wire_state();
   if (session->dataset()) *welcome.mutable_dataset_info() = to_wire(*session->dataset());
-  welcome.set_device(options_.device);
-  welcome.set_device_is_software(options_.device_is_software);
+  const EngineFacts drawing = engine();
+  welcome.set_device(drawing.device);
+  welcome.set_device_is_software(drawing.device_is_software);
   for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
   welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
   welcome.mutable_limits()->set_max_width(kMaxSide);
@@ -166,6 +167,14 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
       session->broadcast(message);
     });
   session->pump(now);
+}
+
+EngineFacts Sessions::engine() const {
+  if (options_.engine) return options_.engine();
+  EngineFacts facts;
+  facts.device = options_.device;
+  facts.device_is_software = options_.device_is_software;
+  return facts;
 }
 
 void Sessions::round_trip(ViewerKey key, Duration time, TimePoint now) {

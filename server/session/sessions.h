@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "encoding/encoder.h"
+#include "engine/frame_engine.h"
 #include "session/session.h"
 #include "session/sessions_observer.h"
 
@@ -22,6 +23,7 @@ struct SessionsOptions {
   std::string server_name = "isostrata";            // with its version, for Welcome
   std::string device;
   bool device_is_software = false;
+  std::function<EngineFacts()> engine;  // whose process draws, asked again each time; empty: device is all that is known
   std::vector<v1::DatasetEntry> datasets;
   std::vector<Codec> moving_codecs =
       isostrata::moving_codecs();  // that frames in motion may be sent in, the best first, JPEG last
@@ -62,6 +64,7 @@ class Sessions final : public EngineDoor {
   std::vector<const Session*> list() const;
   const std::vector<v1::DatasetEntry>& datasets() const { return options_.datasets; }
   const SessionsOptions& options() const { return options_; }
+  EngineFacts engine() const;
 
   // ---- engine and time ----
 

@@ -14,6 +14,7 @@ interface Ready {
   port: number;
   pid: number;
   device: string;
+  worker: number | null; // the process that draws first
 }
 
 export interface ServerOptions {
