@@ -28,6 +28,8 @@ inline DatasetFacts facts() {
 
 /// What was asked waits until run(), as on the io thread.
 class FakeEngine {
+  std::deque<EngineRequest> asked_;  // before the sessions, which still ask when they end
+
  public:
   FakeEngine() : sessions(options(), [this](EngineRequest request) { asked_.push_back(std::move(request)); }) {}
 
@@ -84,8 +86,6 @@ class FakeEngine {
   void answer(const CancelRequest&) {}
   void answer(const ForgetFrame&) {}
   void answer(const CloseSession&) {}
-
-  std::deque<EngineRequest> asked_;
 };
 
 /// For the next input.
