@@ -9,11 +9,13 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <set>
 #include <thread>
 
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
+#include "engine/encoder_threads.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
 #include "extraction/brick_memory.h"
@@ -75,6 +77,7 @@ struct SessionState {
   std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
   std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
   std::deque<FrameRequest> waiting;
+  std::set<StreamId> streams;  // ordered from and not closed
 };
 
 struct DrawOrder {
@@ -105,7 +108,6 @@ class Engine::Impl {
         store_(options_.store),
         loaders_(4),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
-    for (int i = 0; i < 2; ++i) encoders_.push_back(std::make_unique<WorkerThreads>(1));
     std::promise<std::string> started;
     auto device = started.get_future();
     render_thread_ = std::thread([this, &started] { render(started); });
@@ -303,6 +305,7 @@ class Engine::Impl {
         failed->request = request.request;
       } else {
         it->second.waiting.push_back(request);
+        if (request.video) it->second.streams.insert(request.video->stream);
       }
     }
     if (failed) send(std::move(*failed));
@@ -334,6 +337,20 @@ class Engine::Impl {
     if (it == sessions_.end()) return;
     freed_outside_the_lock = std::move(it->second.ready);
     sessions_.erase(it);
+    encoders_.close_session(request.session);
+  }
+
+  void take(CloseStream& request) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(request.session);
+    if (it != sessions_.end()) it->second.streams.erase(request.stream);
+    encoders_.close(request.session, request.stream);
+  }
+
+  bool stream_is_open(SessionKey session, StreamId stream) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(session);
+    return it != sessions_.end() && it->second.streams.contains(stream);
   }
 
   // ---- the render thread ----
@@ -433,6 +450,7 @@ class Engine::Impl {
       frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
       frame.lossless = request.lossless;
       frame.jpeg = request.jpeg;
+      if (request.video) frame.video = VideoFacts{request.video->codec, request.video->stream, false};
       frame.width = request.width;
       frame.height = request.height;
       frame.camera = input.camera;
@@ -446,10 +464,11 @@ class Engine::Impl {
         frame.intervals.push_back(
             {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
       auto image = std::make_shared<AnyImage>(std::move(result.image));
-      encoders_[request.session % encoders_.size()]->post([this, image, annotations, background = input.background,
-                                                           frame = std::move(frame), watch,
-                                                           quality = request.jpeg_quality]() mutable {
-        encode(*image, *annotations, background, std::move(frame), watch, quality);
+      EncodeOrder encode_order{request.jpeg_quality};
+      if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
+      encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
+                                       encode_order](StreamEncoders& streams) mutable {
+        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order);
       });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
@@ -460,18 +479,42 @@ class Engine::Impl {
     return std::nullopt;
   }
 
-  void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,
-              int quality) {
+  void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
+              const Stopwatch& since_taken, const EncodeOrder& order) {
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
       const Image& image = std::get<Image>(drawn);
-      frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, quality) : encode_png(image));
+      if (frame.video) {
+        if (!encode_video(streams, image, order, frame)) return;
+      } else {
+        frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
+      }
       frame.stages.encode_ms = watch.elapsed_ms();
       frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
       send(std::move(frame));
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
+    }
+  }
+
+  /// False where the frame was answered with a failure.
+  bool encode_video(StreamEncoders& streams, const Image& image, const EncodeOrder& order, FrameReady& frame) {
+    const StreamId stream = frame.video->stream;
+    if (!stream_is_open(frame.session, stream)) {
+      send(RequestFailed{frame.session, frame.request, frame.revision, ErrorCode::cancelled, "the stream has been closed"});
+      return false;
+    }
+    try {
+      EncodedFrame encoded = streams.encoder(frame.session, stream, frame.video->codec).encode(image, order);
+      frame.bytes = std::make_shared<const Bytes>(std::move(encoded.bytes));
+      frame.video->key = encoded.key;
+      return true;
+    } catch (...) {
+      RequestFailed failed = failure_of(std::current_exception(), frame.session, frame.request, frame.revision);
+      failed.encoder_failed = true;
+      send(std::move(failed));
+      return false;
     }
   }
 
@@ -492,7 +535,7 @@ class Engine::Impl {
   BrickMemory bricks_;  // of all sessions
   WorkerThreads loaders_;
   WorkerThreads jobs_;
-  std::vector<std::unique_ptr<WorkerThreads>> encoders_;
+  EncoderThreads encoders_;
   std::thread render_thread_;
 };
 

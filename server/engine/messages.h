@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "base/error.h"
+#include "encoding/codec.h"
 #include "encoding/encode_image.h"
 #include "engine/dataset_facts.h"
 #include "engine/scene.h"
@@ -17,6 +19,7 @@ namespace isostrata {
 
 using SessionKey = std::uint64_t;  // of one scene; never used again
 using RequestId = std::uint64_t;   // chosen by the asker, unique in the process
+using StreamId = std::uint64_t;    // of video; chosen by the asker, unique in its session, never used again
 
 // ---- to the engine -----------------------------------------------------------------------------------------------------------
 
@@ -33,6 +36,15 @@ struct SceneUpdate {
   Scene scene;
 };
 
+/// A frame as the next one of a video stream. The stream begins with its first order; that frame, and the first of another size,
+/// is a key frame. Every frame of a stream must reach its viewer, in order.
+struct VideoOrder {
+  Codec codec = Codec::vp9_444;
+  StreamId stream = 0;
+  int bitrate_kbps = 8000;  // at 30 frames a second: EncodeOrder (encoding/encoder.h)
+  bool key = false;         // for somebody who has none of the frames before
+};
+
 /// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or
 /// RequestFailed. While intervals are being extracted, a moving frame shows the last ones that are ready; a lossless one waits
 /// for the newest.
@@ -43,6 +55,7 @@ struct FrameRequest {
   bool lossless = false;
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
+  std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
 };
 
 struct HistogramRequest {
@@ -71,8 +84,14 @@ struct CloseSession {
   SessionKey session = 0;
 };
 
+/// Forgets the stream's encoder. Frames of it that are still being drawn are answered RequestFailed.
+struct CloseStream {
+  SessionKey session = 0;
+  StreamId stream = 0;
+};
+
 using EngineRequest =
-    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession>;
+    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession, CloseStream>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -125,6 +144,12 @@ struct StageTimes {
   double total_ms = 0;  // from taking the scene to having the bytes
 };
 
+struct VideoFacts {
+  Codec codec = Codec::vp9_444;
+  StreamId stream = 0;
+  bool key = false;
+};
+
 struct FrameReady {
   SessionKey session = 0;
   RequestId request = 0;
@@ -132,6 +157,7 @@ struct FrameReady {
   int step = 0;
   bool lossless = false;
   bool jpeg = true;
+  std::optional<VideoFacts> video;  // a frame of this stream; else a picture by itself
   int width = 0, height = 0;
   Camera camera;  // that it was drawn with
   StageTimes stages;
@@ -150,6 +176,7 @@ struct RequestFailed {
   std::uint64_t revision = 0;
   ErrorCode code = ErrorCode::internal;
   std::string message;
+  bool encoder_failed = false;  // the picture was drawn; its video codec failed and will again
 };
 
 using EngineEvent =

@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
 constexpr int kMovingJpegQuality = 90;
+constexpr int kMovingKbps = 12000;  // at 30 frames a second
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -54,6 +55,7 @@ void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
   viewer.session = key_;
   last_use_ = now;
+  begin_stream(viewer);
   viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
 }
 
@@ -62,9 +64,27 @@ void Session::detach(Viewer& viewer, TimePoint now) {
     engine_.post(ForgetFrame{key_, viewer.ordered_request});
     engine_.forget(viewer.ordered_request);
   }
+  end_stream(viewer);
   viewers_.erase(viewer.key);
   viewer.session = 0;
   last_use_ = now;
+}
+
+// Whoever begins to look, or to look anew, gets a stream of their own, which begins with a key frame.
+void Session::begin_stream(Viewer& viewer) {
+  end_stream(viewer);
+  if (is_video(viewer.ladder.front())) viewer.stream = ++last_stream_;
+}
+
+void Session::end_stream(Viewer& viewer) {
+  if (viewer.stream != 0) engine_.post(CloseStream{key_, viewer.stream});
+  viewer.stream = 0;
+}
+
+void Session::step_down(Viewer& viewer, TimePoint now) {
+  if (viewer.ladder.size() > 1) viewer.ladder.erase(viewer.ladder.begin());
+  begin_stream(viewer);
+  viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);  // the picture it did not get
 }
 
 void Session::broadcast(const v1::ServerMessage& message) {
@@ -105,6 +125,17 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kFrameAck:
       viewer.frames.acknowledged(message.frame_ack().frame_id(), now);
       return pump(viewer, now);
+    case v1::ClientMessage::kDecoderFailed: {
+      const v1::DecoderFailed& failed = message.decoder_failed();
+      if (failed.stream_id() == 0 || failed.stream_id() != viewer.stream) return;  // of a stream that has ended
+      if (!failed.again()) {
+        step_down(viewer, now);
+      } else {
+        begin_stream(viewer);
+        viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+      }
+      return pump(viewer, now);
+    }
     case v1::ClientMessage::kRequestStill: {
       const v1::RequestStill& still = message.request_still();
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
@@ -307,6 +338,8 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   const auto order = viewer.frames.next(now);
   if (!order) return;
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
+  if (!order->lossless && viewer.stream != 0)
+    request.video = VideoOrder{viewer.ladder.front(), viewer.stream, kMovingKbps, false};
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
   *number = engine_.ask(std::move(request),
@@ -324,6 +357,11 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
     if (viewer->ordered_request == request) viewer->ordered_request = 0;
     viewer->frames.started();
   } else if (const auto* ready = std::get_if<FrameReady>(&event)) {
+    if (ready->video && ready->video->stream != viewer->stream) {
+      // It was being drawn when its stream ended.
+      viewer->frames.failed(had_started);
+      return pump(*viewer, now);
+    }
     v1::Frame frame = to_wire(*ready);
     frame.set_frame_id(viewer->frames.sent(ready->revision, ready->lossless, now));
     frame.set_input_seq(viewer->input_of(ready->revision));
@@ -331,6 +369,11 @@ void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
     if (viewer->ordered_request == request) viewer->ordered_request = 0;
     viewer->frames.failed(had_started);
+    if (failed->encoder_failed) {
+      step_down(*viewer, now);
+      return pump(*viewer, now);
+    }
+    if (failed->code == ErrorCode::cancelled) return pump(*viewer, now);
     // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
     if (had_started) send_error(*viewer, 0, wire_error(*failed));
   }

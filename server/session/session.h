@@ -95,6 +95,9 @@ class Session {
   void play_cycle(TimePoint now);
   void on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
+  void begin_stream(Viewer& viewer);
+  void end_stream(Viewer& viewer);
+  void step_down(Viewer& viewer, TimePoint now);
 
   const SessionKey key_;
   const std::string id_;
@@ -105,7 +108,8 @@ class Session {
   std::map<ViewerKey, Viewer*> viewers_;
   std::optional<Opening> opening_;
   std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
-  int histograms_ = 0;                                   // asked for and not answered
+  StreamId last_stream_ = 0;
+  int histograms_ = 0;  // asked for and not answered
   TimePoint last_use_{};
   std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };

@@ -40,7 +40,7 @@ RequestId request_of(const EngineEvent& event) {
 }
 
 template <class Format>
-bool offers(const Format& formats, const char* wanted) {
+bool offers(const Format& formats, std::string_view wanted) {
   return formats.empty() || std::find(formats.begin(), formats.end(), wanted) != formats.end();
 }
 
@@ -118,6 +118,12 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
     session = create(now, error);
     if (!session) return refuse(viewer, seq, std::move(error), kCloseTryAgainLater);
   }
+  // Video only for who says to have decoded it: an empty list stands for JPEG.
+  viewer.ladder.clear();
+  for (const Codec codec : options_.moving_codecs)
+    if (!is_video(codec) || (hello.moving_formats_size() > 0 && offers(hello.moving_formats(), name_of(codec))))
+      viewer.ladder.push_back(codec);
+  if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
   session->attach(viewer, now);
   if (hello.has_viewport())
     viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
@@ -143,6 +149,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   welcome.mutable_limits()->set_max_terms(kMaxTerms);
   welcome.mutable_limits()->set_max_smear_steps(kMaxSmearSteps);
   welcome.mutable_limits()->set_max_clip_planes(kMaxClipPlanes);
+  for (const Codec codec : viewer.ladder) welcome.add_moving_formats(std::string(name_of(codec)));
   viewer.outbox->send(std::move(answer));
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.

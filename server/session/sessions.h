@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "encoding/encoder.h"
 #include "session/session.h"
 
 namespace isostrata {
@@ -21,6 +22,8 @@ struct SessionsOptions {
   std::string device;
   bool device_is_software = false;
   std::vector<v1::DatasetEntry> datasets;
+  std::vector<Codec> moving_codecs =
+      isostrata::moving_codecs();  // that frames in motion may be sent in, the best first, JPEG last
 };
 
 /// Not thread-safe: lives on the io thread. `post` is Engine::post.

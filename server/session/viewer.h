@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/messages.h"
 #include "isostrata/v1/isostrata.pb.h"
@@ -36,7 +37,9 @@ struct Viewer {
   std::uint64_t last_seq = 0;
   std::uint64_t ignored_messages = 0;
   FrameScheduler frames;
-  RequestId ordered_request = 0;  // not started
+  std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first; the first is in use
+  StreamId stream = 0;                     // of its moving frames, where that is video
+  RequestId ordered_request = 0;           // not started
 
   /// The message `seq` is contained in `revision` and all later ones.
   void note_input(std::uint64_t seq, std::uint64_t revision);

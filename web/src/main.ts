@@ -3,6 +3,7 @@ import { mount } from 'svelte';
 import App from './App.svelte';
 import './style.css';
 import { Connection, type NotOpened, type Socket } from './lib/connection';
+import { browserProbe, probeDecoders } from './lib/probe-decoders';
 import { SavedTab } from './lib/saved';
 import { Session } from './lib/session.svelte';
 import { ThemeChoice } from './lib/theme.svelte';
@@ -36,6 +37,9 @@ async function askWhy(): Promise<NotOpened> {
   }
 }
 
+// Some tens of milliseconds, before Hello says what came of it.
+const movingFormats = await probeDecoders(browserProbe());
+
 const session = new Session({
   connection: (handlers) =>
     new Connection({
@@ -50,6 +54,7 @@ const session = new Session({
   saved: new SavedTab(sessionStorage, location.pathname),
   now: () => performance.now(),
   schedule: (callback) => void requestAnimationFrame(callback),
+  movingFormats,
 });
 
 mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });

@@ -187,6 +187,7 @@ export interface Welcome {
   device: string;
   deviceIsSoftware: boolean;
   colorMaps: string[];
+  movingFormats: string[]; // the best first
   limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
 }
 
@@ -222,6 +223,9 @@ export interface Frame {
   tetrahedra: number;
   intervals: IntervalFacts[];
   camera: Camera | null;
+  streamId: number; // of video; 0: a picture by itself
+  key: boolean; // of a stream: decodes without those before it
+  decoder: string; // of key frames: VideoDecoderConfig's codec
   payload: Uint8Array<ArrayBuffer>;
 }
 

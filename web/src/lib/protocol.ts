@@ -107,7 +107,7 @@ const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
 });
 
 export const command = {
-  hello: (viewport: ViewportSize, resumeToken: string): Command => ({
+  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg']): Command => ({
     case: 'hello',
     value: {
       protocolMajor,
@@ -115,7 +115,7 @@ export const command = {
       client: 'isostrata-web 0.1.0',
       viewport,
       stillFormats: ['png'],
-      movingFormats: ['jpeg'],
+      movingFormats: [...movingFormats],
       resumeToken,
     },
   }),
@@ -183,6 +183,10 @@ export const command = {
   viewport: (viewport: ViewportSize): Command => ({ case: 'viewport', value: viewport }),
   interaction: (active: boolean): Command => ({ case: 'interaction', value: { active } }),
   frameAck: (frameId: bigint, decodeMs: number): Command => ({ case: 'frameAck', value: { frameId, decodeMs } }),
+  decoderFailed: ({ streamId, message, again }: { streamId: number; message: string; again: boolean }): Command => ({
+    case: 'decoderFailed',
+    value: { streamId: BigInt(streamId), problem: message.slice(0, 500), again },
+  }),
   requestStill: (): Command => ({ case: 'requestStill', value: {} }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
   cancel: (operation: bigint): Command => ({ case: 'cancel', value: { operation } }),
@@ -345,6 +349,7 @@ function welcomeOf(w: WireWelcome): Welcome {
     device: w.device,
     deviceIsSoftware: w.deviceIsSoftware,
     colorMaps: w.colorMaps,
+    movingFormats: w.movingFormats,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,
       maxClipPlanes: w.limits?.maxClipPlanes || 32,
@@ -384,6 +389,9 @@ function frameOf(f: WireFrame): Frame {
       volume,
     })),
     camera: cameraOf(f.camera),
+    streamId: Number(f.streamId),
+    key: f.key,
+    decoder: f.decoder,
     payload: f.payload as Uint8Array<ArrayBuffer>,
   };
 }

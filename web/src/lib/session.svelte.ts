@@ -1,6 +1,6 @@
 // The page's one store: what the server says, what the person does, and the way between them.
 import { Connection, type ConnectionStatus } from './connection';
-import { decodeFrame, FramePlayer } from './frames';
+import { FrameDecoder, FramePlayer, type Picture } from './frames';
 import { priorityOrder } from './intervals';
 import { RateMeter, Smoothed } from './meter';
 import {
@@ -22,6 +22,7 @@ import { CameraCredits, Outbox } from './pacing';
 import { command, protocolMajor, type Command, type ViewportSize } from './protocol';
 import { restoreStep } from './restore';
 import type { SavedTab } from './saved';
+import { StreamLost } from './video-decoder';
 
 /** A frame without its bytes, and what this side measured of it. */
 export type FrameReadout = Omit<Frame, 'payload'> & { bytes: number; decodeMs: number; fps: number };
@@ -35,6 +36,8 @@ export interface SessionDoors {
   saved: SavedTab;
   now(): number;
   schedule(callback: () => void): void;
+  /** Formats for frames in motion that this browser has decoded rightly. */
+  movingFormats: readonly string[];
 }
 
 const histogramBins = 256;
@@ -54,7 +57,7 @@ export class Session {
   readonly notices = new Notices();
 
   /** Set by the viewport. */
-  drawFrame: ((bitmap: ImageBitmap, frame: Frame) => void) | null = null;
+  drawFrame: ((picture: Picture, frame: Frame) => void) | null = null;
 
   private server: SceneState = emptyState;
   private viewport: ViewportSize = { width: 800, height: 600, hidden: false };
@@ -63,6 +66,7 @@ export class Session {
   private readonly credits = new CameraCredits();
   private readonly outbox: Outbox;
   private readonly player: FramePlayer;
+  private readonly decoder = new FrameDecoder();
   private readonly rate = new RateMeter();
   private trip = new Smoothed();
   private sentAbout = new Map<number, { place: Place; interval: number | null }>();
@@ -77,7 +81,7 @@ export class Session {
 
   constructor(private readonly doors: SessionDoors) {
     this.connection = doors.connection({
-      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken),
+      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats),
       onStatus: (status) => this.onStatus(status),
       onEvent: (event) => this.onEvent(event),
     });
@@ -92,14 +96,18 @@ export class Session {
       schedule: doors.schedule,
     });
     this.player = new FramePlayer({
-      decode: decodeFrame,
-      draw: (bitmap, frame) => this.drawFrame?.(bitmap, frame),
+      decode: (frame) => this.decoder.decode(frame),
+      draw: (picture, frame) => this.drawFrame?.(picture, frame),
       ack: (frameId, decodeMs) => {
         this.connection.send(command.frameAck(frameId, decodeMs));
         if (this.frame?.frameId === frameId) this.frame = { ...this.frame, decodeMs };
       },
-      failed: (frame, problem) =>
-        this.say(`A ${frame.format.toUpperCase()} frame of ${frame.payload.length} bytes could not be decoded: ${String(problem)}`),
+      failed: (frame, problem) => {
+        // Of video the server sends another stream; nobody needs to be told.
+        if (problem instanceof StreamLost) this.send(command.decoderFailed(problem));
+        else if (frame.streamId === 0)
+          this.say(`A ${frame.format.toUpperCase()} frame of ${frame.payload.length} bytes could not be decoded: ${String(problem)}`);
+      },
       now: doors.now,
     });
   }
@@ -290,6 +298,7 @@ export class Session {
     this.sentAbout.clear();
     this.credits.reset();
     this.player.reset();
+    this.decoder.reset();
     this.trip = new Smoothed();
     this.roundTripMs = null;
   }
