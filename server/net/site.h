@@ -27,13 +27,16 @@ class Site {
 
   /// Answers anything that is not a WebSocket; replies once, now or later.
   void handle(const HttpRequest& request, HttpReply reply);
-  /// Nothing where the upgrade is welcome, else the refusal.
-  std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) const;
+  /// Nothing where the upgrade is welcome, else the refusal. admission: which session an invitation opens; empty for the server's
+  /// own token.
+  std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request, Sessions::Admission& admission) const;
 
   const std::string& base_path() const { return options_.base_path; }
 
  private:
   HttpResponse unauthorized(bool page) const;
+  /// Whether the request brings the token of an invitation that is good, and for what.
+  std::optional<Sessions::Admission> invited(const HttpRequest& request, const RequestTarget& target) const;
   /// The segments below the base path; nothing where the target is not below it.
   std::optional<std::vector<std::string>> below_base(const RequestTarget& target) const;
 
@@ -42,6 +45,7 @@ class Site {
   const Access access_;
   const StaticFiles files_;
   RestApi api_;
+  Sessions& sessions_;
 };
 
 /// "/prefix/" from "prefix", "/prefix" or "https://name/prefix"; of the last also the host. Throws invalid_argument.
