@@ -16,5 +16,6 @@ void add_doctor_command(CLI::App& app);
 
 void add_bench_extract_command(CLI::App& bench);
 void add_bench_render_command(CLI::App& bench);
+void add_bench_stream_command(CLI::App& bench);
 
 }  // namespace isostrata

@@ -31,6 +31,9 @@ using Steady = std::chrono::steady_clock;
 constexpr std::size_t kPieceBytes = 64 << 10;  // what a client must take within the write timeout: a slow link is not a stuck one
 constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
 
+constexpr auto kProbePause = std::chrono::seconds(2);
+constexpr const char* kProbe = "way";  // tells our pings' answers from those of Beast's keep-alive
+
 /// A frame whose payload other connections send, too.
 struct Waiting {
   v1::Frame frame;
@@ -74,6 +77,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       : socket_(std::move(stream)),
         wake_writer_(socket_.get_executor()),
         watch_(socket_.get_executor()),
+        next_ping_(socket_.get_executor()),
         connections_(connections),
         admission_(std::move(admission)) {}
 
@@ -91,6 +95,12 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     socket_.read_message_max(kMaxMessageBytes);
     socket_.auto_fragment(false);
     socket_.binary(true);
+    socket_.control_callback([this](websocket::frame_type type, beast::string_view payload) {
+      if (type == websocket::frame_type::pong && payload == kProbe && pinged_) {
+        connections_.sessions.round_trip(viewer_, Steady::now() - *pinged_, Steady::now());
+        pinged_.reset();
+      }
+    });
     co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
     if (error) co_return;
 
@@ -101,6 +111,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         socket_.get_executor(), [self] { return self->write_all(); }, asio::detached);
     asio::co_spawn(
         socket_.get_executor(), [self] { return self->watch(); }, asio::detached);
+    asio::co_spawn(
+        socket_.get_executor(), [self] { return self->measure(); }, asio::detached);
     co_await read_all();
     connections_.closers.erase(closer);
     connections_.sessions.detach(viewer_, Steady::now());
@@ -248,6 +260,22 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     }
   }
 
+  // Round trips of what has no weight: frames tell how fast the way is only against how long it is. The first goes before any
+  // frame. A coroutine of its own, since on a blocked socket it stands still.
+  asio::awaitable<void> measure() {
+    const auto self = shared_from_this();
+    boost::system::error_code error;
+    while (!ended_ && !closing_) {
+      if (!pinged_) {
+        pinged_ = Steady::now();
+        co_await socket_.async_ping(kProbe, asio::redirect_error(asio::use_awaitable, error));
+        if (error) co_return;
+      }
+      next_ping_.expires_after(kProbePause);
+      co_await next_ping_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
+  }
+
   void end() {
     if (ended_) return;
     ended_ = true;
@@ -255,11 +283,14 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     beast::get_lowest_layer(socket_).socket().close(ignored);
     wake_writer_.cancel();
     watch_.cancel();
+    next_ping_.cancel();
   }
 
   websocket::stream<beast::tcp_stream> socket_;
   asio::steady_timer wake_writer_;
   asio::steady_timer watch_;
+  asio::steady_timer next_ping_;
+  std::optional<Steady::time_point> pinged_;  // when the ping went that is not answered yet
   Connections& connections_;
   Sessions::Admission admission_;
   ViewerKey viewer_ = 0;

@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
-constexpr int kMovingJpegQuality = 90;
-constexpr int kMovingKbps = 12000;  // at 30 frames a second
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -68,6 +66,7 @@ void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
   viewer.session = key_;
   last_use_ = now;
+  viewer.frames.set_video(is_video(viewer.ladder.front()));
   viewer.frames.scene_changed(state_.scene.revision, drawable(), now);
 }
 
@@ -97,6 +96,7 @@ void Session::end_streams() {
 
 void Session::step_down(Viewer& viewer, TimePoint now) {
   if (viewer.ladder.size() > 1) viewer.ladder.erase(viewer.ladder.begin());
+  viewer.frames.set_video(is_video(viewer.ladder.front()));
   begin_stream(viewer, now);
 }
 
@@ -140,9 +140,13 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kInteraction:
       viewer.frames.set_interaction(message.interaction().active(), now);
       return pump(viewer, now);
-    case v1::ClientMessage::kFrameAck:
-      viewer.frames.acknowledged(message.frame_ack().frame_id(), now);
+    case v1::ClientMessage::kFrameAck: {
+      const double decode_ms = message.frame_ack().decode_ms();  // may be anything; what is too much is not believed
+      const double believed = decode_ms > 0 && decode_ms < 60000 ? decode_ms : 0;
+      viewer.frames.acknowledged(message.frame_ack().frame_id(), now,
+                                 std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(believed)));
       return pump(viewer, now);
+    }
     case v1::ClientMessage::kDecoderFailed: {
       const v1::DecoderFailed& failed = message.decoder_failed();
       if (failed.stream_id() == 0 || failed.stream_id() != viewer.stream) return;  // of a stream that has ended
@@ -372,12 +376,13 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   if (viewer.frames.withdraw_order()) leave_picture(viewer);
   const auto order = viewer.frames.next(now);
   if (!order) return;
-  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
-  if (!order->lossless && is_video(viewer.ladder.front())) {
+  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
+  // A settled frame is a picture by itself, as good as pictures get that are not lossless.
+  if (order->phase == FramePhase::moving && is_video(viewer.ladder.front())) {
     const auto choice = streams_.choose(viewer.key, viewer.ladder.front(), order->width, order->height, now);
     viewer.stream = choice.stream;
     end_streams();
-    request.video = VideoOrder{viewer.ladder.front(), choice.stream, kMovingKbps, choice.key};
+    request.video = VideoOrder{viewer.ladder.front(), choice.stream, order->bitrate_kbps, choice.key};
   }
   // One that is not being drawn yet will show the newest scene, and so will one that was asked for after the newest change.
   for (auto& [id, picture] : pictures_) {
@@ -399,9 +404,10 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   viewer.ordered_request = *number;
 }
 
-void Session::give(Viewer& viewer, const FrameReady& ready, TimePoint now) {
+void Session::give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now) {
   v1::Frame frame = to_wire(ready);
-  frame.set_frame_id(viewer.frames.sent(ready.revision, ready.lossless, now));
+  if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
+  frame.set_frame_id(viewer.frames.sent(order, ready.revision, ready.bytes->size(), now));
   frame.set_input_seq(viewer.input_of(ready.revision));
   viewer.outbox->send_frame(std::move(frame), ready.bytes);
 }
@@ -411,11 +417,11 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
   if (it == pictures_.end()) return;
   const auto each_taker = [&](const Picture& picture, const auto& act) {
     for (const auto& [key, order] : picture.takers)
-      if (Viewer* viewer = living(key)) act(*viewer);
+      if (Viewer* viewer = living(key)) act(*viewer, order);
   };
   if (std::holds_alternative<FrameStarted>(event)) {
     it->second.started = true;
-    each_taker(it->second, [](Viewer& viewer) {
+    each_taker(it->second, [](Viewer& viewer, const FrameOrder&) {
       viewer.ordered_request = 0;
       viewer.frames.started();
     });
@@ -423,28 +429,28 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
   }
   const Picture picture = std::move(it->second);
   pictures_.erase(it);
-  if (!picture.started) each_taker(picture, [](Viewer& viewer) { viewer.ordered_request = 0; });
+  if (!picture.started) each_taker(picture, [](Viewer& viewer, const FrameOrder&) { viewer.ordered_request = 0; });
   if (const auto* ready = std::get_if<FrameReady>(&event)) {
     std::vector<ViewerKey> of_stream;
     if (ready->video) of_stream = streams_.takers(ready->video->stream, ready->video->key);
     const auto in_stream = [&](ViewerKey key) { return std::find(of_stream.begin(), of_stream.end(), key) != of_stream.end(); };
-    each_taker(picture, [&](Viewer& viewer) {
+    each_taker(picture, [&](Viewer& viewer, const FrameOrder& order) {
       if (ready->video && !in_stream(viewer.key))
         viewer.frames.failed(picture.started);  // it was being drawn when the viewer left its stream
       else
-        give(viewer, *ready, now);
+        give(viewer, order, *ready, now);
     });
     // The stream's next frame is of use only to whoever has this one.
     for (const ViewerKey key : of_stream) {
       Viewer* viewer = living(key);
-      if (!viewer || picture.takers.contains(key)) continue;
+      if (!viewer || picture.takers.empty() || picture.takers.contains(key)) continue;
       if (viewer->frames.visible() && viewer->frames.in_flight() < viewer->frames.window() && !viewer->frames.stalled(now))
-        give(*viewer, *ready, now);
+        give(*viewer, picture.takers.begin()->second, *ready, now);
       else
         begin_stream(*viewer, now);
     }
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
-    each_taker(picture, [&](Viewer& viewer) {
+    each_taker(picture, [&](Viewer& viewer, const FrameOrder&) {
       viewer.frames.failed(picture.started);
       // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
       if (picture.started && !failed->encoder_failed && failed->code != ErrorCode::cancelled)

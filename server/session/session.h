@@ -141,7 +141,7 @@ class Session {
   void pump(Viewer& viewer, TimePoint now);
   void play_cycle(TimePoint now);
   void on_picture_event(RequestId request, const EngineEvent& event, TimePoint now);
-  void give(Viewer& viewer, const FrameReady& ready, TimePoint now);
+  void give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now);
   void leave_picture(Viewer& viewer);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);

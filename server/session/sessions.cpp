@@ -250,6 +250,10 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   viewer.outbox->send(std::move(answer));
 }
 
+void Sessions::round_trip(ViewerKey key, Duration time, TimePoint now) {
+  if (const auto it = viewers_.find(key); it != viewers_.end()) it->second->frames.round_trip(time, now);
+}
+
 void Sessions::detach(ViewerKey key, TimePoint now) {
   now_ = now;
   const auto it = viewers_.find(key);

@@ -52,6 +52,8 @@ class Sessions final : public EngineDoor {
   void receive(ViewerKey viewer, const v1::ClientMessage& message, TimePoint now);
   /// What came was not a message of this protocol: answers "malformed" and closes.
   void receive_malformed(ViewerKey viewer, const std::string& why);
+  /// The connection has measured its way, with nothing of weight.
+  void round_trip(ViewerKey viewer, Duration time, TimePoint now);
   void detach(ViewerKey viewer, TimePoint now);
   std::size_t viewer_count() const { return viewers_.size(); }
 

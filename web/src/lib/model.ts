@@ -207,12 +207,16 @@ export interface IntervalFacts {
   volume: number;
 }
 
+/** moving: as good as the link carries; settled: of full size and quality, not yet lossless; exact: lossless. */
+export type FramePhase = 'moving' | 'settled' | 'exact';
+
 export interface Frame {
   frameId: bigint;
   revision: number;
   inputSeq: number;
   step: number;
   lossless: boolean;
+  phase: FramePhase;
   format: string;
   width: number;
   height: number;

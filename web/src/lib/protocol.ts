@@ -367,6 +367,7 @@ function frameOf(f: WireFrame): Frame {
     inputSeq: Number(f.inputSeq),
     step: f.step,
     lossless: f.phase === FramePhase.LOSSLESS,
+    phase: f.phase === FramePhase.LOSSLESS ? 'exact' : f.phase === FramePhase.SETTLED ? 'settled' : 'moving',
     format: f.format,
     width: f.width,
     height: f.height,

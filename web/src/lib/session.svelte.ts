@@ -270,6 +270,11 @@ export class Session {
     this.send(command.cancel(operation));
   }
 
+  /** In pixels of the device; frames in motion may have fewer. */
+  get viewportHeight(): number {
+    return this.viewport.height;
+  }
+
   /** The newest lossless frame, asked for where the picture on the screen is not one. Null where none comes within ten seconds. */
   still(): Promise<Frame | null> {
     const newest = this.lossless;
