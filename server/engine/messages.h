@@ -4,13 +4,17 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "base/error.h"
+#include "data/statistics.h"
 #include "encoding/encode_image.h"
+#include "encoding/encode_still.h"
 #include "engine/dataset_facts.h"
+#include "engine/export_mesh.h"
 #include "engine/scene.h"
 
 namespace isostrata {
@@ -43,6 +47,7 @@ struct FrameRequest {
   bool lossless = false;
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
+  std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
 };
 
 struct HistogramRequest {
@@ -52,6 +57,25 @@ struct HistogramRequest {
   int step = 0;
   std::string array;
   int bins = 256;
+};
+
+/// Answered by StatisticsReady or RequestFailed.
+struct StatisticsRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+};
+
+/// Extracts the scene's layers and writes them to a file by the ending of its name (extraction/write_mesh.h), one export after
+/// the other; the file is complete or not there. Answered by ExportReady or RequestFailed.
+struct ExportRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  Scene scene;
+  std::string path;  // of the server's own choice, never a client's
+  WriteOptions options;
 };
 
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
@@ -71,8 +95,8 @@ struct CloseSession {
   SessionKey session = 0;
 };
 
-using EngineRequest =
-    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession>;
+using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
+                                   CloseSession, StatisticsRequest, ExportRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -82,6 +106,7 @@ struct OperationProgress {
   std::uint64_t operation = 0;
   std::string stage;
   double fraction = 0;
+  RequestId works_for = 0;  // the request; 0: a scene's extraction
 };
 
 /// Follows the last OperationProgress of an operation.
@@ -89,6 +114,7 @@ struct OperationDone {
   SessionKey session = 0;
   std::uint64_t operation = 0;
   bool cancelled = false;
+  RequestId works_for = 0;
 };
 
 struct DatasetReady {
@@ -105,6 +131,21 @@ struct HistogramReady {
   std::string array;
   double lower = 0, upper = 0;
   std::vector<std::uint64_t> counts;
+};
+
+struct StatisticsReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+  Statistics statistics;
+};
+
+struct ExportReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  ExportedMesh mesh;
 };
 
 /// The drawing of a requested frame begins: the next one may be asked for.
@@ -152,7 +193,7 @@ struct RequestFailed {
   std::string message;
 };
 
-using EngineEvent =
-    std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
+using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
+                                 RequestFailed, StatisticsReady, ExportReady>;
 
 }  // namespace isostrata

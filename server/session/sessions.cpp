@@ -181,6 +181,7 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
   auto& slot = sessions_[key];
   slot = std::make_unique<Session>(key, *this);
   slot->touch(now);
+  for (SessionsObserver* observer : observers_) observer->session_began(*slot);
   return slot.get();
 }
 
@@ -230,7 +231,10 @@ void Sessions::remove(SessionKey key) {
     listener(RequestFailed{key, request, 0, ErrorCode::not_found, "the session has ended"}, now_);
     it = pending_.begin();
   }
-  sessions_.erase(key);
+  const auto ending = sessions_.find(key);
+  if (ending == sessions_.end()) return;
+  for (SessionsObserver* observer : observers_) observer->session_ended(*ending->second);
+  sessions_.erase(ending);
 }
 
 RequestId Sessions::ask(EngineRequest request, Listener listener) {
@@ -249,6 +253,7 @@ RequestId Sessions::ask(EngineRequest request, Listener listener) {
 
 void Sessions::on_event(const EngineEvent& event, TimePoint now) {
   now_ = now;
+  for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);
   const RequestId request = request_of(event);
   if (request == 0) {
     if (Session* session = find(session_of(event))) session->on_event(event, now);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "session/session.h"
+#include "session/sessions_observer.h"
 
 namespace isostrata {
 
@@ -58,6 +59,8 @@ class Sessions final : public EngineDoor {
   /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a
   /// second.
   TimePoint tick(TimePoint now);
+  /// The observer must live as long as this.
+  void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
   /// Tells everyone that the server ends, and closes their connections.
   void shut_down(const std::string& reason);
 
@@ -81,6 +84,7 @@ class Sessions final : public EngineDoor {
   std::map<ViewerKey, std::unique_ptr<Viewer>> viewers_;
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
+  std::vector<SessionsObserver*> observers_;
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   SessionKey last_session_ = 0;
