@@ -107,6 +107,7 @@ class Engine::Impl {
         sink_(std::move(sink)),
         store_(options_.store),
         loaders_(4),
+        exporters_(1),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
     std::promise<std::string> started;
     auto device = started.get_future();
@@ -193,6 +194,31 @@ class Engine::Impl {
         Histogram counted = histogram(array, request.bins);
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower,
                             counted.upper, std::move(counted.counts)});
+      });
+    });
+  }
+
+  void take(StatisticsRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    loaders_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
+                             statistics(dataset->array(request.array))});
+      });
+    });
+  }
+
+  void take(ExportRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    exporters_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const CatalogueEntry& source = entry(request.scene.dataset);
+        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, operation->task());
+        send(ExportReady{request.session, request.request, mesh});
       });
     });
   }
@@ -437,6 +463,7 @@ class Engine::Impl {
     Stopwatch watch;
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      if (request.still && is_float(*request.still)) input.float_image = true;
       const auto annotations = std::make_shared<Drawing>();
       if (order.scene.annotations.any()) {
         *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
@@ -467,8 +494,8 @@ class Engine::Impl {
       EncodeOrder encode_order{request.jpeg_quality};
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
       encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
-                                       encode_order](StreamEncoders& streams) mutable {
-        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order);
+                                       encode_order, still = request.still](StreamEncoders& streams) mutable {
+        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, still);
       });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
@@ -480,15 +507,21 @@ class Engine::Impl {
   }
 
   void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
-              const Stopwatch& since_taken, const EncodeOrder& order) {
+              const Stopwatch& since_taken, const EncodeOrder& order, std::optional<StillFormat> still) {
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
-      const Image& image = std::get<Image>(drawn);
       if (frame.video) {
-        if (!encode_video(streams, image, order, frame)) return;
+        if (!encode_video(streams, std::get<Image>(drawn), order, frame)) return;
       } else {
-        frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
+        const auto bytes_of = [&](const auto& image) -> Bytes {
+          if (still) return encode_still(image, *still);
+          if constexpr (std::is_same_v<std::decay_t<decltype(image)>, Image>)
+            return frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image);
+          else
+            throw Error(ErrorCode::internal, "a frame came as floats");
+        };
+        frame.bytes = std::make_shared<const Bytes>(std::visit(bytes_of, drawn));
       }
       frame.stages.encode_ms = watch.elapsed_ms();
       frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
@@ -534,6 +567,7 @@ class Engine::Impl {
   DatasetStore store_;
   BrickMemory bricks_;  // of all sessions
   WorkerThreads loaders_;
+  WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
   WorkerThreads jobs_;
   EncoderThreads encoders_;
   std::thread render_thread_;

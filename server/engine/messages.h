@@ -10,9 +10,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "data/statistics.h"
 #include "encoding/codec.h"
 #include "encoding/encode_image.h"
+#include "encoding/encode_still.h"
 #include "engine/dataset_facts.h"
+#include "engine/export_mesh.h"
 #include "engine/scene.h"
 
 namespace isostrata {
@@ -56,6 +59,7 @@ struct FrameRequest {
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
   std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
+  std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
 };
 
 struct HistogramRequest {
@@ -65,6 +69,25 @@ struct HistogramRequest {
   int step = 0;
   std::string array;
   int bins = 256;
+};
+
+/// Answered by StatisticsReady or RequestFailed.
+struct StatisticsRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+};
+
+/// Extracts the scene's layers and writes them to a file by the ending of its name (extraction/write_mesh.h), one export after
+/// the other; the file is complete or not there. Answered by ExportReady or RequestFailed.
+struct ExportRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  Scene scene;
+  std::string path;  // of the server's own choice, never a client's
+  WriteOptions options;
 };
 
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
@@ -90,8 +113,8 @@ struct CloseStream {
   StreamId stream = 0;
 };
 
-using EngineRequest =
-    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession, CloseStream>;
+using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -101,6 +124,7 @@ struct OperationProgress {
   std::uint64_t operation = 0;
   std::string stage;
   double fraction = 0;
+  RequestId works_for = 0;  // the request; 0: a scene's extraction
 };
 
 /// Follows the last OperationProgress of an operation.
@@ -108,6 +132,7 @@ struct OperationDone {
   SessionKey session = 0;
   std::uint64_t operation = 0;
   bool cancelled = false;
+  RequestId works_for = 0;
 };
 
 struct DatasetReady {
@@ -124,6 +149,21 @@ struct HistogramReady {
   std::string array;
   double lower = 0, upper = 0;
   std::vector<std::uint64_t> counts;
+};
+
+struct StatisticsReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+  Statistics statistics;
+};
+
+struct ExportReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  ExportedMesh mesh;
 };
 
 /// The drawing of a requested frame begins: the next one may be asked for.
@@ -179,7 +219,7 @@ struct RequestFailed {
   bool encoder_failed = false;  // the picture was drawn; its video codec failed and will again
 };
 
-using EngineEvent =
-    std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
+using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
+                                 RequestFailed, StatisticsReady, ExportReady>;
 
 }  // namespace isostrata

@@ -23,14 +23,14 @@ void Operation::progress(double fraction, std::string_view stage) {
   if (finished_ || now_ms - last_announced_ms_ < kAnnounceEveryMs) return;
   last_announced_ms_ = now_ms;
   announced_ = true;
-  announce_(OperationProgress{session_, id_, std::string(stage), fraction});
+  announce_(OperationProgress{session_, id_, std::string(stage), fraction, request_});
 }
 
 void Operation::finish() {
   std::lock_guard lock(mutex_);
   if (finished_) return;
   finished_ = true;
-  if (announced_) announce_(OperationDone{session_, id_, task_.cancelled()});
+  if (announced_) announce_(OperationDone{session_, id_, task_.cancelled(), request_});
 }
 
 }  // namespace isostrata

@@ -1,6 +1,7 @@
 #include "net/site.h"
 
 #include "base/error.h"
+#include "net/problem.h"
 
 namespace isostrata {
 namespace {
@@ -90,7 +91,7 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
   const bool probe =
       target->segments == std::vector<std::string>{"healthz"} ||
       (below && (*below == std::vector<std::string>{"healthz"} || *below == std::vector<std::string>{"api", "v1", "health"}));
-  if (probe && (request.method == "GET" || request.method == "HEAD")) return reply(api_.health());
+  if (probe && (request.method == "GET" || request.method == "HEAD")) return api_.handle(request, *target, {"health"}, reply);
 
   if (!access_.host_allowed(request))
     return reply(problem(403, "forbidden", "this Host is not served here; start the server with --allow-host NAME to allow it"));

@@ -217,18 +217,27 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
   });
 }
 
-void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply) {
+std::optional<v1::Error> Session::unexpected(std::optional<std::uint64_t> expected) const {
+  if (!expected || *expected == state_.scene.revision) return std::nullopt;
+  return wire_error("precondition_failed",
+                    "the state is at revision " + std::to_string(state_.scene.revision) + ", not " + std::to_string(*expected),
+                    "If-Match");
+}
+
+void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply,
+                      std::optional<std::uint64_t> expected) {
   last_use_ = now;
   if (opening_) {
     if (deferred_.size() >= kMaxDeferred)
       return reply(wire_error("unavailable", std::to_string(kMaxDeferred) + " commands wait for the dataset already"));
-    deferred_.push_back([this, message, key = viewer ? viewer->key : 0, reply = std::move(reply)](TimePoint then) {
-      command(message, living(key), then, reply);
+    deferred_.push_back([this, message, key = viewer ? viewer->key : 0, expected, reply = std::move(reply)](TimePoint then) {
+      command(message, living(key), then, reply, expected);
     });
     return;
   }
   if (asleep_)
     return reply(wire_error("unavailable", "dataset '" + asleep_->dataset() + "' of this session could not be opened again"));
+  if (auto error = unexpected(expected)) return reply(std::move(error));
   CommandOutcome outcome = apply_command(state_, message, context(viewer));
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
   if (outcome.changed) changed(now);
@@ -303,7 +312,8 @@ void Session::run_deferred(TimePoint now) {
   }
 }
 
-void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply) {
+void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected) {
+  if (auto error = unexpected(expected)) return reply(std::move(error));
   if (!wanted.dataset().empty() && (opening_ || wanted.dataset() != state_.scene.dataset)) {
     // A state that would be refused leaves the newly opened dataset behind: it can be judged only by its arrays.
     return open(wanted.dataset(), nullptr, now, [this, wanted, reply = std::move(reply)](std::optional<v1::Error> error) {
@@ -317,9 +327,10 @@ void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply) {
   reply(std::move(outcome.error));
 }
 
-RequestId Session::picture(int width, int height, bool jpeg, EngineDoor::Listener listener, TimePoint now) {
+RequestId Session::picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now) {
   last_use_ = now;
-  FrameRequest request{key_, 0, width, height, true, jpeg, 95};
+  FrameRequest request{key_, 0, width, height, true, format == StillFormat::jpeg};
+  request.still = format;
   return engine_.ask(std::move(request), std::move(listener));
 }
 

@@ -80,16 +80,20 @@ class Session {
   void receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
 
   /// A scene command from anywhere; `viewer` is whose input it is, or null. While a dataset is being opened it waits its turn, so
-  /// that commands take effect in the order they were given.
-  void command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply);
+  /// that commands take effect in the order they were given. expected: the revision that it is meant for; where the scene has
+  /// another one when its turn comes, it is refused as "precondition_failed".
+  void command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply,
+               std::optional<std::uint64_t> expected = {});
   /// Opens a dataset; another one that is still being opened is given up. What is open already stays as it is and is described
   /// again.
   void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply);
+  /// The request that opens a dataset now; 0: none.
+  RequestId opening() const { return opening_ ? opening_->request : 0; }
   /// Makes the scene what the state says, opening its dataset first where it is another one.
-  void set_state(const v1::State& wanted, TimePoint now, Reply reply);
+  void set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected = {});
 
   /// One picture of the newest scene for a script. The answer is FrameReady or RequestFailed.
-  RequestId picture(int width, int height, bool jpeg, EngineDoor::Listener listener, TimePoint now);
+  RequestId picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now);
 
   /// An event of the session that answers no request: progress, done, a failed extraction.
   void on_event(const EngineEvent& event, TimePoint now);
@@ -134,6 +138,7 @@ class Session {
   };
 
   Viewer* living(ViewerKey key);
+  std::optional<v1::Error> unexpected(std::optional<std::uint64_t> expected) const;
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.get(), viewer ? viewer->frames.aspect() : 1}; }
   void changed(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);

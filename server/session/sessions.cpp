@@ -281,6 +281,7 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
   slot = std::make_unique<Session>(key, *this);
   slot->touch(now);
   session_changed(*slot);
+  for (SessionsObserver* observer : observers_) observer->session_began(*slot);
   return slot.get();
 }
 
@@ -330,8 +331,11 @@ void Sessions::remove(SessionKey key) {
     listener(RequestFailed{key, request, 0, ErrorCode::not_found, "the session has ended"}, now_);
     it = pending_.begin();
   }
-  if (const Session* ending = find(key); ending && journal_) journal_->forget(ending->id());
-  sessions_.erase(key);
+  const auto ending = sessions_.find(key);
+  if (ending == sessions_.end()) return;
+  for (SessionsObserver* observer : observers_) observer->session_ended(*ending->second);
+  if (journal_) journal_->forget(ending->second->id());
+  sessions_.erase(ending);
 }
 
 RequestId Sessions::ask(EngineRequest request, Listener listener) {
@@ -350,6 +354,7 @@ RequestId Sessions::ask(EngineRequest request, Listener listener) {
 
 void Sessions::on_event(const EngineEvent& event, TimePoint now) {
   now_ = now;
+  for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);
   const RequestId request = request_of(event);
   if (request == 0) {
     if (Session* session = find(session_of(event))) session->on_event(event, now);

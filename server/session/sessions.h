@@ -12,6 +12,7 @@
 #include "encoding/encoder.h"
 #include "session/journal.h"
 #include "session/session.h"
+#include "session/sessions_observer.h"
 
 namespace isostrata {
 
@@ -76,6 +77,8 @@ class Sessions final : public EngineDoor {
   /// Does what is due: frames that had to wait for rest, sessions whose time is over. Call it at the time it returns, or after a
   /// second.
   TimePoint tick(TimePoint now);
+  /// The observer must live as long as this.
+  void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
   /// Tells everyone that the server will end then, and goes on.
   void announce_end(const std::string& reason, UnixMs ends);
   /// Tells everyone that the server ends within that time, and closes their connections.
@@ -109,6 +112,7 @@ class Sessions final : public EngineDoor {
   std::map<ViewerKey, Admission> admissions_;  // of those that have not said hello
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
+  std::vector<SessionsObserver*> observers_;
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   SessionKey last_session_ = 0;
