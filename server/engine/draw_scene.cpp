@@ -110,7 +110,7 @@ bool same_shape(const Grid& a, const Grid& b) {
 
 std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, const Scene& scene, const std::vector<int>& wanted,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
-                                                    LayerAids aids) {
+                                                    SceneAids aids) {
   const Stopwatch watch;
   aids.bricks = nullptr;  // it remembers one array, not one a step
   if (previous && previous->parts.size() == wanted.size() &&
@@ -170,6 +170,44 @@ std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, co
   return made;
 }
 
+/// Whether only the ends of the intervals were moved since `last`, as in a drag.
+bool ends_moved(const ExtractedScene* last, LayerRequest request) {
+  if (!last) return false;
+  request.facets = last->request.facets;
+  request.intervals = last->request.intervals;
+  return last->request == request;
+}
+
+/// Fills `made` with the grid of tetrahedra as it is, where the renderer can cut the intervals out of it and that is wanted.
+bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& request,
+                 const std::shared_ptr<const ExtractedScene>& last, const StepSource& steps, const SceneAids& aids,
+                 const Task& task) {
+  if (!aids.bases || aids.tetrahedra == TetrahedraWay::split || !cuts_exactly(scene, request.array)) return false;
+  const auto dataset = steps(request.step, task);
+  if (!only_tetrahedra(*dataset)) return false;
+  if (aids.tetrahedra == TetrahedraWay::automatic) {
+    if (!ends_moved(last.get(), request)) return false;
+    made.base = aids.bases->find(dataset, request.array);
+  } else {
+    made.base = aids.bases->make(dataset, request.array, task);
+  }
+  const auto is_resolved = [&](const Interval& interval) { return resolves(*made.base, interval); };
+  if (!made.base || !std::all_of(request.intervals.begin(), request.intervals.end(), is_resolved)) {
+    made.base = nullptr;
+    return false;
+  }
+  made.dataset = dataset;
+  made.time.first = made.time.second = request.step;
+  made.mesh = made.base->mesh;
+  made.color_values = made.base->values;
+  made.cut_summaries = measure_intervals(*made.base, request.intervals);
+  set_range(dataset->array(made.color_by), made.color_lower, made.color_upper);
+  set_range(dataset->array(made.texture), made.texture_lower, made.texture_upper);
+  made.bounds = dataset->bounds;
+  made.request = request;
+  return true;
+}
+
 IntervalStyle style_of(const SceneInterval& interval, const ExtractedScene& extracted) {
   IntervalStyle style;
   style.color = interval.color;
@@ -220,7 +258,7 @@ void show_phase(std::vector<IntervalStyle>& styles, double phase) {
 /// Each step in one colour, over those before it.
 std::vector<IntervalStyle> smear_styles(const Scene& scene, const ExtractedScene& extracted) {
   std::vector<IntervalStyle> all;
-  const std::span<const IntervalSummary> summaries = extracted.mesh->summaries;
+  const std::span<const IntervalSummary> summaries = extracted.summaries();
   for (std::size_t part = 0; part < extracted.parts.size(); ++part) {
     const std::size_t first = extracted.parts[part].first_summary;
     const std::size_t end = part + 1 < extracted.parts.size() ? extracted.parts[part + 1].first_summary : summaries.size();
@@ -250,7 +288,7 @@ std::size_t cycle_length(const Scene& scene) {
 }
 
 std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene) {
-  const auto& all = extracted.mesh->summaries;
+  const auto& all = extracted.summaries();
   const std::size_t n = std::min(scene.intervals.size(), all.size());
   std::vector<IntervalSummary> sums(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n));
   for (std::size_t part = 1; part < extracted.parts.size(); ++part)
@@ -267,6 +305,22 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
 
 bool draws_surfaces(const Scene& scene) {
   return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& of) { return of.surface.drawn(); });
+}
+
+bool cuts_exactly(const Scene& scene, const std::string& array) {
+  constexpr std::size_t kMostIntervals = 64;  // each is held against each block of tetrahedra
+  // Where two intervals are at one place, their order within a ray's segment depends on how the mesh is split.
+  std::vector<Interval> sorted;
+  for (const SceneInterval& interval : scene.intervals) sorted.push_back({interval.lower, interval.upper});
+  std::sort(sorted.begin(), sorted.end(), [](const Interval& a, const Interval& b) { return a.lower < b.lower; });
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].lower < sorted[i - 1].upper) return false;
+  return !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
+         scene.mode != SceneMode::smear && !draws_surfaces(scene) &&
+         (!uses_color_values(scene) || scene.color_by.empty() || scene.color_by == array) &&
+         std::all_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& interval) {
+           return interval.lower < interval.upper && std::isfinite(interval.lower) && std::isfinite(interval.upper);
+         });
 }
 
 LayerRequest layer_request(const Scene& scene) {
@@ -295,7 +349,7 @@ LayerRequest layer_request(const Scene& scene) {
 
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
-                                                    const LayerAids& aids) {
+                                                    const SceneAids& aids) {
   if (const std::vector<int> smeared = smear_steps(scene); !smeared.empty())
     return extract_smear(source, scene, smeared, previous, task, aids);
   const std::shared_ptr<const ExtractedScene> last = previous && previous->parts.empty() ? previous : nullptr;
@@ -317,7 +371,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   if (colored) request.carry.push_back(color_by);
   if (textured && !(colored && texture == color_by)) request.carry.push_back(texture);
 
-  const bool keep = last && same_mesh(*last, plain, source, task);
+  const bool keep = last && !last->base && same_mesh(*last, plain, source, task);
   const Values kept_colors = keep && last->color_by == color_by ? last->color_values : nullptr;
   const Values kept_texture = keep && last->texture == texture ? last->texture_values : nullptr;
   if (keep && last->color_by == color_by && last->texture == texture && (kept_colors || !colored) &&
@@ -327,9 +381,20 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     made->extract_ms = 0;
     return made;
   }
+  if (last && last->base && aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, request.array) &&
+      last->color_by == color_by && same_mesh(*last, plain, source, task)) {
+    if (last->extract_ms == 0) return last;
+    *made = *last;
+    made->extract_ms = 0;
+    return made;
+  }
   made->array = request.array;
   made->color_by = color_by;
   made->texture = texture;
+  if (!keep && cut_instead(*made, scene, plain, last, steps, aids, task)) {
+    made->extract_ms = watch.elapsed_ms();
+    return made;
+  }
   if (keep && ((kept_colors || !colored) && (kept_texture || !textured) ? true : can_carry(*last))) {
     made->steps = last->steps;
     made->dataset = last->dataset;
@@ -378,8 +443,9 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.bounds = extracted.bounds;
   input.mesh = extracted.mesh;
   input.color_values = extracted.color_values;
-  input.styles =
-      extracted.parts.empty() ? styles_of(scene, extracted, extracted.mesh->summaries) : smear_styles(scene, extracted);
+  input.base = extracted.base;
+  if (extracted.base) input.cut_intervals = extracted.request.intervals;
+  input.styles = extracted.parts.empty() ? styles_of(scene, extracted, extracted.summaries()) : smear_styles(scene, extracted);
   if (scene.mode == SceneMode::cycled) show_phase(input.styles, scene.cycle.phase);
   input.mode =
       scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;
@@ -410,8 +476,8 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
   out.transparent = input.transparent;
   out.array = extracted.array;
   out.color_by = extracted.color_by;
-  for (std::size_t i = 0; i < input.styles.size() && i < input.mesh->summaries.size(); ++i) {
-    const IntervalSummary& summary = input.mesh->summaries[i];
+  for (std::size_t i = 0; i < input.styles.size() && i < extracted.summaries().size(); ++i) {
+    const IntervalSummary& summary = extracted.summaries()[i];
     LegendEntry entry{summary.interval.lower, summary.interval.upper, {}, input.styles[i]};
     std::size_t of = i;  // within its step
     const SmearPart* part = nullptr;

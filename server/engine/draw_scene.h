@@ -8,6 +8,7 @@
 
 #include "base/task.h"
 #include "data/dataset.h"
+#include "engine/base_meshes.h"
 #include "engine/scene.h"
 #include "extraction/extract_layers.h"
 #include "extraction/interval_mesh.h"
@@ -38,6 +39,19 @@ struct SmearPart {
   std::size_t first_summary = 0;  // of the mesh's
 };
 
+/// How grids of nothing but tetrahedra are drawn.
+enum class TetrahedraWay {
+  automatic,  // cut where only ends of intervals were moved and the base mesh is at hand, split else
+  split,      // as any grid: extraction splits tetrahedra
+  cut         // where cuts_exactly(), the intervals are cut in the rays and no mesh is extracted; split else
+};
+
+/// What makes an extraction cheaper or spares it.
+struct SceneAids : LayerAids {
+  TetrahedraWay tetrahedra = TetrahedraWay::split;  // another one only where the renderer cuts_intervals()
+  BaseMeshes* bases = nullptr;                      // null: split
+};
+
 /// A mesh and what it was made from. Immutable, shared between threads.
 struct ExtractedScene {
   LayerRequest request;                               // without what it carries; the array's name as it was found
@@ -57,8 +71,19 @@ struct ExtractedScene {
   Box3d bounds;                                              // of the grids
   bool same_grid = true;                                     // of all parts: the one that a visibility order may be taken from
   std::vector<SmearPart> parts;                              // of a smear, one a step, in their order
-  double extract_ms = 0;                                     // 0 where `previous` was reused
+  // Not null: nothing was extracted; mesh and color_values are its, and draw_input has the intervals cut by the renderer.
+  std::shared_ptr<const BaseTetrahedra> base;
+  std::vector<IntervalSummary> cut_summaries;  // of those intervals
+  double extract_ms = 0;                       // 0 where `previous` was reused
+
+  /// Of the request's intervals and of the terms that bring something in; of a smear, of each step.
+  const std::vector<IntervalSummary>& summaries() const { return base ? cut_summaries : mesh->summaries; }
 };
+
+/// Whether the intervals can be cut out of a grid of tetrahedra where they are drawn, and the picture is that of the split mesh:
+/// one field at one step, colours that run along it or are constant, no surfaces, no combined ranges, no intervals that overlap.
+/// `array` is the scene's.
+bool cuts_exactly(const Scene& scene, const std::string& array);
 
 /// The tetrahedra and cells of each of the scene's intervals; of a smear, added over its steps.
 std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene);
@@ -66,10 +91,11 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
 /// Extracts what layer_request says; `previous` is reused as far as that and the dataset are the same, and its mesh also where
 /// only colours are wanted that can be carried to it. A scene without intervals gives an empty mesh. Scene::array empty: the
 /// dataset's first. A smear is extracted step by step and joined; before the second step its memory is foreseen from the first
-/// one's (too_large). Throws not_found (no such array) and what extract_layers throws. Any thread.
+/// one's (too_large). Where the aids say so, a grid of tetrahedra is not extracted at all: see ExtractedScene::base. Throws
+/// not_found (no such array) and what extract_layers throws. Any thread.
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
-                                                    const LayerAids& aids = {});
+                                                    const SceneAids& aids = {});
 
 /// The same for one step that is at hand. Throws not_found where the scene's time needs another one.
 std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,

@@ -1,6 +1,7 @@
 #include "engine/engine.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -106,6 +107,7 @@ class Engine::Impl {
       : options_(std::move(options)),
         sink_(std::move(sink)),
         store_(options_.store),
+        bases_(options_.store.max_bytes),
         loaders_(4),
         exporters_(1),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
@@ -127,6 +129,7 @@ class Engine::Impl {
       for (auto& [id, operation] : operations_)
         if (const auto living = operation.lock()) living->task().cancel();
     }
+    base_task_.cancel();
     changed_.notify_all();
     render_thread_.join();
   }
@@ -277,13 +280,16 @@ class Engine::Impl {
       operation->task().check();
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
-      LayerAids aids;
+      SceneAids aids;
       aids.bricks = &bricks_;
+      aids.bases = &bases_;
+      aids.tetrahedra = cuts_intervals_ ? options_.tetrahedra : TetrahedraWay::split;
       extracted = extract_scene(steps, scene, previous, operation->task(), aids);
     } catch (...) {
       failure = std::current_exception();
     }
     operation->finish();
+    if (extracted) prepare_base(*extracted, scene, previous.get());
     std::vector<EngineEvent> events;
     {
       std::lock_guard lock(mutex_);
@@ -306,6 +312,21 @@ class Engine::Impl {
     }
     changed_.notify_all();
     for (EngineEvent& event : events) send(std::move(event));
+  }
+
+  /// Intervals that were moved once will be moved again: the grid that they are cut out of then is made meanwhile.
+  void prepare_base(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
+    if (!cuts_intervals_ || options_.tetrahedra != TetrahedraWay::automatic || extracted.base || !previous ||
+        previous->steps != extracted.steps || previous->request.intervals == extracted.request.intervals ||
+        !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
+      return;
+    jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
+      try {
+        bases_.make(dataset, array, base_task_);
+      } catch (const std::exception&) {  // extraction goes on without it
+      }
+      base_in_making_ = false;
+    });
   }
 
   static void fail_waiting(SessionState& session, std::vector<EngineEvent>& events) {
@@ -387,6 +408,7 @@ class Engine::Impl {
     std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
+      cuts_intervals_ = renderer->cuts_intervals();
       started.set_value(renderer->device());
     } catch (...) {
       started.set_exception(std::current_exception());
@@ -406,10 +428,23 @@ class Engine::Impl {
                 " frames in a row, the last with: " + *failure;
       try {
         renderer = options_.fallback_renderer ? options_.fallback_renderer() : make_renderer({"native", "native"});
+        take_renderer(*renderer);
       } catch (const std::exception&) {
         failures = 0;  // go on as before; each frame says why it fails
         instead.clear();
       }
+    }
+  }
+
+  /// What was made for a renderer that cuts intervals is made anew where the next one cannot.
+  void take_renderer(const Renderer& renderer) {
+    const std::lock_guard lock(mutex_);
+    cuts_intervals_ = renderer.cuts_intervals();
+    if (cuts_intervals_) return;
+    for (auto& [key, session] : sessions_) {
+      if (!session.ready || !session.ready->base) continue;
+      session.ready.reset();
+      advance(key, session);
     }
   }
 
@@ -554,6 +589,7 @@ class Engine::Impl {
   const EngineOptions options_;
   const Sink sink_;
   std::string device_;
+  std::atomic<bool> cuts_intervals_{false};  // the renderer of now
 
   std::mutex mutex_;  // guards the block below
   std::condition_variable changed_;
@@ -565,7 +601,10 @@ class Engine::Impl {
 
   // Destroyed from the last: every thread ends before what it uses.
   DatasetStore store_;
-  BrickMemory bricks_;  // of all sessions
+  BrickMemory bricks_;                       // of all sessions
+  BaseMeshes bases_;                         // likewise
+  Task base_task_;                           // of making those that nobody waits for
+  std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
   WorkerThreads loaders_;
   WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
   WorkerThreads jobs_;

@@ -12,6 +12,7 @@
 
 #include "engine/catalogue.h"
 #include "engine/dataset_store.h"
+#include "engine/draw_scene.h"
 #include "engine/messages.h"
 #include "rendering/renderer.h"
 
@@ -21,10 +22,11 @@ struct EngineOptions {
   Catalogue catalogue;
   RendererChoice renderer_choice;
   DatasetStoreOptions store;
+  TetrahedraWay tetrahedra = TetrahedraWay::automatic;  // where the renderer cuts_intervals()
   /// Makes the renderer, called on the render thread; empty: make_renderer(renderer_choice). Tests bring their own.
   std::function<std::unique_ptr<Renderer>()> renderer;
-  /// The renderer from then on, made on the render thread when the device has failed three frames in a row (ErrorCode::unavailable;
-  /// after each the renderer has tried a new context). The frames' device says so. Empty: native.
+  /// The renderer from then on, made on the render thread when the device has failed three frames in a row
+  /// (ErrorCode::unavailable; after each the renderer has tried a new context). The frames' device says so. Empty: native.
   std::function<std::unique_ptr<Renderer>()> fallback_renderer;
 };
 

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "engine/draw_scene.h"
+#include "extraction/brick_memory.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
 #include "rendering/turn_camera.h"
@@ -21,6 +22,8 @@ struct BenchArguments {
   std::vector<std::string> intervals;
   std::vector<std::string> sizes{"512x512", "1024x1024"}, renderers{"auto"};
   std::string array, mode = "both", device = "auto";
+  bool drag = false;
+  std::vector<std::string> tetrahedra{"split"};
   int repeat = 20;
   double seconds = 5;
   int threads = 0;
@@ -45,7 +48,8 @@ struct BenchRun {
   int width = 0, height = 0;
   std::int64_t tetrahedra = 0;
   double fragments_per_tetrahedron = 0, depth_complexity = 0;
-  double order_ms = 0, draw_ms = 0, readback_ms = 0;  // medians
+  double extract_ms = 0, order_ms = 0, draw_ms = 0, readback_ms = 0;  // medians
+  std::string way;                                                    // of a drag: "split", "cut"
   Spread total_ms;
   int frames = 0;
   std::vector<StageTime> stages;  // sums over the frames, as far as the renderer tells
@@ -116,32 +120,84 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
   return run;
 }
 
+/// An end of the last interval goes up and down by a tenth of its thickness, and every frame shows another place of it.
+BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::string& mode, const std::string& tetrahedra,
+                      const std::shared_ptr<const Dataset>& dataset, Scene scene, std::array<int, 2> size, BaseMeshes& bases,
+                      const BenchArguments& arguments) {
+  SceneAids aids;
+  aids.tetrahedra = tetrahedra == "cut" ? TetrahedraWay::cut : TetrahedraWay::split;
+  aids.bases = &bases;
+  BrickMemory bricks;
+  aids.bricks = &bricks;
+  for (SceneInterval& interval : scene.intervals) interval.own_range = true;
+  const StepSource steps = [&](int, const Task&) { return dataset; };
+  const SceneInterval start = scene.intervals.back();
+  auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
+  renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
+  BenchRun run;
+  run.data = data;
+  run.mode = mode;
+  run.width = size[0];
+  run.height = size[1];
+  run.tetrahedra = 0;
+  std::vector<double> extract, order, draw, readback, total;
+  const Stopwatch whole;
+  for (int i = 0; i < arguments.repeat && (i < 3 || whole.elapsed_ms() < arguments.seconds * 1e3); ++i) {
+    scene.intervals.back().upper = start.upper + 0.1 * std::sin(0.37 * (i + 1)) * (start.upper - start.lower);
+    const Stopwatch watch;
+    extracted = extract_scene(steps, scene, extracted, command_task(), aids);
+    extract.push_back(watch.elapsed_ms());
+    const DrawResult result = renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
+    total.push_back(watch.elapsed_ms());
+    order.push_back(result.facts.order_ms);
+    draw.push_back(result.facts.draw_ms);
+    readback.push_back(result.facts.readback_ms);
+    run.tetrahedra = result.facts.tetrahedra;
+    run.renderer = result.facts.renderer;
+    run.device = result.facts.device;
+    run.order = result.facts.order;
+    ++run.frames;
+  }
+  run.way = extracted->base ? "cut" : "split";
+  run.extract_ms = spread_of(extract).median;
+  run.order_ms = spread_of(order).median;
+  run.draw_ms = spread_of(draw).median;
+  run.readback_ms = spread_of(readback).median;
+  run.total_ms = spread_of(total);
+  return run;
+}
+
 double per_second(double count, const BenchRun& run) { return run.total_ms.median > 0 ? 1000 * count / run.total_ms.median : 0; }
 
 boost::json::object to_json(const BenchRun& run) {
   const auto tetrahedra = static_cast<double>(run.tetrahedra);
   boost::json::object stages;  // means
   for (const StageTime& stage : run.stages) stages[stage.name] = stage.ms / std::max(1, run.frames);
-  return {{"data", run.data},
-          {"renderer", run.renderer},
-          {"device", run.device},
-          {"size", boost::json::array{run.width, run.height}},
-          {"mode", run.mode},
-          {"order", run.order},
-          {"tetrahedra", run.tetrahedra},
-          {"fragments_per_tetrahedron", run.fragments_per_tetrahedron},
-          {"depth_complexity", run.depth_complexity},
-          {"frames", run.frames},
-          {"ms", boost::json::object{{"order", run.order_ms},
-                                     {"draw", run.draw_ms},
-                                     {"readback", run.readback_ms},
-                                     {"stages", std::move(stages)},
-                                     {"total", boost::json::object{{"min", run.total_ms.min},
-                                                                   {"median", run.total_ms.median},
-                                                                   {"max", run.total_ms.max}}}}},
-          {"frames_per_second", per_second(1, run)},
-          {"tetrahedra_per_second", per_second(tetrahedra, run)},
-          {"fragments_per_second", per_second(tetrahedra * run.fragments_per_tetrahedron, run)}};
+  boost::json::object document{{"data", run.data},
+                               {"renderer", run.renderer},
+                               {"device", run.device},
+                               {"size", boost::json::array{run.width, run.height}},
+                               {"mode", run.mode},
+                               {"order", run.order},
+                               {"tetrahedra", run.tetrahedra},
+                               {"fragments_per_tetrahedron", run.fragments_per_tetrahedron},
+                               {"depth_complexity", run.depth_complexity},
+                               {"frames", run.frames},
+                               {"ms", boost::json::object{{"order", run.order_ms},
+                                                          {"draw", run.draw_ms},
+                                                          {"readback", run.readback_ms},
+                                                          {"stages", std::move(stages)},
+                                                          {"total", boost::json::object{{"min", run.total_ms.min},
+                                                                                        {"median", run.total_ms.median},
+                                                                                        {"max", run.total_ms.max}}}}},
+                               {"frames_per_second", per_second(1, run)},
+                               {"tetrahedra_per_second", per_second(tetrahedra, run)},
+                               {"fragments_per_second", per_second(tetrahedra * run.fragments_per_tetrahedron, run)}};
+  if (!run.way.empty()) {
+    document["way"] = run.way;
+    document["ms"].as_object()["extract"] = run.extract_ms;
+  }
+  return document;
 }
 
 void print_heading() {
@@ -158,6 +214,7 @@ void print_text(const BenchRun& run) {
               run.fragments_per_tetrahedron, run.depth_complexity, run.order_ms, run.draw_ms, run.readback_ms, run.total_ms.min,
               run.total_ms.median, run.total_ms.max, per_second(tetrahedra, run) / 1e6,
               per_second(tetrahedra * run.fragments_per_tetrahedron, run) / 1e9, run.order.c_str());
+  if (!run.way.empty()) std::printf("  drag: %s, extract %.2f ms\n", run.way.c_str(), run.extract_ms);
   if (!run.stages.empty()) {
     std::printf("  stages, mean ms:");
     for (const StageTime& stage : run.stages) std::printf(" %s %.3f", stage.name.c_str(), stage.ms / std::max(1, run.frames));
@@ -203,6 +260,13 @@ void run(const BenchArguments& arguments) {
   if (workloads.empty()) workloads.assign(std::begin(kStandard), std::end(kStandard));
   boost::json::array runs;
   if (!arguments.json) print_heading();
+  const auto put = [&](const BenchRun& one) {
+    if (arguments.json)
+      runs.push_back(to_json(one));
+    else
+      print_text(one);
+  };
+  BaseMeshes bases(std::uint64_t{16} << 30);
   for (const Workload& workload : workloads) {
     const std::shared_ptr<const Dataset> dataset = open_argument(workload.data);
     const PointArray& array = array_argument(*dataset, arguments.array);
@@ -215,15 +279,19 @@ void run(const BenchArguments& arguments) {
     for (const char* mode : {"constant", "linear"}) {
       if (arguments.mode != "both" && arguments.mode != mode) continue;
       for (SceneInterval& interval : scene.intervals) interval.color_map = mode == std::string("linear") ? "viridis" : "";
+      if (arguments.drag) {
+        for (const std::string& size : arguments.sizes)
+          for (const std::unique_ptr<Renderer>& renderer : renderers)
+            for (const std::string& way : arguments.tetrahedra) {
+              if (way == "cut" && !renderer->cuts_intervals()) continue;
+              put(measure_drag(*renderer, workload.data, mode, way, dataset, scene, parse_size(size), bases, arguments));
+            }
+        continue;
+      }
       const auto extracted = extract_scene(dataset, scene, nullptr, command_task());
       for (const std::string& size : arguments.sizes)
-        for (const std::unique_ptr<Renderer>& renderer : renderers) {
-          const BenchRun one = measure(*renderer, workload.data, mode, *extracted, scene, parse_size(size), arguments);
-          if (arguments.json)
-            runs.push_back(to_json(one));
-          else
-            print_text(one);
-        }
+        for (const std::unique_ptr<Renderer>& renderer : renderers)
+          put(measure(*renderer, workload.data, mode, *extracted, scene, parse_size(size), arguments));
     }
   }
   if (arguments.json) {
@@ -253,6 +321,12 @@ void add_bench_render_command(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--renderer", arguments->renderers, "auto, native, raster, compute, or all three; may be repeated")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute", "all"}))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_flag("--drag", arguments->drag,
+                    "The camera stands still; an interval's end moves instead, and what that takes counts as extraction");
+  command->add_option("--tetrahedra", arguments->tetrahedra, "Of a drag over nothing but tetrahedra: split, cut; may be repeated")
+      ->check(CLI::IsMember({"split", "cut"}))
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();

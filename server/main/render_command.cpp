@@ -20,7 +20,7 @@ namespace {
 struct RenderArguments {
   std::string file, array, color_by, out;
   std::vector<std::string> intervals;
-  std::string size = "800x600", camera = "reset", renderer = "auto", background, device = "auto";
+  std::string size = "800x600", camera = "reset", renderer = "auto", background, device = "auto", tetrahedra = "auto";
   double unit_distance = 0;
   LayerArguments layers;
   StillArguments still;
@@ -49,11 +49,12 @@ Scene make_scene(const RenderArguments& arguments, const Dataset& dataset, doubl
   return scene;
 }
 
-boost::json::object to_json(const RenderArguments& arguments, const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
+boost::json::object to_json(const RenderArguments& arguments, const ExtractedScene& extracted, const DrawInput& input,
+                            const DrawFacts& facts, const Timing& ms) {
   const auto vector = [](Vec3d v) { return boost::json::array{v.x, v.y, v.z}; };
   boost::json::array intervals;
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
-    const IntervalSummary& summary = input.mesh->summaries[i];
+    const IntervalSummary& summary = extracted.summaries()[i];
     const IntervalStyle& style = input.styles[i];
     intervals.push_back(boost::json::object{
         {"lower", summary.interval.lower},
@@ -141,10 +142,16 @@ void run(const RenderArguments& arguments) {
   const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
   Scene scene = make_scene(arguments, *dataset, static_cast<double>(width) / height);
-  const auto extracted = extract_scene(steps, scene, nullptr, command_task());
-  ms.extract = stage.lap_ms();
   const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
   ms.device = stage.lap_ms();
+  BaseMeshes bases(layer_request(scene).max_bytes);
+  SceneAids aids;
+  if (arguments.tetrahedra == "cut" && renderer->cuts_intervals()) {
+    aids.tetrahedra = TetrahedraWay::cut;
+    aids.bases = &bases;
+  }
+  const auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
+  ms.extract = stage.lap_ms();
   const std::vector<Picture> pictures = pictures_of(arguments, scene);
   const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
   std::vector<Image> frames;
@@ -181,7 +188,7 @@ void run(const RenderArguments& arguments) {
   ms.total = total.elapsed_ms();
 
   if (arguments.json) {
-    boost::json::object document = to_json(arguments, input, facts, ms);
+    boost::json::object document = to_json(arguments, *extracted, input, facts, ms);
     if (pictures.size() > 1 && !animated) {
       boost::json::array paths;
       for (const Picture& picture : pictures) paths.push_back(boost::json::string(picture.out));
@@ -230,6 +237,12 @@ void add_render_command(CLI::App& app) {
                    "native: the CPU; raster: projected tetrahedra drawn by OpenGL; compute: OpenGL compute shaders; auto: "
                    "native where no device is hardware, else the faster of raster and compute")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
+      ->capture_default_str();
+  command
+      ->add_option("--tetrahedra", arguments->tetrahedra,
+                   "A grid of nothing but tetrahedra: split into the intervals', or cut in the rays (native only, and without "
+                   "surfaces, combined ranges and colours of another array; split else). auto: split, for one picture")
+      ->check(CLI::IsMember({"auto", "split", "cut"}))
       ->capture_default_str();
   add_still_options(*command, arguments->still);
   command->add_option("--background", arguments->background, "#rrggbb or transparent");

@@ -43,7 +43,7 @@ struct ServeArguments {
   std::string token_file;
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
-  std::string renderer = "auto", device = "auto";
+  std::string renderer = "auto", device = "auto", tetrahedra = "auto";
   std::size_t max_sessions = 32;
   std::size_t max_viewers = 64;
   std::string state_dir;
@@ -174,6 +174,9 @@ void serve(const ServeArguments& arguments) {
                                    " files are offered; name a smaller directory to see others");
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
+  options.engine.tetrahedra = arguments.tetrahedra == "cut"     ? TetrahedraWay::cut
+                              : arguments.tetrahedra == "split" ? TetrahedraWay::split
+                                                                : TetrahedraWay::automatic;
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
   options.port = static_cast<unsigned short>(arguments.port);
@@ -249,6 +252,12 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
+      ->capture_default_str();
+  command
+      ->add_option("--tetrahedra", arguments->tetrahedra,
+                   "Grids of nothing but tetrahedra: split by extraction, or cut in the rays by the native renderer; auto: cut "
+                   "while intervals are moved")
+      ->check(CLI::IsMember({"auto", "split", "cut"}))
       ->capture_default_str();
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))

@@ -55,9 +55,8 @@ void check(const DrawInput& input) {
   const std::size_t intervals = input.cut_intervals.empty() ? input.mesh->summaries.size() : input.cut_intervals.size();
   if (input.styles.size() != intervals)
     fail(std::to_string(input.styles.size()) + " styles for " + std::to_string(intervals) + " intervals");
-  if (!input.cut_intervals.empty() && (!input.color_values || input.color_values->size() != input.mesh->positions.size()))
-    fail("intervals that the renderer cuts need the field's values on the mesh's " +
-         std::to_string(input.mesh->positions.size()) + " points");
+  if (!input.cut_intervals.empty() && (!input.base || input.base->mesh != input.mesh || input.base->values != input.color_values))
+    fail("intervals that the renderer cuts need a grid's tetrahedra and the field's values on their points");
   for (const Interval& interval : input.cut_intervals)
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
@@ -67,6 +66,8 @@ void check(const DrawInput& input) {
     if (!(style.opacity >= 0 && style.opacity <= 1)) fail(which + "opacity must be in [0, 1]");
     if (style.opacity_upper && !(*style.opacity_upper >= 0 && *style.opacity_upper <= 1))
       fail(which + "the upper opacity must be in [0, 1]");
+    if (style.surface.drawn() && !input.cut_intervals.empty())
+      fail(which + "a surface is drawn of a mesh only that was extracted");
     if (style.surface.drawn()) check_surface(input, style.surface, which);
     if (style.constant()) continue;
     if (!style.color_map.empty()) color_map(style.color_map);  // throws where there is no such map

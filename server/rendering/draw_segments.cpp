@@ -83,7 +83,6 @@ struct SegmentsRenderer::State {
   std::weak_ptr<const IntervalMesh> mesh;
   std::weak_ptr<const std::vector<float>> values;
   std::vector<ValueRange> ranges;  // [intervals]
-  std::vector<ValueRange> blocks;  // block_ranges, made when they are first asked for
   std::mutex mutex;                // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
@@ -155,7 +154,11 @@ class TilePainter {
 
   std::uint32_t interval_of(std::uint32_t id) const {
     const std::size_t count = placed_.first_piece;
-    return id < count ? input_.mesh->tetrahedron_interval[id] : placed_.pieces[id - count].interval;
+    if (id >= count) return placed_.pieces[id - count].interval;
+    return optics_.cut ? placed_.reached[id].interval : input_.mesh->tetrahedron_interval[id];
+  }
+  const std::array<std::uint32_t, 4>& points_of(std::uint32_t id) const {
+    return optics_.cut ? placed_.reached[id].points : input_.mesh->tetrahedra[id];
   }
 
   void paint_group(int group, std::span<const TileEntry> entries, std::span<const TileEntry> surfaces, const CoverInput& part,
@@ -177,22 +180,31 @@ class TilePainter {
   /// The corners of the entries from `begin` on. They lie about in memory, so they are asked for some time before.
   void gather(const std::vector<TileEntry>& entries, std::size_t begin, CoverBatch& batch) const {
     constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
-    const auto& tetrahedra = input_.mesh->tetrahedra;
-    const std::uint16_t* const intervals = input_.mesh->tetrahedron_interval.data();
     const std::size_t count = placed_.first_piece;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t at = begin + i;
       if (const std::size_t ahead = at + kIdsAhead; ahead < entries.size() && entries[ahead].id < count) {
-        __builtin_prefetch(&tetrahedra[entries[ahead].id]);
-        __builtin_prefetch(&intervals[entries[ahead].id]);
+        __builtin_prefetch(&points_of(entries[ahead].id));
+        if (!optics_.cut) __builtin_prefetch(&input_.mesh->tetrahedron_interval[entries[ahead].id]);
       }
       if (const std::size_t ahead = at + kPointsAhead; ahead < entries.size() && entries[ahead].id < count)
-        for (const std::uint32_t point : tetrahedra[entries[ahead].id]) __builtin_prefetch(&placed_.points[point]);
+        for (const std::uint32_t point : points_of(entries[ahead].id)) __builtin_prefetch(&placed_.points[point]);
       const std::uint32_t id = entries[at].id;
       batch.interval[i] = static_cast<std::int32_t>(interval_of(id));
       for (std::size_t v = 0; v < 4; ++v)
-        batch.vertex[v][i] = id < count ? placed_.points[tetrahedra[id][v]] : placed_.pieces[id - count].vertex[v];
+        batch.vertex[v][i] = id < count ? placed_.points[points_of(id)[v]] : placed_.pieces[id - count].vertex[v];
+      if (optics_.cut) lay_inside(batch, i);
     }
+  }
+
+  /// Where the field does not change and just lies on an end, rounding must not decide whether it is inside.
+  void lay_inside(CoverBatch& batch, std::size_t i) const {
+    const float value = batch.vertex[0][i].value;
+    if (batch.vertex[1][i].value != value || batch.vertex[2][i].value != value || batch.vertex[3][i].value != value) return;
+    const Interval& interval = input_.cut_intervals[static_cast<std::size_t>(batch.interval[i])];
+    const double margin = 1e-3 * (interval.upper - interval.lower);
+    for (auto& corner : batch.vertex)
+      corner[i].value = static_cast<float>(std::clamp(double{value}, interval.lower + margin, interval.upper - margin));
   }
 
   /// The group's tetrahedra and surfaces in a part of the tile; in four parts of that where its fragments take too much memory.
@@ -276,12 +288,10 @@ void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& f
   SegmentOptics optics = make_segment_optics(input, view.scale, &state_->colors);
   if (state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
     state_->ranges.clear();
-    state_->blocks.clear();
     state_->mesh = input.mesh;
     state_->values = input.color_values;
   }
   if (optics.cut) {
-    if (state_->blocks.empty()) state_->blocks = block_ranges(*input.mesh, *input.color_values);
     std::vector<ValueRange> inside;
     for (const Interval& interval : input.cut_intervals)
       inside.push_back({static_cast<float>(interval.lower), static_cast<float>(interval.upper)});
@@ -290,7 +300,7 @@ void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& f
     if (state_->ranges.empty()) state_->ranges = value_ranges(*input.mesh, input.color_values.get());
     straighten(state_->ranges, optics);
   }
-  place_mesh(input, view, optics, state_->blocks, state_->placed);
+  place_mesh(input, view, optics, state_->placed);
   const SegmentSurfaces surfaces(input, view, optics, state_->placed.tiles_x, state_->placed.tiles_y);
   facts.order = "per pixel (exact)";
   facts.order_exact = true;

@@ -5,6 +5,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "extraction/interval_surfaces.h"
 #include "rendering/check_draw_input.h"
 #include "rendering/draw_crossings.h"
 #include "rendering/draw_segments.h"
@@ -24,7 +26,9 @@ class NativeRenderer final : public Renderer {
       TileSink sink(input);
       const bool constant = std::all_of(input.styles.begin(), input.styles.end(),
                                         [](const IntervalStyle& style) { return !style.visible || style.constant(); });
-      if (constant && input.cut_intervals.empty())
+      if (constant && !input.cut_intervals.empty() && !input.count_fragments)
+        draw_surfaces(input, sink, result.facts);
+      else if (constant && input.cut_intervals.empty())
         crossings_.draw(input, sink, result.facts);
       else
         segments_.draw(input, sink, result.facts);
@@ -36,8 +40,29 @@ class NativeRenderer final : public Renderer {
     }
   }
   const std::string& device() const override { return device_; }
+  bool cuts_intervals() const override { return true; }
 
  private:
+  /// Of cut intervals in constant colours. The surfaces are kept as long as the ends stay.
+  void draw_surfaces(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
+    const Stopwatch watch;
+    if (!surfaces_ || surfaces_of_.lock() != input.base || surfaces_between_ != input.cut_intervals) {
+      surfaces_ = std::make_shared<const IntervalMesh>(interval_surfaces(*input.base, input.cut_intervals));
+      surfaces_of_ = input.base;
+      surfaces_between_ = input.cut_intervals;
+    }
+    DrawInput drawn = input;
+    drawn.mesh = surfaces_;
+    drawn.color_values = nullptr;
+    const double cut_ms = watch.elapsed_ms();
+    crossings_.draw(drawn, sink, facts);
+    facts.order_ms += cut_ms;
+    facts.stages.push_back({"cut", cut_ms});
+  }
+
+  std::weak_ptr<const BaseTetrahedra> surfaces_of_;
+  std::vector<Interval> surfaces_between_;
+  std::shared_ptr<const IntervalMesh> surfaces_;  // of those
   const std::string device_ = std::string("CPU (") + vector_name() + ", " + std::to_string(thread_count()) +
                               (thread_count() == 1 ? " thread)" : " threads)");
   CrossingsRenderer crossings_;

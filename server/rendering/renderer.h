@@ -9,6 +9,7 @@
 
 #include "base/image.h"
 #include "data/grid.h"
+#include "extraction/base_tetrahedra.h"
 #include "extraction/interval_mesh.h"
 #include "rendering/camera.h"
 #include "rendering/style.h"
@@ -47,10 +48,10 @@ struct DrawInput {
   std::shared_ptr<const IntervalMesh> mesh;                // the renderer may keep device copies by this pointer's identity
   std::shared_ptr<const std::vector<float>> color_values;  // [np] or null where all styles are constant()
   std::vector<IntervalStyle> styles;                       // one per interval of the mesh
-  // Not empty: the mesh is a grid of tetrahedra as it is, in one piece and not cut into intervals (tetrahedron_interval and
-  // summaries are not looked at); color_values is the field on its points, and what is drawn of interval i, with style i, is where
-  // the field lies in it. Then other ends of the intervals need no other mesh. No surfaces; only the native renderer can do it.
+  // Not empty: what is drawn of interval i, with style i, is where base's field lies in it; mesh and color_values are base's.
+  // Then other ends of the intervals need no other mesh. No surfaces; only renderers that cuts_intervals().
   std::vector<Interval> cut_intervals;
+  std::shared_ptr<const BaseTetrahedra> base;  // null without cut_intervals
   RenderMode mode = RenderMode::sorted;
   Integral integral = Integral::exact;
   std::vector<ClipPlane> clip_planes;  // what is kept by all of them is drawn; the cut is exact, to the pixel
@@ -97,6 +98,8 @@ class Renderer {
   /// Throws invalid_argument (size, camera, NaN colours), too_large, unavailable. After an Error the next call works.
   virtual DrawResult draw(const DrawInput& input) = 0;
   virtual const std::string& device() const = 0;
+  /// Whether DrawInput::cut_intervals can be drawn. The same as long as it lives.
+  virtual bool cuts_intervals() const { return false; }
 };
 
 /// One attempt at a device, for `isostrata doctor`.
@@ -117,8 +120,8 @@ struct RendererChoice {
 /// native draws on the CPU's cores and needs no device. raster and compute draw with OpenGL on `device`: auto takes the first
 /// that works of each EGL device that is hardware, EGL surfaceless, OSMesa. renderer auto: native where the device is "native" or
 /// no device is hardware; else the faster of raster and compute in a short trial on that device (renderer_trial.h), held once in
-/// a process; raster on a named software device. The renderer must be used and destroyed on the thread that made it. Throws unavailable saying what was tried and why
-/// each failed, invalid_argument for words that are none of these.
+/// a process; raster on a named software device. The renderer must be used and destroyed on the thread that made it. Throws
+/// unavailable saying what was tried and why each failed, invalid_argument for words that are none of these.
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
 std::vector<DeviceAttempt> probe_devices();
 /// How the last trial of this process went, for the log; empty where there was none. Any thread.

@@ -1,11 +1,12 @@
 #include "rendering/segment_bins.h"
 
 #include <algorithm>
-#include <cmath>
+#include <atomic>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "rendering/clip_tetrahedron.h"
+#include "rendering/reach_tetrahedra.h"
 
 namespace isostrata {
 namespace {
@@ -14,13 +15,12 @@ constexpr std::size_t kChunk = 8192;  // tetrahedra
 
 /// Cut where the picture's pyramid of view ends, and sliced by depth: the difference of two inverse depths loses the digits by
 /// which they differ in size.
-void cut_tetrahedron(const DrawInput& input, const SegmentView& view, std::uint32_t id, std::uint32_t interval,
-                     std::vector<CutTetrahedron>& out) {
-  const IntervalMesh& mesh = *input.mesh;
+void cut_tetrahedron(const DrawInput& input, const SegmentView& view, const std::array<std::uint32_t, 4>& points,
+                     std::uint32_t interval, std::vector<CutTetrahedron>& out) {
   ClipTetrahedron whole;
   for (std::size_t v = 0; v < 4; ++v) {
-    const std::uint32_t point = mesh.tetrahedra[id][v];
-    whole[v] = {view.seen(mesh.positions[point]), input.color_values ? double{(*input.color_values)[point]} : 0.0};
+    const std::uint32_t point = points[v];
+    whole[v] = {view.seen(input.mesh->positions[point]), input.color_values ? double{(*input.color_values)[point]} : 0.0};
   }
   std::vector<ClipTetrahedron> pieces{whole};
   if (!view.orthographic) clip_tetrahedra(pieces, {0, 0, 1}, view.near_depth * 1.001);
@@ -66,72 +66,69 @@ struct ChunkResult {
   std::vector<PlacedTetrahedron> placed_pieces;  // ids from 0 on
 };
 
-void place_chunk(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, const ScreenVertex* points,
+void place_chunk(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, const PlacedMesh& all,
                  std::size_t begin, std::size_t end, PlacedTetrahedron* placed, ChunkResult& result) {
   const IntervalMesh& mesh = *input.mesh;
+  const auto points_of = [&](std::size_t t) -> const auto& { return optics.cut ? all.reached[t].points : mesh.tetrahedra[t]; };
+  const auto interval_of = [&](std::size_t t) {
+    return optics.cut ? all.reached[t].interval : std::uint32_t{mesh.tetrahedron_interval[t]};
+  };
   std::vector<std::uint32_t> to_cut(PlacementBatch::kCapacity);
   PlacementBatch batch;
   const auto flush = [&] {
     std::size_t cuts = 0;
     result.placed += place_tetrahedra(view, batch, placed + result.placed, to_cut.data(), &cuts);
     for (std::size_t c = 0; c < cuts; ++c)
-      cut_tetrahedron(input, view, to_cut[c], mesh.tetrahedron_interval[to_cut[c]], result.pieces);
+      cut_tetrahedron(input, view, points_of(to_cut[c]), interval_of(to_cut[c]), result.pieces);
     batch.count = 0;
   };
   for (std::size_t t = begin; t < end; ++t) {
-    if (optics.group[mesh.tetrahedron_interval[t]] < 0) continue;
+    if (optics.group[interval_of(t)] < 0) continue;
     ++result.drawn;
-    const auto& ids = mesh.tetrahedra[t];
+    const auto& ids = points_of(t);
     batch.id[batch.count] = static_cast<std::uint32_t>(t);
-    for (std::size_t v = 0; v < 4; ++v) batch.vertex[v][batch.count] = points[ids[v]];
+    for (std::size_t v = 0; v < 4; ++v) batch.vertex[v][batch.count] = all.points[ids[v]];
     if (++batch.count == PlacementBatch::kCapacity) flush();
   }
   flush();
 }
 
-/// A piece for each interval that each tetrahedron reaches into.
-void reach_into_intervals(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics,
-                          std::span<const ValueRange> blocks, const ScreenVertex* points, std::size_t begin, std::size_t end,
-                          ChunkResult& result) {
-  const std::vector<float>& values = *input.color_values;
-  for (std::size_t t = begin; t < end; ++t) {
-    const auto reaches = [&](float least, float most, std::size_t i) {
-      return optics.group[i] >= 0 && double{most} > input.cut_intervals[i].lower && double{least} < input.cut_intervals[i].upper;
-    };
-    if (t % kRangeBlock == 0) {
-      const ValueRange& block = blocks[t / kRangeBlock];
-      bool any = false;
-      for (std::size_t i = 0; i < input.cut_intervals.size() && !any; ++i) any = reaches(block.least, block.most, i);
-      if (!any) {
-        t += kRangeBlock - 1;
-        continue;
+/// Fills out.reached and projects the points that it uses, by blocks of them. The work is that of what is reached, and a look at
+/// each block of tetrahedra.
+void reach_and_project(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, PlacedMesh& out) {
+  const IntervalMesh& mesh = *input.mesh;
+  std::vector<ReachOf> drawn;
+  const std::vector<ValueBounds> bounds = value_bounds(input.cut_intervals);
+  for (std::size_t i = 0; i < bounds.size(); ++i)
+    if (optics.group[i] >= 0) drawn.push_back({bounds[i], static_cast<std::uint32_t>(i)});
+  const std::size_t blocks = input.base->ranges.block_least.size(), chunk_count = (blocks + kReachBlocks - 1) / kReachBlocks;
+  std::vector<std::vector<Reach>> reached(chunk_count);
+  parallel_for(static_cast<std::int64_t>(chunk_count), 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
+      reach_tetrahedra(input.base->ranges, c * kReachBlocks, std::min(blocks, (c + 1) * kReachBlocks), drawn, reached[c]);
+  });
+  std::vector<std::size_t> first(chunk_count + 1, 0);
+  for (std::size_t c = 0; c < chunk_count; ++c) first[c + 1] = first[c] + reached[c].size();
+  if (first.back() > 0xffffffffu)
+    throw Error(ErrorCode::too_large, "picture: more than 4294967295 tetrahedra in all its intervals together");
+  out.reached.resize(first.back());
+  constexpr std::size_t kPoints = 256;  // of a block
+  const std::size_t point_blocks = (mesh.positions.size() + kPoints - 1) / kPoints;
+  std::vector<std::atomic<bool>> used(point_blocks);
+  parallel_for(static_cast<std::int64_t>(chunk_count), 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
+      for (std::size_t i = 0; i < reached[c].size(); ++i) {
+        const auto& points = mesh.tetrahedra[reached[c][i].tetrahedron];
+        out.reached[first[c] + i] = {points, reached[c][i].interval};
+        for (const std::uint32_t point : points) used[point / kPoints].store(true, std::memory_order_relaxed);
       }
-    }
-    const auto& ids = input.mesh->tetrahedra[t];
-    const float a = values[ids[0]], b = values[ids[1]], c = values[ids[2]], d = values[ids[3]];
-    if (std::isnan(a + b + c + d)) continue;
-    const float least = std::min({a, b, c, d}), most = std::max({a, b, c, d});
-    for (std::size_t i = 0; i < input.cut_intervals.size(); ++i) {
-      if (!reaches(least, most, i)) continue;
-      ++result.drawn;
-      CutTetrahedron whole;
-      whole.interval = static_cast<std::uint32_t>(i);
-      bool seen = true;
-      int behind = 0;
-      float q_least = 1e30f, q_most = -1e30f;
-      for (std::size_t v = 0; v < 4; ++v) {
-        whole.vertex[v] = points[ids[v]];
-        seen = seen && !std::isnan(whole.vertex[v].x);
-        behind += std::isnan(whole.vertex[v].x) && whole.vertex[v].y == kTooNearToSee;
-        q_least = std::min(q_least, whole.vertex[v].q);
-        q_most = std::max(q_most, whole.vertex[v].q);
-      }
-      if (seen && (view.orthographic || q_most <= kDepthRatio * q_least))
-        result.pieces.push_back(whole);
-      else if (behind < 4)
-        cut_tetrahedron(input, view, static_cast<std::uint32_t>(t), whole.interval, result.pieces);
-    }
-  }
+  });
+  parallel_for(static_cast<std::int64_t>(point_blocks), 32, [&](std::int64_t begin, std::int64_t end) {
+    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
+      if (used[b].load(std::memory_order_relaxed))
+        project_vertices(view, mesh.positions.data(), input.color_values->data(), b * kPoints,
+                         std::min(mesh.positions.size(), (b + 1) * kPoints), out.points.data());
+  });
 }
 
 void place_pieces(const SegmentView& view, ChunkResult& result) {
@@ -191,28 +188,27 @@ void fill_bins(const std::vector<std::span<const PlacedTetrahedron>>& chunks, in
   });
 }
 
-void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, std::span<const ValueRange> blocks,
-                PlacedMesh& out) {
+void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, PlacedMesh& out) {
   const IntervalMesh& mesh = *input.mesh;
   out.tiles_x = (view.width + kTileSize - 1) / kTileSize;
   out.tiles_y = (view.height + kTileSize - 1) / kTileSize;
   out.points.resize(mesh.positions.size());
   const float* const values = input.color_values ? input.color_values->data() : nullptr;
-  parallel_for(static_cast<std::int64_t>(mesh.positions.size()), 8192, [&](std::int64_t begin, std::int64_t end) {
-    project_vertices(view, mesh.positions.data(), values, static_cast<std::size_t>(begin), static_cast<std::size_t>(end),
-                     out.points.data());
-  });
-  const std::size_t count = mesh.tetrahedra.size(), chunk_count = (count + kChunk - 1) / kChunk;
-  out.first_piece = optics.cut ? 0 : count;
-  out.placed.resize(out.first_piece);
+  if (optics.cut)
+    reach_and_project(input, view, optics, out);
+  else
+    parallel_for(static_cast<std::int64_t>(mesh.positions.size()), 8192, [&](std::int64_t begin, std::int64_t end) {
+      project_vertices(view, mesh.positions.data(), values, static_cast<std::size_t>(begin), static_cast<std::size_t>(end),
+                       out.points.data());
+    });
+  const std::size_t count = optics.cut ? out.reached.size() : mesh.tetrahedra.size(), chunk_count = (count + kChunk - 1) / kChunk;
+  out.first_piece = count;
+  out.placed.resize(count);
   std::vector<ChunkResult> results(chunk_count);
   parallel_for(static_cast<std::int64_t>(chunk_count), 1, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
       const std::size_t first = c * kChunk, last = std::min(count, first + kChunk);
-      if (optics.cut)
-        reach_into_intervals(input, view, optics, blocks, out.points.data(), first, last, results[c]);
-      else
-        place_chunk(input, view, optics, out.points.data(), first, last, out.placed.data() + first, results[c]);
+      place_chunk(input, view, optics, out, first, last, out.placed.data() + first, results[c]);
       place_pieces(view, results[c]);
     }
   });
@@ -222,7 +218,7 @@ void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOp
   for (std::size_t c = 0; c < chunk_count; ++c) {
     out.drawn += results[c].drawn;
     first_piece[c + 1] = first_piece[c] + results[c].pieces.size();
-    if (!optics.cut) chunks.push_back(std::span(out.placed).subspan(c * kChunk, results[c].placed));
+    chunks.push_back(std::span(out.placed).subspan(c * kChunk, results[c].placed));
     chunks.push_back(results[c].placed_pieces);
   }
   if (out.first_piece + first_piece.back() > 0xffffffffu)

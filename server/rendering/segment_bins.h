@@ -36,9 +36,16 @@ struct CutTetrahedron {
   std::uint32_t interval;
 };
 
+/// A tetrahedron of DrawInput::base and an interval that it reaches into.
+struct ReachedTetrahedron {
+  std::array<std::uint32_t, 4> points;
+  std::uint32_t interval;
+};
+
 /// The drawn tetrahedra on the screen. ids from first_piece on are pieces. Memory is kept from frame to frame.
 struct PlacedMesh {
-  Buffer<ScreenVertex> points;  // [np]
+  Buffer<ScreenVertex> points;         // [np]; where intervals are cut, only blocks of points that anything reached uses
+  Buffer<ReachedTetrahedron> reached;  // ids are of these where intervals are cut, else of the mesh's tetrahedra
   Buffer<CutTetrahedron> pieces;
   std::size_t first_piece = 0;
   TileBins bins;
@@ -48,9 +55,6 @@ struct PlacedMesh {
   Buffer<PlacedTetrahedron> placed;  // [tetrahedra], of each chunk from its first tetrahedron on
 };
 
-/// blocks: block_ranges, where DrawInput::cut_intervals are asked for: then everything is a piece, one for each interval that a
-/// tetrahedron reaches into.
-void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, std::span<const ValueRange> blocks,
-                PlacedMesh& out);
+void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, PlacedMesh& out);
 
 }  // namespace isostrata

@@ -143,17 +143,6 @@ std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector
   return ranges;
 }
 
-std::vector<ValueRange> block_ranges(const IntervalMesh& mesh, const std::vector<float>& values) {
-  std::vector<ValueRange> ranges((mesh.tetrahedra.size() + kRangeBlock - 1) / kRangeBlock);
-  parallel_for(static_cast<std::int64_t>(ranges.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
-      for (std::size_t t = b * kRangeBlock; t < std::min(mesh.tetrahedra.size(), (b + 1) * kRangeBlock); ++t)
-        for (const std::uint32_t point : mesh.tetrahedra[t])  // NaN is in no range
-          ranges[b] = {std::min(ranges[b].least, values[point]), std::max(ranges[b].most, values[point])};
-  });
-  return ranges;
-}
-
 void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics) {
   const std::size_t count = optics.lower.size();
   optics.straight.assign(count, 0);

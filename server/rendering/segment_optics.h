@@ -56,10 +56,6 @@ struct ValueRange {
 /// [intervals]. O(tetrahedra), parallel. values may be null.
 std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values);
 
-/// The values of every kRangeBlock tetrahedra; parallel.
-inline constexpr std::size_t kRangeBlock = 64;
-std::vector<ValueRange> block_ranges(const IntervalMesh& mesh, const std::vector<float>& values);
-
 /// Finds the intervals over which colours run along a line.
 void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics);
 

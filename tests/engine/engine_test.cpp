@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -320,6 +321,73 @@ TEST(SameExtraction, DependsOnEndsAndArraysOnly) {
   b = a;
   b.intervals[0].upper = 2;
   EXPECT_FALSE(same_extraction(a, b));
+}
+
+/// The engine with the native renderer over a grid of tetrahedra, one request after the other.
+class TetrahedraEngine {
+ public:
+  explicit TetrahedraEngine(TetrahedraWay way) {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"tets:10"});
+    options.renderer_choice = {"native", "native"};
+    options.tetrahedra = way;
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) {
+      if (auto* frame = std::get_if<FrameReady>(&event)) frames_.set_value(std::move(*frame));
+      if (auto* failed = std::get_if<RequestFailed>(&event)) ADD_FAILURE() << failed->message;
+    });
+  }
+  FrameReady frame(double upper, const std::string& map) {
+    frames_ = {};
+    auto ready = frames_.get_future();
+    Scene scene;
+    scene.revision = ++revision_;
+    scene.dataset = "tets-10";
+    scene.array = "distance";
+    scene.camera = Camera{{3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 30};
+    scene.intervals.push_back({1, 0.2, upper, {1, 0, 0}, map, 0.5, 0, true});
+    engine_->post(SceneUpdate{1, scene});
+    FrameRequest request;
+    request.session = 1;
+    request.request = revision_;
+    request.width = 64;
+    request.height = 48;
+    request.lossless = true;
+    request.jpeg = false;
+    engine_->post(request);
+    return ready.get();
+  }
+
+ private:
+  std::uint64_t revision_ = 0;
+  std::promise<FrameReady> frames_;
+  std::unique_ptr<Engine> engine_;
+};
+
+/// Nothing was split: the tetrahedra are the grid's own.
+bool is_cut(const FrameReady& frame) { return frame.intervals[0].tetrahedra == frame.intervals[0].active_cells; }
+
+TEST(Engine, TetrahedraAreCutInTheRaysWhereTheOptionsSaySo) {
+  TetrahedraEngine split(TetrahedraWay::split), cut(TetrahedraWay::cut);
+  for (const std::string map : {"viridis", ""})
+    for (const double upper : {0.5, 0.55}) {
+      const FrameReady a = split.frame(upper, map), b = cut.frame(upper, map);
+      EXPECT_FALSE(is_cut(a));
+      EXPECT_TRUE(is_cut(b));
+      EXPECT_EQ(a.intervals[0].active_cells, b.intervals[0].active_cells);
+      EXPECT_NEAR(a.intervals[0].volume, b.intervals[0].volume, 1e-6);
+      EXPECT_EQ(b.revision, a.revision);
+    }
+}
+
+TEST(Engine, ADragOverTetrahedraSoonExtractsNothing) {
+  TetrahedraEngine engine(TetrahedraWay::automatic);
+  EXPECT_FALSE(is_cut(engine.frame(0.5, "viridis")));
+  bool cut = false;
+  for (int i = 1; i < 500 && !cut; ++i) {
+    cut = is_cut(engine.frame(0.5 + i * 1e-4, "viridis"));
+    std::this_thread::sleep_for(5ms);
+  }
+  EXPECT_TRUE(cut);
 }
 
 }  // namespace

@@ -53,6 +53,41 @@ TEST(RenderCommand, DividesTheRangeIntoFourWithoutIntervals) {
   for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(intervals[i].at("lower"), intervals[i - 1].at("upper"));
 }
 
+TEST(RenderCommand, TetrahedraAreSplitOrCutAsAsked) {
+  const TemporaryFolder folder;
+  const auto render = [&](const std::string& options) {
+    const CommandResult result = run_isostrata("render tets:8 --interval 0.1:0.3,color=map:viridis --size 64x48 --json --out '" +
+                                               (folder / "a.png").string() + "' " + options);
+    EXPECT_EQ(result.status, 0) << result.err;
+    const auto document = boost::json::parse(result.out);
+    const auto& interval = document.at("intervals").as_array().at(0);
+    EXPECT_EQ(interval.at("lower").to_number<double>(), 0.1);
+    return interval.at("tetrahedra").to_number<long>();
+  };
+  const long split = render("--renderer native"), cut = render("--renderer native --tetrahedra cut");
+  EXPECT_GT(cut, 0);
+  EXPECT_LT(cut, split);
+  EXPECT_EQ(render("--renderer native --tetrahedra split"), split);
+  EXPECT_EQ(render("--renderer raster --device surfaceless --tetrahedra cut"), split);
+  EXPECT_EQ(render("--renderer native --tetrahedra cut --color-by distance"), cut);
+}
+
+TEST(BenchRender, ADragExtractsOrCuts) {
+  const CommandResult result = run_isostrata(
+      "bench render --drag --tetrahedra split --tetrahedra cut --data tets:8 --interval 0.1:0.3 --size 32x32 --renderer native "
+      "--mode linear --repeat 3 --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto document = boost::json::parse(result.out);
+  const auto& runs = document.at("runs").as_array();
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].at("way").as_string(), "split");
+  EXPECT_EQ(runs[1].at("way").as_string(), "cut");
+  for (const auto& run : runs) {
+    EXPECT_EQ(run.at("frames").to_number<int>(), 3);
+    EXPECT_GT(run.at("ms").at("extract").to_number<double>(), 0);
+  }
+}
+
 struct Refusal {
   const char* arguments;
   const char* says;

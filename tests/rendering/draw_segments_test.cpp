@@ -188,12 +188,10 @@ DrawInput uncut_input(const char* data, double lower, double middle, double uppe
   const auto dataset = make_analytic(data, {}, Task{});
   const PointArray& array = dataset->arrays[0];
   const double span = array.upper - array.lower;
-  ExtractOptions options;
-  const std::vector<Interval> all{{array.lower - 1, array.upper + 1}};
   DrawInput input = extracted_input(data, lower, middle, upper);
-  auto mesh = std::make_shared<IntervalMesh>(extract_intervals(dataset->grid, array, all, options, Task{}));
-  input.color_values = std::make_shared<const std::vector<float>>(mesh->values.begin(), mesh->values.end());
-  input.mesh = mesh;
+  input.base = make_base_tetrahedra(*dataset, array.name, std::uint64_t{1} << 30, Task{});
+  input.mesh = input.base->mesh;
+  input.color_values = input.base->values;
   input.cut_intervals = {{array.lower + lower * span, array.lower + middle * span},
                          {array.lower + middle * span, array.lower + upper * span}};
   return input;
