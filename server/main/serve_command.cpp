@@ -1,7 +1,5 @@
 // isostrata serve: the server, from its flags to its last line.
 #include <fcntl.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <array>
@@ -21,6 +19,7 @@
 #include "base/parallel.h"
 #include "main/commands.h"
 #include "main/config_file.h"
+#include "main/server_log.h"
 #include "net/server.h"
 #include "net/static_files.h"
 #include "session/random_token.h"
@@ -54,29 +53,6 @@ struct ServeArguments {
   std::string ready_file;
   std::string log_format = "text";
   std::string web_root;
-};
-
-// Messages go to standard error; none of them ever holds the token.
-class Log {
- public:
-  explicit Log(bool json) : json_(json), logger_("isostrata", std::make_shared<spdlog::sinks::stderr_sink_mt>()) {
-    logger_.set_pattern(json ? "%v" : "%Y-%m-%dT%H:%M:%S.%e%z %l %v");
-  }
-  void info(const std::string& event, const std::string& text) { write(spdlog::level::info, event, text); }
-  void warn(const std::string& event, const std::string& text) { write(spdlog::level::warn, event, text); }
-
- private:
-  void write(spdlog::level::level_enum level, const std::string& event, const std::string& text) {
-    if (!json_) return logger_.log(level, text);
-    const auto ms =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-    const std::string line = json::serialize(json::object{
-        {"time_ms", ms}, {"level", level == spdlog::level::warn ? "warning" : "info"}, {"event", event}, {"message", text}});
-    logger_.log(level, line);
-  }
-
-  const bool json_;
-  spdlog::logger logger_;
 };
 
 std::string read_token_file(const std::string& path) {
@@ -160,7 +136,7 @@ void print_address(const Server& server) {
 }
 
 void serve(const ServeArguments& arguments) {
-  Log log(arguments.log_format == "json");
+  ServerLog log(arguments.log_format == "json");
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
 
@@ -191,6 +167,7 @@ void serve(const ServeArguments& arguments) {
   options.warn = [&log](const std::string& what) { log.warn("journal", what); };
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
+  options.log = [&log](const LogLine& line) { log.write(line); };
 
   if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
   if (!loopback(arguments.host))

@@ -80,6 +80,7 @@ asio::awaitable<HttpResponse> answer(Site& site, const HttpRequest& request) {
     });
   } catch (const std::exception&) {
     slot->response = problem(500, "internal", "this request could not be handled");
+    site.refused(500);
   }
   boost::system::error_code error;
   if (!slot->response) co_await slot->arrived.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -167,6 +168,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
           error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow;
       const bool malformed = error.category() == make_error_code(http::error::bad_method).category() &&
                              error != http::error::end_of_stream && error != http::error::partial_message;
+      if (too_large || malformed) connections.site.refused(!too_large ? 400 : error == http::error::body_limit ? 413 : 431);
       if (too_large)
         co_await write(stream, wire(problem(error == http::error::body_limit ? 413 : 431, "too_large",
                                             "the request is larger than this server reads"),
@@ -177,6 +179,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
       break;
     }
     if (parser.chunked() || parser.get().count(http::field::transfer_encoding) > 0) {
+      connections.site.refused(411);
       co_await write(stream,
                      wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
       break;
@@ -184,6 +187,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
     if (beast::websocket::is_upgrade(parser.get())) {
       Sessions::Admission admission;
       if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()), admission)) {
+        connections.site.refused(refusal->status);
         co_await write(stream, wire(std::move(*refusal), 11, false, false));
         break;
       }
@@ -202,6 +206,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
     const http::request<http::string_body> request = parser.release();
     const bool head = request.method() == http::verb::head;
     stream.expires_never();
+    connections.site.set_connections(connections.open);
     HttpResponse response = co_await answer(connections.site, plain(request));
     connections.wake();
     if (response.events && !head) {

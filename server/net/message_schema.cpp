@@ -61,9 +61,13 @@ std::string comment_of(const Descriptor& of) {
 json::object reference(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
 
 // Doubles may be written as strings where they are not finite.
-json::object double_schema() {
-  return {{"anyOf", json::array{json::object{{"type", "number"}},
-                                json::object{{"type", "string"}, {"enum", json::array{"NaN", "Infinity", "-Infinity"}}}}}};
+json::object number_schema(json::object& schemas) {
+  if (!schemas.contains("Number"))
+    schemas["Number"] = json::object{
+        {"description", "A number; as text where it is not finite."},
+        {"anyOf", json::array{json::object{{"type", "number"}},
+                              json::object{{"type", "string"}, {"enum", json::array{"NaN", "Infinity", "-Infinity"}}}}}};
+  return reference("Number");
 }
 
 void add(const pb::Descriptor& message, json::object& schemas);
@@ -82,7 +86,7 @@ json::object value_schema(const pb::FieldDescriptor& field, json::object& schema
       return {{"type", json::array{"string", "integer"}}, {"pattern", "^[0-9]+$"}};
     case pb::FieldDescriptor::CPPTYPE_FLOAT:
     case pb::FieldDescriptor::CPPTYPE_DOUBLE:
-      return double_schema();
+      return number_schema(schemas);
     case pb::FieldDescriptor::CPPTYPE_ENUM: {
       json::array names;
       for (int i = 0; i < field.enum_type()->value_count(); ++i) names.emplace_back(field.enum_type()->value(i)->name());

@@ -62,6 +62,7 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   SiteOptions site;
   site.base_path = parse_base_url(options.base_url, public_host);
   site.web_root = options.web_root;
+  site.log = options.log;
   site.access.token = options.token;
   site.access.port = port;
   site.access.allowed_hosts = options.allowed_hosts;
@@ -242,6 +243,7 @@ class Server::Impl {
     acceptor_.close(ignored);
     wake();
     notice_.cancel();
+    site_.end(reason);
     sessions_.shut_down(reason, Server::kGoodbye);
     asio::co_spawn(io_, end_soon(), asio::detached);
   }

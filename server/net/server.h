@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/engine.h"
+#include "net/log_line.h"
 
 namespace isostrata {
 
@@ -33,6 +34,7 @@ struct ServerOptions {
   std::optional<std::chrono::system_clock::time_point> ends;  // when this process will be ended from outside; told to clients before
   std::function<void(const std::string& what)> warn;          // of trouble that the server lives with; any thread
   EngineOptions engine;
+  LogSink log;  // called on the thread of run(); empty: nobody listens
 };
 
 class Server {

@@ -121,6 +121,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   }
 
   void send(v1::ServerMessage message) override {
+    if (message.has_error()) note(message.error());
     if (state_) {
       // What is said after a state is heard after it: an answer never overtakes the change that it answers.
       v1::ServerMessage earlier;
@@ -178,6 +179,12 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     }
   }
 
+  void note(const v1::Error& error) {
+    const Session* session = connections_.sessions.watched_by(viewer_);
+    connections_.site.metrics().websocket_error(error.code());
+    connections_.site.log().websocket_error(session ? session->id() : "", viewer_, error);
+  }
+
   void queue(v1::ServerMessage message) {
     if (ended_ || closing_) return;
     waiting_bytes_ += message.ByteSizeLong();
@@ -203,6 +210,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     } else if (!frames_.empty()) {
       message.set_seq(++last_seq_);
       out = frame_bytes(std::move(message), std::move(frames_.front()));
+      connections_.site.metrics().websocket_sent(out.head.size() + out.payload->size());
       frames_.pop_front();
       return out;
     } else {
@@ -210,6 +218,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     }
     message.set_seq(++last_seq_);
     message.SerializeToString(&out.head);
+    connections_.site.metrics().websocket_sent(out.head.size());
     return out;
   }
 

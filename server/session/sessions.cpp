@@ -165,6 +165,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   viewer.client = hello.client();
   viewer.client_id = hello.client_id();
   session->attach(viewer, now);
+  for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
   if (hello.has_viewport())
     viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
                                hello.viewport().hidden(), now);
@@ -259,8 +260,16 @@ void Sessions::detach(ViewerKey key, TimePoint now) {
   const auto it = viewers_.find(key);
   if (it == viewers_.end()) return;
   admissions_.erase(key);
-  if (Session* session = find(it->second->session)) session->detach(*it->second, now);
+  if (Session* session = find(it->second->session)) {
+    session->detach(*it->second, now);
+    for (SessionsObserver* observer : observers_) observer->viewer_left(*session);
+  }
   viewers_.erase(it);
+}
+
+const Session* Sessions::watched_by(ViewerKey viewer) {
+  const auto it = viewers_.find(viewer);
+  return it == viewers_.end() ? nullptr : find(it->second->session);
 }
 
 Session* Sessions::create(TimePoint now, v1::Error& error) {

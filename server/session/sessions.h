@@ -57,6 +57,8 @@ class Sessions final : public EngineDoor {
   void round_trip(ViewerKey viewer, Duration time, TimePoint now);
   void detach(ViewerKey viewer, TimePoint now);
   std::size_t viewer_count() const { return viewers_.size(); }
+  /// Null: the viewer has not said hello.
+  const Session* watched_by(ViewerKey viewer);
 
   // ---- scripts ----
 
@@ -78,7 +80,10 @@ class Sessions final : public EngineDoor {
   /// second.
   TimePoint tick(TimePoint now);
   /// The observer must live as long as this.
-  void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
+  void observe(SessionsObserver& observer) {
+    observers_.push_back(&observer);
+    for (const auto& [key, session] : sessions_) observer.session_began(*session);  // those that a journal has kept
+  }
   /// Tells everyone that the server will end then, and goes on.
   void announce_end(const std::string& reason, UnixMs ends);
   /// Tells everyone that the server ends within that time, and closes their connections.

@@ -13,6 +13,9 @@ class SessionsObserver {
   virtual ~SessionsObserver() = default;
   virtual void session_began(const Session&) {}
   virtual void session_ended(const Session&) {}
+  /// After it was counted in, or out.
+  virtual void viewer_joined(const Session&) {}
+  virtual void viewer_left(const Session&) {}
   /// Every event of the engine, before anyone acts on it. Null: of no session that lives.
   virtual void engine_event(const Session*, const EngineEvent&) {}
 };
