@@ -85,7 +85,7 @@ fs::path default_state_dir() {
 }
 
 // Slurm's word on when the job's time is over.
-std::optional<std::chrono::system_clock::time_point> job_end(Log& log) {
+std::optional<std::chrono::system_clock::time_point> job_end(ServerLog& log) {
   const char* text = std::getenv("SLURM_JOB_END_TIME");
   if (!text || !*text) return std::nullopt;
   std::int64_t seconds = 0;

@@ -123,7 +123,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     Viewer* to = living(key);
     if (to && error) send_error(*to, seq, std::move(*error));
   };
-  if (done_before(viewer, message)) return;
+  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message)) return;  // a picture may be asked for again
   if (forbidden(viewer, message))
     return reply(wire_error("forbidden", "this connection may only look; a controller of the session changes what is shown"));
   if (answer_people(viewer, message, reply)) return;

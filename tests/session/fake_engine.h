@@ -117,10 +117,11 @@ class SessionsOnAClock {
     ready.width = request.width;
     ready.height = request.height;
     if (request.video) ready.video = VideoFacts{request.video->codec, request.video->stream, key || request.video->key};
-    ready.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
+    ready.bytes = std::make_shared<const Bytes>(200000, 7);
     sessions->on_event(ready, now);
   }
   void acknowledge(FakeClient& client) {
+    now += std::chrono::milliseconds(1);
     v1::ClientMessage message;
     message.mutable_frame_ack()->set_frame_id(client.outbox.frames.back().frame_id());
     say(client, std::move(message));

@@ -185,7 +185,7 @@ TEST_F(SharedPictures, NobodyEverMissesAFrameOfTheStreamTheyAreIn) {
         if (!clients_[i]->outbox.frames.empty() && (i == 0 || move % static_cast<int>(3 * i) == 0)) s_.acknowledge(*clients_[i]);
     }
   }
-  EXPECT_FALSE(s_.take<CloseStream>().empty()) << "nobody was ever out of step: the test shows nothing";
+  EXPECT_GT(made.size(), 1u) << "nobody was ever out of step: the test shows nothing";
 }
 
 }  // namespace
