@@ -49,7 +49,7 @@ test('the controller drags and the viewer sees it, and may not drag', async () =
   expect(address).not.toContain(token);
   const viewer = await come(address);
   expect(viewer.sessionId).toBe(owner.sessionId);
-  await expect.poll(() => viewer.page.locator('header').innerText()).toMatch(/View only/);
+  await expect.poll(() => viewer.page.locator('header.top').innerText()).toMatch(/View only/);
   await expect.poll(() => owner.page.locator('#share-panel').innerText()).toMatch(/Guest/);
   await owner.photograph('share-controller.png');
   await owner.page.keyboard.press('Escape');
@@ -72,7 +72,7 @@ test('the controller drags and the viewer sees it, and may not drag', async () =
   // Control is given, and the link is taken back.
   await owner.page.getByRole('button', { name: /^Share/ }).click();
   await owner.page.getByRole('button', { name: 'Let control' }).click();
-  await expect.poll(() => viewer.page.locator('header').innerText()).not.toMatch(/View only/);
+  await expect.poll(() => viewer.page.locator('header.top').innerText()).not.toMatch(/View only/);
   await viewer.drag(viewer.page.getByRole('application'), 90, 10);
   await owner.until('the guest’s camera', (state) => JSON.stringify(state.camera) !== JSON.stringify(camera));
   await owner.page.getByRole('button', { name: 'Take back' }).click();
