@@ -64,7 +64,10 @@ Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> p
 
 Sessions::~Sessions() {
   journal_.reset();  // writes what waits; what ends below ends with the process and is kept
-  while (!sessions_.empty()) remove(sessions_.begin()->first);
+  // Observers and whoever waits for answers may be gone already.
+  observers_.clear();
+  pending_.clear();
+  sessions_.clear();
 }
 
 std::optional<Sessions::Admission> Sessions::admit(const std::string& token) {
