@@ -9,7 +9,8 @@ namespace {
 
 v1::Invitations listed(const Session& session) {
   v1::Invitations all;
-  for (const Invitation& invitation : session.invitations().all()) *all.add_invitations() = session.to_wire_invitation(invitation);
+  for (const Invitation& invitation : session.invitations().all())
+    *all.add_invitations() = session.to_wire_invitation(invitation);
   return all;
 }
 
@@ -50,15 +51,16 @@ void add_people_routes(std::vector<Route>& routes, RestContext&) {
                     .description = "Without their tokens, which only their maker was ever told.",
                     .answers = {{200, "The oldest first", "Invitations"}},
                     .handler = [](Call call) { call.reply(message_response(200, listed(*call.session))); }});
-  routes.push_back({.method = "POST",
-                    .path = "/sessions/{session}/invitations",
-                    .id = "createInvitation",
-                    .tag = "people",
-                    .summary = "Invites somebody into this session alone",
-                    .description = "The link is the page's own address with `?token=` and the token of the answer, which is told only here.",
-                    .body = RequestBody{"CreateInvitation", "In which role, and for how long"},
-                    .answers = {{201, "The invitation with its token", "Invitation"}},
-                    .handler = [](Call call) { invite(call); }});
+  routes.push_back(
+      {.method = "POST",
+       .path = "/sessions/{session}/invitations",
+       .id = "createInvitation",
+       .tag = "people",
+       .summary = "Invites somebody into this session alone",
+       .description = "The link is the page's own address with `?token=` and the token of the answer, which is told only here.",
+       .body = RequestBody{"CreateInvitation", "In which role, and for how long"},
+       .answers = {{201, "The invitation with its token", "Invitation"}},
+       .handler = [](Call call) { invite(call); }});
   routes.push_back({.method = "DELETE",
                     .path = "/sessions/{session}/invitations/{invitation}",
                     .id = "revokeInvitation",

@@ -103,7 +103,7 @@ class Server::Impl {
       : options_(std::move(options)),
         connections_{sessions_,
                      site_,
-                     kMoreConnections + 2 * options_.max_sessions + options_.max_viewers,
+                     kMoreConnections + 2 * options_.max_sessions,
                      options_.hello_timeout,
                      options_.write_timeout,
                      [this] { wake(); }},

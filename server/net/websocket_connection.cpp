@@ -240,7 +240,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       // The head goes with the payload's first piece.
       const std::size_t total = bytes->payload ? bytes->payload->size() : 0;
       for (std::size_t at = 0; at < total || at == 0;) {
-        const std::size_t size = std::min(kPieceBytes, total - at);
+        const std::size_t room = at == 0 ? kPieceBytes - std::min(bytes->head.size(), kPieceBytes / 2) : kPieceBytes;
+        const std::size_t size = std::min(room, total - at);
         const std::array<asio::const_buffer, 2> pieces{at == 0 ? asio::buffer(bytes->head) : asio::const_buffer(),
                                                        total == 0 ? asio::const_buffer() : asio::buffer(bytes->payload->data() + at, size)};
         write_began_ = Steady::now();

@@ -26,10 +26,10 @@ Invitations::Made Invitations::make(const v1::CreateInvitation& wanted, UnixMs n
     return refused("invalid_argument", "seconds is " + std::to_string(seconds) + "; expected 1 to 31536000, or 0 for a day",
                    "seconds");
   if (wanted.name().size() > kMaxPersonBytes)
-    return refused("invalid_argument",
-                   "name has " + std::to_string(wanted.name().size()) + " bytes; expected at most " +
-                       std::to_string(kMaxPersonBytes),
-                   "name");
+    return refused(
+        "invalid_argument",
+        "name has " + std::to_string(wanted.name().size()) + " bytes; expected at most " + std::to_string(kMaxPersonBytes),
+        "name");
   if (all_.size() >= kMaxInvitations)
     return refused("unavailable",
                    "this session has its " + std::to_string(kMaxInvitations) + " invitations (max_invitations); revoke one first",

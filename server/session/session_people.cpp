@@ -78,8 +78,8 @@ void Session::set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& r
                             "role"));
   Viewer* of = wanted.participant() == 0 ? &viewer : living(wanted.participant());
   if (!of)
-    return reply(
-        wire_error("not_found", "participant " + std::to_string(wanted.participant()) + " is not in this session", "participant"));
+    return reply(wire_error("not_found", "participant " + std::to_string(wanted.participant()) + " is not in this session",
+                            "participant"));
   if (of->role == wanted.role()) return reply(std::nullopt);
   const auto controllers =
       std::count_if(viewers_.begin(), viewers_.end(), [](const auto& v) { return v.second->role == v1::ROLE_CONTROLLER; });

@@ -26,9 +26,8 @@ Session::Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept)
   std::vector<Invitation> invitations;
   for (const auto& i : kept.invitations())
     if (invitations.size() < Invitations::kMaxInvitations)
-      invitations.push_back(
-          {i.id(), i.token_hash(), i.role() == v1::ROLE_CONTROLLER ? v1::ROLE_CONTROLLER : v1::ROLE_VIEWER, i.expires_unix_ms(),
-           i.name()});
+      invitations.push_back({i.id(), i.token_hash(), i.role() == v1::ROLE_CONTROLLER ? v1::ROLE_CONTROLLER : v1::ROLE_VIEWER,
+                             i.expires_unix_ms(), i.name()});
   invitations_.restore(std::move(invitations));
   for (const auto& client : kept.clients()) clients_.push_back({client.id(), client.last_command()});
   state_.last_interval_id = kept.last_interval_id();
@@ -98,9 +97,9 @@ void Session::woken(const DatasetFacts& facts, TimePoint now) {
     open_in_scene(state_, facts);
     changed(now);
     v1::ServerMessage message;
-    *message.mutable_error() = wire_error(
-        "bad_data", "dataset '" + facts.id + "' is not what it was when this session was kept (" + error->message() +
-                        "); it is shown as if opened for the first time");
+    *message.mutable_error() =
+        wire_error("bad_data", "dataset '" + facts.id + "' is not what it was when this session was kept (" + error->message() +
+                                   "); it is shown as if opened for the first time");
     return broadcast(message);
   }
   // Nothing has changed: everyone has been told this state already.

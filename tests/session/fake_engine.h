@@ -28,10 +28,18 @@ struct FakeOutbox final : Outbox {
       if (has(*it)) return *it;
     return {};
   }
-  v1::Welcome welcome() const { return newest([](const auto& m) { return m.has_welcome(); }).welcome(); }
-  v1::Error error() const { return newest([](const auto& m) { return m.has_error(); }).error(); }
-  v1::State state() const { return newest([](const auto& m) { return m.has_state(); }).state(); }
-  v1::Participants participants() const { return newest([](const auto& m) { return m.has_participants(); }).participants(); }
+  v1::Welcome welcome() const {
+    return newest([](const auto& m) { return m.has_welcome(); }).welcome();
+  }
+  v1::Error error() const {
+    return newest([](const auto& m) { return m.has_error(); }).error();
+  }
+  v1::State state() const {
+    return newest([](const auto& m) { return m.has_state(); }).state();
+  }
+  v1::Participants participants() const {
+    return newest([](const auto& m) { return m.has_participants(); }).participants();
+  }
 
   std::vector<v1::ServerMessage> messages;
   std::vector<v1::Frame> frames;

@@ -59,8 +59,8 @@ TEST_F(People, AViewersCommandsAreForbiddenAndChangeNothing) {
   open.mutable_open_dataset()->set_id("fin");
   cancel.mutable_cancel()->set_operation(1);
   list.mutable_list_invitations();
-  for (const auto& message : {s_.camera(7), open, cancel, list, invite(v1::ROLE_CONTROLLER),
-                              role_of(0, v1::ROLE_CONTROLLER), role_of(owner_->key, v1::ROLE_VIEWER)}) {
+  for (const auto& message : {s_.camera(7), open, cancel, list, invite(v1::ROLE_CONTROLLER), role_of(0, v1::ROLE_CONTROLLER),
+                              role_of(owner_->key, v1::ROLE_VIEWER)}) {
     const auto errors = viewer->outbox.messages.size();
     s_.say(*viewer, message);
     ASSERT_GT(viewer->outbox.messages.size(), errors) << message.DebugString();

@@ -186,7 +186,8 @@ TEST_F(Restart, ADatasetThatIsGoneLeavesTheSessionAsItWasForTheNextTime) {
   {
     const auto after = s_->connect(hello);
     for (const auto& request : s_->take<OpenRequest>())
-      s_->sessions->on_event(RequestFailed{request.session, request.request, 0, ErrorCode::not_found, "it is not there"}, s_->now);
+      s_->sessions->on_event(RequestFailed{request.session, request.request, 0, ErrorCode::not_found, "it is not there"},
+                             s_->now);
     EXPECT_EQ(after->outbox.error().code(), "not_found");
     s_->say(*after, s_->camera(1));
     EXPECT_EQ(after->outbox.error().code(), "unavailable");
