@@ -6,12 +6,15 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "base/parallel.h"
 #include "main/commands.h"
@@ -43,6 +46,8 @@ struct ServeArguments {
   std::string renderer = "auto", device = "auto", tetrahedra = "auto";
   std::string worker = "process";
   std::size_t max_sessions = 32;
+  std::size_t max_viewers = 64;
+  std::string state_dir;
   long session_ttl_s = 600;
   long idle_timeout_s = 0;
   std::uint64_t max_memory = 8ull << 30;
@@ -71,6 +76,30 @@ std::string token_of(const ServeArguments& arguments) {
                 "the token has " + std::to_string(token.size()) +
                     " characters; expected 8 to 512 of A-Z a-z 0-9 - . _ ~ (leave it out to have one made)");
   return token;
+}
+
+// Where programs keep what should survive them: XDG Base Directory Specification.
+fs::path default_state_dir() {
+  const char* state = std::getenv("XDG_STATE_HOME");
+  if (state && *state == '/') return fs::path(state) / "isostrata";
+  const char* home = std::getenv("HOME");
+  return home && *home == '/' ? fs::path(home) / ".local" / "state" / "isostrata" : fs::path();
+}
+
+// Slurm's word on when the job's time is over.
+std::optional<std::chrono::system_clock::time_point> job_end(ServerLog& log) {
+  const char* text = std::getenv("SLURM_JOB_END_TIME");
+  if (!text || !*text) return std::nullopt;
+  std::int64_t seconds = 0;
+  const char* end = text + std::strlen(text);
+  const auto [stop, error] = std::from_chars(text, end, seconds);
+  constexpr std::int64_t kFarthest = 253402300799;  // the year 9999
+  if (error != std::errc{} || stop != end || seconds <= 0 || seconds > kFarthest) {
+    log.warn("job_end", "SLURM_JOB_END_TIME is '" + std::string(text).substr(0, 40) +
+                            "', expected seconds since 1970; nobody will be told before the job ends");
+    return std::nullopt;
+  }
+  return std::chrono::system_clock::time_point(std::chrono::seconds(seconds));
 }
 
 bool loopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
@@ -154,6 +183,10 @@ void serve(const ServeArguments& arguments) {
   options.tls_certificate = arguments.tls_certificate;
   options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
+  options.max_viewers = arguments.max_viewers;
+  if (arguments.state_dir != "none") options.state_dir = arguments.state_dir.empty() ? default_state_dir() : fs::path(arguments.state_dir);
+  options.ends = job_end(log);
+  options.warn = [&log](const std::string& what) { log.warn("journal", what); };
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
   options.log = [&log](const LogLine& line) { log.write(line); };
@@ -242,6 +275,13 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  command->add_option("--max-viewers", arguments->max_viewers, "Connections of one session at a time")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      ->add_option("--state-dir", arguments->state_dir,
+                   "Directory in which sessions survive this process, by default $XDG_STATE_HOME/isostrata; none: they do not")
+      ->type_name("DIR");
   command->add_option("--session-ttl", arguments->session_ttl_s, "Seconds that a session is kept without anyone using it")
       ->check(CLI::Range(1, 31536000))
       ->capture_default_str();

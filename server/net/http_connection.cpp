@@ -185,13 +185,14 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
       break;
     }
     if (beast::websocket::is_upgrade(parser.get())) {
-      if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()))) {
+      Sessions::Admission admission;
+      if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()), admission)) {
         connections.site.refused(refusal->status);
         co_await write(stream, wire(std::move(*refusal), 11, false, false));
         break;
       }
       forget.reset();
-      co_return co_await serve_websocket(std::move(stream), parser.release(), connections);
+      co_return co_await serve_websocket(std::move(stream), parser.release(), connections, std::move(admission));
     }
     stream.expires_after(kBodyTimeout);
     co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));

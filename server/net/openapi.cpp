@@ -28,6 +28,7 @@ const std::vector<std::pair<const char*, const char*>> kTags = {
     {"server", "What this server is and can do"},
     {"datasets", "What can be opened"},
     {"sessions", "Who looks at what"},
+    {"people", "Who is in a session, and whom they invite"},
     {"state", "Everything that a session shows"},
     {"scene", "Parts of the state"},
     {"intervals", "Intervals one by one"},

@@ -93,7 +93,7 @@ std::vector<Route> RestApi::all_routes(RestContext& context, const std::string& 
                       call.reply({200, "application/openapi+json", document, {{"Cache-Control", "no-cache"}}});
                     }});
   for (const auto add : {add_server_routes, add_dataset_routes, add_session_routes, add_state_routes, add_scene_routes,
-                         add_interval_routes, add_picture_routes, add_operation_routes})
+                         add_interval_routes, add_picture_routes, add_operation_routes, add_people_routes})
     add(routes, context);
   return routes;
 }
@@ -113,6 +113,8 @@ void RestApi::handle(const HttpRequest& request, const RequestTarget& target, co
     call.session = sessions_.find(it->second);
     if (!call.session) return call.reply(problem(wire_error("not_found", "there is no session of this id; it may have ended")));
     call.session->touch(rest_now());
+    if (call.session->waking())
+      return call.session->after_waking([this, request, target, path, reply = call.reply](TimePoint) { handle(request, target, path, reply); });
     if (route.conditional)
       if (auto refusal = refuse_revision(request, call.session->scene().revision, call.expected))
         return call.reply(std::move(*refusal));

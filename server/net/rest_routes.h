@@ -25,6 +25,8 @@ void add_interval_routes(std::vector<Route>& routes, RestContext& context);   //
 void add_picture_routes(std::vector<Route>& routes, RestContext& context);    // images, histogram, statistics
 void add_operation_routes(std::vector<Route>& routes, RestContext& context);  // long work; mesh files
 
+void add_people_routes(std::vector<Route>& routes, RestContext& context);     // who is in a session, and invitations
+
 TimePoint rest_now();
 
 /// The state with its ETag.

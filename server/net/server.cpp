@@ -1,5 +1,6 @@
 #include "net/server.h"
 
+#include <array>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -21,7 +22,7 @@ namespace asio = boost::asio;
 using tcp = asio::ip::tcp;
 using Steady = std::chrono::steady_clock;
 
-constexpr auto kGoodbye = std::chrono::milliseconds(1500);  // for clients to hear that the server ends
+constexpr std::array kNotices = {std::chrono::minutes(10), std::chrono::minutes(5), std::chrono::minutes(1)};  // before the end
 
 constexpr std::size_t kMoreConnections = 256;  // than two for each session: pages load over several
 
@@ -84,7 +85,12 @@ std::unique_ptr<TlsGate> make_gate(const ServerOptions& options) {
 SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine& engine) {
   SessionsOptions sessions;
   sessions.max_sessions = options.max_sessions;
+  sessions.max_viewers = options.max_viewers;
   sessions.session_ttl = options.session_ttl;
+  sessions.warn = options.warn;
+  if (!options.state_dir.empty()) sessions.journal = options.state_dir / "sessions";
+  if (options.ends)
+    sessions.ends = std::chrono::duration_cast<std::chrono::milliseconds>(options.ends->time_since_epoch()).count();
   sessions.stall_time = options.stall_time;
   sessions.server_name = options.name;
   sessions.device = engine.device();
@@ -124,7 +130,8 @@ class Server::Impl {
         engine_(make_engine(options_, [this](EngineEvent event) { arrive(std::move(event)); })),
         sessions_(sessions_options(options_, *engine_), [this](EngineRequest request) { engine_->post(std::move(request)); }),
         site_(site_options_, sessions_),
-        tick_(io_) {}
+        tick_(io_),
+        notice_(io_) {}
 
   ~Impl() {
     // Most coroutines end here; those that wait for an answer are destroyed with io_.
@@ -132,6 +139,7 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     tick_.cancel();
+    notice_.cancel();
     sessions_.end_all();  // what waits for sessions belongs to the site, which goes first
     io_.restart();
     io_.poll();
@@ -158,6 +166,7 @@ class Server::Impl {
     }
     asio::co_spawn(io_, accept_all(), asio::detached);
     asio::co_spawn(io_, tick_all(), asio::detached);
+    if (options_.ends) asio::co_spawn(io_, give_notice(), asio::detached);
     if (ready) asio::post(io_, ready);
     for (;;) {
       try {
@@ -230,24 +239,42 @@ class Server::Impl {
     }
   }
 
+  // A process that is to be ended at a known time says so, more urgently as it comes near. Whoever is late to be told of ten
+  // minutes is told at once how many are left.
+  asio::awaitable<void> give_notice() {
+    for (std::size_t i = 0; i < kNotices.size(); ++i) {
+      const auto left = *options_.ends - std::chrono::system_clock::now();
+      if (i + 1 < kNotices.size() && left <= kNotices[i + 1]) continue;
+      if (left <= std::chrono::seconds(0)) co_return;
+      boost::system::error_code error;
+      notice_.expires_after(std::chrono::duration_cast<Steady::duration>(left - kNotices[i]));
+      co_await notice_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      if (stopping_) co_return;
+      sessions_.announce_end("the time of the server's job is over",
+                             std::chrono::duration_cast<std::chrono::milliseconds>(options_.ends->time_since_epoch()).count());
+    }
+  }
+
   void shut_down(const std::string& reason) {
     if (stopping_) return;
     stopping_ = true;
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     wake();
+    notice_.cancel();
     site_.end(reason);
-    sessions_.shut_down(reason);
+    sessions_.shut_down(reason, Server::kGoodbye);
     asio::co_spawn(io_, end_soon(), asio::detached);
   }
 
   asio::awaitable<void> end_soon() {
-    const auto deadline = Steady::now() + kGoodbye;
-    while (Steady::now() < deadline && sessions_.viewer_count() > 0) {
+    const auto deadline = Steady::now() + Server::kGoodbye;
+    while (Steady::now() + Server::kGoodbye / 2 < deadline && sessions_.viewer_count() > 0) {
       boost::system::error_code error;
       asio::steady_timer pause(io_, std::chrono::milliseconds(20));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
+    sessions_.flush_journal(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Steady::now()));
     io_.stop();
   }
 
@@ -262,7 +289,7 @@ class Server::Impl {
   const std::unique_ptr<FrameEngine> engine_;
   Sessions sessions_;
   Site site_;
-  asio::steady_timer tick_;
+  asio::steady_timer tick_, notice_;
   bool stopping_ = false;
   Steady::time_point last_connection_ = Steady::now();
 };

@@ -64,6 +64,13 @@ Site::Site(SiteOptions options, Sessions& sessions)
   sessions.observe(log_);
 }
 
+std::optional<Sessions::Admission> Site::invited(const HttpRequest& request, const RequestTarget& target) const {
+  std::optional<Sessions::Admission> found;
+  for (const std::string& token : access_.tokens_offered(request, target))
+    if (!found) found = sessions_.admit(token);
+  return found;
+}
+
 HttpResponse Site::unauthorized(bool page) const {
   if (page)
     return message_page(401, "A token is needed",
@@ -155,7 +162,13 @@ void Site::dispatch(const HttpRequest& request, const std::optional<RequestTarge
                               "The application is at <a href=\"" + options_.base_path + "\">" + options_.base_path + "</a>."));
 
   const bool api = below->size() >= 2 && (*below)[0] == "api" && (*below)[1] == "v1";
-  if (!access_.token_accepted(request, *target)) return reply(unauthorized(!api && *below != Path{"metrics"}));
+  if (!access_.token_accepted(request, *target)) {
+    // An invitation opens the page's files and one session's WebSocket, nothing else.
+    const auto guest = invited(request, *target);
+    if (!guest) return reply(unauthorized(!api && *below != Path{"metrics"}));
+    if (api || *below == Path{"metrics"})
+      return reply(problem(403, "forbidden", "an invitation opens the page of its session; the API needs the server's token"));
+  }
   if (api) return api_.handle(request, *target, {below->begin() + 2, below->end()}, reply, route);
 
   *route = *below == Path{"metrics"} ? "/metrics" : "page";
@@ -172,18 +185,28 @@ void Site::dispatch(const HttpRequest& request, const std::optional<RequestTarge
         {308, "", "", {{"Location", options_.base_path + (query == std::string::npos ? "" : request.target.substr(query))}}});
   }
   HttpResponse response = files_.get(request, *below);
-  if (access_.token_in_query(*target)) response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
+  if (access_.token_in_query(*target))
+    response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
+  else if (const auto it = target->query.find("token"); it != target->query.end() && sessions_.admit(it->second))
+    response.headers.emplace_back("Set-Cookie", access_.set_guest_cookie(options_.base_path, it->second));
   reply(std::move(response));
 }
 
-std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request) const {
+std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request, Sessions::Admission& admission) const {
   const auto target = parse_target(request.target);
   const auto below = target ? below_base(*target) : std::nullopt;
   if (!below || *below != std::vector<std::string>{"ws"})
     return problem(404, "not_found", "the WebSocket is at " + options_.base_path + "ws");
   if (!access_.host_allowed(request)) return problem(403, "forbidden", "this Host is not served here");
   if (!access_.origin_allowed(request)) return problem(403, "forbidden", "this Origin may not use the server");
-  if (!access_.token_accepted(request, *target)) return unauthorized(false);
+  // A page that was opened by an invitation says so itself; a cookie of the server's own token must not overrule it.
+  const auto given = target->query.find("token");
+  auto guest = given == target->query.end() || access_.token_in_query(*target) ? std::nullopt : sessions_.admit(given->second);
+  if (!guest && !access_.token_accepted(request, *target)) {
+    guest = invited(request, *target);
+    if (!guest) return unauthorized(false);
+  }
+  admission = guest.value_or(Sessions::Admission{});
   const std::string_view offered = request.header("sec-websocket-protocol");
   bool speaks = false;
   for (std::size_t at = 0; at <= offered.size();) {

@@ -42,8 +42,9 @@ class Site {
   Metrics& metrics() { return metrics_; }
   const SiteLog& log() const { return log_; }
   const RestApi& api() const { return api_; }
-  /// Nothing where the upgrade is welcome, else the refusal.
-  std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request) const;
+  /// Nothing where the upgrade is welcome, else the refusal. admission: which session an invitation opens; empty for the server's
+  /// own token.
+  std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request, Sessions::Admission& admission) const;
 
   const std::string& base_path() const { return options_.base_path; }
 
@@ -53,6 +54,8 @@ class Site {
   HttpResponse ready() const;
   HttpResponse metrics_text();
   HttpResponse unauthorized(bool page) const;
+  /// Whether the request brings the token of an invitation that is good, and for what.
+  std::optional<Sessions::Admission> invited(const HttpRequest& request, const RequestTarget& target) const;
   /// The segments below the base path; nothing where the target is not below it.
   std::optional<std::vector<std::string>> below_base(const RequestTarget& target) const;
 

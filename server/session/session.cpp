@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "engine/draw_scene.h"
 
@@ -29,12 +30,24 @@ v1::ServerMessage dataset_message(const DatasetFacts& facts) {
   return message;
 }
 
+bool same_picture(const FrameRequest& a, const FrameRequest& b) {
+  if (a.video.has_value() != b.video.has_value()) return false;
+  // Whoever needs a key frame cannot do with an ordinary one; the other way round is no loss.
+  if (a.video && (a.video->stream != b.video->stream || (b.video->key && !a.video->key))) return false;
+  return a.width == b.width && a.height == b.height && a.lossless == b.lossless && a.jpeg == b.jpeg &&
+         a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes;
+}
+
 }  // namespace
 
 v1::Error wire_error(const RequestFailed& failed) { return wire_error(to_string(failed.code), failed.message); }
 
 Session::Session(SessionKey key, EngineDoor& engine)
-    : key_(key), id_(random_token(64)), resume_token_(random_token(192)), engine_(engine) {
+    : key_(key),
+      id_(random_token(64)),
+      resume_token_(random_token(192)),
+      resume_hashes_{secret_hash(resume_token_)},
+      engine_(engine) {
   state_.scene.revision = 1;
 }
 
@@ -43,7 +56,7 @@ Session::~Session() {
   engine_.post(CloseSession{key_});
 }
 
-v1::State Session::wire_state() const { return to_wire(state_.scene); }
+v1::State Session::wire_state() const { return asleep_ ? *asleep_ : to_wire(state_.scene); }
 
 Viewer* Session::living(ViewerKey key) {
   const auto it = viewers_.find(key);
@@ -54,38 +67,39 @@ void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
   viewer.session = key_;
   last_use_ = now;
-  begin_stream(viewer);
-  viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+  viewer.frames.set_video(is_video(viewer.ladder.front()));
+  viewer.frames.scene_changed(state_.scene.revision, drawable(), now);
 }
 
 void Session::detach(Viewer& viewer, TimePoint now) {
   announce(now);  // nobody may be there later to see to it
-  if (viewer.ordered_request != 0) {
-    engine_.post(ForgetFrame{key_, viewer.ordered_request});
-    engine_.forget(viewer.ordered_request);
-  }
-  end_stream(viewer);
+  leave_picture(viewer);
+  for (auto& [request, picture] : pictures_) picture.takers.erase(viewer.key);
+  streams_.leave(viewer.key, true);
+  viewer.stream = 0;
+  end_streams();
   viewers_.erase(viewer.key);
   viewer.session = 0;
   last_use_ = now;
+  people_changed();
 }
 
-// Whoever begins to look, or to look anew, gets a stream of their own, which begins with a key frame.
-void Session::begin_stream(Viewer& viewer) {
-  end_stream(viewer);
-  if (is_video(viewer.ladder.front())) viewer.stream = ++last_stream_;
-  viewer.frames.set_video(viewer.stream != 0);
-}
-
-void Session::end_stream(Viewer& viewer) {
-  if (viewer.stream != 0) engine_.post(CloseStream{key_, viewer.stream});
+// Whoever has missed a frame, or begins anew, gets a stream of their own, which begins with a key frame.
+void Session::begin_stream(Viewer& viewer, TimePoint now) {
+  streams_.missed(viewer.key, now);
   viewer.stream = 0;
+  end_streams();
+  viewer.frames.scene_changed(state_.scene.revision, drawable(), now);  // the picture it did not get
+}
+
+void Session::end_streams() {
+  for (const StreamId stream : streams_.take_ended()) engine_.post(CloseStream{key_, stream});
 }
 
 void Session::step_down(Viewer& viewer, TimePoint now) {
   if (viewer.ladder.size() > 1) viewer.ladder.erase(viewer.ladder.begin());
-  begin_stream(viewer);
-  viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);  // the picture it did not get
+  viewer.frames.set_video(is_video(viewer.ladder.front()));
+  begin_stream(viewer, now);
 }
 
 void Session::broadcast(const v1::ServerMessage& message) {
@@ -96,9 +110,10 @@ void Session::changed(TimePoint now, bool soon) {
   unannounced_ = true;
   if (!soon || now - announced_ >= kAnnounce) announce(now);
   for (auto& [key, viewer] : viewers_) {
-    viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+    viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
     viewer->bands.clear();
   }
+  engine_.session_changed(*this);
   pump(now);
 }
 
@@ -122,6 +137,10 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     Viewer* to = living(key);
     if (to && error) send_error(*to, seq, std::move(*error));
   };
+  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message)) return;  // a picture may be asked for again
+  if (forbidden(viewer, message))
+    return reply(wire_error("forbidden", "this connection may only look; a controller of the session changes what is shown"));
+  if (answer_people(viewer, message, reply)) return;
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
     case v1::ClientMessage::kOpenDataset:
@@ -131,7 +150,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
       viewer.frames.set_viewport(static_cast<int>(viewport.width()), static_cast<int>(viewport.height()), viewport.hidden(), now);
       if (!viewer.bands.empty() &&
-          (viewer.bands.front().width() != viewport.width() || viewer.bands.front().height() != viewport.height()))
+          (viewer.bands.front().frame.width() != viewport.width() || viewer.bands.front().frame.height() != viewport.height()))
         viewer.bands.clear();
       return pump(viewer, now);
     }
@@ -151,12 +170,15 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       if (!failed.again()) {
         step_down(viewer, now);
       } else {
-        begin_stream(viewer);
-        viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+        begin_stream(viewer, now);
       }
       return pump(viewer, now);
     }
     case v1::ClientMessage::kRequestStill: {
+      if (waking())
+        return after_waking([this, key, message](TimePoint then) {
+          if (Viewer* to = living(key)) receive(*to, message, then);
+        });
       const v1::RequestStill& still = message.request_still();
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
       if (still.width() != 0 || still.height() != 0)
@@ -230,6 +252,8 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
     });
     return;
   }
+  if (asleep_)
+    return reply(wire_error("unavailable", "dataset '" + asleep_->dataset() + "' of this session could not be opened again"));
   if (auto error = unexpected(expected)) return reply(std::move(error));
   CommandOutcome outcome = apply_command(state_, message, context(viewer));
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
@@ -282,6 +306,12 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     opening.reply(wire_error(*failed));
   } else if (const auto* ready = std::get_if<DatasetReady>(&event)) {
     dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
+    if (asleep_ && asleep_->dataset() == dataset_->id) {
+      woken(*dataset_, now);
+      opening.reply(std::nullopt);
+      return run_deferred(now);
+    }
+    asleep_.reset();
     const Viewer* asker = living(opening.viewer);
     open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
     if (Viewer* viewer = living(opening.viewer)) viewer->note_input(opening.seq, state_.scene.revision);
@@ -365,83 +395,132 @@ void Session::pump(TimePoint now) {
 
 void Session::send_bands(Viewer& viewer, TimePoint now) {
   while (!viewer.bands.empty() && viewer.frames.next_band_at(now) <= now) {
-    v1::Frame& band = viewer.bands.front();
-    band.set_frame_id(viewer.frames.sent_band(band.payload().size(), now));
-    viewer.outbox->send_frame(std::move(band));
+    Viewer::Band& band = viewer.bands.front();
+    band.frame.set_frame_id(viewer.frames.sent_band(band.payload->size(), now));
+    viewer.outbox->send_frame(std::move(band.frame), std::move(band.payload));
     viewer.bands.pop_front();
   }
 }
 
+void Session::leave_picture(Viewer& viewer) {
+  const auto it = pictures_.find(std::exchange(viewer.ordered_request, 0));
+  if (it == pictures_.end()) return;
+  it->second.takers.erase(viewer.key);
+  if (!it->second.takers.empty()) return;
+  engine_.post(ForgetFrame{key_, it->first});
+  engine_.forget(it->first);
+  pictures_.erase(it);
+}
+
 void Session::pump(Viewer& viewer, TimePoint now) {
   send_bands(viewer, now);
-  if (viewer.frames.withdraw_order()) {
-    engine_.post(ForgetFrame{key_, viewer.ordered_request});
-    engine_.forget(viewer.ordered_request);
-    viewer.ordered_request = 0;
-  }
+  if (viewer.frames.withdraw_order()) leave_picture(viewer);
   const auto order = viewer.frames.next(now);
   if (!order) return;
   announce(now);
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
   // A settled frame is a picture by itself, as good as pictures get that are not lossless.
-  if (order->phase == FramePhase::moving && viewer.stream != 0)
-    request.video = VideoOrder{viewer.ladder.front(), viewer.stream, order->bitrate_kbps, false};
+  if (order->phase == FramePhase::moving && is_video(viewer.ladder.front())) {
+    const auto choice = streams_.choose(viewer.key, viewer.ladder.front(), order->width, order->height, now);
+    viewer.stream = choice.stream;
+    end_streams();
+    request.video = VideoOrder{viewer.ladder.front(), choice.stream, order->bitrate_kbps, choice.key};
+  }
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
+  // One that is not being drawn yet will show the newest scene, and so will one that was asked for after the newest change.
+  for (auto& [id, picture] : pictures_) {
+    if ((picture.started && picture.revision != state_.scene.revision) || !same_picture(picture.request, request) ||
+        picture.takers.contains(viewer.key))
+      continue;
+    picture.takers[viewer.key] = *order;
+    if (picture.started)
+      viewer.frames.started();
+    else
+      viewer.ordered_request = id;
+    return;
+  }
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(std::move(request), [this, key = viewer.key, number, order = *order, had_started = false](
-                                                const EngineEvent& event, TimePoint then) mutable {
-    on_frame_event(key, *number, order, had_started, event, then);
-  });
+  *number = engine_.ask(
+      request, [this, number](const EngineEvent& event, TimePoint then) { on_picture_event(*number, event, then); });
+  pictures_[*number] = {request, state_.scene.revision, false, {{viewer.key, *order}}};
   viewer.ordered_request = *number;
 }
 
-void Session::on_frame_event(ViewerKey key, RequestId request, const FrameOrder& order, bool& had_started,
-                             const EngineEvent& event, TimePoint now) {
-  Viewer* viewer = living(key);
-  if (!viewer) return;
-  if (std::holds_alternative<FrameStarted>(event)) {
-    had_started = true;
-    if (viewer->ordered_request == request) viewer->ordered_request = 0;
-    viewer->frames.started();
-  } else if (const auto* ready = std::get_if<FrameReady>(&event)) {
-    if (ready->video && ready->video->stream != viewer->stream) {
-      // It was being drawn when its stream ended.
-      viewer->frames.failed(had_started);
-      return pump(*viewer, now);
+void Session::give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now) {
+  v1::Frame frame = to_wire(ready);
+  std::shared_ptr<const Bytes> payload = ready.bytes;
+  viewer.bands.clear();
+  if (ready.bands) {
+    v1::Frame next = frame;
+    next.clear_facts();
+    for (std::size_t i = 0; i < ready.bands->size(); ++i) {
+      const PngBand& band = (*ready.bands)[i];
+      const std::shared_ptr<const Bytes> bytes(ready.bands, &band.bytes);  // all viewers' pieces are these
+      v1::Frame& piece = i == 0 ? frame : viewer.bands.emplace_back(Viewer::Band{next, bytes}).frame;
+      if (i == 0) payload = bytes;
+      piece.mutable_band()->set_first_row(static_cast<std::uint32_t>(band.first_row));
+      piece.mutable_band()->set_rows(static_cast<std::uint32_t>(band.rows));
+      piece.mutable_band()->set_index(static_cast<std::uint32_t>(i));
+      piece.mutable_band()->set_count(static_cast<std::uint32_t>(ready.bands->size()));
+      piece.set_input_seq(viewer.input_of(ready.revision));
     }
-    v1::Frame frame = to_wire(*ready);
-    viewer->bands.clear();
-    if (ready->bands) {
-      v1::Frame next = frame;
-      next.clear_facts();
-      for (std::size_t i = 0; i < ready->bands->size(); ++i) {
-        const PngBand& band = (*ready->bands)[i];
-        v1::Frame& piece = i == 0 ? frame : viewer->bands.emplace_back(next);
-        piece.mutable_band()->set_first_row(static_cast<std::uint32_t>(band.first_row));
-        piece.mutable_band()->set_rows(static_cast<std::uint32_t>(band.rows));
-        piece.mutable_band()->set_index(static_cast<std::uint32_t>(i));
-        piece.mutable_band()->set_count(static_cast<std::uint32_t>(ready->bands->size()));
-        piece.set_payload(band.bytes.data(), band.bytes.size());
-        piece.set_input_seq(viewer->input_of(ready->revision));
-      }
-    }
-    if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
-    frame.set_frame_id(viewer->frames.sent(order, ready->revision, frame.payload().size(), now));
-    frame.set_input_seq(viewer->input_of(ready->revision));
-    viewer->outbox->send_frame(std::move(frame));
-  } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
-    if (viewer->ordered_request == request) viewer->ordered_request = 0;
-    viewer->frames.failed(had_started);
-    if (failed->encoder_failed) {
-      step_down(*viewer, now);
-      return pump(*viewer, now);
-    }
-    if (failed->code == ErrorCode::cancelled) return pump(*viewer, now);
-    // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
-    if (had_started) send_error(*viewer, 0, wire_error(*failed));
   }
-  pump(*viewer, now);
+  if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
+  frame.set_frame_id(viewer.frames.sent(order, ready.revision, payload->size(), now));
+  frame.set_input_seq(viewer.input_of(ready.revision));
+  viewer.outbox->send_frame(std::move(frame), std::move(payload));
+}
+
+void Session::on_picture_event(RequestId request, const EngineEvent& event, TimePoint now) {
+  const auto it = pictures_.find(request);
+  if (it == pictures_.end()) return;
+  const auto each_taker = [&](const Picture& picture, const auto& act) {
+    for (const auto& [key, order] : picture.takers)
+      if (Viewer* viewer = living(key)) act(*viewer, order);
+  };
+  if (std::holds_alternative<FrameStarted>(event)) {
+    it->second.started = true;
+    each_taker(it->second, [](Viewer& viewer, const FrameOrder&) {
+      viewer.ordered_request = 0;
+      viewer.frames.started();
+    });
+    return pump(now);
+  }
+  const Picture picture = std::move(it->second);
+  pictures_.erase(it);
+  if (!picture.started) each_taker(picture, [](Viewer& viewer, const FrameOrder&) { viewer.ordered_request = 0; });
+  if (const auto* ready = std::get_if<FrameReady>(&event)) {
+    std::vector<ViewerKey> of_stream;
+    if (ready->video) of_stream = streams_.takers(ready->video->stream, ready->video->key);
+    const auto in_stream = [&](ViewerKey key) { return std::find(of_stream.begin(), of_stream.end(), key) != of_stream.end(); };
+    each_taker(picture, [&](Viewer& viewer, const FrameOrder& order) {
+      if (ready->video && !in_stream(viewer.key))
+        viewer.frames.failed(picture.started);  // it was being drawn when the viewer left its stream
+      else
+        give(viewer, order, *ready, now);
+    });
+    // The stream's next frame is of use only to whoever has this one.
+    for (const ViewerKey key : of_stream) {
+      Viewer* viewer = living(key);
+      if (!viewer || picture.takers.empty() || picture.takers.contains(key)) continue;
+      if (viewer->frames.visible() && viewer->frames.in_flight() < viewer->frames.window() && !viewer->frames.stalled(now))
+        give(*viewer, picture.takers.begin()->second, *ready, now);
+      else
+        begin_stream(*viewer, now);
+    }
+  } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
+    each_taker(picture, [&](Viewer& viewer, const FrameOrder&) {
+      viewer.frames.failed(picture.started);
+      // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
+      if (picture.started && !failed->encoder_failed && failed->code != ErrorCode::cancelled)
+        send_error(viewer, 0, wire_error(*failed));
+    });
+    if (failed->encoder_failed && picture.request.video)
+      for (const ViewerKey key : streams_.members(picture.request.video->stream))
+        if (Viewer* viewer = living(key)) step_down(*viewer, now);
+  }
+  pump(now);
 }
 
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {

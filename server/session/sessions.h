@@ -11,6 +11,7 @@
 
 #include "encoding/encoder.h"
 #include "engine/frame_engine.h"
+#include "session/journal.h"
 #include "session/session.h"
 #include "session/sessions_observer.h"
 
@@ -18,6 +19,7 @@ namespace isostrata {
 
 struct SessionsOptions {
   std::size_t max_sessions = 32;
+  std::size_t max_viewers = 64;  // of one session
   Duration session_ttl = std::chrono::minutes(10);  // a session that nobody uses is kept that long
   Duration stall_time = FrameScheduler::kStall;     // without an acknowledgement: nothing more is drawn for that viewer
   std::string server_name = "isostrata";            // with its version, for Welcome
@@ -25,6 +27,9 @@ struct SessionsOptions {
   bool device_is_software = false;
   std::function<EngineFacts()> engine;  // whose process draws, asked again each time; empty: device is all that is known
   std::vector<v1::DatasetEntry> datasets;
+  std::filesystem::path journal;                       // the directory where sessions survive the process; empty: they do not
+  std::function<void(const std::string& what)> warn;  // of the journal's trouble; any thread
+  UnixMs ends = 0;                                     // when the server is known to end, by the system's clock; 0: not known
   std::vector<Codec> moving_codecs =
       isostrata::moving_codecs();  // that frames in motion may be sent in, the best first, JPEG last
 };
@@ -37,8 +42,16 @@ class Sessions final : public EngineDoor {
 
   // ---- connections ----
 
+  /// What a token opens that is not the server's: one session, in one role.
+  struct Admission {
+    std::string session;     // ids; empty: all, as a controller
+    std::string invitation;
+  };
+  /// By an invitation's token. Takes as long for every token of one length; nothing where it is none, or over.
+  std::optional<Admission> admit(const std::string& token);
+
   /// Until its Hello the viewer belongs to no session. The outbox must live until detach.
-  ViewerKey attach(Outbox& outbox, TimePoint now);
+  ViewerKey attach(Outbox& outbox, TimePoint now, Admission admission = {});
   void receive(ViewerKey viewer, const v1::ClientMessage& message, TimePoint now);
   /// What came was not a message of this protocol: answers "malformed" and closes.
   void receive_malformed(ViewerKey viewer, const std::string& why);
@@ -73,13 +86,22 @@ class Sessions final : public EngineDoor {
   /// second.
   TimePoint tick(TimePoint now);
   /// The observer must live until end_all(), or as long as this.
-  void observe(SessionsObserver& observer) { observers_.push_back(&observer); }
-  /// Tells everyone that the server ends, and closes their connections.
-  void shut_down(const std::string& reason);
+  void observe(SessionsObserver& observer) {
+    observers_.push_back(&observer);
+    for (const auto& [key, session] : sessions_) observer.session_began(*session);  // those that a journal has kept
+  }
+  /// Tells everyone that the server will end then, and goes on.
+  void announce_end(const std::string& reason, UnixMs ends);
+  /// Tells everyone that the server ends within that time, and closes their connections.
+  void shut_down(const std::string& reason, Duration deadline = {});
+  /// Waits until all sessions are on the disk; false where they are not by then, or are not kept at all.
+  bool flush_journal(std::chrono::milliseconds timeout) { return journal_ && journal_->flush(timeout); }
 
   void post(EngineRequest request) override { post_(std::move(request)); }
   RequestId ask(EngineRequest request, Listener listener) override;
   void forget(RequestId request) override { pending_.erase(request); }
+  void session_changed(const Session& session) override;
+  void invitation_ended(const Session& session, const std::string& invitation) override;
 
  private:
   struct Pending {
@@ -88,13 +110,17 @@ class Sessions final : public EngineDoor {
   };
 
   void hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
+  Session* place_for(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
+  void welcome(Viewer& viewer, Session& session);
   void remove(SessionKey key);
   Session* find(SessionKey key);
 
   const SessionsOptions options_;
   const std::function<void(EngineRequest)> post_;
+  std::unique_ptr<Journal> journal_;
   std::map<RequestId, Pending> pending_;
   std::map<ViewerKey, std::unique_ptr<Viewer>> viewers_;
+  std::map<ViewerKey, Admission> admissions_;  // of those that have not said hello
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
   std::vector<SessionsObserver*> observers_;

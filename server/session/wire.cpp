@@ -206,7 +206,6 @@ v1::Frame to_wire(const FrameReady& frame) {
     of->set_volume(interval.volume);
   }
   *out.mutable_camera() = to_wire(frame.camera);
-  if (frame.bytes) out.set_payload(frame.bytes->data(), frame.bytes->size());
   return out;
 }
 

@@ -42,7 +42,8 @@ export class Server {
     const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-ready-'));
     const readyFile = join(folder, 'ready.json');
     const port = String(options.port ?? 0);
-    const more = options.more ?? [];
+    const more = [...(options.more ?? [])];
+    if (!more.includes('--state-dir')) more.push('--state-dir', 'none'); // a test leaves nothing behind
     const args = ['serve', ...options.data, '--port', port, '--ready-file', readyFile, '--web-root', webRoot, ...more];
     const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}), ...options.env };
     const child = spawn(binary, args, { cwd: repository, env, stdio: ['ignore', 'pipe', 'pipe'] });

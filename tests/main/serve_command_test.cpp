@@ -37,6 +37,7 @@ std::string contents(const fs::path& path) {
 
 class ServeCommand : public ::testing::Test {
  protected:
+  ServeCommand() { setenv("XDG_STATE_HOME", directory_.path().c_str(), 1); }
   ~ServeCommand() override {
     if (server_ > 0) {
       kill(server_, SIGKILL);

@@ -169,6 +169,7 @@ TEST(BadFields, WhatIsNestedDeepOrUnknownOrRepeatedEndsNothing) {
     socket.send_frame(ping.SerializeAsString());
     bool pong = false, malformed = false;
     for (auto frame = socket.read_frame(); frame && frame->opcode != 8 && !pong; frame = socket.read_frame()) {
+      if ((frame->opcode & 15) == 9) continue;  // the connection's own pings
       v1::ServerMessage answer;
       ASSERT_TRUE(answer.ParseFromString(frame->payload));
       pong = answer.has_pong();

@@ -13,7 +13,7 @@ using Names = std::vector<std::string>;
 struct FakeOutbox final : Outbox {
   void send(v1::ServerMessage message) override { messages.push_back(std::move(message)); }
   void send_state(v1::State) override {}
-  void send_frame(v1::Frame frame) override { frames.push_back(std::move(frame)); }
+  void send_frame(v1::Frame frame, std::shared_ptr<const Bytes>) override { frames.push_back(std::move(frame)); }
   void close(std::uint16_t code, const std::string&) override { closed = code; }
 
   std::deque<v1::ServerMessage> messages;
@@ -219,7 +219,7 @@ TEST_F(NegotiatedCodec, AnEncoderThatFailsIsAStepDownToo) {
   for (const auto& message : outbox_.messages) EXPECT_FALSE(message.has_error());
 }
 
-TEST_F(NegotiatedCodec, AViewerThatLeavesClosesItsStreamAndOneThatJoinsHasItsOwn) {
+TEST_F(NegotiatedCodec, OneThatJoinsSharesTheStreamAndBeginsWithAKeyFrameAndTheLastToLeaveClosesIt) {
   const v1::Welcome welcome = hello({"jpeg", "vp9-444"});
   const auto first = take<FrameRequest>();
   FakeOutbox other;
@@ -236,8 +236,11 @@ TEST_F(NegotiatedCodec, AViewerThatLeavesClosesItsStreamAndOneThatJoinsHasItsOwn
   const auto second = take<FrameRequest>();
   ASSERT_TRUE(first && second && second->video);
   EXPECT_EQ(second->session, first->session);
-  EXPECT_NE(second->video->stream, first->video->stream);
+  EXPECT_EQ(second->video->stream, first->video->stream);
+  EXPECT_TRUE(second->video->key);
   sessions_->detach(viewer_, now_);
+  EXPECT_TRUE(closed_streams_.empty());
+  sessions_->detach(joined, now_);
   EXPECT_EQ(closed_streams_, std::vector<StreamId>{first->video->stream});
 }
 

@@ -29,6 +29,8 @@ async function askWhy(): Promise<NotOpened> {
       };
     if (response.status === 403) {
       const problem = (await response.json().catch(() => ({}))) as { detail?: string; title?: string };
+      // An invitation opens the socket and not the API: it is good, and the socket will open when the server has room.
+      if (problem.detail?.startsWith('an invitation')) return { kind: 'unknown' };
       return { kind: 'refused', reason: problem.detail ?? problem.title ?? 'The server does not let this page in.' };
     }
     return { kind: response.status >= 502 && response.status <= 504 ? 'unreachable' : 'unknown' };

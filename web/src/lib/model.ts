@@ -189,6 +189,37 @@ export interface Welcome {
   colorMaps: string[];
   movingFormats: string[]; // the best first
   limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
+  role?: Role; // of this page; absent: controller
+  participant?: bigint; // which of the participants this page is
+  endsUnixMs?: number; // when the server is known to end; 0: not known
+}
+
+/** A viewer sees what a controller shows. */
+export type Role = 'controller' | 'viewer';
+
+export interface Participant {
+  id: bigint;
+  name: string;
+  role: Role;
+  invited: boolean;
+  client: string;
+}
+
+export interface Invitation {
+  id: string;
+  role: Role;
+  expiresUnixMs: number;
+  name: string;
+  token: string; // empty but for whoever has just made it
+  present: number;
+}
+
+/** With `notice` the server goes on until the deadline, else it ends now. */
+export interface Ending {
+  reason: string;
+  notice: boolean;
+  seconds: number;
+  comesBack: boolean;
 }
 
 export interface StageTimes {
@@ -258,7 +289,10 @@ export type ServerEvent =
   | { kind: 'done'; operation: bigint; cancelled: boolean }
   | { kind: 'error'; error: ServerError }
   | { kind: 'pong'; clientTimeMs: number }
-  | { kind: 'shutdown'; reason: string }
+  | ({ kind: 'shutdown' } & Ending)
+  | { kind: 'participants'; participants: Participant[] }
+  | { kind: 'invitation'; invitation: Invitation }
+  | { kind: 'invitations'; invitations: Invitation[] }
   | { kind: 'unknown' };
 
 export const emptyState: SceneState = {

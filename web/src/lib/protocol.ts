@@ -6,6 +6,7 @@ import {
   Integral as WireIntegral,
   RangeOperator as WireOperator,
   RenderMode as WireMode,
+  Role as WireRole,
   ServerMessageSchema,
   TimeMode as WireTimeMode,
   Triangulation as WireTriangulation,
@@ -13,6 +14,7 @@ import {
   type DatasetInfo as WireDatasetInfo,
   type Frame as WireFrame,
   type Interval as WireInterval,
+  type Invitation as WireInvitation,
   type RangeTerm as WireTerm,
   type Rgb as WireRgb,
   type State as WireState,
@@ -30,10 +32,12 @@ import type {
   Integral,
   Interval,
   IntervalPatch,
+  Invitation,
   RangeOperator,
   RangeTerm,
   RenderMode,
   Rgb,
+  Role,
   SceneState,
   ServerEvent,
   Smear,
@@ -85,6 +89,10 @@ const timeModes = byWire<TimeMode, WireTimeMode>([
   ['step', WireTimeMode.STEP],
   ['interpolate', WireTimeMode.INTERPOLATE],
   ['spacetime', WireTimeMode.SPACETIME],
+]);
+const roles = byWire<Role, WireRole>([
+  ['controller', WireRole.CONTROLLER],
+  ['viewer', WireRole.VIEWER],
 ]);
 const triangulations = byWire<Triangulation, WireTriangulation>([
   ['table', WireTriangulation.TABLE],
@@ -190,6 +198,13 @@ export const command = {
   requestStill: (): Command => ({ case: 'requestStill', value: {} }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
   cancel: (operation: bigint): Command => ({ case: 'cancel', value: { operation } }),
+  setRole: (participant: bigint, role: Role): Command => ({ case: 'setRole', value: { participant, role: roles.wire(role) } }),
+  createInvitation: (role: Role, seconds: number, name: string): Command => ({
+    case: 'createInvitation',
+    value: { role: roles.wire(role), seconds, name },
+  }),
+  revokeInvitation: (id: string): Command => ({ case: 'revokeInvitation', value: { id } }),
+  listInvitations: (): Command => ({ case: 'listInvitations', value: {} }),
   ping: (clientTimeMs: number): Command => ({ case: 'ping', value: { clientTimeMs } }),
 };
 
@@ -227,7 +242,28 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
     case 'pong':
       return { kind: 'pong', clientTimeMs: body.value.clientTimeMs };
     case 'shutdown':
-      return { kind: 'shutdown', reason: body.value.reason };
+      return {
+        kind: 'shutdown',
+        reason: body.value.reason,
+        notice: body.value.notice,
+        seconds: body.value.seconds,
+        comesBack: body.value.comesBack,
+      };
+    case 'participants':
+      return {
+        kind: 'participants',
+        participants: body.value.participants.map(({ id, name, role, invited, client }) => ({
+          id,
+          name,
+          role: roles.name(role),
+          invited,
+          client,
+        })),
+      };
+    case 'invitation':
+      return { kind: 'invitation', invitation: invitationOf(body.value) };
+    case 'invitations':
+      return { kind: 'invitations', invitations: body.value.invitations.map(invitationOf) };
     default:
       return { kind: 'unknown' };
   }
@@ -264,6 +300,15 @@ const intervalOf = (i: WireInterval): Interval => ({
   opacityUpper: i.opacityUpper ?? null,
   ownRange: i.ownRange,
   surface: i.surface ? surfaceOf(i.surface) : null,
+});
+
+const invitationOf = ({ id, role, expiresUnixMs, name, token, present }: WireInvitation): Invitation => ({
+  id,
+  role: roles.name(role),
+  expiresUnixMs,
+  name,
+  token,
+  present,
 });
 
 const termOf = (t: WireTerm): RangeTerm => ({
@@ -349,6 +394,9 @@ function welcomeOf(w: WireWelcome): Welcome {
     device: w.device,
     deviceIsSoftware: w.deviceIsSoftware,
     colorMaps: w.colorMaps,
+    role: roles.name(w.role),
+    participant: w.participant,
+    endsUnixMs: w.endsUnixMs,
     movingFormats: w.movingFormats,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,

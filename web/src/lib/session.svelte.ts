@@ -11,7 +11,10 @@ import {
   type Histogram,
   type Interval,
   type IntervalPatch,
+  type Invitation,
+  type Participant,
   type Progress,
+  type Role,
   type SceneState,
   type ServerEvent,
   type Welcome,
@@ -52,6 +55,14 @@ export class Session {
   frame = $state.raw<FrameReadout | null>(null);
   progress = $state.raw<Progress[]>([]);
   roundTripMs = $state.raw<number | null>(null);
+  /** Everyone at the session, this page among them. */
+  participants = $state.raw<Participant[]>([]);
+  invitations = $state.raw<Invitation[]>([]);
+  /** The invitation that was just made here, with its link; the server tells its token once. */
+  made = $state.raw<Invitation | null>(null);
+  role = $state.raw<Role>('controller');
+  /** When the server will end, by the page's clock, and why. */
+  ending = $state.raw<{ atMs: number; reason: string; comesBack: boolean } | null>(null);
   /** The layer that keys and new edits go to. */
   selected = $state.raw<number | null>(null);
   readonly notices = new Notices();
@@ -238,10 +249,12 @@ export class Session {
     return this.view.camera ?? this.frame?.camera ?? null;
   }
   moveCamera(camera: Camera): void {
+    if (this.viewOnly) return;
     this.edit({ camera });
     this.outbox.putCamera(camera);
   }
   setView(side: string): void {
+    if (this.viewOnly) return;
     this.optimistic.forget('camera');
     this.sendInOrder(command.setView(side));
   }
@@ -266,6 +279,28 @@ export class Session {
     this.send(command.viewport(this.viewport)); // at once: a hidden page has no animation frames
     if (!hidden) this.connection.retryNow();
   }
+  get viewOnly(): boolean {
+    return this.role === 'viewer';
+  }
+  /** Whether this page came by a link; it cannot take control by itself. */
+  get invited(): boolean {
+    return this.welcome?.resumeToken === '';
+  }
+  setRole(participant: bigint, role: Role): void {
+    this.send(command.setRole(participant, role));
+  }
+  invite(role: Role, seconds: number, name: string): void {
+    this.made = null;
+    this.send(command.createInvitation(role, seconds, name));
+  }
+  revoke(id: string): void {
+    if (this.made?.id === id) this.made = null;
+    this.send(command.revokeInvitation(id));
+  }
+  listInvitations(): void {
+    if (!this.viewOnly) this.send(command.listInvitations());
+  }
+
   cancel(operation: bigint): void {
     this.send(command.cancel(operation));
   }
@@ -342,7 +377,26 @@ export class Session {
         this.roundTripMs = this.trip.add(this.doors.now() - event.clientTimeMs);
         return;
       case 'shutdown':
-        this.say(`The server is shutting down${event.reason ? `: ${event.reason}` : ''}.`, 'note');
+        if (event.notice) this.ending = { atMs: this.doors.now() + event.seconds * 1000, reason: event.reason, comesBack: event.comesBack };
+        else this.say(`The server is shutting down${event.reason ? `: ${event.reason}` : ''}.`, 'note');
+        return;
+      case 'participants': {
+        this.participants = event.participants;
+        const me = event.participants.find((p) => p.id === this.welcome?.participant);
+        if (me && me.role !== this.role) {
+          this.role = me.role;
+          this.optimistic.clear();
+          this.refresh();
+          this.say(me.role === 'viewer' ? 'You see what others show: view only.' : 'You have control.', 'note');
+        }
+        return;
+      }
+      case 'invitation':
+        this.made = event.invitation;
+        this.listInvitations();
+        return;
+      case 'invitations':
+        this.invitations = event.invitations;
         return;
       case 'unknown':
         return;
@@ -362,8 +416,12 @@ export class Session {
     const saved = this.welcomed && this.server.dataset ? this.optimistic.view(this.server) : this.doors.saved.state;
     this.doors.saved.session = { id: welcome.session, resumeToken: welcome.resumeToken };
     this.welcome = welcome;
+    this.role = welcome.role ?? 'controller';
+    this.ending = null;
+    // A guest finds the session as it is and brings nothing of their own.
+    const guest = this.invited;
     if (!resumed) this.optimistic.clear();
-    this.restoring = !resumed && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
+    this.restoring = !resumed && !guest && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
     this.welcomed = true;
     this.askedHistogram = '';
     if (!resumed) this.histogram = null;
@@ -376,7 +434,7 @@ export class Session {
     this.send(command.ping(this.doors.now()));
     this.onState(welcome.state ?? emptyState);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
-    if (!resumed) this.openFirst();
+    if (!resumed && !guest) this.openFirst();
   }
 
   private onState(state: SceneState): void {
@@ -422,6 +480,8 @@ export class Session {
   }
 
   private onError(error: { inReplyTo: number; code: string; message: string; field: string }): void {
+    // The link that this page came by is over: another try would be refused alike.
+    if (error.code === 'forbidden' && !error.inReplyTo) this.connection.refuse(error.message);
     if (error.code === 'unsupported_version') this.connection.refuse(error.message);
     const about = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null };
     if (error.inReplyTo) this.optimistic.refuse(about.interval ?? undefined);
