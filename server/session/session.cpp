@@ -137,7 +137,8 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     Viewer* to = living(key);
     if (to && error) send_error(*to, seq, std::move(*error));
   };
-  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message)) return;  // a picture may be asked for again
+  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message))
+    return;  // a picture may be asked for again
   if (forbidden(viewer, message))
     return reply(wire_error("forbidden", "this connection may only look; a controller of the session changes what is shown"));
   if (answer_people(viewer, message, reply)) return;
@@ -441,8 +442,8 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   }
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(
-      request, [this, number](const EngineEvent& event, TimePoint then) { on_picture_event(*number, event, then); });
+  *number =
+      engine_.ask(request, [this, number](const EngineEvent& event, TimePoint then) { on_picture_event(*number, event, then); });
   pictures_[*number] = {request, state_.scene.revision, false, {{viewer.key, *order}}};
   viewer.ordered_request = *number;
 }

@@ -197,6 +197,7 @@ TEST(BadFields, AReplayedMessageEndsTheConnectionAndNotTheSession) {
   std::string code;
   auto frame = socket.read_frame();
   for (; frame && frame->opcode != 8; frame = socket.read_frame()) {
+    if ((frame->opcode & 15) == 9) continue;  // a ping
     v1::ServerMessage answer;
     ASSERT_TRUE(answer.ParseFromString(frame->payload));
     if (answer.has_error()) code = answer.error().code() + " " + answer.error().field();

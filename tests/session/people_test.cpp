@@ -96,6 +96,8 @@ TEST_F(People, ControlIsHandedOverAndTakenBackByWhoHasTheServersToken) {
   s_.say(*owner_, role_of(viewer->key, v1::ROLE_CONTROLLER));
   s_.say(*owner_, role_of(0, v1::ROLE_VIEWER));
   s_.say(*viewer, s_.camera(3));
+  s_.now += std::chrono::milliseconds(10);  // cameras are told on a few hundred times a second at most
+  s_.sessions->tick(s_.now);
   EXPECT_EQ(owner_->outbox.state().camera().eye().x(), 3);
   s_.say(*owner_, s_.camera(4));
   EXPECT_EQ(owner_->outbox.error().code(), "forbidden");
