@@ -108,6 +108,39 @@ bool same_shape(const Grid& a, const Grid& b) {
   return ra && rb && ra->axes == rb->axes;
 }
 
+struct ArrayNames {
+  std::string color_by, texture;
+};
+/// Of a scene whose layers are those of `array`.
+ArrayNames names_of(const Scene& scene, const std::string& array) {
+  const std::string& color_by = scene.color_by.empty() ? array : scene.color_by;
+  return {color_by, scene.texture.empty() ? color_by : scene.texture};
+}
+
+/// layer_request of the array that a scene without one stands for.
+LayerRequest request_for(const Scene& scene, const std::string& array) {
+  LayerRequest request;
+  request.array = array;
+  for (const SceneInterval& interval : scene.intervals) request.intervals.push_back({interval.lower, interval.upper});
+  for (const SceneTerm& term : scene.terms) request.terms.push_back(term.term);
+  request.time = scene.time;
+  if (scene.time)
+    request.time_mode = scene.time_mode;
+  else
+    request.step = scene.step;
+  request.triangulation = scene.triangulation;
+  const auto [color_by, texture] = names_of(scene, array);
+  if (uses_color_values(scene)) request.carry.push_back(color_by);
+  if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
+  request.facets = draws_surfaces(scene) || !uses_color_values(scene);
+  if (const std::vector<int> steps = smear_steps(scene); !steps.empty()) {
+    request.step = steps.front();
+    request.time.reset();
+    request.time_mode = TimeMode::step;
+  }
+  return request;
+}
+
 std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, const Scene& scene, const std::vector<int>& wanted,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     SceneAids aids) {
@@ -116,13 +149,10 @@ std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, co
   if (previous && previous->parts.size() == wanted.size() &&
       std::equal(wanted.begin(), wanted.end(), previous->parts.begin(),
                  [](int step, const SmearPart& part) { return step == part.step; })) {
-    LayerRequest request = layer_request(scene);
-    LayerRequest last = previous->request;
-    if (request.array.empty()) request.array = last.array;
-    const bool colored =
-        !uses_color_values(scene) ||
-        (previous->color_values && (scene.color_by.empty() ? request.array : scene.color_by) == previous->color_by);
-    const std::string texture = !scene.texture.empty() ? scene.texture : scene.color_by.empty() ? request.array : scene.color_by;
+    LayerRequest request = request_for(scene, scene.array.empty() ? previous->request.array : scene.array);
+    const ArrayNames names = names_of(scene, request.array);
+    const std::string& texture = names.texture;
+    const bool colored = !uses_color_values(scene) || (previous->color_values && names.color_by == previous->color_by);
     const bool textured = !uses_texture(scene) || (previous->texture_values && texture == previous->texture);
     request.carry.clear();
     if (colored && textured && same_mesh(*previous, request, source, task)) {
@@ -323,29 +353,7 @@ bool cuts_exactly(const Scene& scene, const std::string& array) {
          });
 }
 
-LayerRequest layer_request(const Scene& scene) {
-  LayerRequest request;
-  request.array = scene.array;
-  for (const SceneInterval& interval : scene.intervals) request.intervals.push_back({interval.lower, interval.upper});
-  for (const SceneTerm& term : scene.terms) request.terms.push_back(term.term);
-  request.time = scene.time;
-  if (scene.time)
-    request.time_mode = scene.time_mode;
-  else
-    request.step = scene.step;
-  request.triangulation = scene.triangulation;
-  const std::string& color_by = scene.color_by.empty() ? scene.array : scene.color_by;
-  const std::string& texture = scene.texture.empty() ? color_by : scene.texture;
-  if (uses_color_values(scene)) request.carry.push_back(color_by);
-  if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
-  request.facets = draws_surfaces(scene) || !uses_color_values(scene);
-  if (const std::vector<int> steps = smear_steps(scene); !steps.empty()) {
-    request.step = steps.front();
-    request.time.reset();
-    request.time_mode = TimeMode::step;
-  }
-  return request;
-}
+LayerRequest layer_request(const Scene& scene) { return request_for(scene, scene.array); }
 
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
@@ -360,29 +368,22 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (std::find(made->steps.begin(), made->steps.end(), dataset) == made->steps.end()) made->steps.push_back(dataset);
     return dataset;
   };
-  LayerRequest request = layer_request(scene);
-  if (request.array.empty()) request.array = first_array(*steps(scene.step, task));
-  const std::string color_by = scene.color_by.empty() ? request.array : scene.color_by;
-  const std::string texture = scene.texture.empty() ? color_by : scene.texture;
+  const LayerRequest request = request_for(scene, scene.array.empty() ? first_array(*steps(scene.step, task)) : scene.array);
+  const auto names = names_of(scene, request.array);
+  const std::string &color_by = names.color_by, &texture = names.texture;
   const bool colored = uses_color_values(scene), textured = uses_texture(scene), surfaces = draws_surfaces(scene);
   LayerRequest plain = request;
   plain.carry.clear();
-  request.carry.clear();
-  if (colored) request.carry.push_back(color_by);
-  if (textured && !(colored && texture == color_by)) request.carry.push_back(texture);
 
   const bool keep = last && !last->base && same_mesh(*last, plain, source, task);
   const Values kept_colors = keep && last->color_by == color_by ? last->color_values : nullptr;
   const Values kept_texture = keep && last->texture == texture ? last->texture_values : nullptr;
-  if (keep && last->color_by == color_by && last->texture == texture && (kept_colors || !colored) &&
-      (kept_texture || !textured) && (last->normals_wanted || !surfaces)) {
-    if (last->extract_ms == 0) return last;
-    *made = *last;
-    made->extract_ms = 0;
-    return made;
-  }
-  if (last && last->base && aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, request.array) &&
-      last->color_by == color_by && same_mesh(*last, plain, source, task)) {
+  const bool has_values = (kept_colors || !colored) && (kept_texture || !textured);
+  const bool same_split =
+      keep && last->color_by == color_by && last->texture == texture && has_values && (last->normals_wanted || !surfaces);
+  const bool same_cut = last && last->base && aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, request.array) &&
+                        last->color_by == color_by && same_mesh(*last, plain, source, task);
+  if (same_split || same_cut) {
     if (last->extract_ms == 0) return last;
     *made = *last;
     made->extract_ms = 0;
@@ -395,7 +396,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     made->extract_ms = watch.elapsed_ms();
     return made;
   }
-  if (keep && ((kept_colors || !colored) && (kept_texture || !textured) ? true : can_carry(*last))) {
+  if (keep && (has_values || can_carry(*last))) {
     made->steps = last->steps;
     made->dataset = last->dataset;
     made->time = last->time;

@@ -60,6 +60,33 @@ Spread spread_of(std::vector<double> values) {
   return {values.front(), values[values.size() / 2], values.back()};
 }
 
+/// The frames of a run, one after the other.
+class Frames {
+ public:
+  explicit Frames(BenchRun& run) : run_(run) {}
+  void add(double total_ms, const DrawFacts& facts) {
+    total_.push_back(total_ms);
+    order_.push_back(facts.order_ms);
+    draw_.push_back(facts.draw_ms);
+    readback_.push_back(facts.readback_ms);
+    run_.tetrahedra = facts.tetrahedra;
+    run_.renderer = facts.renderer;
+    run_.device = facts.device;
+    run_.order = facts.order;
+    ++run_.frames;
+  }
+  void finish() {
+    run_.order_ms = spread_of(order_).median;
+    run_.draw_ms = spread_of(draw_).median;
+    run_.readback_ms = spread_of(readback_).median;
+    run_.total_ms = spread_of(total_);
+  }
+
+ private:
+  BenchRun& run_;
+  std::vector<double> order_, draw_, readback_, total_;
+};
+
 /// How many fragments a pixel that shows anything gets, and a tetrahedron makes, counted by the device in one frame.
 void count_fragments(Renderer& renderer, DrawInput input, BenchRun& run) {
   input.count_fragments = true;
@@ -88,7 +115,7 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
   run.mode = mode;
   run.width = width;
   run.height = height;
-  std::vector<double> order, draw, readback, total;
+  Frames frames(run);
   renderer.draw(input);  // compiles shaders, makes buffers
   const Stopwatch whole;
   for (int i = 0; i < arguments.repeat && (i < 3 || whole.elapsed_ms() < arguments.seconds * 1e3); ++i) {
@@ -96,25 +123,14 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
     input.camera = turned(start, 7.0 * (i + 1));
     const Stopwatch watch;
     const DrawResult result = renderer.draw(input);
-    total.push_back(watch.elapsed_ms());
-    order.push_back(result.facts.order_ms);
-    draw.push_back(result.facts.draw_ms);
-    readback.push_back(result.facts.readback_ms);
-    run.tetrahedra = result.facts.tetrahedra;
-    run.renderer = result.facts.renderer;
-    run.device = result.facts.device;
-    run.order = result.facts.order;
-    ++run.frames;
+    frames.add(watch.elapsed_ms(), result.facts);
     for (const StageTime& stage : result.facts.stages) {
       const auto known =
           std::find_if(run.stages.begin(), run.stages.end(), [&](const StageTime& s) { return s.name == stage.name; });
       (known != run.stages.end() ? *known : run.stages.emplace_back(StageTime{stage.name, 0})).ms += stage.ms;
     }
   }
-  run.order_ms = spread_of(order).median;
-  run.draw_ms = spread_of(draw).median;
-  run.readback_ms = spread_of(readback).median;
-  run.total_ms = spread_of(total);
+  frames.finish();
   input.camera = start;
   count_fragments(renderer, input, run);
   return run;
@@ -140,7 +156,8 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   run.width = size[0];
   run.height = size[1];
   run.tetrahedra = 0;
-  std::vector<double> extract, order, draw, readback, total;
+  std::vector<double> extract;
+  Frames frames(run);
   const Stopwatch whole;
   for (int i = 0; i < arguments.repeat && (i < 3 || whole.elapsed_ms() < arguments.seconds * 1e3); ++i) {
     scene.intervals.back().upper = start.upper + 0.1 * std::sin(0.37 * (i + 1)) * (start.upper - start.lower);
@@ -148,22 +165,11 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
     extracted = extract_scene(steps, scene, extracted, command_task(), aids);
     extract.push_back(watch.elapsed_ms());
     const DrawResult result = renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
-    total.push_back(watch.elapsed_ms());
-    order.push_back(result.facts.order_ms);
-    draw.push_back(result.facts.draw_ms);
-    readback.push_back(result.facts.readback_ms);
-    run.tetrahedra = result.facts.tetrahedra;
-    run.renderer = result.facts.renderer;
-    run.device = result.facts.device;
-    run.order = result.facts.order;
-    ++run.frames;
+    frames.add(watch.elapsed_ms(), result.facts);
   }
   run.way = extracted->base ? "cut" : "split";
   run.extract_ms = spread_of(extract).median;
-  run.order_ms = spread_of(order).median;
-  run.draw_ms = spread_of(draw).median;
-  run.readback_ms = spread_of(readback).median;
-  run.total_ms = spread_of(total);
+  frames.finish();
   return run;
 }
 

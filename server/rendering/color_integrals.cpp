@@ -10,17 +10,8 @@ namespace {
 
 using Cubic = std::array<std::array<double, 4>, 3>;  // [channel][power]
 
-Rgb at(std::span<const Rgb> rgb, double u) {
-  const double place = std::clamp(u, 0.0, 1.0) * static_cast<double>(rgb.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(place), rgb.size() - 2);
-  const auto part = static_cast<float>(place - static_cast<double>(i));
-  Rgb color;
-  for (std::size_t c = 0; c < 3; ++c) color[c] = std::lerp(rgb[i][c], rgb[i + 1][c], part);
-  return color;
-}
-
 /// Through the map at the piece's Chebyshev points.
-Cubic fit(std::span<const Rgb> rgb, int piece, int pieces) {
+Cubic fit(const ColorMap& map, int piece, int pieces) {
   std::array<double, 4> x{};
   for (std::size_t k = 0; k < 4; ++k) x[k] = 0.5 - 0.5 * std::cos((2 * static_cast<double>(k) + 1) * std::numbers::pi / 8);
   Cubic cubic{};
@@ -33,18 +24,18 @@ Cubic fit(std::span<const Rgb> rgb, int piece, int pieces) {
       product[0] *= -x[j];
       scale *= x[k] - x[j];
     }
-    const Rgb color = at(rgb, (piece + x[k]) / pieces);
+    const Rgb color = sample(map, static_cast<float>((piece + x[k]) / pieces));
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t p = 0; p < 4; ++p) cubic[c][p] += product[p] / scale * static_cast<double>(color[c]);
   }
   return cubic;
 }
 
-bool follows(const Cubic& cubic, std::span<const Rgb> rgb, int piece, int pieces) {
-  const int checks = std::max(64, 4 * static_cast<int>(rgb.size()) / pieces);
+bool follows(const Cubic& cubic, const ColorMap& map, int piece, int pieces) {
+  const int checks = std::max(64, 4 * static_cast<int>(map.rgb.size()) / pieces);
   for (int i = 0; i <= checks; ++i) {
     const double x = static_cast<double>(i) / checks;
-    const Rgb color = at(rgb, (piece + x) / pieces);
+    const Rgb color = sample(map, static_cast<float>((piece + x) / pieces));
     for (std::size_t c = 0; c < 3; ++c) {
       const auto& a = cubic[c];
       if (std::abs(a[0] + x * (a[1] + x * (a[2] + x * a[3])) - static_cast<double>(color[c])) > kPieceError) return false;
@@ -53,13 +44,13 @@ bool follows(const Cubic& cubic, std::span<const Rgb> rgb, int piece, int pieces
   return true;
 }
 
-std::shared_ptr<const ColorIntegrals> integrate(std::span<const Rgb> rgb, int pieces) {
+std::shared_ptr<const ColorIntegrals> integrate(const ColorMap& map, int pieces) {
   auto out = std::make_shared<ColorIntegrals>();
   out->pieces = static_cast<float>(pieces);
   std::array<double, 3> sum0{}, sum1{};
   for (int k = 0; k < pieces; ++k) {
-    const Cubic cubic = fit(rgb, k, pieces);
-    if (!follows(cubic, rgb, k, pieces)) return nullptr;
+    const Cubic cubic = fit(map, k, pieces);
+    if (!follows(cubic, map, k, pieces)) return nullptr;
     const double from_middle = k - 0.5 * pieces;
     for (std::size_t c = 0; c < 3; ++c) {
       out->g0[c][0][k] = static_cast<float>(sum0[c]);
@@ -80,21 +71,21 @@ std::shared_ptr<const ColorIntegrals> integrate(std::span<const Rgb> rgb, int pi
 
 }  // namespace
 
-std::shared_ptr<const ColorIntegrals> make_color_integrals(std::span<const Rgb> rgb) {
+std::shared_ptr<const ColorIntegrals> make_color_integrals(const ColorMap& map) {
   for (int pieces = ColorIntegrals::kMostPieces; pieces > 0; --pieces)  // fewer: a ramp's corners may then lie between pieces
-    if (auto made = integrate(rgb, pieces)) return made;
+    if (auto made = integrate(map, pieces)) return made;
   return nullptr;
 }
 
-std::shared_ptr<const ColorIntegrals> ColorIntegralMemory::of(std::span<const Rgb> rgb) {
+std::shared_ptr<const ColorIntegrals> ColorIntegralMemory::of(const ColorMap& map) {
   constexpr std::size_t kMost = 32;
-  const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return std::ranges::equal(k.rgb, rgb); });
+  const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.name == map.name; });
   if (found != known_.end()) {
     std::rotate(found, found + 1, known_.end());
     return known_.back().integrals;
   }
   if (known_.size() == kMost) known_.erase(known_.begin());
-  known_.push_back({{rgb.begin(), rgb.end()}, make_color_integrals(rgb)});
+  known_.push_back({map.name, make_color_integrals(map)});
   return known_.back().integrals;
 }
 

@@ -8,7 +8,7 @@
 #pragma once
 
 #include <memory>
-#include <span>
+#include <string>
 #include <vector>
 
 #include "rendering/style.h"
@@ -27,17 +27,17 @@ struct ColorIntegrals {
 /// How far cubics may be from the map, in display values of [0, 1].
 inline constexpr float kPieceError = 1e-3f;
 
-/// `rgb` at equal steps over [0, 1], at least two, linear between them. Null where no 16 equal cubics follow the map.
-std::shared_ptr<const ColorIntegrals> make_color_integrals(std::span<const Rgb> rgb);
+/// Null where no 16 equal cubics follow the map.
+std::shared_ptr<const ColorIntegrals> make_color_integrals(const ColorMap& map);
 
 /// Remembers what was made of the maps seen last. One caller at a time.
 class ColorIntegralMemory {
  public:
-  std::shared_ptr<const ColorIntegrals> of(std::span<const Rgb> rgb);
+  std::shared_ptr<const ColorIntegrals> of(const ColorMap& map);
 
  private:
   struct Known {
-    std::vector<Rgb> rgb;
+    std::string name;  // of a map: it says all of it
     std::shared_ptr<const ColorIntegrals> integrals;
   };
   std::vector<Known> known_;  // the one used last is last

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <new>
 #include <vector>
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "rendering/check_draw_input.h"
+#include "rendering/blank_picture.h"
+#include "rendering/draw_with_state.h"
 #include "rendering/gl_tiles.h"
 
 namespace isostrata {
@@ -60,13 +60,7 @@ DrawResult ComputeState::draw(const DrawInput& input) {
   const TileOrder order = tile_order(input, styles, key_bits(input, pipeline_.largest_part()));
   const double cpu_order_ms = watch.lap_ms();
 
-  const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
-  Image bytes;
-  FloatImage floats;
-  if (input.float_image)
-    floats = {input.width, input.height, std::vector<float>(4 * pixels), std::vector<float>(pixels)};
-  else
-    bytes = {input.width, input.height, std::vector<std::uint8_t>(4 * pixels)};
+  result.image = blank_picture(input);
 
   const TilePicture picture{&input, &mesh_, &styles, &order};
   pipeline_.begin(picture);
@@ -80,7 +74,7 @@ DrawResult ComputeState::draw(const DrawInput& input) {
     const TilePart part = parts.back();
     parts.pop_back();
     const TileDrawn drawn =
-        pipeline_.draw(picture, part, input.float_image ? nullptr : &bytes, input.float_image ? &floats : nullptr);
+        pipeline_.draw(picture, part, std::get_if<Image>(&result.image), std::get_if<FloatImage>(&result.image));
     facts.fragments += drawn.fragments;
     late += drawn.late;
     if (!drawn.too_many) continue;
@@ -103,11 +97,8 @@ DrawResult ComputeState::draw(const DrawInput& input) {
   facts.order_exact = order.kind == TILE_ORDER_NONE || (order.kind == TILE_ORDER_LIST ? order.list_exact : late == 0);
   if (order.kind == TILE_ORDER_INDEX)
     facts.order += late == 0 ? " (exact)" : " (exact but for " + std::to_string(late) + " fragments inside cells)";
-  if (input.float_image) {
-    for (float& depth : floats.depth) depth *= static_cast<float>(mesh_.scale());
-    result.image = std::move(floats);
-  } else
-    result.image = std::move(bytes);
+  if (auto* floats = std::get_if<FloatImage>(&result.image))
+    for (float& depth : floats->depth) depth *= static_cast<float>(mesh_.scale());
   return result;
 }
 
@@ -119,18 +110,8 @@ class ComputeRenderer final : public Renderer {
   }
 
   DrawResult draw(const DrawInput& input) override {
-    check(input);
-    try {
-      if (!state_) state_ = std::make_unique<ComputeState>(open_context(wanted_));
-      return state_->draw(input);
-    } catch (const std::bad_alloc&) {
-      state_.reset();
-      throw Error(ErrorCode::too_large,
-                  "picture of " + std::to_string(input.width) + "x" + std::to_string(input.height) + ": out of memory");
-    } catch (...) {
-      state_.reset();  // whatever state the context is in, the next draw starts from a fresh one
-      throw;
-    }
+    return draw_with_state(
+        state_, [&] { return std::make_unique<ComputeState>(open_context(wanted_)); }, input);
   }
 
   const std::string& device() const override { return device_; }

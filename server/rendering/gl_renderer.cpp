@@ -4,17 +4,17 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <new>
 #include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "rendering/check_draw_input.h"
+#include "rendering/blank_picture.h"
 #include "rendering/device_mesh.h"
 #include "rendering/device_projection.h"
 #include "rendering/draw_groups.h"
 #include "rendering/draw_target.h"
+#include "rendering/draw_with_state.h"
 #include "rendering/gl_objects.h"
 #include "rendering/projected_tetrahedra.h"
 #include "rendering/raster_frame.h"
@@ -272,13 +272,8 @@ DrawResult GlState::draw(const DrawInput& input) {
   prepare(frame);
   const GlObject query = input.count_fragments ? make_query(gl_, GL_SAMPLES_PASSED) : GlObject{};
 
-  const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
-  Image bytes;
-  FloatImage floats;
-  if (input.float_image)
-    floats = {input.width, input.height, std::vector<float>(4 * pixels), std::vector<float>(pixels)};
-  else
-    bytes = {input.width, input.height, std::vector<std::uint8_t>(4 * pixels)};
+  result.image = blank_picture(input);
+  auto* const floats = std::get_if<FloatImage>(&result.image);
 
   for (int y = 0; y < input.height; y += largest_tile_)
     for (int x = 0; x < input.width; x += largest_tile_) {
@@ -291,21 +286,17 @@ DrawResult GlState::draw(const DrawInput& input) {
         gl_.GetQueryObjectui64v(query.name(), GL_QUERY_RESULT, &passed);
         result.facts.fragments += static_cast<std::int64_t>(passed);
       }
-      if (!input.float_image) target_.resolve(input.background, input.transparent);
+      if (!floats) target_.resolve(input.background, input.transparent);
       gl_.Finish();
       result.facts.draw_ms += watch.lap_ms();
-      if (input.float_image)
+      if (floats)
         target_.read(
-            tile, [&](double q) { return projection.depth(q) * projection.scale; }, floats);
+            tile, [&](double q) { return projection.depth(q) * projection.scale; }, *floats);
       else
-        target_.read(tile, bytes);
+        target_.read(tile, std::get<Image>(result.image));
       result.facts.readback_ms += watch.lap_ms();
     }
   check_device();
-  if (input.float_image)
-    result.image = std::move(floats);
-  else
-    result.image = std::move(bytes);
   return result;
 }
 
@@ -318,20 +309,8 @@ class GlRenderer : public Renderer {
   }
 
   DrawResult draw(const DrawInput& input) override {
-    check(input);
-    if (!input.cut_intervals.empty())
-      throw Error(ErrorCode::unavailable, "picture: intervals that the renderer cuts are drawn by the native renderer only");
-    try {
-      if (!state_) state_ = std::make_unique<GlState>(open_context(wanted_), project_on_);
-      return state_->draw(input);
-    } catch (const std::bad_alloc&) {
-      state_.reset();
-      throw Error(ErrorCode::too_large,
-                  "picture of " + std::to_string(input.width) + "x" + std::to_string(input.height) + ": out of memory");
-    } catch (...) {
-      state_.reset();  // whatever state the context is in, the next draw starts from a fresh one
-      throw;
-    }
+    return draw_with_state(
+        state_, [&] { return std::make_unique<GlState>(open_context(wanted_), project_on_); }, input);
   }
 
   const std::string& device() const override { return device_; }

@@ -61,7 +61,7 @@ void look_inside(const DrawInput& input, std::size_t i, SegmentOptics& optics) {
 void add_look(const DrawInput& input, std::size_t i, ColorIntegralMemory& memory, SegmentOptics& optics) {
   const IntervalStyle& style = input.styles[i];
   if (style.color_map.empty() || optics.inverse_range[i] == 0 || optics.extinction_rise[i] != 0) return;
-  SegmentOptics::Look look{memory.of(color_map(style.color_map).rgb), 0, 0};
+  SegmentOptics::Look look{memory.of(color_map(style.color_map)), 0, 0};
   if (!look.integrals) return;
   look.rise = look.integrals->pieces;
   if (optics.cut) {  // u is the place in the interval

@@ -1,18 +1,12 @@
 #include "rendering/tile_sink.h"
 
-#include <limits>
-
+#include "rendering/blank_picture.h"
 #include "rendering/resolve_simd.h"
 
 namespace isostrata {
-TileSink::TileSink(const DrawInput& input) : background_(input.background), transparent_(input.transparent) {
-  const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
-  if (input.float_image)
-    image_ = FloatImage{input.width, input.height, std::vector<float>(4 * pixels),
-                        std::vector<float>(pixels, std::numeric_limits<float>::infinity())};
-  else
-    image_ = Image{input.width, input.height, std::vector<std::uint8_t>(4 * pixels)};
-}
+
+TileSink::TileSink(const DrawInput& input)
+    : background_(input.background), transparent_(input.transparent), image_(blank_picture(input)) {}
 
 void TileSink::put(const FinishedTile& tile) {
   for (int row = 0; row < tile.height; ++row) {

@@ -21,7 +21,7 @@ TEST(ColorIntegrals, DifferencesAreTheMapsMeanAndMoment) {
   for (const auto name : color_map_names()) names.emplace_back(name);
   for (const std::string& name : names) {
     const ColorMap map = color_map(name);
-    const auto integrals = make_color_integrals(map.rgb);
+    const auto integrals = make_color_integrals(map);
     ASSERT_TRUE(integrals) << name;
     const double pieces = static_cast<double>(integrals->pieces);
     for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.1, 0.9}, {0.33, 0.4}, {0.7, 0.72}, {0.99, 1.0}})
@@ -47,17 +47,17 @@ TEST(ColorIntegrals, DifferencesAreTheMapsMeanAndMoment) {
 TEST(ColorIntegrals, AMapThatJumpsAboutHasNone) {
   std::vector<Rgb> rgb;
   for (int i = 0; i < 256; ++i) rgb.push_back(i % 2 ? Rgb{1, 0, 0} : Rgb{0, 1, 1});
-  EXPECT_FALSE(make_color_integrals(rgb));
+  EXPECT_FALSE(make_color_integrals({"jumps", rgb}));
 }
 
 TEST(ColorIntegrals, WhatWasMadeIsRemembered) {
   ColorIntegralMemory memory;
   const ColorMap viridis = color_map("viridis");
-  const auto first = memory.of(viridis.rgb);
-  for (int i = 0; i < 40; ++i) memory.of(std::vector<Rgb>{{0, 0, 0}, {static_cast<float>(i) / 40, 1, 1}});
-  const auto again = memory.of(viridis.rgb);
+  const auto first = memory.of(viridis);
+  for (int i = 0; i < 40; ++i) memory.of({"ramp " + std::to_string(i), {{0, 0, 0}, {static_cast<float>(i) / 40, 1, 1}}});
+  const auto again = memory.of(viridis);
   EXPECT_NE(first, again);  // it was forgotten, since forty others came
-  EXPECT_EQ(again, memory.of(viridis.rgb));
+  EXPECT_EQ(again, memory.of(viridis));
 }
 
 }  // namespace

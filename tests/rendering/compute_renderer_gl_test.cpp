@@ -317,24 +317,7 @@ TEST(Compute, CountsTheFragmentsThatRasterCounts) {
 }
 
 TEST(Compute, EightBitsAreTheFloatsOverTheBackground) {
-  DrawInput input = extracted_input("torus:10", 0.3);
-  input.background = {0.2f, 0.4f, 0.6f};
-  const FloatImage floats = draw_floats(input, compute());
-  const Image over = draw_bytes(input, compute());
-  input.transparent = true;
-  const Image straight = draw_bytes(input, compute());
-  for (int y = 0; y < input.height; ++y)
-    for (int x = 0; x < input.width; ++x) {
-      const auto f = pixel(floats, x, y);
-      for (std::size_t c = 0; c < 3; ++c) {
-        EXPECT_NEAR(pixel(over, x, y)[c], 255 * (f[c] + (1 - f[3]) * input.background[c]), 0.53);
-        if (f[3] > 0.01f) {
-          EXPECT_NEAR(pixel(straight, x, y)[c], 255 * f[c] / f[3], 0.6);
-        }
-      }
-      EXPECT_EQ(pixel(over, x, y)[3], 255);
-      EXPECT_NEAR(pixel(straight, x, y)[3], 255 * f[3], 0.53);
-    }
+  expect_bytes_of_floats(extracted_input("torus:10", 0.3), compute(), 0.53, 0.6);
 }
 
 TEST(Compute, AWidePictureInPartsIsRastersPicture) {

@@ -72,26 +72,7 @@ TEST(GlRenderer, AnEmptyMeshIsTheBackground) {
     for (int x = 0; x < 3; ++x) EXPECT_EQ(pixel(image, x, y), (std::array<int, 4>{255, 128, 0, 255}));
 }
 
-TEST(GlRenderer, EightBitsAreTheFloatsOverTheBackground) {
-  DrawInput input = cube(0.3);
-  input.background = {0.2f, 0.4f, 0.6f};
-  const FloatImage floats = draw_floats(input);
-  const Image over = draw_bytes(input);
-  input.transparent = true;
-  const Image straight = draw_bytes(input);
-  for (int y = 0; y < input.height; ++y)
-    for (int x = 0; x < input.width; ++x) {
-      const auto f = pixel(floats, x, y);
-      for (std::size_t c = 0; c < 3; ++c) {
-        EXPECT_NEAR(pixel(over, x, y)[c], 255 * (f[c] + (1 - f[3]) * input.background[c]), 0.51);
-        if (f[3] > 0.01f) {
-          EXPECT_NEAR(pixel(straight, x, y)[c], 255 * f[c] / f[3], 0.51);
-        }
-      }
-      EXPECT_EQ(pixel(over, x, y)[3], 255);
-      EXPECT_NEAR(pixel(straight, x, y)[3], 255 * f[3], 0.51);
-    }
-}
+TEST(GlRenderer, EightBitsAreTheFloatsOverTheBackground) { expect_bytes_of_floats(cube(0.3), test_renderer(), 0.51, 0.51); }
 
 TEST(GlRenderer, AnOpaqueIntervalShowsExactlyItsColour) {
   DrawInput input = cube(1.0);

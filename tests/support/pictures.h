@@ -1,6 +1,8 @@
 // Drawing in tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <memory>
 
 #include "rendering/renderer.h"
@@ -31,6 +33,28 @@ inline std::array<float, 4> pixel(const FloatImage& image, int x, int y) {
 inline std::array<int, 4> pixel(const Image& image, int x, int y) {
   const auto at = 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
   return {image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]};
+}
+
+/// The picture's bytes are its floats over the background, or straight with their alpha where it is transparent, to within `step`
+/// of 255, colours divided by their alpha to within `straight_step`.
+inline void expect_bytes_of_floats(DrawInput input, Renderer& renderer, double step, double straight_step) {
+  input.background = {0.2f, 0.4f, 0.6f};
+  const FloatImage floats = draw_floats(input, renderer);
+  const Image over = draw_bytes(input, renderer);
+  input.transparent = true;
+  const Image straight = draw_bytes(input, renderer);
+  for (int y = 0; y < input.height; ++y)
+    for (int x = 0; x < input.width; ++x) {
+      const auto f = pixel(floats, x, y);
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(pixel(over, x, y)[c], 255 * (f[c] + (1 - f[3]) * input.background[c]), step);
+        if (f[3] > 0.01f) {
+          EXPECT_NEAR(pixel(straight, x, y)[c], 255 * f[c] / f[3], straight_step);
+        }
+      }
+      EXPECT_EQ(pixel(over, x, y)[3], 255);
+      EXPECT_NEAR(pixel(straight, x, y)[3], 255 * f[3], step);
+    }
 }
 
 inline IntervalStyle constant_style(Rgb color, double opacity) {

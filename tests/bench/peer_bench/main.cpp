@@ -38,6 +38,25 @@ constexpr const char* kIncluded =
     "ours: from grid and array to indexed, conforming tetrahedra with points, origins, intervals and cells; the interval tables, "
     "made once per process in 0.1 s, are not in it. The peer: from the same arrays, not copied, to vtkUnstructuredGrid";
 
+/// What ends a report, whose rows have been printed or are in `runs`. `included` says what a time holds.
+template <class Report>
+void finish_report(const Report& report, bool json, boost::json::array runs, const char* included) {
+  if (!json) {
+    for (const std::string& what : report.left_out) std::printf("left out: %s\n", what.c_str());
+    std::printf("%s; %s; ours: %d threads\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), included);
+    return;
+  }
+  boost::json::array left_out;
+  for (const std::string& what : report.left_out) left_out.push_back(boost::json::string(what));
+  const std::string text = boost::json::serialize(boost::json::object{{"runs", std::move(runs)},
+                                                                      {"left_out", std::move(left_out)},
+                                                                      {"threads", thread_count()},
+                                                                      {"vtk", report.vtk},
+                                                                      {"cpu", cpu_name()},
+                                                                      {"included", included}});
+  std::printf("%s\n", text.c_str());
+}
+
 struct ExtractArguments {
   ExtractBenchOptions options;
   std::string interval;
@@ -48,22 +67,12 @@ void run_extract(ExtractArguments& arguments) {
   if (!arguments.interval.empty()) arguments.options.interval = parse_ends(arguments.interval);
   if (!paraview_found() || !std::filesystem::exists(arguments.options.paraview_script)) arguments.options.paraview_script.clear();
   const ExtractBenchReport report = run_extract_bench(arguments.options);
-  if (!arguments.json) {
+  boost::json::array runs;
+  if (arguments.json)
+    for (const Row& row : report.rows) runs.push_back(to_json(row));
+  else
     print_text(report.rows);
-    for (const std::string& what : report.left_out) std::printf("left out: %s\n", what.c_str());
-    std::printf("%s; %s; ours: %d threads\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), kIncluded);
-    return;
-  }
-  boost::json::array runs, left_out;
-  for (const Row& row : report.rows) runs.push_back(to_json(row));
-  for (const std::string& what : report.left_out) left_out.push_back(boost::json::string(what));
-  const std::string text = boost::json::serialize(boost::json::object{{"runs", std::move(runs)},
-                                                                      {"left_out", std::move(left_out)},
-                                                                      {"threads", thread_count()},
-                                                                      {"vtk", report.vtk},
-                                                                      {"cpu", cpu_name()},
-                                                                      {"included", kIncluded}});
-  std::printf("%s\n", text.c_str());
+  finish_report(report, arguments.json, std::move(runs), kIncluded);
 }
 
 void add_extract(CLI::App& app) {
@@ -101,26 +110,14 @@ struct RenderArguments {
 
 void run_render(RenderArguments& arguments) {
   if (!arguments.interval.empty()) arguments.options.interval = parse_ends(arguments.interval);
-  boost::json::array runs, left_out;
+  boost::json::array runs;
   const RenderBenchReport report = run_render_bench(arguments.options, [&](const RenderRow& row) {
     if (arguments.json)
       runs.push_back(to_json(row));
     else
       print_text(row);
   });
-  if (!arguments.json) {
-    for (const std::string& what : report.left_out) std::printf("left out: %s\n", what.c_str());
-    std::printf("%s; %s; ours: %d threads\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), kFrame);
-    return;
-  }
-  for (const std::string& what : report.left_out) left_out.push_back(boost::json::string(what));
-  const std::string text = boost::json::serialize(boost::json::object{{"runs", std::move(runs)},
-                                                                      {"left_out", std::move(left_out)},
-                                                                      {"threads", thread_count()},
-                                                                      {"vtk", report.vtk},
-                                                                      {"cpu", cpu_name()},
-                                                                      {"included", kFrame}});
-  std::printf("%s\n", text.c_str());
+  finish_report(report, arguments.json, std::move(runs), kFrame);
 }
 
 void add_render(CLI::App& app) {
