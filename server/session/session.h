@@ -160,6 +160,7 @@ class Session {
   void leave_picture(Viewer& viewer);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);
+  void leave_stream(Viewer& viewer, TimePoint now);
   void end_streams();
   void step_down(Viewer& viewer, TimePoint now);
   void send_bands(Viewer& viewer, TimePoint now);
