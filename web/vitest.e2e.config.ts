@@ -6,7 +6,13 @@ const here = (path: string) => fileURLToPath(new URL(path, import.meta.url));
 
 export default defineConfig({
   cacheDir: here('./node_modules/.vite-e2e'),
-  resolve: { alias: { 'playwright-core': here('./node_modules/playwright-core/index.mjs') } },
+  resolve: {
+    alias: {
+      'playwright-core': here('./node_modules/playwright-core/index.mjs'),
+      '@redocly/openapi-core': here('./node_modules/@redocly/openapi-core/lib/index.js'),
+      'ajv/dist/2020': here('./node_modules/ajv/dist/2020.js'),
+    },
+  },
   server: { fs: { allow: [here('..')] } },
   test: {
     dir: here('../tests/e2e'),

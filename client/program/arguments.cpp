@@ -1,8 +1,9 @@
 #include "arguments.h"
 
 #include <array>
-#include <boost/json/parse.hpp>
 #include <charconv>
+
+#include "whole_file.h"
 
 namespace isostrata::client {
 namespace {
@@ -30,16 +31,11 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 v1::Rgb parse_rgb(std::string_view text, const std::string& whole) {
-  unsigned value = 0;
-  const bool hash = text.size() == 7 && text[0] == '#';
-  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), value, 16);
-  if (!hash || error != std::errc{} || end != text.data() + text.size())
+  try {
+    return rgb(std::string(text));
+  } catch (const ClientError&) {
     refuse("interval", whole, "expected color=#rrggbb or color=map:NAME");
-  v1::Rgb rgb;
-  rgb.set_r(static_cast<float>(value >> 16 & 255) / 255);
-  rgb.set_g(static_cast<float>(value >> 8 & 255) / 255);
-  rgb.set_b(static_cast<float>(value & 255) / 255);
-  return rgb;
+  }
 }
 
 // The colours that the server gives to a session's first intervals.
@@ -176,14 +172,12 @@ Client connect(Options options, const SceneArguments& arguments) {
     options.width = 0;
   else
     parse_size(arguments.size, options.width, options.height);
-  if (arguments.session.size() == 16) {
-    const auto session = boost::json::parse(http_get(options, "api/v1/sessions/" + arguments.session));
-    options.resume_token = std::string(session.at("resumeToken").as_string());
-  } else {
+  if (arguments.session.size() == 16)
+    options.session = arguments.session;
+  else
     options.resume_token = arguments.session;
-  }
   Client client(options);
-  if (!options.resume_token.empty() && client.welcome().resume_token() != options.resume_token)
+  if (options.session.empty() && !options.resume_token.empty() && client.welcome().resume_token() != options.resume_token)
     throw ClientError("not_found", "the session to join is not there any more");
   return client;
 }
@@ -199,26 +193,23 @@ void set_scene(Client& client, const SceneArguments& arguments) {
                                        ? "the server offers no dataset"
                                        : "dataset '" + arguments.dataset + "' is not offered by this server; `info` lists them");
   if (!id.empty() && client.state().dataset() != id) client.open_dataset(id);
-  if (!arguments.array.empty()) {
-    v1::ClientMessage message;
-    message.mutable_select_arrays()->set_array(arguments.array);
-    client.command(std::move(message));
-  }
+  if (!arguments.array.empty()) client.select_array(arguments.array);
   if (!arguments.intervals.empty()) {
-    v1::ClientMessage message;
-    auto& intervals = *message.mutable_set_intervals();
-    for (std::size_t i = 0; i < arguments.intervals.size(); ++i)
-      *intervals.add_intervals() = parse_interval(arguments.intervals[i], i);
-    client.command(std::move(message));
+    std::vector<v1::Interval> intervals;
+    for (std::size_t i = 0; i < arguments.intervals.size(); ++i) intervals.push_back(parse_interval(arguments.intervals[i], i));
+    client.set_intervals(intervals);
   }
-  if (!arguments.camera.empty()) {
-    v1::ClientMessage message;
-    if (arguments.camera.find('=') == std::string::npos)
-      message.mutable_set_view()->set_view(arguments.camera);
-    else
-      *message.mutable_set_camera()->mutable_camera() = parse_camera(arguments.camera, client.state().camera());
-    client.command(std::move(message));
-  }
+  if (arguments.camera.empty()) return;
+  if (arguments.camera.find('=') == std::string::npos)
+    client.set_view(arguments.camera);
+  else
+    client.set_camera(parse_camera(arguments.camera, client.state().camera()));
+}
+
+void write_file(const std::string& path, const std::string& bytes) {
+  WholeFile file(path);
+  file.write(bytes);
+  file.finish();
 }
 
 }  // namespace isostrata::client

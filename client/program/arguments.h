@@ -26,6 +26,9 @@ Client connect(Options options, const SceneArguments& arguments);
 /// Opens the dataset and sets array, intervals and camera as far as they are given.
 void set_scene(Client& client, const SceneArguments& arguments);
 
+/// Writes a file that has its name only when it is complete. Throws ClientError.
+void write_file(const std::string& path, const std::string& bytes);
+
 /// "LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]". Throws ClientError "bad_argument".
 v1::Interval parse_interval(const std::string& text, std::size_t index);
 /// "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg", each part optional over `base`.
@@ -34,6 +37,10 @@ void parse_size(const std::string& text, int& width, int& height);
 
 void add_info(CLI::App& app, Options& options);
 void add_snapshot(CLI::App& app, Options& options);
+void add_set(CLI::App& app, Options& options);
+void add_export(CLI::App& app, Options& options);
+void add_record(CLI::App& app, Options& options);
+void add_watch(CLI::App& app, Options& options);
 void add_latency(CLI::App& app, Options& options);
 
 }  // namespace isostrata::client

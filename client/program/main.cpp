@@ -1,13 +1,40 @@
 // isostrata-client: an Isostrata server from the command line. Exit status: 0 done, 1 it failed (one line says why), 2 wrong
 // usage.
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
 #include "arguments.h"
 
+namespace {
+
+std::atomic<bool> stopped = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+// Where somebody sits at a terminal, long work is one line that changes.
+void show_progress(const isostrata::v1::Progress& progress) {
+  std::fprintf(stderr, "\r%-12s %3d %%\x1b[K%s", progress.stage().c_str(), static_cast<int>(progress.fraction() * 100),
+               progress.fraction() >= 1 ? "\r\x1b[K" : "");
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  CLI::App app{"A thin client of an Isostrata server: what it offers, pictures of a session, how fast it answers"};
+  CLI::App app{
+      "A thin client of an Isostrata server: what it offers, pictures and films of a session, what happens in it, how fast it "
+      "answers"};
   isostrata::client::Options options;
+  options.stop = &stopped;
+  if (isatty(STDERR_FILENO)) options.on_progress = show_progress;
+  // The first Ctrl-C ends in order, the second at once.
+  struct sigaction action {};
+  action.sa_handler = [](int) { stopped = true; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
   app.set_version_flag("--version", "isostrata-client " ISOSTRATA_VERSION);
   app.add_option("url", options.url, "The address that the server printed, with its token")->required()->type_name("URL");
   app.add_option("--token", options.token, "The token, where the address has none")->envname("ISOSTRATA_TOKEN");
@@ -17,6 +44,10 @@ int main(int argc, char** argv) {
   app.parse_complete_callback([&] { options.timeout = std::chrono::seconds(timeout_s); });
   isostrata::client::add_info(app, options);
   isostrata::client::add_snapshot(app, options);
+  isostrata::client::add_set(app, options);
+  isostrata::client::add_record(app, options);
+  isostrata::client::add_export(app, options);
+  isostrata::client::add_watch(app, options);
   isostrata::client::add_latency(app, options);
   try {
     app.parse(argc, argv);

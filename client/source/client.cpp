@@ -6,6 +6,9 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket.hpp>
+#include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
+#include <boost/json/value.hpp>
 #include <deque>
 
 #include "server_address.h"
@@ -18,14 +21,55 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Steady = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxServerMessage = 512u << 20;  // a lossless frame of the largest size
+constexpr std::size_t kMaxServerMessage = 512u << 20;        // a lossless frame of the largest size
+constexpr auto kStopPeriod = std::chrono::milliseconds(50);  // how late a request to stop is seen at most
+
+/// What REST tells of long work.
+struct OperationStatus {
+  std::string id, status, stage, code, detail;
+  double fraction = 0;
+};
+
+OperationStatus parse_operation(const std::string& text) {
+  try {
+    const auto document = boost::json::parse(text);
+    OperationStatus out;
+    out.id = document.at("id").as_string();
+    out.status = document.at("status").as_string();
+    out.stage = document.at("stage").as_string();
+    out.fraction = document.at("fraction").to_number<double>();
+    if (const auto* error = document.as_object().if_contains("error")) {
+      out.code = error->at("code").as_string();
+      out.detail = error->at("detail").as_string();
+    }
+    return out;
+  } catch (const std::exception& wrong) {
+    throw ClientError("protocol", std::string("the server's answer is no operation: ") + wrong.what());
+  }
+}
+
+// Cancels it, or forgets it and its file.
+void give_up(const Options& options, const std::string& operation) {
+  try {
+    http_request(options, "DELETE", operation);
+  } catch (const ClientError&) {  // it has ended by itself, or the server has
+  }
+}
+
+[[noreturn]] void refuse(const v1::Error& error) { throw ClientError(error.code(), error.message(), error.field()); }
 
 }  // namespace
 
 class Client::Impl {
  public:
-  explicit Impl(const Options& options) : timeout_(options.timeout), socket_(io_) {
-    const ServerAddress address = parse_address(options);
+  explicit Impl(const Options& options) : options_(options), timeout_(options.timeout), socket_(io_) {
+    const ServerAddress address = parse_address(options_);
+    if (!options_.session.empty()) {
+      const auto answer = boost::json::parse(http_get(options_, "api/v1/sessions/" + options_.session));
+      const auto* token = answer.is_object() ? answer.as_object().if_contains("resumeToken") : nullptr;
+      if (!token || !token->is_string()) throw ClientError("protocol", "the server's answer about a session has no resumeToken");
+      options_.resume_token = token->as_string();
+    }
     connect(address);
     v1::ClientMessage hello;
     v1::Hello& body = *hello.mutable_hello();
@@ -34,17 +78,20 @@ class Client::Impl {
     if (options.width > 0) {
       body.mutable_viewport()->set_width(static_cast<std::uint32_t>(options.width));
       body.mutable_viewport()->set_height(static_cast<std::uint32_t>(options.height));
+      body.mutable_viewport()->set_hidden(options.hidden);
     }
     body.add_still_formats("png");
-    body.add_moving_formats("jpeg");
-    body.set_resume_token(options.resume_token);
+    for (const std::string& format : options.moving_formats) body.add_moving_formats(format);
+    body.set_resume_token(options_.resume_token);
     send(std::move(hello));
     const auto deadline = Steady::now() + timeout_;
     while (!welcomed_) {
       const auto message = receive_until(deadline);
       if (!message) throw ClientError("timeout", "the server did not answer Hello");
-      if (message->has_error()) throw ClientError(message->error().code(), message->error().message());
+      if (message->has_error()) refuse(message->error());
     }
+    if (!options_.session.empty() && welcome_.session() != options_.session)
+      throw ClientError("not_found", "session " + options_.session + " has ended just now");
   }
 
   ~Impl() { close(); }
@@ -76,6 +123,7 @@ class Client::Impl {
   std::optional<v1::ServerMessage> receive_until(Steady::time_point deadline) {
     while (incoming_.empty()) {
       if (failure_) throw ClientError("closed", "the server ended the connection: " + why_closed());
+      if (options_.stop && *options_.stop) stop();
       const auto now = Steady::now();
       io_.restart();
       if (now >= deadline) {
@@ -83,12 +131,24 @@ class Client::Impl {
         if (incoming_.empty() && !failure_) return std::nullopt;
         continue;
       }
-      io_.run_one_for(deadline - now);
+      io_.run_one_for(options_.stop ? std::min<Steady::duration>(deadline - now, kStopPeriod) : deadline - now);
     }
     v1::ServerMessage message = std::move(incoming_.front());
     incoming_.pop_front();
     note(message);
     return message;
+  }
+
+  /// Receives until `done` of a message. Progress is a word of the server: the timeout begins anew.
+  template <class Done>
+  void wait(const std::string& what, const Done& done) {
+    auto deadline = Steady::now() + timeout_;
+    for (;;) {
+      auto message = receive_until(deadline);
+      if (!message) throw ClientError("timeout", what);
+      if (message->has_progress()) deadline = Steady::now() + timeout_;
+      if (done(*message)) return;
+    }
   }
 
   void command(v1::ClientMessage message) {
@@ -98,54 +158,138 @@ class Client::Impl {
     const double mark = static_cast<double>(++pings_);
     ping.mutable_ping()->set_client_time_ms(mark);
     send(std::move(ping));
-    const auto deadline = Steady::now() + timeout_;
-    for (;;) {
-      const auto answer = receive_until(deadline);
-      if (!answer) throw ClientError("timeout", "the server did not answer a command");
-      if (answer->has_error() && answer->error().in_reply_to() == seq)
-        throw ClientError(answer->error().code(), answer->error().message());
-      if (answer->has_pong() && answer->pong().client_time_ms() == mark) return;
-    }
+    wait("the server did not answer a command", [&](const v1::ServerMessage& answer) {
+      if (answer.has_error() && answer.error().in_reply_to() == seq) refuse(answer.error());
+      return answer.has_pong() && answer.pong().client_time_ms() == mark;
+    });
   }
 
-  void open_dataset(const std::string& id) {
+  void open_dataset(const std::string& dataset) {
+    std::string id = dataset;
+    for (const v1::DatasetEntry& entry : welcome_.datasets())
+      if (entry.name() == dataset) id = entry.id();
+    for (const v1::DatasetEntry& entry : welcome_.datasets())
+      if (entry.id() == dataset) id = dataset;
     v1::ClientMessage message;
     message.mutable_open_dataset()->set_id(id);
     const std::uint64_t seq = send(std::move(message));
-    const auto deadline = Steady::now() + timeout_;
     bool described = false;
-    for (;;) {
-      const auto answer = receive_until(deadline);
-      if (!answer) throw ClientError("timeout", "dataset '" + id + "' was not open in time");
-      if (answer->has_error() && answer->error().in_reply_to() == seq)
-        throw ClientError(answer->error().code(), answer->error().message());
-      described = described || (answer->has_dataset_info() && answer->dataset_info().id() == id);
-      if (described && answer->has_state() && state_.dataset() == id) return;
-    }
+    wait("dataset '" + id + "' was not open in time", [&](const v1::ServerMessage& answer) {
+      if (answer.has_error() && answer.error().in_reply_to() == seq) refuse(answer.error());
+      described = described || (answer.has_dataset_info() && answer.dataset_info().id() == id);
+      return described && answer.has_state() && state_.dataset() == id;
+    });
   }
 
   v1::Frame lossless_frame() {
     v1::ClientMessage still;
     still.mutable_request_still();
     const std::uint64_t seq = send(std::move(still));
-    const auto deadline = Steady::now() + timeout_;
-    for (;;) {
-      auto message = receive_until(deadline);
-      if (!message) throw ClientError("timeout", "no lossless frame came in time");
-      if (message->has_error() && (message->error().in_reply_to() == seq || message->error().in_reply_to() == 0))
-        throw ClientError(message->error().code(), message->error().message());
-      if (message->has_frame() && message->frame().phase() == v1::FRAME_PHASE_LOSSLESS &&
-          message->frame().revision() >= state_.revision())
-        return std::move(*message->mutable_frame());
-    }
+    v1::Frame frame;
+    wait("no lossless frame came in time", [&](v1::ServerMessage& message) {
+      if (message.has_error() && (message.error().in_reply_to() == seq || message.error().in_reply_to() == 0))
+        refuse(message.error());
+      if (!message.has_frame() || message.frame().phase() != v1::FRAME_PHASE_LOSSLESS ||
+          message.frame().revision() < state_.revision())
+        return false;
+      frame = std::move(*message.mutable_frame());
+      return true;
+    });
+    return frame;
   }
 
+  v1::Histogram histogram(const std::string& array, int bins) {
+    v1::ClientMessage message;
+    message.mutable_request_histogram()->set_array(array);
+    message.mutable_request_histogram()->set_bins(static_cast<std::uint32_t>(std::max(bins, 0)));
+    const std::uint64_t seq = send(std::move(message));
+    v1::Histogram histogram;
+    wait("no histogram came in time", [&](v1::ServerMessage& answer) {
+      if (answer.has_error() && answer.error().in_reply_to() == seq) refuse(answer.error());
+      if (!answer.has_histogram() || answer.histogram().array() != array) return false;
+      histogram = std::move(*answer.mutable_histogram());
+      return true;
+    });
+    return histogram;
+  }
+
+  std::string still(int width, int height, const std::string& format) {
+    return http_get(options_, "api/v1/sessions/" + welcome_.session() + "/image?width=" + std::to_string(width) +
+                                  "&height=" + std::to_string(height) + "&format=" + format);
+  }
+
+  void restore_state(const std::string& text) {
+    const HttpAnswer answer = http_request(options_, "PUT", "api/v1/sessions/" + welcome_.session() + "/state", text);
+    boost::system::error_code error;
+    const auto document = boost::json::parse(answer.body, error);
+    const auto* revision = !error && document.is_object() ? document.as_object().if_contains("revision") : nullptr;
+    // Protobuf's JSON writes 64-bit numbers as text.
+    const std::uint64_t wanted =
+        revision && revision->is_string() ? std::strtoull(revision->as_string().c_str(), nullptr, 10) : 0;
+    if (wanted == 0) throw ClientError("protocol", "the server's answer to a state has no revision");
+    v1::ClientMessage ping;  // whoever else changes the state meanwhile only raises the revision
+    const double mark = static_cast<double>(++pings_);
+    ping.mutable_ping()->set_client_time_ms(mark);
+    send(std::move(ping));
+    wait("the server did not tell the new state", [&](const v1::ServerMessage& answered) {
+      return answered.has_pong() && answered.pong().client_time_ms() == mark && state_.revision() >= wanted;
+    });
+  }
+
+  void export_mesh(std::ostream& to, const std::string& format, const std::vector<std::string>& facets) {
+    boost::json::object wanted{{"format", format}};
+    if (!facets.empty()) wanted["facets"] = boost::json::array(facets.begin(), facets.end());
+    const std::string session = "api/v1/sessions/" + welcome_.session();
+    auto operation = parse_operation(http_request(options_, "POST", session + "/exports", boost::json::serialize(wanted)).body);
+    const std::string path = session + "/operations/" + operation.id;
+    Options unstoppable = options_;  // what tidies up is not itself stopped
+    unstoppable.stop = nullptr;
+    try {
+      auto deadline = Steady::now() + timeout_;
+      auto pause = std::chrono::milliseconds(20);
+      for (double before = -1; operation.status == "running"; before = operation.fraction) {
+        if (operation.fraction != before) deadline = Steady::now() + timeout_;
+        if (Steady::now() > deadline) throw ClientError("timeout", "the export did not go on in time");
+        // Waiting by receiving: what happens in the session is heard, frames are acknowledged, a stop is seen.
+        const auto end = Steady::now() + pause;
+        while (auto message = receive_until(end))
+          if (message->has_shutdown()) throw ClientError("closed", message->shutdown().reason());
+        pause = std::min(pause * 2, std::chrono::milliseconds(500));
+        operation = parse_operation(http_get(options_, path));
+        if (options_.on_progress) {
+          v1::Progress progress;
+          progress.set_stage(operation.stage);
+          progress.set_fraction(operation.fraction);
+          options_.on_progress(progress);
+        }
+      }
+      if (operation.status != "done") throw ClientError(operation.code, operation.detail);
+      http_download(options_, session + "/exports/" + operation.id, to);
+    } catch (...) {
+      give_up(unstoppable, path);
+      throw;
+    }
+    give_up(unstoppable, path);
+  }
+
+  Options options_;
   const std::chrono::milliseconds timeout_;
   v1::Welcome welcome_;
   v1::State state_;
   v1::DatasetInfo dataset_;
 
  private:
+  [[noreturn]] void stop() {
+    if (operation_ != 0) {
+      v1::ClientMessage message;
+      message.mutable_cancel()->set_operation(operation_);
+      send(std::move(message));
+      io_.restart();
+      io_.run_for(kStopPeriod);  // so that it leaves before the connection does
+    }
+    throw ClientError("cancelled", "stopped");
+  }
+
   // Not io_.run(): Beast's own timers keep it busy for half a minute after what was waited for.
   void run_until(const bool& done) {
     io_.restart();
@@ -248,6 +392,11 @@ class Client::Impl {
       last_words_ = message.shutdown().reason();
     } else if (message.has_error()) {
       last_words_ = message.error().message();
+    } else if (message.has_progress()) {
+      operation_ = message.progress().operation();
+      if (options_.on_progress) options_.on_progress(message.progress());
+    } else if (message.has_done()) {
+      operation_ = 0;
     }
   }
 
@@ -266,6 +415,7 @@ class Client::Impl {
   std::string last_words_;
   std::uint64_t last_seq_ = 0;
   std::uint64_t pings_ = 0;
+  std::uint64_t operation_ = 0;  // the newest that has told of its progress and has not ended
   bool welcomed_ = false;
 };
 
@@ -281,8 +431,14 @@ std::optional<v1::ServerMessage> Client::receive(std::chrono::milliseconds timeo
   return impl_->receive_until(Steady::now() + timeout);
 }
 void Client::command(v1::ClientMessage message) { impl_->command(std::move(message)); }
-void Client::open_dataset(const std::string& id) { impl_->open_dataset(id); }
+void Client::open_dataset(const std::string& dataset) { impl_->open_dataset(dataset); }
+v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
+std::string Client::still(int width, int height, const std::string& format) { return impl_->still(width, height, format); }
+void Client::export_mesh(std::ostream& to, const std::string& format, const std::vector<std::string>& facets) {
+  impl_->export_mesh(to, format, facets);
+}
+void Client::restore_state(const std::string& json) { impl_->restore_state(json); }
 void Client::close() { impl_->close(); }
 
 }  // namespace isostrata::client

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <string_view>
 
-#include "isostrata/client.h"
+#include "isostrata/image.h"
+#include "isostrata/options.h"
 
 namespace isostrata::client {
 namespace {

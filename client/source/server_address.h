@@ -5,7 +5,7 @@
 #include <boost/url/url_view.hpp>
 #include <string>
 
-#include "isostrata/client.h"
+#include "isostrata/options.h"
 
 namespace isostrata::client {
 

@@ -9,6 +9,8 @@
 #include <atomic>
 #include <memory>
 
+#include "base/pulse.h"
+
 namespace isostrata {
 namespace {
 std::unique_ptr<tbb::global_control> limit;
@@ -52,9 +54,12 @@ int thread_count() {
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
   LoopOrder order;
+  Pulse* const of = current_pulse();
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, count, std::max<std::int64_t>(grain, 1)),
                     [&](const tbb::blocked_range<std::int64_t>& range) {
                       [[maybe_unused]] const LoopOrder::Turn turn(order);
+                      const PulseScope scope(of);  // a pool's thread may run a block of somebody else's loop in between
+                      pulse();
                       body(range.begin(), range.end());
                     });
 }

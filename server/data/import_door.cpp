@@ -7,7 +7,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <optional>
 #include <system_error>
+#include <utility>
 
 #include "data/child_process.h"
 
@@ -19,6 +24,8 @@ namespace fs = std::filesystem;
 /// A directory of our own that is gone when this is.
 class TemporaryDirectory {
  public:
+  /// Takes one over.
+  explicit TemporaryDirectory(fs::path path) : path_(std::move(path)) {}
   TemporaryDirectory() {
     const char* base = std::getenv("TMPDIR");
     std::string pattern = (fs::path(base && *base ? base : "/tmp") / "isostrata-import-XXXXXX").string();
@@ -33,6 +40,14 @@ class TemporaryDirectory {
   TemporaryDirectory(const TemporaryDirectory&) = delete;
   TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
   const fs::path& path() const { return path_; }
+  /// Becomes a directory of that name; false where it cannot, and stays what it is.
+  bool move_to(const fs::path& other) {
+    std::error_code error;
+    fs::rename(path_, other, error);
+    if (error) return false;
+    path_ = other;
+    return true;
+  }
 
  private:
   fs::path path_;
@@ -79,22 +94,39 @@ fs::path default_importer() {
   return importer;
 }
 
-std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
+namespace {
+
+/// A dataset and the files that it is mapped from.
+struct Kept {
+  std::shared_ptr<const Dataset> dataset;
+  std::optional<TemporaryDirectory> files;
+};
+
+void check_file(const fs::path& file, const OpenOptions& options) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (file.empty() || !fs::exists(status)) throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
   if (fs::is_directory(status)) throw Error(ErrorCode::bad_data, file.string() + ": is a directory; expected a file");
   if (options.step < 0)
     throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
-  const std::string name = file.filename().string();
+}
 
+std::shared_ptr<const Dataset> map_checked(const fs::path& directory, const fs::path& file, const OpenOptions& options,
+                                           ImportFiles files) {
+  const std::shared_ptr<Dataset> dataset = map_import(directory, file.filename().string(), options, files);
+  dataset->name = file.string();
+  return dataset;
+}
+
+/// Has the child write into the directory.
+void run_import(const fs::path& file, const fs::path& directory, const OpenOptions& options, const Task& task) {
+  const std::string name = file.filename().string();
   task.report(0, "reading");
-  const TemporaryDirectory directory;
   const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
   ChildResult result;
   try {
     result = run_child(options.importer.empty() ? default_importer() : options.importer,
-                       {fs::absolute(file).string(), directory.path().string(), std::to_string(options.step),
+                       {fs::absolute(file).string(), directory.string(), std::to_string(options.step),
                         std::to_string(options.max_bytes), std::to_string(cpu_seconds)},
                        options.timeout_s, task, [&](std::string_view line) {
                          if (!line.starts_with("progress ")) return;
@@ -108,10 +140,60 @@ std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptio
   }
   if (result.signal != 0 || result.exit_status != 0) throw_failure(result, name);
   task.report(0.9, "checking");
-  const std::shared_ptr<Dataset> dataset = map_import(directory.path(), name, options);
-  dataset->name = file.string();
+}
+
+/// What the kept directory of this step of this file is called, and what is written into it, so that no other is taken for it.
+std::pair<std::string, std::string> kept_name(const fs::path& file, int step) {
+  std::error_code error;
+  const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
+  const std::string text = fs::absolute(file).string() + '\n' + std::to_string(step) + '\n' +
+                           std::to_string(fs::file_size(file, error)) + '\n' + std::to_string(changed) + '\n';
+  return {"kept-" + std::to_string(std::hash<std::string>{}(text)), text};
+}
+
+constexpr const char* kOrigin = "origin.txt";  // the last file to be written
+
+bool is_kept(const fs::path& directory, const std::string& origin) {
+  std::ifstream file(directory / kOrigin, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return file && text == origin;
+}
+
+}  // namespace
+
+std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
+  check_file(file, options);
+  const TemporaryDirectory directory;
+  run_import(file, directory.path(), options, task);
+  auto dataset = map_checked(directory.path(), file, options, ImportFiles::unlinked);
   task.report(1, "reading");
   return dataset;
+}
+
+std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const OpenOptions& options, const fs::path& keep,
+                                                   const Task& task) {
+  check_file(file, options);
+  const auto [name, origin] = kept_name(file, options.step);
+  const fs::path place = keep / name;
+  auto kept = std::make_shared<Kept>();
+  if (is_kept(place, origin)) {
+    kept->files.emplace(place);
+    try {
+      kept->dataset = map_checked(place, file, options, ImportFiles::left);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::bad_data) throw;
+      kept = std::make_shared<Kept>();  // damaged since: it is gone, and read again
+    }
+  }
+  if (!kept->dataset) {
+    kept->files.emplace();
+    run_import(file, kept->files->path(), options, task);
+    kept->dataset = map_checked(kept->files->path(), file, options, ImportFiles::left);
+    std::ofstream(kept->files->path() / kOrigin, std::ios::binary) << origin;
+    if (!kept->files->move_to(place)) kept->files.reset();  // there is one already
+  }
+  task.report(1, "reading");
+  return {kept, kept->dataset.get()};
 }
 
 }  // namespace isostrata

@@ -32,9 +32,18 @@ namespace isostrata {
 /// inconsistent), unsupported, too_large, cancelled, unavailable (no isostrata-import, no room for temporary files). Any thread.
 std::shared_ptr<const Dataset> open_import(const std::filesystem::path& file, const OpenOptions& options, const Task& task);
 
-/// The second half on its own: checks and maps a directory that a child wrote. `name` is for messages. The directory's files may
-/// be unlinked afterwards. Throws bad_data, too_large.
-std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, const std::string& name, const OpenOptions& options);
+/// As open_import, but the child's files stay below `keep`, as long as the dataset lives in this process, or for whoever comes
+/// after a process that was killed: there the same file and step is mapped at once and no child runs. `keep` is a private
+/// directory on the file system of $TMPDIR, and somebody else removes it in the end. A file that was changed is another one.
+std::shared_ptr<const Dataset> open_import_keeping(const std::filesystem::path& file, const OpenOptions& options,
+                                                   const std::filesystem::path& keep, const Task& task);
+
+enum class ImportFiles { unlinked, left };
+
+/// The second half on its own: checks and maps a directory that a child wrote. `name` is for messages. Throws bad_data,
+/// too_large.
+std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, const std::string& name, const OpenOptions& options,
+                                    ImportFiles files = ImportFiles::unlinked);
 
 /// isostrata-import beside this executable. Throws unavailable where it is not there.
 std::filesystem::path default_importer();

@@ -22,10 +22,11 @@ namespace json = boost::json;
 constexpr std::size_t kMostManifest = 64u << 20, kMostArrays = 20000, kLongestName = 1000, kMostNotes = 1000;
 constexpr std::int64_t kMostTimes = 1'000'000;
 
-/// A file of the directory, mapped read-only, then unlinked. Its directory belongs to us alone, and the child has ended.
+/// A file of the directory, mapped read-only, then unlinked where it shall be. Its directory belongs to us alone, and the child
+/// has ended.
 class Mapping {
  public:
-  Mapping(const fs::path& path, std::uint64_t expected_bytes, const std::string& name) {
+  Mapping(const fs::path& path, std::uint64_t expected_bytes, const std::string& name, ImportFiles files) {
     const std::string file = path.filename().string();
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     struct stat status {};
@@ -43,7 +44,7 @@ class Mapping {
       data_ = nullptr;
       throw Error(ErrorCode::unavailable, name + ": cannot map " + std::to_string(size_) + " bytes");
     }
-    unlink(path.c_str());
+    if (files == ImportFiles::unlinked) unlink(path.c_str());
   }
   ~Mapping() {
     if (data_) munmap(data_, size_);
@@ -59,15 +60,15 @@ class Mapping {
 
 class Manifest {
  public:
-  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options)
-      : directory_(directory), name_(name), options_(options) {
+  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options, ImportFiles files)
+      : directory_(directory), name_(name), options_(options), files_(files) {
     const fs::path path = directory / "manifest.json";
     std::error_code error;
     const auto size = fs::file_size(path, error);
     if (error) refuse("wrote no manifest");
     if (size > kMostManifest)
       refuse("wrote a manifest of " + std::to_string(size) + " bytes; expected at most " + std::to_string(kMostManifest));
-    const Mapping mapping(path, size, name);
+    const Mapping mapping(path, size, name, files);
     try {
       json::parse_options strict;
       strict.max_depth = 8;
@@ -110,7 +111,7 @@ class Manifest {
     if (total_ > options_.max_bytes)
       throw Error(ErrorCode::too_large,
                   name_ + ": needs more than the limit of " + std::to_string(options_.max_bytes) + " bytes");
-    const auto mapping = std::make_shared<const Mapping>(directory_ / file, bytes, name_);
+    const auto mapping = std::make_shared<const Mapping>(directory_ / file, bytes, name_, files_);
     storage = mapping;
     return mapping->bytes();
   }
@@ -126,6 +127,7 @@ class Manifest {
   fs::path directory_;
   std::string name_;
   const OpenOptions& options_;
+  const ImportFiles files_;
   json::object root_;
   std::uint64_t total_ = 0;
 };
@@ -317,8 +319,9 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
 
 }  // namespace
 
-std::shared_ptr<Dataset> map_import(const fs::path& directory, const std::string& name, const OpenOptions& options) {
-  Manifest manifest(directory, name, options);
+std::shared_ptr<Dataset> map_import(const fs::path& directory, const std::string& name, const OpenOptions& options,
+                                    ImportFiles files) {
+  Manifest manifest(directory, name, options, files);
   if (manifest.integer(manifest.need(manifest.root(), "format"), "format", 0, 1 << 20) != 1)
     manifest.refuse("is of another version than this server");
   auto dataset = std::make_shared<Dataset>();

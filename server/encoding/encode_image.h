@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,21 @@ Bytes encode_jpeg(const Image& image, int quality);
 /// Lossless, fast deflate; RGB where every pixel is opaque, else RGBA. For frames at rest; any thread.
 Bytes encode_png(const Image& image);
 
+/// Rows [first_row, first_row + rows) of a picture, as a PNG file of their own.
+struct PngBand {
+  int first_row = 0, rows = 0;
+  Bytes bytes;
+};
+
+/// A lossless picture in pieces, from the top, each of at most max_bytes (one row may be more): what comes meanwhile need not
+/// wait long behind a piece. Deflated on the worker pool. `abandon` is asked before each piece, from any of its threads; once it
+/// says yes, the answer is no band at all.
+std::vector<PngBand> encode_png_bands(const Image& image, std::size_t max_bytes, const std::function<bool()>& abandon = {});
+
+/// Lossless WebP, with alpha; about two thirds of a PNG's bytes, several times its time. At most 16383 pixels each way
+/// (too_large). For stills; any thread.
+Bytes encode_webp(const Image& image);
+
 /// Pictures of one size shown one after another, `seconds` each, again and again: an animated PNG (a PNG viewer that knows
 /// nothing of animation shows the first). Throws invalid_argument where there is none or their sizes differ.
 Bytes encode_animated_png(const std::vector<Image>& images, double seconds);
@@ -25,7 +41,7 @@ Bytes encode_animated_png(const std::vector<Image>& images, double seconds);
 /// Writes .png as encode_animated_png. Throws invalid_argument for any other extension: no other animated format can be written.
 void write_animation(const std::filesystem::path& path, const std::vector<Image>& images, double seconds);
 
-/// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg and .webp lossy, at quality 95 and 100: OpenImageIO 2.4 has no other WebP)
+/// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg lossy, at quality 95; the others lossless)
 /// and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth). Throws invalid_argument for an unknown
 /// extension (naming those that are known) and unavailable where the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image);
@@ -37,7 +53,7 @@ void check_image_path(const std::filesystem::path& path);
 
 /// What this build can write, each tried on a small picture, for `isostrata doctor`.
 struct CodecProbe {
-  std::string name;  // "jpeg", "png", "webp", "tiff", "openexr"
+  std::string name;  // "vp9-444", "h264-420", "jpeg", "png", "png-bands", "webp", "tiff", "openexr"
   bool ok = false;
   std::string detail;  // by what library, or why it failed
 };

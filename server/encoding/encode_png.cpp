@@ -1,11 +1,10 @@
-// PNG (ISO/IEC 15948) by hand: rows filtered, bands of rows deflated at the same time, the bands joined into one zlib stream. The
+// PNG (ISO/IEC 15948) by hand: bands of rows deflated at the same time and joined into one zlib stream. The
 // bands are raw deflate, each ended by a full flush, so their bytes may be concatenated; the Adler-32 sums are combined (the
 // method of Mark Adler's pigz).
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string>
@@ -14,62 +13,13 @@
 #include "base/parallel.h"
 #include "encoding/check_image.h"
 #include "encoding/encode_image.h"
+#include "encoding/png_parts.h"
 #include "encoding/png_stream.h"
 
 namespace isostrata {
 namespace {
 
 constexpr std::size_t kBandBytes = 256 << 10;  // of filtered rows; the window starts anew in each, which costs about 1 % in size
-
-bool opaque(const Image& image) {
-  for (std::size_t i = 3; i < image.rgba.size(); i += 4)
-    if (image.rgba[i] != 255) return false;
-  return true;
-}
-
-void put_u32(std::uint8_t* out, std::uint32_t v) {
-  for (int i = 0; i < 4; ++i) out[i] = static_cast<std::uint8_t>(v >> (24 - 8 * i));
-}
-
-void put_chunk(Bytes& out, const char* type, std::span<const std::uint8_t> data) {
-  const std::size_t at = out.size();
-  out.resize(at + 12 + data.size());
-  put_u32(&out[at], static_cast<std::uint32_t>(data.size()));
-  std::memcpy(&out[at + 4], type, 4);
-  if (!data.empty()) std::memcpy(&out[at + 8], data.data(), data.size());
-  put_u32(&out[at + 8 + data.size()], static_cast<std::uint32_t>(crc32(0, &out[at + 4], static_cast<uInt>(4 + data.size()))));
-}
-
-/// Packs one row of RGBA to `channels` bytes a pixel.
-void pack_row(const std::uint8_t* rgba, int width, int channels, std::uint8_t* out) {
-  if (channels == 4) {
-    std::memcpy(out, rgba, static_cast<std::size_t>(width) * 4);
-    return;
-  }
-  for (int x = 0; x < width; ++x)
-    for (int c = 0; c < 3; ++c) out[3 * x + c] = rgba[4 * x + c];
-}
-
-/// Sum of the differences' absolute values as signed bytes: the usual guess of which filter deflates better.
-std::uint64_t cost(std::span<const std::uint8_t> row) {
-  std::uint64_t sum = 0;
-  for (const std::uint8_t v : row) sum += static_cast<std::uint64_t>(std::abs(static_cast<int>(static_cast<std::int8_t>(v))));
-  return sum;
-}
-
-/// The filter byte and the filtered row: Sub (1) or Up (2), whichever is smoother.
-void filter_row(std::span<const std::uint8_t> row, std::span<const std::uint8_t> above, std::size_t channels, std::uint8_t* out,
-                std::vector<std::uint8_t>& scratch) {
-  scratch.resize(row.size());
-  for (std::size_t i = 0; i < row.size(); ++i) out[1 + i] = static_cast<std::uint8_t>(row[i] - above[i]);
-  for (std::size_t i = 0; i < channels; ++i) scratch[i] = row[i];
-  for (std::size_t i = channels; i < row.size(); ++i) scratch[i] = static_cast<std::uint8_t>(row[i] - row[i - channels]);
-  out[0] = 2;
-  if (cost(scratch) < cost({out + 1, row.size()})) {
-    out[0] = 1;
-    std::memcpy(out + 1, scratch.data(), row.size());
-  }
-}
 
 struct Band {
   Bytes deflated;
@@ -95,18 +45,13 @@ Bytes deflate_raw(std::span<const std::uint8_t> bytes) {
 }
 
 Band make_band(const Image& image, int channels, int first_row, int rows, std::span<const std::uint8_t> before) {
-  const std::size_t stride = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels);
-  std::vector<std::uint8_t> filtered((stride + 1) * static_cast<std::size_t>(rows)), above(stride, 0), row(stride), scratch;
-  const auto source = [&](int y) { return &image.rgba[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) * 4]; };
-  if (first_row > 0)
-    pack_row(source(first_row - 1), image.width, channels, above.data());
-  else if (!before.empty())
-    above.assign(before.begin(), before.end());
-  for (int y = 0; y < rows; ++y) {
-    pack_row(source(first_row + y), image.width, channels, row.data());
-    filter_row(row, above, static_cast<std::size_t>(channels), &filtered[static_cast<std::size_t>(y) * (stride + 1)], scratch);
-    std::swap(row, above);
+  std::vector<std::uint8_t> above(before.begin(), before.end());
+  if (first_row > 0) {
+    above.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels));
+    pack_row(&image.rgba[static_cast<std::size_t>(first_row - 1) * static_cast<std::size_t>(image.width) * 4], image.width,
+             channels, above.data());
   }
+  const std::vector<std::uint8_t> filtered = filter_rows(image, channels, first_row, rows, above);
   return {deflate_raw(filtered), adler32(1, filtered.data(), static_cast<uInt>(filtered.size())), filtered.size()};
 }
 
@@ -145,18 +90,6 @@ std::vector<Bytes> deflate_image(const Image& image, int channels) {
   return deflate_rows(image, channels, {}, adler, true, true);
 }
 
-Bytes begin_png(int width, int height, int channels) {
-  Bytes out{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  std::array<std::uint8_t, 13> header{};
-  put_u32(&header[0], static_cast<std::uint32_t>(width));
-  put_u32(&header[4], static_cast<std::uint32_t>(height));
-  header[8] = 8;                                                 // bits a channel
-  header[9] = static_cast<std::uint8_t>(channels == 4 ? 6 : 2);  // RGBA, RGB
-  put_chunk(out, "IHDR", header);
-  put_chunk(out, "sRGB", std::array<std::uint8_t, 1>{0});
-  return out;
-}
-
 }  // namespace
 
 PngStream::PngStream(int width, int height, bool alpha)
@@ -180,7 +113,7 @@ Bytes PngStream::put(const Image& rows) {
 
 Bytes encode_png(const Image& image) {
   check_image(image);
-  return PngStream(image.width, image.height, !opaque(image)).put(image);
+  return PngStream(image.width, image.height, !is_opaque(image)).put(image);
 }
 
 // The chunks acTL, fcTL and fdAT of "Portable Network Graphics (PNG) Specification (Third Edition)", section 11.3.6.
@@ -191,7 +124,7 @@ Bytes encode_animated_png(const std::vector<Image>& images, double seconds) {
     check_image(image);
     if (image.width != images[0].width || image.height != images[0].height)
       throw Error(ErrorCode::invalid_argument, "PNG: the pictures of an animation differ in size");
-    if (!opaque(image)) channels = 4;
+    if (!is_opaque(image)) channels = 4;
   }
   Bytes out = begin_png(images[0].width, images[0].height, channels);
   std::array<std::uint8_t, 8> animation{};

@@ -65,8 +65,9 @@ struct ImageFile::Writer {
   std::string extension;
   int width = 0, height = 0, rows = 0;
   int channels = 4;
-  bool floats = false, done = false;
+  bool floats = false, done = false, keep_alpha = true;
   std::optional<PngStream> png;
+  std::optional<Image> webp;  // the rows so far: its encoder wants them all
   std::ofstream file;
   std::unique_ptr<OIIO::ImageOutput> output;
 
@@ -76,6 +77,13 @@ struct ImageFile::Writer {
     floats = is_float_format(name);
     if (extension == ".png") {
       png.emplace(w, h, wanted.alpha);
+      file.open(part, std::ios::binary | std::ios::trunc);
+      if (!file) cannot_write(path, "the folder is missing, not writable or full");
+      return;
+    }
+    if (extension == ".webp") {
+      webp.emplace(Image{w, 0, {}});
+      keep_alpha = wanted.alpha;
       file.open(part, std::ios::binary | std::ios::trunc);
       if (!file) cannot_write(path, "the folder is missing, not writable or full");
       return;
@@ -95,7 +103,7 @@ struct ImageFile::Writer {
         spec.attribute("compression", "jpeg:" + std::to_string(kStillQuality));
         spec.attribute("jpeg:subsampling", "4:4:4");
       } else {
-        spec.attribute("compression", extension == ".webp" ? "webp:100" : "zip");
+        spec.attribute("compression", "zip");
       }
     }
     output = OIIO::ImageOutput::create(extension.substr(1));
@@ -126,6 +134,9 @@ struct ImageFile::Writer {
       const Bytes bytes = png->put(image);
       file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
       if (!file) cannot_write(path, "the folder is missing, not writable or full");
+    } else if (webp) {
+      webp->rgba.insert(webp->rgba.end(), image.rgba.begin(), image.rgba.end());
+      webp->height += image.height;
     } else {
       write(image.height, OIIO::TypeDesc::UINT8, image.rgba.data(), 4);  // JPEG takes three bytes of each four
     }
@@ -159,7 +170,13 @@ struct ImageFile::Writer {
     if (rows != height)
       throw Error(ErrorCode::internal,
                   path.string() + ": " + std::to_string(rows) + " of " + std::to_string(height) + " rows were written");
-    if (png) {
+    if (webp) {
+      if (!keep_alpha)
+        for (std::size_t i = 3; i < webp->rgba.size(); i += 4) webp->rgba[i] = 255;
+      const Bytes bytes = encode_webp(*webp);
+      file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    }
+    if (png || webp) {
       file.close();
       if (!file) cannot_write(path, "the folder is missing, not writable or full");
     } else if (!output->close()) {

@@ -1,10 +1,14 @@
 #include <OpenImageIO/imageio.h>
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <functional>
 
 #include "base/error.h"
+#include "encoding/avcodec_module.h"
+#include "encoding/encode_h264.h"
 #include "encoding/encode_image.h"
+#include "encoding/encoder.h"
 
 namespace isostrata {
 namespace {
@@ -17,16 +21,39 @@ CodecProbe probe(const std::string& name, const std::string& library, const std:
   }
 }
 
+/// A key frame and one that follows it.
+CodecProbe probe_video(Codec codec) {
+  const std::string name(name_of(codec));
+  try {
+    const auto encoder = make_encoder(codec);
+    const Image image{320, 240, std::vector<std::uint8_t>(320 * 240 * 4, 200)};
+    const std::size_t first = encoder->encode(image, {}).bytes.size(), second = encoder->encode(image, {}).bytes.size();
+    std::string detail = encoder->implementation() + ", " + std::to_string(first) + " and " + std::to_string(second) +
+                         " bytes for two frames of 320x240";
+    if (codec == Codec::h264_420)
+      for (const H264Attempt& attempt : h264_attempts())
+        if (!attempt.ok) detail += "; not " + attempt.problem;
+    return {name, true, detail};
+  } catch (const Error& error) {
+    return {name, false, error.what()};
+  }
+}
+
 }  // namespace
 
 std::vector<CodecProbe> probe_codecs() {
   Image image{16, 16, std::vector<std::uint8_t>(16 * 16 * 4, 200)};
-  std::vector<CodecProbe> probes{probe("jpeg", "libjpeg-turbo", [&] { return encode_jpeg(image, 90).size(); }),
-                                 probe("png", std::string("zlib ") + zlibVersion(), [&] { return encode_png(image).size(); })};
+  std::vector<CodecProbe> probes{probe_video(Codec::vp9_444),
+                                 probe_video(Codec::h264_420),
+                                 probe("jpeg", "libjpeg-turbo", [&] { return encode_jpeg(image, 90).size(); }),
+                                 probe("png", std::string("zlib ") + zlibVersion(), [&] { return encode_png(image).size(); }),
+                                 probe("png-bands", std::string("libdeflate ") + LIBDEFLATE_VERSION_STRING,
+                                       [&] { return encode_png_bands(image, 65536).at(0).bytes.size(); }),
+                                 probe("webp", "libwebp, lossless", [&] { return encode_webp(image).size(); })};
   const int version = OIIO::openimageio_version();  // 20413 is 2.4.13
   const std::string library = "OpenImageIO " + std::to_string(version / 10000) + "." + std::to_string(version / 100 % 100) + "." +
                               std::to_string(version % 100);
-  for (const char* format : {"webp", "tiff", "openexr"}) {  // to files only, so that it is asked for, not run
+  for (const char* format : {"tiff", "openexr"}) {  // to files only, so that it is asked for, not run
     const auto output = OIIO::ImageOutput::create(format);
     probes.push_back({format, output != nullptr, output ? library : library + ": " + OIIO::geterror()});
   }

@@ -107,9 +107,20 @@ Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
   return catalogue;
 }
 
+Catalogue Catalogue::from_entries(std::vector<CatalogueEntry> entries) {
+  Catalogue catalogue;
+  catalogue.entries_ = std::move(entries);
+  for (std::size_t i = 0; i < catalogue.entries_.size(); ++i) {
+    catalogue.place_of_[catalogue.entries_[i].id] = i;
+    catalogue.sources_.insert(catalogue.entries_[i].source);
+  }
+  return catalogue;
+}
+
 // Sizes that a software renderer still turns smoothly; a larger one is a matter of naming it: `isostrata serve torus:256`.
 Catalogue Catalogue::analytic() {
-  return from_sources({"torus:32", "sphere:32", "marschner-lobb:40", "cylinder:48x32x16", "implicit-flow:32", "tets:16", "mixed:17"});
+  return from_sources(
+      {"torus:32", "sphere:32", "marschner-lobb:40", "cylinder:48x32x16", "implicit-flow:32", "tets:16", "mixed:17"});
 }
 
 const CatalogueEntry* Catalogue::find(std::string_view id) const {

@@ -22,6 +22,8 @@ class Catalogue {
   /// Each source is a file, a directory (its readable files at any depth, at most 10000, sorted; hidden ones and links out of it
   /// are left out) or the name of analytic data. Throws not_found where a source is none of these, or cannot be listed.
   static Catalogue from_sources(const std::vector<std::string>& sources);
+  /// Of entries that another catalogue gave; no file is looked at.
+  static Catalogue from_entries(std::vector<CatalogueEntry> entries);
   /// The built-in analytic scenes.
   static Catalogue analytic();
 

@@ -5,6 +5,8 @@
 #include <new>
 #include <vector>
 
+#include "data/analytic.h"
+#include "data/import_door.h"
 #include "engine/dataset_facts.h"
 
 namespace isostrata {
@@ -27,6 +29,7 @@ DatasetStore::DatasetStore(DatasetStoreOptions options)
         open.importer = options.importer;
         open.max_bytes = options.max_bytes;
         open.timeout_s = options.timeout_s;
+        if (!options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
         return open_dataset(source, open, task);
       }) {}
 

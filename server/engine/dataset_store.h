@@ -22,6 +22,7 @@ struct DatasetStoreOptions {
   std::uint64_t max_bytes = 8ull << 30;  // kept between uses; also the most that one dataset may need
   std::filesystem::path importer;        // as OpenOptions
   double timeout_s = 600;                // as OpenOptions
+  std::filesystem::path keep;            // as open_import_keeping; empty: nothing is kept
 };
 
 /// Any thread may call any function. Lock: mutex_.

@@ -1,5 +1,7 @@
 #include "engine/engine.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -10,11 +12,13 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <set>
 #include <thread>
 
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
+#include "engine/encoder_threads.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
 #include "extraction/brick_memory.h"
@@ -27,6 +31,13 @@ namespace {
 // of two in a row at most one is cancelled, so that a drag over slow data still shows every other one.
 constexpr int kDeviceFailures = 3;  // frames in a row before another renderer takes over
 constexpr double kSupersededGraceMs = 250;
+constexpr auto kIdlePulse = std::chrono::milliseconds(200);
+
+// A drawing that runs in loops of ours has a pulse. One that a device does for us has none, so it gets time by its size.
+std::uint32_t patience_for(const FrameRequest& request, const std::string& device) {
+  const std::int64_t pixels = std::int64_t{request.width} * request.height;
+  return static_cast<std::uint32_t>(1 + pixels / (1 << 22)) * (is_software_device(device) ? 6 : 1);
+}
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
   RequestFailed failed{session, request, revision, ErrorCode::internal, {}};
@@ -76,6 +87,7 @@ struct SessionState {
   std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
   std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
   std::deque<FrameRequest> waiting;
+  std::set<StreamId> streams;  // ordered from and not closed
 };
 
 struct DrawOrder {
@@ -86,12 +98,6 @@ struct DrawOrder {
 };
 
 }  // namespace
-
-bool is_software_device(const std::string& device) {
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR", "OSMesa", "lavapipe", "Software"})
-    if (device.find(name) != std::string::npos) return true;
-  return false;
-}
 
 bool same_extraction(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b) &&
@@ -106,8 +112,8 @@ class Engine::Impl {
         store_(options_.store),
         bases_(options_.store.max_bytes),
         loaders_(4),
+        exporters_(1),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
-    for (int i = 0; i < 2; ++i) encoders_.push_back(std::make_unique<WorkerThreads>(1));
     std::promise<std::string> started;
     auto device = started.get_future();
     render_thread_ = std::thread([this, &started] { render(started); });
@@ -198,9 +204,35 @@ class Engine::Impl {
     });
   }
 
+  void take(StatisticsRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    loaders_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
+                             statistics(dataset->array(request.array))});
+      });
+    });
+  }
+
+  void take(ExportRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    exporters_.post([this, request, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const CatalogueEntry& source = entry(request.scene.dataset);
+        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, operation->task());
+        send(ExportReady{request.session, request.request, mesh});
+      });
+    });
+  }
+
   template <class Work>
   void run(SessionKey session, RequestId request, Operation& operation, const Work& work) {
     try {
+      const Doing opening(options_.board, Stage::opening, session, request, operation.id());
       operation.task().check();
       work();
     } catch (...) {
@@ -249,6 +281,7 @@ class Engine::Impl {
     std::shared_ptr<const ExtractedScene> extracted;
     std::exception_ptr failure;
     try {
+      const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
       operation->task().check();
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
@@ -293,6 +326,7 @@ class Engine::Impl {
         !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
       return;
     jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
+      const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
         bases_.make(dataset, array, base_task_);
       } catch (const std::exception&) {  // extraction goes on without it
@@ -324,6 +358,7 @@ class Engine::Impl {
         failed->request = request.request;
       } else {
         it->second.waiting.push_back(request);
+        if (request.video) it->second.streams.insert(request.video->stream);
       }
     }
     if (failed) send(std::move(*failed));
@@ -355,6 +390,20 @@ class Engine::Impl {
     if (it == sessions_.end()) return;
     freed_outside_the_lock = std::move(it->second.ready);
     sessions_.erase(it);
+    encoders_.close_session(request.session);
+  }
+
+  void take(CloseStream& request) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(request.session);
+    if (it != sessions_.end()) it->second.streams.erase(request.stream);
+    encoders_.close(request.session, request.stream);
+  }
+
+  bool stream_is_open(SessionKey session, StreamId stream) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(session);
+    return it != sessions_.end() && it->second.streams.contains(stream);
   }
 
   // ---- the render thread ----
@@ -364,6 +413,7 @@ class Engine::Impl {
     int failures = 0;     // of the device, frames in a row
     std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
     try {
+      const Doing starting(Doing::OnRenderThread{}, options_.board, Stage::starting, 0, 0, 1);
       renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
       cuts_intervals_ = renderer->cuts_intervals();
       started.set_value(renderer->device());
@@ -375,7 +425,7 @@ class Engine::Impl {
       std::optional<DrawOrder> order;
       {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return stopping_ || (order = next_order()); });
+        while (!changed_.wait_for(lock, kIdlePulse, [&] { return stopping_ || (order = next_order()); })) beat();
         if (stopping_) return;
       }
       const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead);
@@ -391,6 +441,10 @@ class Engine::Impl {
         instead.clear();
       }
     }
+  }
+
+  void beat() {
+    if (options_.board) ++options_.board->slots[ActivityBoard::kRenderThread].pulse;
   }
 
   /// What was made for a renderer that cuts intervals is made anew where the next one cannot.
@@ -453,8 +507,11 @@ class Engine::Impl {
     const FrameRequest& request = order.request;
     send(FrameStarted{request.session, request.request});
     Stopwatch watch;
+    const Doing drawing(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request,
+                        patience_for(request, device_));
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+      if (request.still && is_float(*request.still)) input.float_image = true;
       const auto annotations = std::make_shared<Drawing>();
       if (order.scene.annotations.any()) {
         *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
@@ -468,6 +525,7 @@ class Engine::Impl {
       frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
       frame.lossless = request.lossless;
       frame.jpeg = request.jpeg;
+      if (request.video) frame.video = VideoFacts{request.video->codec, request.video->stream, false};
       frame.width = request.width;
       frame.height = request.height;
       frame.camera = input.camera;
@@ -481,10 +539,12 @@ class Engine::Impl {
         frame.intervals.push_back(
             {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
       auto image = std::make_shared<AnyImage>(std::move(result.image));
-      encoders_[request.session % encoders_.size()]->post([this, image, annotations, background = input.background,
-                                                           frame = std::move(frame), watch,
-                                                           quality = request.jpeg_quality]() mutable {
-        encode(*image, *annotations, background, std::move(frame), watch, quality);
+      EncodeOrder encode_order{request.jpeg_quality};
+      if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
+      encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
+                                       encode_order, band_bytes = request.lossless ? request.band_bytes : 0,
+                                       still = request.still](StreamEncoders& streams) mutable {
+        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes, still);
       });
     } catch (const Error& error) {
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
@@ -495,18 +555,61 @@ class Engine::Impl {
     return std::nullopt;
   }
 
-  void encode(AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame, const Stopwatch& since_taken,
-              int quality) {
+  void send_encoded(FrameReady frame, const Stopwatch& encoding, const Stopwatch& since_taken) {
+    frame.stages.encode_ms = encoding.elapsed_ms();
+    frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
+    send(std::move(frame));
+  }
+
+  void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
+              const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes, std::optional<StillFormat> still) {
+    const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
     try {
       Stopwatch watch;
       if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
+      if (still) {
+        frame.bytes = std::make_shared<const Bytes>(std::visit([&](const auto& of) { return encode_still(of, *still); }, drawn));
+        return send_encoded(std::move(frame), watch, since_taken);
+      }
       const Image& image = std::get<Image>(drawn);
-      frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, quality) : encode_png(image));
-      frame.stages.encode_ms = watch.elapsed_ms();
-      frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
-      send(std::move(frame));
+      if (frame.video) {
+        if (!encode_video(streams, image, order, frame)) return;
+      } else if (band_bytes > 0) {
+        auto bands = encode_png_bands(image, band_bytes, [&] { return overtaken(frame.session, frame.revision); });
+        if (bands.empty()) throw Error(ErrorCode::cancelled, "a newer scene came first");
+        frame.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
+      } else {
+        frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
+      }
+      send_encoded(std::move(frame), watch, since_taken);
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
+    }
+  }
+
+  bool overtaken(SessionKey key, std::uint64_t revision) {
+    std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(key);
+    return it == sessions_.end() || !it->second.scene || it->second.scene->revision > revision;
+  }
+
+  /// False where the frame was answered with a failure.
+  bool encode_video(StreamEncoders& streams, const Image& image, const EncodeOrder& order, FrameReady& frame) {
+    const StreamId stream = frame.video->stream;
+    if (!stream_is_open(frame.session, stream)) {
+      send(RequestFailed{frame.session, frame.request, frame.revision, ErrorCode::cancelled, "the stream has been closed"});
+      return false;
+    }
+    try {
+      EncodedFrame encoded = streams.encoder(frame.session, stream, frame.video->codec).encode(image, order);
+      frame.bytes = std::make_shared<const Bytes>(std::move(encoded.bytes));
+      frame.video->key = encoded.key;
+      return true;
+    } catch (...) {
+      RequestFailed failed = failure_of(std::current_exception(), frame.session, frame.request, frame.revision);
+      failed.encoder_failed = true;
+      send(std::move(failed));
+      return false;
     }
   }
 
@@ -530,8 +633,9 @@ class Engine::Impl {
   Task base_task_;                           // of making those that nobody waits for
   std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
   WorkerThreads loaders_;
+  WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
   WorkerThreads jobs_;
-  std::vector<std::unique_ptr<WorkerThreads>> encoders_;
+  EncoderThreads encoders_;
   std::thread render_thread_;
 };
 
@@ -539,7 +643,15 @@ Engine::Engine(EngineOptions options, Sink sink) : impl_(std::make_unique<Impl>(
 Engine::~Engine() = default;
 void Engine::post(EngineRequest request) { impl_->post(std::move(request)); }
 const Catalogue& Engine::catalogue() const { return impl_->catalogue(); }
-const std::string& Engine::device() const { return impl_->device(); }
-bool Engine::device_is_software() const { return is_software_device(impl_->device()); }
+std::string Engine::device() const { return impl_->device(); }
+EngineFacts Engine::facts() const {
+  EngineFacts facts;
+  facts.device = device();
+  facts.device_is_software = is_software_device(facts.device);
+  facts.process = getpid();
+  facts.processes = 1;
+  facts.renderer_trial = renderer_trial_report();
+  return facts;
+}
 
 }  // namespace isostrata

@@ -10,10 +10,10 @@
 #include <memory>
 #include <string>
 
-#include "engine/catalogue.h"
+#include "engine/activity.h"
 #include "engine/dataset_store.h"
 #include "engine/draw_scene.h"
-#include "engine/messages.h"
+#include "engine/frame_engine.h"
 #include "rendering/renderer.h"
 
 namespace isostrata {
@@ -28,34 +28,26 @@ struct EngineOptions {
   /// The renderer from then on, made on the render thread when the device has failed three frames in a row
   /// (ErrorCode::unavailable; after each the renderer has tried a new context). The frames' device says so. Empty: native.
   std::function<std::unique_ptr<Renderer>()> fallback_renderer;
+  /// Where the engine's threads say what they do; must outlive the engine. Null: nowhere.
+  ActivityBoard* board = nullptr;
 };
 
-/// Any thread may call any function but the destructor.
-class Engine {
+class Engine final : public FrameEngine {
  public:
-  /// Called from the engine's threads, one event at a time for one session's frames; must return quickly and not call the engine
-  /// back.
-  using Sink = std::function<void(EngineEvent event)>;
-
   /// Throws unavailable where no device can draw, saying what was tried.
   Engine(EngineOptions options, Sink sink);
   /// Cancels what runs and waits for it; no event comes afterwards.
-  ~Engine();
+  ~Engine() override;
 
-  /// Requests of one session are taken in the order they are posted. Never waits for work.
-  void post(EngineRequest request);
-
-  const Catalogue& catalogue() const;
-  const std::string& device() const;  // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
-  bool device_is_software() const;
+  void post(EngineRequest request) override;
+  const Catalogue& catalogue() const override;
+  std::string device() const override;
+  EngineFacts facts() const override;
 
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Whether a GL renderer's name is that of one that runs on the CPU.
-bool is_software_device(const std::string& device);
 
 /// Whether the extraction made for one scene serves the other: same dataset, the same layer_request and steps of a smear
 /// (draw_scene.h).

@@ -2,21 +2,28 @@
 // so that the engine can move to a process of its own.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "base/error.h"
+#include "data/statistics.h"
+#include "encoding/codec.h"
 #include "encoding/encode_image.h"
+#include "encoding/encode_still.h"
 #include "engine/dataset_facts.h"
+#include "engine/export_mesh.h"
 #include "engine/scene.h"
 
 namespace isostrata {
 
 using SessionKey = std::uint64_t;  // of one scene; never used again
 using RequestId = std::uint64_t;   // chosen by the asker, unique in the process
+using StreamId = std::uint64_t;    // of video; chosen by the asker, unique in its session, never used again
 
 // ---- to the engine -----------------------------------------------------------------------------------------------------------
 
@@ -33,6 +40,15 @@ struct SceneUpdate {
   Scene scene;
 };
 
+/// A frame as the next one of a video stream. The stream begins with its first order; that frame, and the first of another size,
+/// is a key frame. Every frame of a stream must reach its viewer, in order.
+struct VideoOrder {
+  Codec codec = Codec::vp9_444;
+  StreamId stream = 0;
+  int bitrate_kbps = 8000;  // at 30 frames a second: EncodeOrder (encoding/encoder.h)
+  bool key = false;         // for somebody who has none of the frames before
+};
+
 /// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or
 /// RequestFailed. While intervals are being extracted, a moving frame shows the last ones that are ready; a lossless one waits
 /// for the newest.
@@ -43,6 +59,10 @@ struct FrameRequest {
   bool lossless = false;
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
+  std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
+  std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one. Given up, as `cancelled`, once
+                               // the session has a newer scene
+  std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
 };
 
 struct HistogramRequest {
@@ -52,6 +72,25 @@ struct HistogramRequest {
   int step = 0;
   std::string array;
   int bins = 256;
+};
+
+/// Answered by StatisticsReady or RequestFailed.
+struct StatisticsRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+};
+
+/// Extracts the scene's layers and writes them to a file by the ending of its name (extraction/write_mesh.h), one export after
+/// the other; the file is complete or not there. Answered by ExportReady or RequestFailed.
+struct ExportRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  Scene scene;
+  std::string path;  // of the server's own choice, never a client's
+  WriteOptions options;
 };
 
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
@@ -71,8 +110,14 @@ struct CloseSession {
   SessionKey session = 0;
 };
 
-using EngineRequest =
-    std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame, CloseSession>;
+/// Forgets the stream's encoder. Frames of it that are still being drawn are answered RequestFailed.
+struct CloseStream {
+  SessionKey session = 0;
+  StreamId stream = 0;
+};
+
+using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -82,6 +127,7 @@ struct OperationProgress {
   std::uint64_t operation = 0;
   std::string stage;
   double fraction = 0;
+  RequestId works_for = 0;  // the request; 0: a scene's extraction
 };
 
 /// Follows the last OperationProgress of an operation.
@@ -89,6 +135,7 @@ struct OperationDone {
   SessionKey session = 0;
   std::uint64_t operation = 0;
   bool cancelled = false;
+  RequestId works_for = 0;
 };
 
 struct DatasetReady {
@@ -105,6 +152,21 @@ struct HistogramReady {
   std::string array;
   double lower = 0, upper = 0;
   std::vector<std::uint64_t> counts;
+};
+
+struct StatisticsReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::string dataset;
+  int step = 0;
+  std::string array;
+  Statistics statistics;
+};
+
+struct ExportReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  ExportedMesh mesh;
 };
 
 /// The drawing of a requested frame begins: the next one may be asked for.
@@ -125,6 +187,12 @@ struct StageTimes {
   double total_ms = 0;  // from taking the scene to having the bytes
 };
 
+struct VideoFacts {
+  Codec codec = Codec::vp9_444;
+  StreamId stream = 0;
+  bool key = false;
+};
+
 struct FrameReady {
   SessionKey session = 0;
   RequestId request = 0;
@@ -132,6 +200,7 @@ struct FrameReady {
   int step = 0;
   bool lossless = false;
   bool jpeg = true;
+  std::optional<VideoFacts> video;  // a frame of this stream; else a picture by itself
   int width = 0, height = 0;
   Camera camera;  // that it was drawn with
   StageTimes stages;
@@ -140,7 +209,8 @@ struct FrameReady {
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
   std::vector<IntervalFacts> intervals;
-  std::shared_ptr<const Bytes> bytes;
+  std::shared_ptr<const Bytes> bytes;                 // null where there are bands
+  std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top
 };
 
 /// Answers any request that could not be met. A scene whose extraction failed answers the frame requests that waited for it.
@@ -150,9 +220,10 @@ struct RequestFailed {
   std::uint64_t revision = 0;
   ErrorCode code = ErrorCode::internal;
   std::string message;
+  bool encoder_failed = false;  // the picture was drawn; its video codec failed and will again
 };
 
-using EngineEvent =
-    std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady, RequestFailed>;
+using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
+                                 RequestFailed, StatisticsReady, ExportReady>;
 
 }  // namespace isostrata

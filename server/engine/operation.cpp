@@ -1,5 +1,7 @@
 #include "engine/operation.h"
 
+#include "base/pulse.h"
+
 namespace isostrata {
 
 constexpr double kAnnounceEveryMs = 100;
@@ -17,20 +19,21 @@ void Operation::supersede(double grace_ms) {
 }
 
 void Operation::progress(double fraction, std::string_view stage) {
+  pulse();
   const double now_ms = watch_.elapsed_ms();
   if (const double grace = grace_ms_; grace >= 0 && now_ms >= grace) task_.cancel();
   std::lock_guard lock(mutex_);
   if (finished_ || now_ms - last_announced_ms_ < kAnnounceEveryMs) return;
   last_announced_ms_ = now_ms;
   announced_ = true;
-  announce_(OperationProgress{session_, id_, std::string(stage), fraction});
+  announce_(OperationProgress{session_, id_, std::string(stage), fraction, request_});
 }
 
 void Operation::finish() {
   std::lock_guard lock(mutex_);
   if (finished_) return;
   finished_ = true;
-  if (announced_) announce_(OperationDone{session_, id_, task_.cancelled()});
+  if (announced_) announce_(OperationDone{session_, id_, task_.cancelled(), request_});
 }
 
 }  // namespace isostrata

@@ -2,10 +2,12 @@
 // says:
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
+#include <sys/prctl.h>
 #include <sys/sysinfo.h>
 
 #include <algorithm>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -81,6 +83,7 @@ void run(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what a dead worker has asked for
   if (argc != 6) {
     std::fprintf(stderr,
                  "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS (started by isostrata, not by people)\n");

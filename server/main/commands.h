@@ -13,8 +13,11 @@ void add_render_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_tables_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+void add_worker_command(CLI::App& app);
 
+void add_bench_encode_command(CLI::App& bench);
 void add_bench_extract_command(CLI::App& bench);
 void add_bench_render_command(CLI::App& bench);
+void add_bench_stream_command(CLI::App& bench);
 
 }  // namespace isostrata

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   isostrata::add_bench_command(app);
   isostrata::add_tables_command(app);
   isostrata::add_doctor_command(app);
+  isostrata::add_worker_command(app);
 
   try {
     app.parse(argc, argv);

@@ -1,23 +1,25 @@
 // isostrata serve: the server, from its flags to its last line.
 #include <fcntl.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <array>
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "base/parallel.h"
 #include "main/commands.h"
 #include "main/config_file.h"
+#include "main/server_log.h"
 #include "net/server.h"
 #include "net/static_files.h"
 #include "session/random_token.h"
@@ -40,8 +42,12 @@ struct ServeArguments {
   std::string token_file;
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
+  std::string tls_certificate, tls_key;
   std::string renderer = "auto", device = "auto", tetrahedra = "auto";
+  std::string worker = "process";
   std::size_t max_sessions = 32;
+  std::size_t max_viewers = 64;
+  std::string state_dir;
   long session_ttl_s = 600;
   long idle_timeout_s = 0;
   std::uint64_t max_memory = 8ull << 30;
@@ -49,29 +55,6 @@ struct ServeArguments {
   std::string ready_file;
   std::string log_format = "text";
   std::string web_root;
-};
-
-// Messages go to standard error; none of them ever holds the token.
-class Log {
- public:
-  explicit Log(bool json) : json_(json), logger_("isostrata", std::make_shared<spdlog::sinks::stderr_sink_mt>()) {
-    logger_.set_pattern(json ? "%v" : "%Y-%m-%dT%H:%M:%S.%e%z %l %v");
-  }
-  void info(const std::string& event, const std::string& text) { write(spdlog::level::info, event, text); }
-  void warn(const std::string& event, const std::string& text) { write(spdlog::level::warn, event, text); }
-
- private:
-  void write(spdlog::level::level_enum level, const std::string& event, const std::string& text) {
-    if (!json_) return logger_.log(level, text);
-    const auto ms =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-    const std::string line = json::serialize(json::object{
-        {"time_ms", ms}, {"level", level == spdlog::level::warn ? "warning" : "info"}, {"event", event}, {"message", text}});
-    logger_.log(level, line);
-  }
-
-  const bool json_;
-  spdlog::logger logger_;
 };
 
 std::string read_token_file(const std::string& path) {
@@ -95,14 +78,46 @@ std::string token_of(const ServeArguments& arguments) {
   return token;
 }
 
+// Where programs keep what should survive them: XDG Base Directory Specification.
+fs::path default_state_dir() {
+  const char* state = std::getenv("XDG_STATE_HOME");
+  if (state && *state == '/') return fs::path(state) / "isostrata";
+  const char* home = std::getenv("HOME");
+  return home && *home == '/' ? fs::path(home) / ".local" / "state" / "isostrata" : fs::path();
+}
+
+// Slurm's word on when the job's time is over.
+std::optional<std::chrono::system_clock::time_point> job_end(ServerLog& log) {
+  const char* text = std::getenv("SLURM_JOB_END_TIME");
+  if (!text || !*text) return std::nullopt;
+  std::int64_t seconds = 0;
+  const char* end = text + std::strlen(text);
+  const auto [stop, error] = std::from_chars(text, end, seconds);
+  constexpr std::int64_t kFarthest = 253402300799;  // the year 9999
+  if (error != std::errc{} || stop != end || seconds <= 0 || seconds > kFarthest) {
+    log.warn("job_end", "SLURM_JOB_END_TIME is '" + std::string(text).substr(0, 40) +
+                            "', expected seconds since 1970; nobody will be told before the job ends");
+    return std::nullopt;
+  }
+  return std::chrono::system_clock::time_point(std::chrono::seconds(seconds));
+}
+
 bool loopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
+
+// The process that draws first, where it is not the server's; it may be replaced (/api/v1/engine).
+json::value worker_of(const Server& server) {
+  const EngineFacts facts = server.engine().facts();
+  return facts.own_process ? json::value(facts.process) : json::value(nullptr);
+}
 
 // Complete or not there: written beside and renamed into place. It holds the token, so only its owner may read it.
 void write_ready_file(const fs::path& path, const Server& server) {
-  const std::string text =
-      json::serialize(
-          json::object{{"url", server.url()}, {"port", server.port()}, {"pid", getpid()}, {"device", server.engine().device()}}) +
-      "\n";
+  const std::string text = json::serialize(json::object{{"url", server.url()},
+                                                        {"port", server.port()},
+                                                        {"pid", getpid()},
+                                                        {"device", server.engine().device()},
+                                                        {"worker", worker_of(server)}}) +
+                           "\n";
   const fs::path beside = path.string() + ".new." + std::to_string(getpid());
   const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   const int opening_failed = file >= 0 ? 0 : errno;
@@ -131,7 +146,7 @@ void print_address(const Server& server) {
 }
 
 void serve(const ServeArguments& arguments) {
-  Log log(arguments.log_format == "json");
+  ServerLog log(arguments.log_format == "json");
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
 
@@ -145,6 +160,16 @@ void serve(const ServeArguments& arguments) {
                                    " files are offered; name a smaller directory to see others");
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
+  if (arguments.worker == "process") {
+    options.worker.emplace();
+    options.worker->threads = arguments.threads;
+    options.worker->log = [&log](std::string_view event, const std::string& text) {
+      if (event == "worker_replaced")
+        log.info(std::string(event), text);
+      else
+        log.warn(std::string(event), text);
+    };
+  }
   options.engine.tetrahedra = arguments.tetrahedra == "cut"     ? TetrahedraWay::cut
                               : arguments.tetrahedra == "split" ? TetrahedraWay::split
                                                                 : TetrahedraWay::automatic;
@@ -155,20 +180,27 @@ void serve(const ServeArguments& arguments) {
   options.web_root = find_web_root(arguments.web_root);
   options.token = token_of(arguments);
   options.allowed_hosts = arguments.allowed_hosts;
+  options.tls_certificate = arguments.tls_certificate;
+  options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
+  options.max_viewers = arguments.max_viewers;
+  if (arguments.state_dir != "none") options.state_dir = arguments.state_dir.empty() ? default_state_dir() : fs::path(arguments.state_dir);
+  options.ends = job_end(log);
+  options.warn = [&log](const std::string& what) { log.warn("journal", what); };
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
+  options.log = [&log](const LogLine& line) { log.write(line); };
 
   if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
   if (!loopback(arguments.host))
-    log.warn("not_loopback", "listening on " + arguments.host +
-                                 ": the port is open to the network, unencrypted; an ssh tunnel to 127.0.0.1 is safer");
+    log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network" +
+                                 (arguments.tls_certificate.empty() ? ", unencrypted; an ssh tunnel to 127.0.0.1 is safer" : ""));
   if (!StaticFiles(options.web_root).built())
     log.warn("no_page", "the web page is not built (npm ci && npm run build in web/), only the API is served");
 
   Server server(std::move(options));
   log.info("device", "drawing on " + server.engine().device());
-  if (const std::string trial = renderer_trial_report(); !trial.empty()) log.info("renderer", trial);
+  if (const std::string trial = server.engine().facts().renderer_trial; !trial.empty()) log.info("renderer", trial);
   if (server.engine().device_is_software())
     log.warn("software_device",
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
@@ -210,6 +242,13 @@ void add_serve_command(CLI::App& app) {
   auto* token_file =
       command->add_option("--token-file", arguments->token_file, "File whose first line is the token")->excludes(token);
   command->add_flag("--no-auth", arguments->no_auth, "Ask for no token")->excludes(token)->excludes(token_file);
+  auto* certificate = command
+                          ->add_option("--tls-cert", arguments->tls_certificate,
+                                       "Certificate, and those that sign it, in PEM: https instead of http")
+                          ->type_name("FILE");
+  command->add_option("--tls-key", arguments->tls_key, "The certificate's key, in PEM, without a password")
+      ->type_name("FILE")
+      ->needs(certificate);
   command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")
       ->type_name("NAME[:PORT]");
   command
@@ -221,6 +260,13 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
       ->capture_default_str();
   command
+      ->add_option(
+          "--worker", arguments->worker,
+          "process: the engine runs in a process of its own, which is replaced where it crashes or hangs; thread: in the "
+          "server's")
+      ->check(CLI::IsMember({"process", "thread"}))
+      ->capture_default_str();
+  command
       ->add_option("--tetrahedra", arguments->tetrahedra,
                    "Grids of nothing but tetrahedra: split by extraction, or cut in the rays by the native renderer; auto: cut "
                    "while intervals are moved")
@@ -229,6 +275,13 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  command->add_option("--max-viewers", arguments->max_viewers, "Connections of one session at a time")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      ->add_option("--state-dir", arguments->state_dir,
+                   "Directory in which sessions survive this process, by default $XDG_STATE_HOME/isostrata; none: they do not")
+      ->type_name("DIR");
   command->add_option("--session-ttl", arguments->session_ttl_s, "Seconds that a session is kept without anyone using it")
       ->check(CLI::Range(1, 31536000))
       ->capture_default_str();

@@ -23,7 +23,10 @@ std::string_view name_of(std::string_view host) {
 
 }  // namespace
 
-Access::Access(AccessOptions options) : options_(std::move(options)), cookie_("isostrata_" + std::to_string(options_.port)) {}
+Access::Access(AccessOptions options)
+    : options_(std::move(options)),
+      cookie_("isostrata_" + std::to_string(options_.port)),
+      guest_cookie_("isostrata_guest_" + std::to_string(options_.port)) {}
 
 bool Access::listed(std::string_view host_and_port) const {
   const std::string_view name = name_of(host_and_port);
@@ -62,12 +65,12 @@ bool Access::token_in_query(const RequestTarget& target) const {
   return token_needed() && it != target.query.end() && is_token(it->second);
 }
 
-bool Access::token_accepted(const HttpRequest& request, const RequestTarget& target) const {
-  if (!token_needed()) return true;
-  if (token_in_query(target)) return true;
+std::vector<std::string> Access::tokens_offered(const HttpRequest& request, const RequestTarget& target) const {
+  std::vector<std::string> all;
+  if (const auto it = target.query.find("token"); it != target.query.end()) all.push_back(it->second);
   for (const auto& [name, value] : request.headers) {
     if (name == "authorization" && lower(std::string_view(value).substr(0, 7)) == "bearer ") {
-      if (is_token(std::string_view(value).substr(7))) return true;
+      all.push_back(value.substr(7));
     } else if (name == "cookie") {
       std::string_view rest = value;
       while (!rest.empty()) {
@@ -75,17 +78,29 @@ bool Access::token_accepted(const HttpRequest& request, const RequestTarget& tar
         std::string_view pair = rest.substr(0, at);
         rest = at == std::string_view::npos ? std::string_view{} : rest.substr(at + 1);
         while (pair.starts_with(' ')) pair.remove_prefix(1);
-        if (pair.starts_with(cookie_) && pair.substr(cookie_.size()).starts_with('=') &&
-            is_token(pair.substr(cookie_.size() + 1)))
-          return true;
+        for (const std::string& cookie : {cookie_, guest_cookie_})
+          if (pair.starts_with(cookie) && pair.substr(cookie.size()).starts_with('='))
+            all.emplace_back(pair.substr(cookie.size() + 1));
       }
     }
   }
-  return false;
+  return all;
+}
+
+bool Access::token_accepted(const HttpRequest& request, const RequestTarget& target) const {
+  if (!token_needed()) return true;
+  bool accepted = false;
+  for (const std::string& token : tokens_offered(request, target)) accepted = is_token(token) || accepted;
+  return accepted;
+}
+
+std::string Access::set_guest_cookie(std::string_view base_path, const std::string& token) const {
+  return guest_cookie_ + "=" + token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict";
 }
 
 std::string Access::set_cookie(std::string_view base_path) const {
-  return cookie_ + "=" + options_.token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict";
+  return cookie_ + "=" + options_.token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict" +
+         (options_.secure ? "; Secure" : "");
 }
 
 }  // namespace isostrata

@@ -13,6 +13,7 @@ namespace isostrata {
 struct AccessOptions {
   std::string token;                       // empty: everyone may ask (--no-auth)
   std::vector<std::string> allowed_hosts;  // "name" (any port) or "name:port", lower case; beside the loopback names
+  bool secure = false;                     // served over TLS: the cookie goes nowhere else
   unsigned short port = 0;                 // being served; names the cookie, since browsers share cookies between ports
 };
 
@@ -29,6 +30,10 @@ class Access {
   /// By cookie, "Authorization: Bearer", or ?token=. Compared in constant time.
   bool token_accepted(const HttpRequest& request, const RequestTarget& target) const;
   bool token_in_query(const RequestTarget& target) const;
+  /// All that the request brings as a token, by query, header and cookies.
+  std::vector<std::string> tokens_offered(const HttpRequest& request, const RequestTarget& target) const;
+  /// Set-Cookie's value for a page that an invitation opened; both cookies can live in one browser.
+  std::string set_guest_cookie(std::string_view base_path, const std::string& token) const;
   /// Set-Cookie's value for a page under base_path ("/" or "/prefix/").
   std::string set_cookie(std::string_view base_path) const;
   bool token_needed() const { return !options_.token.empty(); }
@@ -38,7 +43,7 @@ class Access {
   bool listed(std::string_view host_and_port) const;
 
   const AccessOptions options_;
-  const std::string cookie_;
+  const std::string cookie_, guest_cookie_;
 };
 
 }  // namespace isostrata

@@ -3,6 +3,8 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/file.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -10,6 +12,8 @@
 #include <optional>
 
 #include "net/connections.h"
+#include "net/event_stream.h"
+#include "net/problem.h"
 #include "net/websocket_connection.h"
 #include "session/limits.h"
 
@@ -25,6 +29,7 @@ constexpr auto kIdleTimeout = std::chrono::seconds(60);  // between two requests
 constexpr auto kBodyTimeout = std::chrono::seconds(20);
 constexpr auto kWriteTimeout = std::chrono::seconds(60);
 constexpr auto kAnswerTimeout = std::chrono::seconds(600);  // loading a dataset may take that long
+constexpr auto kHeartbeat = std::chrono::seconds(15);       // a comment in an event stream that has no news
 constexpr std::uint32_t kMaxHeaderBytes = 16384;
 
 HttpRequest plain(const http::request<http::string_body>& request) {
@@ -40,12 +45,18 @@ HttpRequest plain(const http::request<http::string_body>& request) {
   return out;
 }
 
-http::response<http::string_body> wire(HttpResponse&& response, unsigned version, bool keep_alive, bool head) {
-  http::response<http::string_body> out{static_cast<http::status>(response.status), version};
+template <class Body>
+http::response<Body> wire_head(const HttpResponse& response, unsigned version, bool keep_alive) {
+  http::response<Body> out{static_cast<http::status>(response.status), version};
   out.set(http::field::server, "isostrata");
   if (!response.content_type.empty()) out.set(http::field::content_type, response.content_type);
   for (const auto& [name, value] : response.headers) out.insert(name, value);
   out.keep_alive(keep_alive);
+  return out;
+}
+
+http::response<http::string_body> wire(HttpResponse&& response, unsigned version, bool keep_alive, bool head) {
+  auto out = wire_head<http::string_body>(response, version, keep_alive);
   const std::size_t length = response.body.size();
   if (!head) out.body() = std::move(response.body);
   if (response.status != 204 && response.status != 304) out.content_length(length);
@@ -69,6 +80,7 @@ asio::awaitable<HttpResponse> answer(Site& site, const HttpRequest& request) {
     });
   } catch (const std::exception&) {
     slot->response = problem(500, "internal", "this request could not be handled");
+    site.refused(500);
   }
   boost::system::error_code error;
   if (!slot->response) co_await slot->arrived.async_wait(asio::redirect_error(asio::use_awaitable, error));
@@ -81,6 +93,55 @@ asio::awaitable<bool> write(beast::tcp_stream& stream, http::response<http::stri
   stream.expires_after(kWriteTimeout);
   co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, error));
   co_return !error && response.keep_alive();
+}
+
+// A file, while it is read. The write timeout is that of a piece: a slow link may take as long as it needs for the whole.
+asio::awaitable<bool> write_file(beast::tcp_stream& stream, HttpResponse response, unsigned version, bool keep_alive, bool head) {
+  boost::system::error_code error;
+  auto out = wire_head<http::file_body>(response, version, keep_alive);
+  out.body().open(response.file.c_str(), beast::file_mode::scan, error);
+  if (error) {
+    HttpResponse gone = problem(404, "not_found", "the file is not there any more");
+    co_return co_await write(stream, wire(std::move(gone), version, keep_alive, head));
+  }
+  out.content_length(out.body().size());
+  http::response_serializer<http::file_body> serializer(out);
+  serializer.split(head);
+  while (!error && !(head ? serializer.is_header_done() : serializer.is_done())) {
+    stream.expires_after(kWriteTimeout);
+    if (head)
+      co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+    else
+      co_await http::async_write_some(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  }
+  co_return !error && keep_alive;
+}
+
+// Server-sent events until they end, the client goes or does not read; the connection ends with them, which tells their end.
+asio::awaitable<void> write_events(beast::tcp_stream& stream, HttpResponse response, unsigned version) {
+  boost::system::error_code error;
+  const auto events = response.events;
+  auto out = wire_head<http::empty_body>(response, version, false);
+  http::response_serializer<http::empty_body> serializer(out);
+  stream.expires_after(kWriteTimeout);
+  co_await http::async_write_header(stream, serializer, asio::redirect_error(asio::use_awaitable, error));
+  const auto news = std::make_shared<asio::steady_timer>(stream.get_executor());
+  events->wake = [weak = std::weak_ptr(news)] {
+    if (const auto timer = weak.lock()) timer->cancel();
+  };
+  while (!error && !events->ended()) {
+    std::optional<std::string> text = events->take();
+    if (!text) {
+      boost::system::error_code woken;
+      news->expires_after(kHeartbeat);
+      co_await news->async_wait(asio::redirect_error(asio::use_awaitable, woken));
+      if (woken || events->ended()) continue;
+      text = ": still there\n\n";
+    }
+    stream.expires_after(kWriteTimeout);
+    co_await asio::async_write(stream, asio::buffer(*text), asio::redirect_error(asio::use_awaitable, error));
+  }
+  events->wake = nullptr;
 }
 
 asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) {
@@ -107,6 +168,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
           error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow;
       const bool malformed = error.category() == make_error_code(http::error::bad_method).category() &&
                              error != http::error::end_of_stream && error != http::error::partial_message;
+      if (too_large || malformed) connections.site.refused(!too_large ? 400 : error == http::error::body_limit ? 413 : 431);
       if (too_large)
         co_await write(stream, wire(problem(error == http::error::body_limit ? 413 : 431, "too_large",
                                             "the request is larger than this server reads"),
@@ -117,17 +179,20 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
       break;
     }
     if (parser.chunked() || parser.get().count(http::field::transfer_encoding) > 0) {
+      connections.site.refused(411);
       co_await write(stream,
                      wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
       break;
     }
     if (beast::websocket::is_upgrade(parser.get())) {
-      if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()))) {
+      Sessions::Admission admission;
+      if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()), admission)) {
+        connections.site.refused(refusal->status);
         co_await write(stream, wire(std::move(*refusal), 11, false, false));
         break;
       }
       forget.reset();
-      co_return co_await serve_websocket(std::move(stream), parser.release(), connections);
+      co_return co_await serve_websocket(std::move(stream), parser.release(), connections, std::move(admission));
     }
     stream.expires_after(kBodyTimeout);
     co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
@@ -141,9 +206,17 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
     const http::request<http::string_body> request = parser.release();
     const bool head = request.method() == http::verb::head;
     stream.expires_never();
+    connections.site.set_connections(connections.open);
     HttpResponse response = co_await answer(connections.site, plain(request));
     connections.wake();
-    more = co_await write(stream, wire(std::move(response), request.version(), request.keep_alive(), head));
+    if (response.events && !head) {
+      co_await write_events(stream, std::move(response), request.version());
+      break;
+    }
+    if (!response.file.empty())
+      more = co_await write_file(stream, std::move(response), request.version(), request.keep_alive(), head);
+    else
+      more = co_await write(stream, wire(std::move(response), request.version(), request.keep_alive(), head));
   }
   boost::system::error_code ignored;
   stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);

@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace isostrata {
+
+class EventStream;
 
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
 
@@ -36,6 +40,9 @@ struct HttpResponse {
   std::string content_type;
   std::string body;
   HttpHeaders headers;
+  // In place of `body`:
+  std::filesystem::path file{};           // its bytes, read while they are sent
+  std::shared_ptr<EventStream> events{};  // until they end or the client goes
 };
 
 /// Called once, on the io thread, at once or later.

@@ -82,7 +82,7 @@ std::optional<RequestTarget> parse_target(std::string_view target) {
     auto key = decode_percent(pair.substr(0, equals), true);
     auto value = decode_percent(equals == std::string_view::npos ? std::string_view{} : pair.substr(equals + 1), true);
     if (!key || !value) return std::nullopt;
-    out.query.try_emplace(std::move(*key), std::move(*value));
+    if (!out.query.try_emplace(std::move(*key), std::move(*value)).second) return std::nullopt;
   }
   return out;
 }

@@ -12,13 +12,13 @@ namespace isostrata {
 struct RequestTarget {
   std::vector<std::string> segments;  // decoded; never empty, ".", "..", nor with a slash, backslash or control character inside
   bool trailing_slash = false;        // or no segment at all
-  std::map<std::string, std::string> query;  // decoded; of one name the first
+  std::map<std::string, std::string> query;  // decoded; each name once
 
   std::string path() const;  // "/a/b" from the segments, "/" where there is none
 };
 
-/// Nothing where the target is not an origin-form path or hides something: bad escapes, "..", empty segments, NUL, over 8192
-/// bytes.
+/// Nothing where the target is not an origin-form path or hides something: bad escapes, "..", empty segments, NUL, a query
+/// parameter that stands twice, over 8192 bytes.
 std::optional<RequestTarget> parse_target(std::string_view target);
 
 /// Decodes %xx; nothing where an escape is broken or gives a control character.

@@ -1,5 +1,6 @@
 #include "net/server.h"
 
+#include <array>
 #include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -12,6 +13,7 @@
 #include <boost/asio/use_awaitable.hpp>
 
 #include "net/connections.h"
+#include "net/tls_gate.h"
 
 namespace isostrata {
 namespace {
@@ -20,7 +22,7 @@ namespace asio = boost::asio;
 using tcp = asio::ip::tcp;
 using Steady = std::chrono::steady_clock;
 
-constexpr auto kGoodbye = std::chrono::milliseconds(1500);  // for clients to hear that the server ends
+constexpr std::array kNotices = {std::chrono::minutes(10), std::chrono::minutes(5), std::chrono::minutes(1)};  // before the end
 
 constexpr std::size_t kMoreConnections = 256;  // than two for each session: pages load over several
 
@@ -61,8 +63,10 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   SiteOptions site;
   site.base_path = parse_base_url(options.base_url, public_host);
   site.web_root = options.web_root;
+  site.log = options.log;
   site.access.token = options.token;
   site.access.port = port;
+  site.access.secure = !options.tls_certificate.empty();
   site.access.allowed_hosts = options.allowed_hosts;
   if (!public_host.empty()) site.access.allowed_hosts.push_back(public_host);
   if (options.host != "0.0.0.0" && options.host != "::") site.access.allowed_hosts.push_back(bracketed(options.host));
@@ -71,20 +75,38 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   return site;
 }
 
-SessionsOptions sessions_options(const ServerOptions& options, const Engine& engine) {
+std::unique_ptr<TlsGate> make_gate(const ServerOptions& options) {
+  if (options.tls_certificate.empty() != options.tls_key.empty())
+    throw Error(ErrorCode::invalid_argument, "--tls-cert and --tls-key belong together; one of them is missing");
+  if (options.tls_certificate.empty()) return nullptr;
+  return std::make_unique<TlsGate>(options.tls_certificate, options.tls_key);
+}
+
+SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine& engine) {
   SessionsOptions sessions;
   sessions.max_sessions = options.max_sessions;
+  sessions.max_viewers = options.max_viewers;
   sessions.session_ttl = options.session_ttl;
+  sessions.warn = options.warn;
+  if (!options.state_dir.empty()) sessions.journal = options.state_dir / "sessions";
+  if (options.ends)
+    sessions.ends = std::chrono::duration_cast<std::chrono::milliseconds>(options.ends->time_since_epoch()).count();
   sessions.stall_time = options.stall_time;
   sessions.server_name = options.name;
   sessions.device = engine.device();
   sessions.device_is_software = engine.device_is_software();
+  sessions.engine = [&engine] { return engine.facts(); };
   for (const CatalogueEntry& entry : engine.catalogue().entries()) {
     v1::DatasetEntry& to = sessions.datasets.emplace_back();
     to.set_id(entry.id);
     to.set_name(entry.name);
   }
   return sessions;
+}
+
+std::unique_ptr<FrameEngine> make_engine(const ServerOptions& options, FrameEngine::Sink sink) {
+  if (options.worker) return std::make_unique<WorkerEngine>(options.engine, *options.worker, std::move(sink));
+  return std::make_unique<Engine>(options.engine, std::move(sink));
 }
 
 }  // namespace
@@ -100,14 +122,16 @@ class Server::Impl {
                      options_.hello_timeout,
                      options_.write_timeout,
                      [this] { wake(); }},
+        tls_(make_gate(options_)),
         io_(1),
         acceptor_(listen(io_, options_.host, options_.port)),
         port_(acceptor_.local_endpoint().port()),
         site_options_(site_options(options_, port_, public_host_)),
-        engine_(options_.engine, [this](EngineEvent event) { arrive(std::move(event)); }),
-        sessions_(sessions_options(options_, engine_), [this](EngineRequest request) { engine_.post(std::move(request)); }),
+        engine_(make_engine(options_, [this](EngineEvent event) { arrive(std::move(event)); })),
+        sessions_(sessions_options(options_, *engine_), [this](EngineRequest request) { engine_->post(std::move(request)); }),
         site_(site_options_, sessions_),
-        tick_(io_) {}
+        tick_(io_),
+        notice_(io_) {}
 
   ~Impl() {
     // Most coroutines end here; those that wait for an answer are destroyed with io_.
@@ -115,17 +139,19 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     tick_.cancel();
+    notice_.cancel();
+    sessions_.end_all();  // what waits for sessions belongs to the site, which goes first
     io_.restart();
     io_.poll();
   }
 
   unsigned short port() const { return port_; }
-  const Engine& engine() const { return engine_; }
+  const FrameEngine& engine() const { return *engine_; }
 
   std::string url() const {
     std::string host = bracketed(options_.host);
     if (host == "0.0.0.0" || host == "[::]") host = "127.0.0.1";
-    return "http://" + host + ":" + std::to_string(port_) + site_options_.base_path +
+    return (tls_ ? "https://" : "http://") + host + ":" + std::to_string(port_) + site_options_.base_path +
            (options_.token.empty() ? "" : "?token=" + encode_percent(options_.token));
   }
 
@@ -140,6 +166,7 @@ class Server::Impl {
     }
     asio::co_spawn(io_, accept_all(), asio::detached);
     asio::co_spawn(io_, tick_all(), asio::detached);
+    if (options_.ends) asio::co_spawn(io_, give_notice(), asio::detached);
     if (ready) asio::post(io_, ready);
     for (;;) {
       try {
@@ -203,10 +230,28 @@ class Server::Impl {
         continue;
       }
       try {
-        asio::co_spawn(io_, serve_connection(std::move(socket), connections_), asio::detached);
+        asio::co_spawn(io_,
+                       tls_ ? tls_->serve(std::move(socket), connections_) : serve_connection(std::move(socket), connections_),
+                       asio::detached);
       } catch (const std::exception&) {
         // No memory for this one: it is closed, and the next is accepted.
       }
+    }
+  }
+
+  // A process that is to be ended at a known time says so, more urgently as it comes near. Whoever is late to be told of ten
+  // minutes is told at once how many are left.
+  asio::awaitable<void> give_notice() {
+    for (std::size_t i = 0; i < kNotices.size(); ++i) {
+      const auto left = *options_.ends - std::chrono::system_clock::now();
+      if (i + 1 < kNotices.size() && left <= kNotices[i + 1]) continue;
+      if (left <= std::chrono::seconds(0)) co_return;
+      boost::system::error_code error;
+      notice_.expires_after(std::chrono::duration_cast<Steady::duration>(left - kNotices[i]));
+      co_await notice_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      if (stopping_) co_return;
+      sessions_.announce_end("the time of the server's job is over",
+                             std::chrono::duration_cast<std::chrono::milliseconds>(options_.ends->time_since_epoch()).count());
     }
   }
 
@@ -216,31 +261,35 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     wake();
-    sessions_.shut_down(reason);
+    notice_.cancel();
+    site_.end(reason);
+    sessions_.shut_down(reason, Server::kGoodbye);
     asio::co_spawn(io_, end_soon(), asio::detached);
   }
 
   asio::awaitable<void> end_soon() {
-    const auto deadline = Steady::now() + kGoodbye;
-    while (Steady::now() < deadline && sessions_.viewer_count() > 0) {
+    const auto deadline = Steady::now() + Server::kGoodbye;
+    while (Steady::now() + Server::kGoodbye / 2 < deadline && sessions_.viewer_count() > 0) {
       boost::system::error_code error;
       asio::steady_timer pause(io_, std::chrono::milliseconds(20));
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
+    sessions_.flush_journal(std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Steady::now()));
     io_.stop();
   }
 
   const ServerOptions options_;
   std::string public_host_;
-  Connections connections_;  // outlives io_, whose coroutines still refer to it when they are destroyed
+  Connections connections_;             // outlives io_, whose coroutines still refer to it when they are destroyed
+  const std::unique_ptr<TlsGate> tls_;  // null: plain
   asio::io_context io_;
   tcp::acceptor acceptor_;
   const unsigned short port_;
   const SiteOptions site_options_;
-  Engine engine_;
+  const std::unique_ptr<FrameEngine> engine_;
   Sessions sessions_;
   Site site_;
-  asio::steady_timer tick_;
+  asio::steady_timer tick_, notice_;
   bool stopping_ = false;
   Steady::time_point last_connection_ = Steady::now();
 };
@@ -249,7 +298,7 @@ Server::Server(ServerOptions options) : impl_(std::make_unique<Impl>(std::move(o
 Server::~Server() = default;
 unsigned short Server::port() const { return impl_->port(); }
 std::string Server::url() const { return impl_->url(); }
-const Engine& Server::engine() const { return impl_->engine(); }
+const FrameEngine& Server::engine() const { return impl_->engine(); }
 void Server::run(bool signals, const std::function<void()>& ready) { impl_->run(signals, ready); }
 void Server::stop(const std::string& reason) { impl_->stop(reason); }
 

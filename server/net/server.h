@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "engine/engine.h"
+#include "engine/worker_engine.h"
+#include "net/log_line.h"
 
 namespace isostrata {
 
@@ -20,28 +22,37 @@ struct ServerOptions {
   std::filesystem::path web_root;  // the built page
   std::string token;               // empty: everyone may ask
   std::vector<std::string> allowed_hosts;
+  std::filesystem::path tls_certificate, tls_key;  // PEM; both or none: without them the port speaks plain HTTP
   std::size_t max_sessions = 32;
+  std::size_t max_viewers = 64;  // connections of one session
   std::chrono::seconds session_ttl{600};
   std::chrono::seconds idle_timeout{0};  // ends after that long without a connection; 0: never
   // How long one client may stand still before it is given up; the others never wait for it.
   std::chrono::milliseconds stall_time{4000};      // without an acknowledgement: nothing more is drawn for it
   std::chrono::milliseconds hello_timeout{10000};  // a WebSocket without its Hello is closed
   std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
+  std::filesystem::path state_dir;  // where sessions survive the process (session/journal.h); empty: they do not
+  std::optional<std::chrono::system_clock::time_point> ends;  // when this process will be ended from outside; told to clients before
+  std::function<void(const std::string& what)> warn;          // of trouble that the server lives with; any thread
   EngineOptions engine;
+  std::optional<WorkerOptions> worker;  // the engine runs in a process of its own; none: in this one
+  LogSink log;                          // called on the thread of run(); empty: nobody listens
 };
 
 class Server {
  public:
+  static constexpr std::chrono::milliseconds kGoodbye{3000};
+
   /// Opens the device and the port. Throws unavailable (no device, port taken), invalid_argument.
   explicit Server(ServerOptions options);
   ~Server();
 
   unsigned short port() const;
   std::string url() const;  // with its token
-  const Engine& engine() const;
+  const FrameEngine& engine() const;
 
   /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are
-  /// told the reason.
+  /// told the reason, sessions are on the disk, and it returns within kGoodbye.
   void run(bool signals, const std::function<void()>& ready = {});
   /// Any thread, also before run.
   void stop(const std::string& reason);

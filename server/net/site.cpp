@@ -1,6 +1,11 @@
 #include "net/site.h"
 
+#include <chrono>
+
 #include "base/error.h"
+#include "net/json_body.h"
+#include "net/problem.h"
+#include "session/random_token.h"
 
 namespace isostrata {
 namespace {
@@ -50,7 +55,21 @@ Site::Site(SiteOptions options, Sessions& sessions)
       base_segments_(segments_of(options_.base_path)),
       access_(options_.access),
       files_(options_.web_root),
-      api_(sessions) {}
+      sessions_(sessions),
+      metrics_(sessions.options().server_name, sessions.options().device),
+      log_(options_.log),
+      api_(sessions),
+      request_prefix_(random_token(32) + "-") {
+  sessions.observe(metrics_);
+  sessions.observe(log_);
+}
+
+std::optional<Sessions::Admission> Site::invited(const HttpRequest& request, const RequestTarget& target) const {
+  std::optional<Sessions::Admission> found;
+  for (const std::string& token : access_.tokens_offered(request, target))
+    if (!found) found = sessions_.admit(token);
+  return found;
+}
 
 HttpResponse Site::unauthorized(bool page) const {
   if (page)
@@ -70,19 +89,69 @@ std::optional<std::vector<std::string>> Site::below_base(const RequestTarget& ta
                                   target.segments.end());
 }
 
+namespace {
+
+bool is_request_id(std::string_view text) {
+  return !text.empty() && text.size() <= 64 &&
+         text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._") == std::string_view::npos;
+}
+
+// The session that a path names.
+std::string session_in(const std::vector<std::string>& segments) {
+  for (std::size_t i = 2; i + 1 < segments.size(); ++i)
+    if (segments[i] == "sessions" && segments[i - 1] == "v1" && segments[i - 2] == "api") return segments[i + 1];
+  return {};
+}
+
+}  // namespace
+
 void Site::handle(const HttpRequest& request, HttpReply send) {
-  const HttpReply reply = [send = std::move(send)](HttpResponse response) {
+  const auto begun = std::chrono::steady_clock::now();
+  const std::string_view offered = request.header("x-request-id");
+  const std::string id = is_request_id(offered) ? std::string(offered) : request_prefix_ + std::to_string(++last_request_);
+  const auto target = parse_target(request.target);
+  const auto route = std::make_shared<std::string>();
+  const HttpReply reply = [this, begun, id, route, send = std::move(send), method = request.method,
+                           path = target ? target->path() : "",
+                           session = target ? session_in(target->segments) : ""](HttpResponse response) {
     harden(response);
+    response.headers.emplace_back("X-Request-Id", id);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    metrics_.http_answered(method, *route, response.status, seconds, response.body.size());
+    log_.http_answered(method, path, response.status, seconds, session, id);
     send(std::move(response));
   };
-  const auto target = parse_target(request.target);
-  if (!target) return reply(problem(400, "malformed", "the request's target is not a path"));
+  dispatch(request, target, reply, route.get());
+}
+
+HttpResponse Site::ready() const {
+  if (!ending_.empty()) return problem(503, "unavailable", ending_);
+  return json_response(200, boost::json::object{{"status", "ready"}, {"device", sessions_.engine().device}});
+}
+
+HttpResponse Site::metrics_text() {
+  return {200,
+          "text/plain; version=0.0.4; charset=utf-8",
+          metrics_.text({sessions_.list().size(), sessions_.viewer_count(), connections_, api_.operations().running(),
+                         static_cast<std::size_t>(sessions_.engine().deaths)}),
+          {{"Cache-Control", "no-store"}}};
+}
+
+void Site::dispatch(const HttpRequest& request, const std::optional<RequestTarget>& target, HttpReply reply, std::string* route) {
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (!target)
+    return reply(problem(400, "malformed", "the request's target is not a path, or a parameter of its query stands twice"));
   // Probes come by address and without a token; they learn that the server answers.
+  using Path = std::vector<std::string>;
   const auto below = below_base(*target);
-  const bool probe =
-      target->segments == std::vector<std::string>{"healthz"} ||
-      (below && (*below == std::vector<std::string>{"healthz"} || *below == std::vector<std::string>{"api", "v1", "health"}));
-  if (probe && (request.method == "GET" || request.method == "HEAD")) return reply(api_.health());
+  const auto is_probe = [&](const char* name) {
+    const bool found = reads && (target->segments == Path{name} || (below && *below == Path{name}));
+    if (found) *route = std::string("/") + name;
+    return found;
+  };
+  if (is_probe("readyz")) return reply(ready());
+  if (is_probe("healthz") || (reads && below && *below == Path{"api", "v1", "health"}))
+    return api_.handle(request, *target, {"health"}, reply, route);
 
   if (!access_.host_allowed(request))
     return reply(problem(403, "forbidden", "this Host is not served here; start the server with --allow-host NAME to allow it"));
@@ -93,14 +162,22 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
                               "The application is at <a href=\"" + options_.base_path + "\">" + options_.base_path + "</a>."));
 
   const bool api = below->size() >= 2 && (*below)[0] == "api" && (*below)[1] == "v1";
-  if (!access_.token_accepted(request, *target)) return reply(unauthorized(!api));
-  if (api) return api_.handle(request, *target, {below->begin() + 2, below->end()}, reply);
+  if (!access_.token_accepted(request, *target)) {
+    // An invitation opens the page's files and one session's WebSocket, nothing else.
+    const auto guest = invited(request, *target);
+    if (!guest) return reply(unauthorized(!api && *below != Path{"metrics"}));
+    if (api || *below == Path{"metrics"})
+      return reply(problem(403, "forbidden", "an invitation opens the page of its session; the API needs the server's token"));
+  }
+  if (api) return api_.handle(request, *target, {below->begin() + 2, below->end()}, reply, route);
 
-  if (request.method != "GET" && request.method != "HEAD") {
+  *route = *below == Path{"metrics"} ? "/metrics" : "page";
+  if (!reads) {
     HttpResponse response = problem(405, "unsupported", "files are read with GET");
     response.headers.emplace_back("Allow", "GET, HEAD");
     return reply(std::move(response));
   }
+  if (*below == Path{"metrics"}) return reply(metrics_text());
   if (below->empty() && !target->trailing_slash) {
     // Relative addresses in the page need the slash.
     const auto query = request.target.find('?');
@@ -108,18 +185,28 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
         {308, "", "", {{"Location", options_.base_path + (query == std::string::npos ? "" : request.target.substr(query))}}});
   }
   HttpResponse response = files_.get(request, *below);
-  if (access_.token_in_query(*target)) response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
+  if (access_.token_in_query(*target))
+    response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
+  else if (const auto it = target->query.find("token"); it != target->query.end() && sessions_.admit(it->second))
+    response.headers.emplace_back("Set-Cookie", access_.set_guest_cookie(options_.base_path, it->second));
   reply(std::move(response));
 }
 
-std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request) const {
+std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request, Sessions::Admission& admission) const {
   const auto target = parse_target(request.target);
   const auto below = target ? below_base(*target) : std::nullopt;
   if (!below || *below != std::vector<std::string>{"ws"})
     return problem(404, "not_found", "the WebSocket is at " + options_.base_path + "ws");
   if (!access_.host_allowed(request)) return problem(403, "forbidden", "this Host is not served here");
   if (!access_.origin_allowed(request)) return problem(403, "forbidden", "this Origin may not use the server");
-  if (!access_.token_accepted(request, *target)) return unauthorized(false);
+  // A page that was opened by an invitation says so itself; a cookie of the server's own token must not overrule it.
+  const auto given = target->query.find("token");
+  auto guest = given == target->query.end() || access_.token_in_query(*target) ? std::nullopt : sessions_.admit(given->second);
+  if (!guest && !access_.token_accepted(request, *target)) {
+    guest = invited(request, *target);
+    if (!guest) return unauthorized(false);
+  }
+  admission = guest.value_or(Sessions::Admission{});
   const std::string_view offered = request.header("sec-websocket-protocol");
   bool speaks = false;
   for (std::size_t at = 0; at <= offered.size();) {

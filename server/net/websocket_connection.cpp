@@ -1,6 +1,11 @@
 #include "net/websocket_connection.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/wire_format_lite.h>
+
 #include <algorithm>
+#include <array>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -26,14 +31,55 @@ using Steady = std::chrono::steady_clock;
 constexpr std::size_t kPieceBytes = 64 << 10;  // what a client must take within the write timeout: a slow link is not a stuck one
 constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
 
+constexpr auto kProbePause = std::chrono::seconds(2);
+constexpr const char* kProbe = "way";  // tells our pings' answers from those of Beast's keep-alive
+
+/// A frame whose payload other connections send, too.
+struct Waiting {
+  v1::Frame frame;
+  std::shared_ptr<const Bytes> payload;
+};
+
+/// What is sent as one message: first `head`, then the payload where there is one.
+struct Outgoing {
+  std::string head;
+  std::shared_ptr<const Bytes> payload;
+};
+
+// The message with the frame's payload last, so that its bytes need not be copied for each connection. Fields may stand in any
+// order, and a message that is given twice is merged, but not every reader knows that: the frame is written once, by hand.
+Outgoing frame_bytes(v1::ServerMessage message, Waiting&& waiting) {
+  using google::protobuf::internal::WireFormatLite;
+  using google::protobuf::io::CodedOutputStream;
+  Outgoing out{message.SerializeAsString(), std::move(waiting.payload)};
+  const std::string frame = waiting.frame.SerializeAsString();
+  const auto size = static_cast<std::uint32_t>(out.payload->size());
+  std::string payload_head;
+  {
+    google::protobuf::io::StringOutputStream stream(&payload_head);
+    CodedOutputStream coded(&stream);
+    coded.WriteTag(WireFormatLite::MakeTag(v1::Frame::kPayloadFieldNumber, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
+    coded.WriteVarint32(size);
+  }
+  google::protobuf::io::StringOutputStream stream(&out.head);  // appends
+  CodedOutputStream coded(&stream);
+  coded.WriteTag(WireFormatLite::MakeTag(v1::ServerMessage::kFrameFieldNumber, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
+  coded.WriteVarint32(static_cast<std::uint32_t>(frame.size() + payload_head.size()) + size);
+  coded.WriteString(frame);
+  coded.WriteString(payload_head);
+  return out;
+}
+
 /// Kept alive by its coroutines.
 class WebSocketConnection final : public Outbox, public std::enable_shared_from_this<WebSocketConnection> {
  public:
-  WebSocketConnection(beast::tcp_stream stream, Connections& connections)
+  WebSocketConnection(beast::tcp_stream stream, Connections& connections, Sessions::Admission admission)
       : socket_(std::move(stream)),
         wake_writer_(socket_.get_executor()),
         watch_(socket_.get_executor()),
-        connections_(connections) {}
+        next_ping_(socket_.get_executor()),
+        connections_(connections),
+        admission_(std::move(admission)) {}
 
   asio::awaitable<void> run(beast::http::request<beast::http::string_body> request) {
     const auto self = shared_from_this();
@@ -49,16 +95,24 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     socket_.read_message_max(kMaxMessageBytes);
     socket_.auto_fragment(false);
     socket_.binary(true);
+    socket_.control_callback([this](websocket::frame_type type, beast::string_view payload) {
+      if (type == websocket::frame_type::pong && payload == kProbe && pinged_) {
+        connections_.sessions.round_trip(viewer_, Steady::now() - *pinged_, Steady::now());
+        pinged_.reset();
+      }
+    });
     co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
     if (error) co_return;
 
-    viewer_ = connections_.sessions.attach(*this, Steady::now());
+    viewer_ = connections_.sessions.attach(*this, Steady::now(), std::move(admission_));
     const std::size_t closer = ++connections_.last_closer;
     connections_.closers[closer] = [this] { end(); };
     asio::co_spawn(
         socket_.get_executor(), [self] { return self->write_all(); }, asio::detached);
     asio::co_spawn(
         socket_.get_executor(), [self] { return self->watch(); }, asio::detached);
+    asio::co_spawn(
+        socket_.get_executor(), [self] { return self->measure(); }, asio::detached);
     co_await read_all();
     connections_.closers.erase(closer);
     connections_.sessions.detach(viewer_, Steady::now());
@@ -67,6 +121,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   }
 
   void send(v1::ServerMessage message) override {
+    if (message.has_error()) note(message.error());
     if (state_) {
       // What is said after a state is heard after it: an answer never overtakes the change that it answers.
       v1::ServerMessage earlier;
@@ -81,9 +136,9 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     state_ = std::move(state);
     wake_writer_.cancel();
   }
-  void send_frame(v1::Frame frame) override {
+  void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) override {
     if (ended_ || closing_) return;
-    frames_.push_back(std::move(frame));
+    frames_.push_back({std::move(frame), std::move(payload)});
     wake_writer_.cancel();
   }
   void close(std::uint16_t code, const std::string& reason) override {
@@ -124,6 +179,12 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     }
   }
 
+  void note(const v1::Error& error) {
+    const Session* session = connections_.sessions.watched_by(viewer_);
+    connections_.site.metrics().websocket_error(error.code());
+    connections_.site.log().websocket_error(session ? session->id() : "", viewer_, error);
+  }
+
   void queue(v1::ServerMessage message) {
     if (ended_ || closing_) return;
     waiting_bytes_ += message.ByteSizeLong();
@@ -134,8 +195,9 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   }
 
   // Whatever waits, the most urgent first.
-  std::optional<std::string> next_bytes() {
+  std::optional<Outgoing> next_bytes() {
     v1::ServerMessage message;
+    Outgoing out;
     if (!control_.empty()) {
       message = std::move(control_.front());
       control_.pop_front();
@@ -146,15 +208,18 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       *message.mutable_state() = std::move(*state_);
       state_.reset();
     } else if (!frames_.empty()) {
-      *message.mutable_frame() = std::move(frames_.front());
+      message.set_seq(++last_seq_);
+      out = frame_bytes(std::move(message), std::move(frames_.front()));
+      connections_.site.metrics().websocket_sent(out.head.size() + out.payload->size());
       frames_.pop_front();
+      return out;
     } else {
       return std::nullopt;
     }
     message.set_seq(++last_seq_);
-    std::string bytes;
-    message.SerializeToString(&bytes);
-    return bytes;
+    message.SerializeToString(&out.head);
+    connections_.site.metrics().websocket_sent(out.head.size());
+    return out;
   }
 
   asio::awaitable<void> write_all() {
@@ -172,14 +237,19 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         co_await socket_.async_close(*closing_, asio::redirect_error(asio::use_awaitable, error));
         co_return end();
       }
-      for (std::size_t at = 0; at < bytes->size();) {
-        const std::size_t size = std::min(kPieceBytes, bytes->size() - at);
+      // The head goes with the payload's first piece.
+      const std::size_t total = bytes->payload ? bytes->payload->size() : 0;
+      for (std::size_t at = 0; at < total || at == 0;) {
+        const std::size_t room = at == 0 ? kPieceBytes - std::min(bytes->head.size(), kPieceBytes / 2) : kPieceBytes;
+        const std::size_t size = std::min(room, total - at);
+        const std::array<asio::const_buffer, 2> pieces{at == 0 ? asio::buffer(bytes->head) : asio::const_buffer(),
+                                                       total == 0 ? asio::const_buffer() : asio::buffer(bytes->payload->data() + at, size)};
         write_began_ = Steady::now();
-        co_await socket_.async_write_some(at + size == bytes->size(), asio::buffer(bytes->data() + at, size),
-                                          asio::redirect_error(asio::use_awaitable, error));
+        co_await socket_.async_write_some(at + size == total, pieces, asio::redirect_error(asio::use_awaitable, error));
         write_began_.reset();
         if (error) co_return end();
         at += size;
+        if (total == 0) break;
       }
     }
   }
@@ -200,6 +270,22 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     }
   }
 
+  // Round trips of what has no weight: frames tell how fast the way is only against how long it is. The first goes before any
+  // frame. A coroutine of its own, since on a blocked socket it stands still.
+  asio::awaitable<void> measure() {
+    const auto self = shared_from_this();
+    boost::system::error_code error;
+    while (!ended_ && !closing_) {
+      if (!pinged_) {
+        pinged_ = Steady::now();
+        co_await socket_.async_ping(kProbe, asio::redirect_error(asio::use_awaitable, error));
+        if (error) co_return;
+      }
+      next_ping_.expires_after(kProbePause);
+      co_await next_ping_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
+  }
+
   void end() {
     if (ended_) return;
     ended_ = true;
@@ -207,12 +293,16 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     beast::get_lowest_layer(socket_).socket().close(ignored);
     wake_writer_.cancel();
     watch_.cancel();
+    next_ping_.cancel();
   }
 
   websocket::stream<beast::tcp_stream> socket_;
   asio::steady_timer wake_writer_;
   asio::steady_timer watch_;
+  asio::steady_timer next_ping_;
+  std::optional<Steady::time_point> pinged_;  // when the ping went that is not answered yet
   Connections& connections_;
+  Sessions::Admission admission_;
   ViewerKey viewer_ = 0;
   bool ended_ = false;
   bool greeted_ = false;  // an answer to its Hello, at least, is on its way
@@ -221,15 +311,15 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   std::deque<v1::ServerMessage> control_;
   std::size_t waiting_bytes_ = 0;
   std::optional<v1::State> state_;
-  std::deque<v1::Frame> frames_;
+  std::deque<Waiting> frames_;
   std::uint64_t last_seq_ = 0;
 };
 
 }  // namespace
 
 boost::asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::string_body> request,
-                                             Connections& connections) {
-  co_await std::make_shared<WebSocketConnection>(std::move(stream), connections)->run(std::move(request));
+                                             Connections& connections, Sessions::Admission admission) {
+  co_await std::make_shared<WebSocketConnection>(std::move(stream), connections, std::move(admission))->run(std::move(request));
 }
 
 }  // namespace isostrata

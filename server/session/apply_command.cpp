@@ -666,6 +666,23 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
   });
 }
 
+std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved, std::uint32_t last_interval_id,
+                                       const CommandContext& context) {
+  SceneState restored;
+  restored.scene.dataset = saved.dataset();
+  restored.last_interval_id = last_interval_id;
+  // Stand-ins, so that the intervals keep their ids.
+  for (const v1::Interval& interval : saved.intervals()) {
+    restored.scene.intervals.emplace_back().id = interval.id();
+    restored.last_interval_id = std::max(restored.last_interval_id, interval.id());
+  }
+  CommandOutcome outcome = apply_state(restored, saved, context);
+  if (outcome.error) return std::move(outcome.error);
+  restored.scene.revision = std::max<std::uint64_t>(saved.revision(), 1);
+  state = std::move(restored);
+  return std::nullopt;
+}
+
 void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect) {
   Scene& scene = state.scene;
   scene.dataset = dataset.id;

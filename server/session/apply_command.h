@@ -41,6 +41,10 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
 /// stay as they are, except that the lists of intervals and terms are always taken, and that no time means the step.
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
 
+/// The scene that a journal has kept, as it was to the last id, judged by the dataset's arrays; the revision is the saved one.
+std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved, std::uint32_t last_interval_id,
+                                       const CommandContext& context);
+
 /// Shows the interval that comes `steps` after the one that a cycle shows. False where nothing changes: another mode, fewer than
 /// two that could be shown.
 bool advance_cycle(SceneState& state, std::int64_t steps);

@@ -1,33 +1,52 @@
-// When one viewer gets which frame: credits by acknowledgement, newest state wins, moving frames while things change, a lossless
-// one when they rest. Pure decisions on a clock that the caller passes in; nothing here waits, draws or sends.
+// When one viewer gets which frame: credits by acknowledgement, newest state wins, moving frames while things change, a settled
+// and a lossless one when they rest. Pure decisions on a clock that the caller passes in; nothing here waits, draws or sends.
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
 
+#include "session/link_model.h"
+#include "session/picture_ladder.h"
+
 namespace isostrata {
 
-using TimePoint = std::chrono::steady_clock::time_point;
-using Duration = std::chrono::steady_clock::duration;
+enum class FramePhase {
+  moving,   // as good as the link carries at a rate that follows the hand
+  settled,  // of the viewport's size and full quality, where the moving one was less
+  lossless  // what `isostrata render` draws
+};
 
 struct FrameOrder {
-  int width = 0, height = 0;
+  int width = 0, height = 0;  // of the picture to make: a moving one may be smaller than the viewport
   bool lossless = false;
+  FramePhase phase = FramePhase::moving;
+  int quality = 90;      // JPEG's, of frames that are not lossless
+  int bitrate_kbps = 0;  // that video is told, so that a frame has the size that the link carries: at 30 frames a second
+  int step = 0;          // of the picture ladder
+  bool whole = false;    // asked for by name: in one piece
 };
 
 /// One viewer's frames. Not thread-safe: lives on the io thread.
 ///
 /// A frame is ordered (asked of the engine), started (being drawn), sent, acknowledged. At most one is ordered and not started,
 /// and at most window() are started or sent and not acknowledged: an acknowledgement is the only proof that a picture has
-/// arrived, since proxies swallow megabytes.
+/// arrived, since proxies swallow megabytes. Within that, a frame is ordered when the link will be free about when it is ready
+/// (LinkModel), so that frames wait here, as the newest state, and not on the way.
 class FrameScheduler {
  public:
   static constexpr Duration kSettle = std::chrono::milliseconds(150);  // of rest before the lossless frame
   static constexpr Duration kStall = std::chrono::seconds(4);          // without an acknowledgement: nothing more is drawn
   static constexpr int kMaxWindow = 6;
   static constexpr double kTargetFps = 30;
+  static constexpr int kMaxBands = 12;                                             // of a lossless picture, on their way
+  static constexpr Duration kBandQueue = std::chrono::milliseconds(60);            // that new input may wait behind them
+  static constexpr std::size_t kMinBandBytes = 8 << 10, kMaxBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
+  static constexpr Duration kQueue = std::chrono::milliseconds(15);  // that a frame may wait on the way behind others
+  static constexpr Duration kNoticed =
+      std::chrono::milliseconds(250);  // a lossless frame that takes longer is preceded by a settled one
 
   explicit FrameScheduler(Duration stall = kStall) : stall_(stall) {}
 
@@ -35,6 +54,8 @@ class FrameScheduler {
   void scene_changed(std::uint64_t revision, bool drawable, TimePoint now);
   void set_viewport(int width, int height, bool hidden, TimePoint now);
   void set_interaction(bool active, TimePoint now);
+  /// Moving frames are video, which has the size it is told to have.
+  void set_video(bool video) { ladder_.set_video(video); }
   /// 0 x 0: the viewport's size.
   void request_still(int width, int height);
 
@@ -49,24 +70,34 @@ class FrameScheduler {
   void started();
   /// An order will not be answered by a frame.
   void failed(bool had_started);
-  /// A frame leaves: gives it its id.
-  std::uint64_t sent(std::uint64_t revision, bool lossless, TimePoint now);
-  /// Also acknowledges all before it; unknown ids do nothing.
-  void acknowledged(std::uint64_t frame_id, TimePoint now);
+  /// A frame leaves: gives it its id. bytes: of what is sent.
+  std::uint64_t sent(const FrameOrder& order, std::uint64_t revision, std::size_t bytes, TimePoint now);
+  /// The next piece of a picture, whose first one sent() has counted: when it may leave. As few are on their way as keep the link
+  /// busy.
+  TimePoint next_band_at(TimePoint now) const;
+  std::uint64_t sent_band(std::size_t bytes, TimePoint now);
+  /// How large the pieces should be: the link passes each in a moment.
+  std::size_t band_bytes(TimePoint now) const;
+  /// Also acknowledges all before it; unknown ids do nothing. decode: the client's own time for it.
+  void acknowledged(std::uint64_t frame_id, TimePoint now, Duration decode = Duration::zero());
+  /// Of something without weight.
+  void round_trip(Duration time, TimePoint now) { link_.round_trip(time, now); }
 
   /// Whether somebody looks: there is a viewport, and it is not hidden.
   bool visible() const { return !hidden_ && width_ > 0; }
   /// Width over height; 1 where there is no viewport.
   double aspect() const { return width_ > 0 && height_ > 0 ? static_cast<double>(width_) / height_ : 1; }
   int window() const;
-  int in_flight() const { return started_ + static_cast<int>(unacknowledged_.size()); }
+  int in_flight() const { return started_ + static_cast<int>(link_.in_flight()); }
   bool stalled(TimePoint now) const;
+  const LinkModel& link() const { return link_; }
+  const PictureLadder& ladder() const { return ladder_; }
 
  private:
-  struct Sent {
-    std::uint64_t frame_id;
-    TimePoint at;
-  };
+  FrameOrder order_of(FramePhase phase) const;
+  bool may_order(TimePoint now) const;
+  Duration lossless_time(TimePoint now) const;
+  TimePoint link_free_at(TimePoint now) const;
 
   Duration stall_;
   bool drawable_ = false;
@@ -78,14 +109,19 @@ class FrameScheduler {
 
   bool dirty_ = false;           // the newest state has not been ordered
   bool wants_lossless_ = false;  // nor has a lossless frame of it
+  bool reduced_ = false;         // the newest state was ordered, as less than the viewport deserves
   std::optional<FrameOrder> still_;
 
   std::optional<FrameOrder> ordered_;  // not started
-  int started_ = 0;                    // not sent
-  std::deque<Sent> unacknowledged_;
+  TimePoint ordered_at_{};
+  int started_ = 0;  // not sent
   std::uint64_t last_frame_id_ = 0;
+  Duration production_{};         // from order to sending, smoothed
+  std::deque<TimePoint> making_;  // when each order that was started was given
+  double lossless_bytes_ = 0;     // of the last lossless frame
 
-  std::deque<std::pair<TimePoint, Duration>> round_trips_;  // of the last ten seconds
+  LinkModel link_;
+  PictureLadder ladder_;
 };
 
 }  // namespace isostrata

@@ -18,6 +18,7 @@ constexpr std::int64_t kMaxPixels = 1ll << 26;  // of one picture: 67 million, 2
 constexpr int kMaxBins = 4096;
 constexpr int kMaxClipPlanes = 32;
 constexpr std::size_t kMaxNameBytes = 1024;  // of ids, array names, colour maps
+constexpr std::size_t kMaxPersonBytes = 128;  // of the name of a participant or an invitation, and of a client's id
 constexpr std::size_t kMaxMessageBytes = 1 << 20;
 constexpr double kMaxMagnitude = 1e300;  // of any coordinate or value: sums and squares of differences stay apart from overflow
 constexpr double kMaxCoordinate = 1e30;  // of a camera

@@ -1,5 +1,6 @@
 #include "session/random_token.h"
 
+#include <openssl/evp.h>
 #include <unistd.h>
 
 #include <array>
@@ -16,6 +17,14 @@ std::string random_token(std::size_t bits) {
   for (std::size_t i = 0; i < bits / 8; ++i)
     for (const int digit : {bytes[i] >> 4, bytes[i] & 15}) text += "0123456789abcdef"[digit];
   return text;
+}
+
+std::string secret_hash(const std::string& secret) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+  unsigned size = 0;
+  if (EVP_Digest(secret.data(), secret.size(), hash.data(), &size, EVP_sha256(), nullptr) != 1)
+    throw Error(ErrorCode::internal, "SHA-256 is not to be had");
+  return {reinterpret_cast<const char*>(hash.data()), size};
 }
 
 bool equal_in_constant_time(const std::string& a, const std::string& b) {

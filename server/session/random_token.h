@@ -9,6 +9,9 @@ namespace isostrata {
 /// bits / 4 hexadecimal digits from the kernel's generator; bits must be a multiple of 8 and at most 2048. Throws unavailable.
 std::string random_token(std::size_t bits);
 
+/// SHA-256 of a secret that random_token made: what is kept where the secret itself must not be. 32 bytes.
+std::string secret_hash(const std::string& secret);
+
 /// Takes as long for every pair of texts of the same length, so that the time tells nothing of a secret.
 bool equal_in_constant_time(const std::string& a, const std::string& b);
 

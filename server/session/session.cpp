@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "engine/draw_scene.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
-constexpr int kMovingJpegQuality = 90;
+constexpr Duration kAnnounce = std::chrono::milliseconds(4);  // between cameras that are told on, where more come than that
 
 void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
   v1::ServerMessage message;
@@ -34,7 +35,11 @@ v1::ServerMessage dataset_message(const DatasetFacts& facts) {
 v1::Error wire_error(const RequestFailed& failed) { return wire_error(to_string(failed.code), failed.message); }
 
 Session::Session(SessionKey key, EngineDoor& engine)
-    : key_(key), id_(random_token(64)), resume_token_(random_token(192)), engine_(engine) {
+    : key_(key),
+      id_(random_token(64)),
+      resume_token_(random_token(192)),
+      resume_hashes_{secret_hash(resume_token_)},
+      engine_(engine) {
   state_.scene.revision = 1;
 }
 
@@ -43,7 +48,7 @@ Session::~Session() {
   engine_.post(CloseSession{key_});
 }
 
-v1::State Session::wire_state() const { return to_wire(state_.scene); }
+v1::State Session::wire_state() const { return asleep_ ? *asleep_ : to_wire(state_.scene); }
 
 Viewer* Session::living(ViewerKey key) {
   const auto it = viewers_.find(key);
@@ -54,41 +59,65 @@ void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
   viewer.session = key_;
   last_use_ = now;
-  viewer.frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
+  viewer.frames.set_video(is_video(viewer.ladder.front()));
+  viewer.frames.scene_changed(state_.scene.revision, drawable(), now);
 }
 
 void Session::detach(Viewer& viewer, TimePoint now) {
-  if (viewer.ordered_request != 0) {
-    engine_.post(ForgetFrame{key_, viewer.ordered_request});
-    engine_.forget(viewer.ordered_request);
-  }
+  announce(now);  // nobody may be there later to see to it
+  leave_picture(viewer);
+  for (auto& [request, picture] : pictures_) picture.takers.erase(viewer.key);
+  streams_.leave(viewer.key, true);
+  viewer.stream = 0;
+  end_streams();
   viewers_.erase(viewer.key);
+  if (viewers_.empty()) made_.clear();
   viewer.session = 0;
   last_use_ = now;
+  people_changed();
 }
 
 void Session::broadcast(const v1::ServerMessage& message) {
   for (auto& [key, viewer] : viewers_) viewer->outbox->send(message);
 }
 
-void Session::changed(TimePoint now) {
+void Session::changed(TimePoint now, bool soon) {
+  unannounced_ = true;
+  if (!soon || now - announced_ >= kAnnounce) announce(now);
+  made_.clear();
+  for (auto& [key, viewer] : viewers_) {
+    viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
+    viewer->bands.clear();
+  }
+  engine_.session_changed(*this);
+  pump(now);
+}
+
+// Thousands of cameras a second would be copied to everyone, and nobody sees them.
+void Session::announce(TimePoint now) {
+  if (!unannounced_) return;
+  unannounced_ = false;
+  announced_ = now;
   engine_.post(SceneUpdate{key_, state_.scene});
   const v1::State state = wire_state();
-  for (auto& [key, viewer] : viewers_) {
-    viewer->frames.scene_changed(state_.scene.revision, !state_.scene.dataset.empty(), now);
-    viewer->outbox->send_state(state);
-  }
-  pump(now);
+  for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
 }
 
 void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
   last_use_ = now;
   const ViewerKey key = viewer.key;
   const std::uint64_t seq = message.seq();
+  // An answer never overtakes the change that it answers.
+  if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
   const Reply reply = [this, key, seq](std::optional<v1::Error> error) {
     Viewer* to = living(key);
     if (to && error) send_error(*to, seq, std::move(*error));
   };
+  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message))
+    return;  // a picture may be asked for again
+  if (forbidden(viewer, message))
+    return reply(wire_error("forbidden", "this connection may only look; a controller of the session changes what is shown"));
+  if (answer_people(viewer, message, reply)) return;
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
     case v1::ClientMessage::kOpenDataset:
@@ -97,15 +126,36 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
       viewer.frames.set_viewport(static_cast<int>(viewport.width()), static_cast<int>(viewport.height()), viewport.hidden(), now);
+      if (!viewer.bands.empty() &&
+          (viewer.bands.front().frame.width() != viewport.width() || viewer.bands.front().frame.height() != viewport.height()))
+        viewer.bands.clear();
       return pump(viewer, now);
     }
     case v1::ClientMessage::kInteraction:
       viewer.frames.set_interaction(message.interaction().active(), now);
       return pump(viewer, now);
-    case v1::ClientMessage::kFrameAck:
-      viewer.frames.acknowledged(message.frame_ack().frame_id(), now);
+    case v1::ClientMessage::kFrameAck: {
+      const double decode_ms = message.frame_ack().decode_ms();  // may be anything; what is too much is not believed
+      const double believed = decode_ms > 0 && decode_ms < 60000 ? decode_ms : 0;
+      viewer.frames.acknowledged(message.frame_ack().frame_id(), now,
+                                 std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(believed)));
       return pump(viewer, now);
+    }
+    case v1::ClientMessage::kDecoderFailed: {
+      const v1::DecoderFailed& failed = message.decoder_failed();
+      if (failed.stream_id() == 0 || failed.stream_id() != viewer.stream) return;  // of a stream that has ended
+      if (!failed.again()) {
+        step_down(viewer, now);
+      } else {
+        begin_stream(viewer, now);
+      }
+      return pump(viewer, now);
+    }
     case v1::ClientMessage::kRequestStill: {
+      if (waking())
+        return after_waking([this, key, message](TimePoint then) {
+          if (Viewer* to = living(key)) receive(*to, message, then);
+        });
       const v1::RequestStill& still = message.request_still();
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
       if (still.width() != 0 || still.height() != 0)
@@ -161,19 +211,31 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
   });
 }
 
-void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply) {
+std::optional<v1::Error> Session::unexpected(std::optional<std::uint64_t> expected) const {
+  if (!expected || *expected == state_.scene.revision) return std::nullopt;
+  return wire_error("precondition_failed",
+                    "the state is at revision " + std::to_string(state_.scene.revision) + ", not " + std::to_string(*expected),
+                    "If-Match");
+}
+
+void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply,
+                      std::optional<std::uint64_t> expected) {
   last_use_ = now;
   if (opening_) {
     if (deferred_.size() >= kMaxDeferred)
       return reply(wire_error("unavailable", std::to_string(kMaxDeferred) + " commands wait for the dataset already"));
-    deferred_.push_back([this, message, key = viewer ? viewer->key : 0, reply = std::move(reply)](TimePoint then) {
-      command(message, living(key), then, reply);
+    deferred_.push_back([this, message, key = viewer ? viewer->key : 0, expected, reply = std::move(reply)](TimePoint then) {
+      command(message, living(key), then, reply, expected);
     });
     return;
   }
+  if (asleep_)
+    return reply(wire_error("unavailable", "dataset '" + asleep_->dataset() + "' of this session could not be opened again"));
+  if (auto error = unexpected(expected)) return reply(std::move(error));
   CommandOutcome outcome = apply_command(state_, message, context(viewer));
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
-  if (outcome.changed) changed(now);
+  if (outcome.changed) changed(now, viewer && message.has_set_camera());
+  if (outcome.error) announce(now);
   reply(std::move(outcome.error));
 }
 
@@ -221,6 +283,12 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     opening.reply(wire_error(*failed));
   } else if (const auto* ready = std::get_if<DatasetReady>(&event)) {
     dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
+    if (asleep_ && asleep_->dataset() == dataset_->id) {
+      woken(*dataset_, now);
+      opening.reply(std::nullopt);
+      return run_deferred(now);
+    }
+    asleep_.reset();
     const Viewer* asker = living(opening.viewer);
     open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
     if (Viewer* viewer = living(opening.viewer)) viewer->note_input(opening.seq, state_.scene.revision);
@@ -239,7 +307,8 @@ void Session::run_deferred(TimePoint now) {
   }
 }
 
-void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply) {
+void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected) {
+  if (auto error = unexpected(expected)) return reply(std::move(error));
   if (!wanted.dataset().empty() && (opening_ || wanted.dataset() != state_.scene.dataset)) {
     // A state that would be refused leaves the newly opened dataset behind: it can be judged only by its arrays.
     return open(wanted.dataset(), nullptr, now, [this, wanted, reply = std::move(reply)](std::optional<v1::Error> error) {
@@ -253,9 +322,11 @@ void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply) {
   reply(std::move(outcome.error));
 }
 
-RequestId Session::picture(int width, int height, bool jpeg, EngineDoor::Listener listener, TimePoint now) {
+RequestId Session::picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now) {
   last_use_ = now;
-  FrameRequest request{key_, 0, width, height, true, jpeg, 95};
+  announce(now);
+  FrameRequest request{key_, 0, width, height, true, format == StillFormat::jpeg};
+  request.still = format;
   return engine_.ask(std::move(request), std::move(listener));
 }
 
@@ -294,54 +365,21 @@ void Session::play_cycle(TimePoint now) {
 }
 
 void Session::pump(TimePoint now) {
+  if (now - announced_ >= kAnnounce) announce(now);
   play_cycle(now);
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
-}
-
-void Session::pump(Viewer& viewer, TimePoint now) {
-  if (viewer.frames.withdraw_order()) {
-    engine_.post(ForgetFrame{key_, viewer.ordered_request});
-    engine_.forget(viewer.ordered_request);
-    viewer.ordered_request = 0;
-  }
-  const auto order = viewer.frames.next(now);
-  if (!order) return;
-  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, kMovingJpegQuality};
-  // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
-  auto number = std::make_shared<RequestId>(0);
-  *number = engine_.ask(std::move(request),
-                        [this, key = viewer.key, number, had_started = false](const EngineEvent& event, TimePoint then) mutable {
-                          on_frame_event(key, *number, had_started, event, then);
-                        });
-  viewer.ordered_request = *number;
-}
-
-void Session::on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now) {
-  Viewer* viewer = living(key);
-  if (!viewer) return;
-  if (std::holds_alternative<FrameStarted>(event)) {
-    had_started = true;
-    if (viewer->ordered_request == request) viewer->ordered_request = 0;
-    viewer->frames.started();
-  } else if (const auto* ready = std::get_if<FrameReady>(&event)) {
-    v1::Frame frame = to_wire(*ready);
-    frame.set_frame_id(viewer->frames.sent(ready->revision, ready->lossless, now));
-    frame.set_input_seq(viewer->input_of(ready->revision));
-    viewer->outbox->send_frame(std::move(frame));
-  } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
-    if (viewer->ordered_request == request) viewer->ordered_request = 0;
-    viewer->frames.failed(had_started);
-    // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
-    if (had_started) send_error(*viewer, 0, wire_error(*failed));
-  }
-  pump(*viewer, now);
 }
 
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
   if (watched()) earliest = next_phase_;
-  for (const auto& [key, viewer] : viewers_)
+  if (unannounced_) earliest = earliest ? std::min(*earliest, announced_ + kAnnounce) : announced_ + kAnnounce;
+  for (const auto& [key, viewer] : viewers_) {
     if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
+    if (viewer->bands.empty()) continue;
+    if (const TimePoint at = viewer->frames.next_band_at(now); at != TimePoint::max() && (!earliest || at < *earliest))
+      earliest = at;
+  }
   return earliest;
 }
 

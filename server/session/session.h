@@ -8,14 +8,19 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "engine/messages.h"
 #include "session/apply_command.h"
+#include "session/invitations.h"
+#include "session/journal.pb.h"
 #include "session/viewer.h"
 
 namespace isostrata {
 
-/// How a session reaches the engine. Asked for something, the engine answers to the listener with that request's events, the last
+class Session;
+
+/// How a session reaches the engine and its keepers. Asked for something, the engine answers to the listener with that request's events, the last
 /// of which is DatasetReady, HistogramReady, FrameReady or RequestFailed.
 class EngineDoor {
  public:
@@ -26,6 +31,10 @@ class EngineDoor {
   virtual RequestId ask(EngineRequest request, Listener listener) = 0;
   /// The listener will not be called any more.
   virtual void forget(RequestId request) = 0;
+  /// What is to be kept of the session is another than before.
+  virtual void session_changed(const Session&) {}
+  /// Whoever came by the invitation is to be cut off. Not called back from within.
+  virtual void invitation_ended(const Session&, const std::string&) {}
 };
 
 /// Not thread-safe: lives on the io thread.
@@ -34,20 +43,35 @@ class Session {
   using Reply = std::function<void(std::optional<v1::Error> error)>;  // none: done
 
   Session(SessionKey key, EngineDoor& engine);
+  /// One that a journal has kept. It sleeps, that is, its dataset is not opened, until somebody comes; its state is known at once.
+  Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   SessionKey key() const { return key_; }
   const std::string& id() const { return id_; }
+  /// One that resumes it. Others that did before are good as well.
   const std::string& resume_token() const { return resume_token_; }
+  /// Takes as long for every token. True: resume_token() is this one from now on.
+  bool resume(const std::string& token);
+  /// What a journal keeps of it.
+  journal::Entry entry() const;
   const Scene& scene() const { return state_.scene; }
   const DatasetFacts* dataset() const { return dataset_.get(); }
   v1::State wire_state() const;
   bool watched() const { return !viewers_.empty(); }
   std::size_t viewer_count() const { return viewers_.size(); }
   TimePoint last_use() const { return last_use_; }
-  void touch(TimePoint now) { last_use_ = now; }
+  void touch(TimePoint now) {
+    last_use_ = now;
+    wake(now);
+  }
+  void touch_asleep(TimePoint now) { last_use_ = now; }
+  /// Whether its dataset is being opened again after a restart; what is asked meanwhile would be told that there is none.
+  bool waking() const { return asleep_.has_value() && opening_.has_value(); }
+  /// Calls back once it is awake, or has failed to wake.
+  void after_waking(std::function<void(TimePoint)> then) { deferred_.push_back(std::move(then)); }
 
   void attach(Viewer& viewer, TimePoint now);
   void detach(Viewer& viewer, TimePoint now);
@@ -56,16 +80,20 @@ class Session {
   void receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
 
   /// A scene command from anywhere; `viewer` is whose input it is, or null. While a dataset is being opened it waits its turn, so
-  /// that commands take effect in the order they were given.
-  void command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply);
+  /// that commands take effect in the order they were given. expected: the revision that it is meant for; where the scene has
+  /// another one when its turn comes, it is refused as "precondition_failed".
+  void command(const v1::ClientMessage& message, Viewer* viewer, TimePoint now, Reply reply,
+               std::optional<std::uint64_t> expected = {});
   /// Opens a dataset; another one that is still being opened is given up. What is open already stays as it is and is described
   /// again.
   void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply);
+  /// The request that opens a dataset now; 0: none.
+  RequestId opening() const { return opening_ ? opening_->request : 0; }
   /// Makes the scene what the state says, opening its dataset first where it is another one.
-  void set_state(const v1::State& wanted, TimePoint now, Reply reply);
+  void set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected = {});
 
   /// One picture of the newest scene for a script. The answer is FrameReady or RequestFailed.
-  RequestId picture(int width, int height, bool jpeg, EngineDoor::Listener listener, TimePoint now);
+  RequestId picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now);
 
   /// An event of the session that answers no request: progress, done, a failed extraction.
   void on_event(const EngineEvent& event, TimePoint now);
@@ -77,7 +105,38 @@ class Session {
 
   void broadcast(const v1::ServerMessage& message);
 
+  // ---- people ----
+
+  Invitations& invitations() { return invitations_; }
+  const Invitations& invitations() const { return invitations_; }
+  Invitations::Made invite(const v1::CreateInvitation& wanted);
+  /// Cuts off whoever came by it. False where there is none of this id.
+  bool revoke(const std::string& invitation);
+  void expire_invitations(UnixMs now);
+  v1::Invitation to_wire_invitation(const Invitation& invitation) const;
+  v1::Participants participants() const;
+  /// Tells everyone, once it has been welcomed.
+  void came(const Viewer&) { people_changed(); }
+  /// The newest command of this client that was judged; 0: none.
+  std::uint64_t last_command(const std::string& client_id) const;
+
  private:
+  /// A picture that is being made, for everyone who asked for the same one.
+  struct Picture {
+    FrameRequest request;
+    int step = 0;                // of the picture ladder
+    std::uint64_t revision = 0;  // of the scene when it was asked for: it shows this one or a newer one
+    bool started = false;
+    std::map<ViewerKey, FrameOrder> takers;
+  };
+
+  /// One of the newest scene that is there already.
+  struct Made {
+    FrameRequest request;
+    int step = 0;
+    FrameReady ready;
+  };
+
   struct Opening {
     RequestId request = 0;
     std::string dataset;
@@ -87,25 +146,58 @@ class Session {
   };
 
   Viewer* living(ViewerKey key);
+  std::optional<v1::Error> unexpected(std::optional<std::uint64_t> expected) const;
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.get(), viewer ? viewer->frames.aspect() : 1}; }
-  void changed(TimePoint now);
+  /// soon: the engine and the viewers need not hear of it at once, as more of the kind may follow.
+  void changed(TimePoint now, bool soon = false);
+  void announce(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
   void run_deferred(TimePoint now);
   void pump(Viewer& viewer, TimePoint now);
   void play_cycle(TimePoint now);
-  void on_frame_event(ViewerKey key, RequestId request, bool& had_started, const EngineEvent& event, TimePoint now);
+  void on_picture_event(RequestId request, const EngineEvent& event, TimePoint now);
+  void give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now);
+  void leave_picture(Viewer& viewer);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
+  void begin_stream(Viewer& viewer, TimePoint now);
+  void leave_stream(Viewer& viewer, TimePoint now);
+  void end_streams();
+  void step_down(Viewer& viewer, TimePoint now);
+  void send_bands(Viewer& viewer, TimePoint now);
+
+  bool drawable() const { return dataset_ && !state_.scene.dataset.empty(); }
+  void wake(TimePoint now);
+  void woken(const DatasetFacts& facts, TimePoint now);
+
+  bool forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
+  bool done_before(const Viewer& viewer, const v1::ClientMessage& message);
+  void people_changed();
+  void set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& reply);
+  bool answer_people(Viewer& viewer, const v1::ClientMessage& message, const Reply& reply);
 
   const SessionKey key_;
   const std::string id_;
-  const std::string resume_token_;
+  std::string resume_token_;
+  std::vector<std::string> resume_hashes_;  // the one that was used last first
   EngineDoor& engine_;
   SceneState state_;
   std::shared_ptr<const DatasetFacts> dataset_;
   std::map<ViewerKey, Viewer*> viewers_;
+  bool unannounced_ = false;  // the scene is newer than the engine and the viewers know
+  TimePoint announced_{};
   std::optional<Opening> opening_;
   std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
-  int histograms_ = 0;                                   // asked for and not answered
+  std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
+  std::map<RequestId, Picture> pictures_;
+  std::deque<Made> made_;  // the newest first; none of an older scene
+  VideoStreams streams_;
+  Invitations invitations_;
+  struct Client {
+    std::string id;
+    std::uint64_t last_command = 0;
+  };
+  std::deque<Client> clients_;  // the one that was heard last first
+  int histograms_ = 0;  // asked for and not answered
   TimePoint last_use_{};
   std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };

@@ -40,25 +40,63 @@ RequestId request_of(const EngineEvent& event) {
 }
 
 template <class Format>
-bool offers(const Format& formats, const char* wanted) {
+bool offers(const Format& formats, std::string_view wanted) {
   return formats.empty() || std::find(formats.begin(), formats.end(), wanted) != formats.end();
 }
 
 }  // namespace
 
 Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post)
-    : options_(std::move(options)), post_(std::move(post)) {}
-
-Sessions::~Sessions() {
-  while (!sessions_.empty()) remove(sessions_.begin()->first);
+    : options_(std::move(options)), post_(std::move(post)) {
+  if (options_.journal.empty()) return;
+  journal_ = std::make_unique<Journal>(
+      JournalOptions{.directory = options_.journal, .max_sessions = options_.max_sessions, .warn = options_.warn});
+  if (!journal_->usable()) journal_.reset();
+  if (!journal_) return;
+  // Each has its whole time to be found again, however long nobody could.
+  for (const journal::Entry& entry : journal_->take_found()) {
+    const SessionKey key = ++last_session_;
+    auto session = std::make_unique<Session>(key, *this, entry);
+    session->touch_asleep(std::chrono::steady_clock::now());
+    sessions_[key] = std::move(session);
+  }
 }
 
-ViewerKey Sessions::attach(Outbox& outbox, TimePoint now) {
+Sessions::~Sessions() { end_all(); }
+
+void Sessions::end_all() {
+  journal_.reset();  // writes what waits; what ends below ends with the process and is kept
+  while (!sessions_.empty()) remove(sessions_.begin()->first);
+  observers_.clear();
+  pending_.clear();
+}
+
+std::optional<Sessions::Admission> Sessions::admit(const std::string& token) {
+  const std::string hash = secret_hash(token);
+  const UnixMs now = unix_ms_now();
+  std::optional<Admission> found;
+  for (const auto& [key, session] : sessions_)
+    if (const Invitation* invitation = session->invitations().find(hash, now)) found = {session->id(), invitation->id};
+  return found;
+}
+
+void Sessions::session_changed(const Session& session) {
+  if (journal_) journal_->keep(session.entry());
+}
+
+void Sessions::invitation_ended(const Session& session, const std::string& invitation) {
+  for (auto& [key, viewer] : viewers_)
+    if (viewer->session == session.key() && viewer->invitation == invitation)
+      refuse(*viewer, 0, wire_error("forbidden", "the invitation is over or was taken back"), kClosePolicy);
+}
+
+ViewerKey Sessions::attach(Outbox& outbox, TimePoint now, Admission admission) {
   now_ = now;
   auto viewer = std::make_unique<Viewer>();
   viewer->key = ++last_viewer_;
   viewer->outbox = &outbox;
   viewer->frames = FrameScheduler(options_.stall_time);
+  if (!admission.session.empty()) admissions_[viewer->key] = std::move(admission);
   viewers_[viewer->key] = std::move(viewer);
   return last_viewer_;
 }
@@ -109,44 +147,40 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
       return refuse(viewer, seq, std::move(*error), kClosePolicy);
     }
 
-  Session* session = nullptr;
-  if (!hello.resume_token().empty())
-    for (auto& [key, candidate] : sessions_)
-      if (equal_in_constant_time(candidate->resume_token(), hello.resume_token())) session = candidate.get();
-  if (!session) {
-    v1::Error error;
-    session = create(now, error);
-    if (!session) return refuse(viewer, seq, std::move(error), kCloseTryAgainLater);
-  }
+  for (const auto& [text, field] : {std::pair{&hello.name(), "hello.name"}, std::pair{&hello.client_id(), "hello.client_id"},
+                                    std::pair{&hello.client(), "hello.client"}})
+    if (text->size() > kMaxPersonBytes)
+      return refuse(viewer, seq,
+                    wire_error("invalid_argument",
+                               std::string(field) + " has " + std::to_string(text->size()) + " bytes; expected at most " +
+                                   std::to_string(kMaxPersonBytes),
+                               field),
+                    kClosePolicy);
+
+  Session* session = place_for(viewer, message, now);
+  if (!session) return;
+  // Video only for who says to have decoded it: an empty list stands for JPEG.
+  viewer.ladder.clear();
+  for (const Codec codec : options_.moving_codecs)
+    if (!is_video(codec) || (hello.moving_formats_size() > 0 && offers(hello.moving_formats(), name_of(codec))))
+      viewer.ladder.push_back(codec);
+  if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
+  viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");
+  viewer.name = hello.name();
+  viewer.client = hello.client();
+  viewer.client_id = hello.client_id();
   session->attach(viewer, now);
+  for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
   if (hello.has_viewport())
     viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
                                hello.viewport().hidden(), now);
 
-  v1::ServerMessage answer;
-  v1::Welcome& welcome = *answer.mutable_welcome();
-  welcome.set_protocol_major(kProtocolMajor);
-  welcome.set_protocol_minor(kProtocolMinor);
-  welcome.set_server(options_.server_name);
-  welcome.set_session(session->id());
-  welcome.set_resume_token(session->resume_token());
-  for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
-  *welcome.mutable_state() = session->wire_state();
-  if (session->dataset()) *welcome.mutable_dataset_info() = to_wire(*session->dataset());
-  welcome.set_device(options_.device);
-  welcome.set_device_is_software(options_.device_is_software);
-  for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
-  welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
-  welcome.mutable_limits()->set_max_width(kMaxSide);
-  welcome.mutable_limits()->set_max_height(kMaxSide);
-  welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
-  welcome.mutable_limits()->set_max_terms(kMaxTerms);
-  welcome.mutable_limits()->set_max_smear_steps(kMaxSmearSteps);
-  welcome.mutable_limits()->set_max_clip_planes(kMaxClipPlanes);
-  viewer.outbox->send(std::move(answer));
+  welcome(viewer, *session);
+  session->touch(now);  // one that has slept since a restart opens its dataset again
+  session->came(viewer);
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.
-  if (hello.resume_token().empty() && hello.has_viewport() && !options_.datasets.empty())
+  if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && !options_.datasets.empty())
     session->open(options_.datasets.front().id(), nullptr, now, [session](std::optional<v1::Error> error) {
       if (!error || error->code() == "cancelled") return;
       v1::ServerMessage message;
@@ -156,12 +190,100 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   session->pump(now);
 }
 
+// The one that its invitation or its resume token names, or a new one. Null where it has been refused.
+Session* Sessions::place_for(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
+  const v1::Hello& hello = message.hello();
+  Session* session = nullptr;
+  if (const auto it = admissions_.find(viewer.key); it != admissions_.end()) {
+    const Admission admission = it->second;
+    admissions_.erase(it);
+    session = find(admission.session);
+    const Invitation* invitation = session ? session->invitations().find_id(admission.invitation) : nullptr;
+    if (!invitation) {
+      refuse(viewer, message.seq(), wire_error("forbidden", "the invitation is over or was taken back"), kClosePolicy);
+      return nullptr;
+    }
+    viewer.invitation = invitation->id;
+    viewer.role = invitation->role;
+  } else if (!hello.resume_token().empty()) {
+    for (auto& [key, candidate] : sessions_)
+      if (candidate->resume(hello.resume_token())) session = candidate.get();
+  }
+  if (hello.role() == v1::ROLE_VIEWER) viewer.role = v1::ROLE_VIEWER;
+  if (session && session->viewer_count() >= options_.max_viewers) {
+    refuse(viewer, message.seq(),
+           wire_error("unavailable", "this session has its " + std::to_string(options_.max_viewers) +
+                                         " connections (--max-viewers); try again when somebody has left"),
+           kCloseTryAgainLater);
+    return nullptr;
+  }
+  if (session) return session;
+  v1::Error error;
+  session = create(now, error);
+  if (!session) refuse(viewer, message.seq(), std::move(error), kCloseTryAgainLater);
+  return session;
+}
+
+void Sessions::welcome(Viewer& viewer, Session& session) {
+  v1::ServerMessage answer;
+  v1::Welcome& welcome = *answer.mutable_welcome();
+  welcome.set_protocol_major(kProtocolMajor);
+  welcome.set_protocol_minor(kProtocolMinor);
+  welcome.set_server(options_.server_name);
+  welcome.set_session(session.id());
+  // Whoever is invited comes back by the invitation, and not with more than it gives.
+  if (viewer.invitation.empty()) welcome.set_resume_token(session.resume_token());
+  welcome.set_role(viewer.role);
+  welcome.set_participant(viewer.key);
+  welcome.set_last_command(session.last_command(viewer.client_id));
+  welcome.set_ends_unix_ms(static_cast<double>(options_.ends));
+  for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
+  *welcome.mutable_state() = session.wire_state();
+  if (session.dataset()) *welcome.mutable_dataset_info() = to_wire(*session.dataset());
+  const EngineFacts drawing = engine();
+  welcome.set_device(drawing.device);
+  welcome.set_device_is_software(drawing.device_is_software);
+  for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
+  welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
+  welcome.mutable_limits()->set_max_width(kMaxSide);
+  welcome.mutable_limits()->set_max_height(kMaxSide);
+  welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
+  welcome.mutable_limits()->set_max_terms(kMaxTerms);
+  welcome.mutable_limits()->set_max_smear_steps(kMaxSmearSteps);
+  welcome.mutable_limits()->set_max_clip_planes(kMaxClipPlanes);
+  welcome.mutable_limits()->set_max_viewers(static_cast<std::uint32_t>(options_.max_viewers));
+  welcome.mutable_limits()->set_max_invitations(Invitations::kMaxInvitations);
+  for (const Codec codec : viewer.ladder) welcome.add_moving_formats(std::string(name_of(codec)));
+  viewer.outbox->send(std::move(answer));
+}
+
+EngineFacts Sessions::engine() const {
+  if (options_.engine) return options_.engine();
+  EngineFacts facts;
+  facts.device = options_.device;
+  facts.device_is_software = options_.device_is_software;
+  return facts;
+}
+
+void Sessions::round_trip(ViewerKey key, Duration time, TimePoint now) {
+  if (const auto it = viewers_.find(key); it != viewers_.end()) it->second->frames.round_trip(time, now);
+}
+
 void Sessions::detach(ViewerKey key, TimePoint now) {
   now_ = now;
   const auto it = viewers_.find(key);
   if (it == viewers_.end()) return;
-  if (Session* session = find(it->second->session)) session->detach(*it->second, now);
+  admissions_.erase(key);
+  if (Session* session = find(it->second->session)) {
+    session->detach(*it->second, now);
+    for (SessionsObserver* observer : observers_) observer->viewer_left(*session);
+  }
   viewers_.erase(it);
+}
+
+const Session* Sessions::watched_by(ViewerKey viewer) {
+  const auto it = viewers_.find(viewer);
+  return it == viewers_.end() ? nullptr : find(it->second->session);
 }
 
 Session* Sessions::create(TimePoint now, v1::Error& error) {
@@ -171,8 +293,8 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
     for (auto& [key, session] : sessions_)
       if (!session->watched() && (!unused || session->last_use() < unused->last_use())) unused = session.get();
     if (!unused) {
-      error = wire_error("unavailable",
-                         "all " + std::to_string(options_.max_sessions) + " sessions of this server are in use; try again later");
+      error = wire_error("unavailable", "all " + std::to_string(options_.max_sessions) +
+                                            " sessions of this server are in use (--max-sessions); try again later");
       return nullptr;
     }
     remove(unused->key());
@@ -181,6 +303,8 @@ Session* Sessions::create(TimePoint now, v1::Error& error) {
   auto& slot = sessions_[key];
   slot = std::make_unique<Session>(key, *this);
   slot->touch(now);
+  session_changed(*slot);
+  for (SessionsObserver* observer : observers_) observer->session_began(*slot);
   return slot.get();
 }
 
@@ -230,7 +354,11 @@ void Sessions::remove(SessionKey key) {
     listener(RequestFailed{key, request, 0, ErrorCode::not_found, "the session has ended"}, now_);
     it = pending_.begin();
   }
-  sessions_.erase(key);
+  const auto ending = sessions_.find(key);
+  if (ending == sessions_.end()) return;
+  for (SessionsObserver* observer : observers_) observer->session_ended(*ending->second);
+  if (journal_) journal_->forget(ending->second->id());
+  sessions_.erase(ending);
 }
 
 RequestId Sessions::ask(EngineRequest request, Listener listener) {
@@ -249,6 +377,7 @@ RequestId Sessions::ask(EngineRequest request, Listener listener) {
 
 void Sessions::on_event(const EngineEvent& event, TimePoint now) {
   now_ = now;
+  for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);
   const RequestId request = request_of(event);
   if (request == 0) {
     if (Session* session = find(session_of(event))) session->on_event(event, now);
@@ -271,7 +400,9 @@ TimePoint Sessions::tick(TimePoint now) {
   std::vector<SessionKey> over;
   for (const SessionKey key : std::exchange(over_, {}))
     if (const Session* session = find(key); session && !session->watched()) over.push_back(key);
+  const UnixMs clock = unix_ms_now();
   for (auto& [key, session] : sessions_) {
+    session->expire_invitations(clock);
     if (session->watched())
       session->pump(now);
     else if (now - session->last_use() >= options_.session_ttl)
@@ -282,9 +413,25 @@ TimePoint Sessions::tick(TimePoint now) {
   return next;
 }
 
-void Sessions::shut_down(const std::string& reason) {
+void Sessions::announce_end(const std::string& reason, UnixMs ends) {
   v1::ServerMessage message;
-  message.mutable_shutdown()->set_reason(reason);
+  v1::Shutdown& notice = *message.mutable_shutdown();
+  notice.set_reason(reason);
+  notice.set_notice(true);
+  notice.set_deadline_unix_ms(static_cast<double>(ends));
+  notice.set_seconds(static_cast<double>(ends - unix_ms_now()) / 1000);
+  notice.set_comes_back(journal_ != nullptr);
+  for (auto& [key, viewer] : viewers_)
+    if (viewer->session != 0) viewer->outbox->send(message);
+}
+
+void Sessions::shut_down(const std::string& reason, Duration deadline) {
+  v1::ServerMessage message;
+  v1::Shutdown& shutdown = *message.mutable_shutdown();
+  shutdown.set_reason(reason);
+  shutdown.set_seconds(std::chrono::duration<double>(deadline).count());
+  shutdown.set_deadline_unix_ms(static_cast<double>(unix_ms_now()) + 1000 * shutdown.seconds());
+  shutdown.set_comes_back(journal_ != nullptr);
   for (auto& [key, viewer] : viewers_) {
     viewer->outbox->send(message);
     viewer->outbox->close(kCloseGoingAway, reason);

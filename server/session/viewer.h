@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/messages.h"
 #include "isostrata/v1/isostrata.pb.h"
 #include "session/frame_scheduler.h"
+#include "session/video_streams.h"
 
 namespace isostrata {
 
@@ -21,22 +24,34 @@ class Outbox {
   virtual void send(v1::ServerMessage message) = 0;
   /// As send, but a State that still waits is replaced: the newest wins.
   virtual void send_state(v1::State state) = 0;
-  virtual void send_frame(v1::Frame frame) = 0;
+  /// The frame's payload is apart, since viewers of one picture share its bytes; `frame` has none.
+  virtual void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) = 0;
   /// Sends what waits, then closes. `code` is a WebSocket close code.
   virtual void close(std::uint16_t code, const std::string& reason) = 0;
 };
 
-using ViewerKey = std::uint64_t;
-
 /// Not thread-safe: lives on the io thread.
 struct Viewer {
+  struct Band {
+    v1::Frame frame;
+    std::shared_ptr<const Bytes> payload;
+  };
+
   ViewerKey key = 0;
   Outbox* outbox = nullptr;
   SessionKey session = 0;  // 0: has not said hello
   std::uint64_t last_seq = 0;
   std::uint64_t ignored_messages = 0;
   FrameScheduler frames;
-  RequestId ordered_request = 0;  // not started
+  std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first; the first is in use
+  bool takes_bands = false;                // lossless pictures in pieces
+  std::deque<Band> bands;                  // of the newest one, that have not been sent
+  StreamId stream = 0;                     // of its moving frames, where that is video and one has been ordered
+  RequestId ordered_request = 0;           // not started
+
+  v1::Role role = v1::ROLE_CONTROLLER;
+  std::string invitation;  // that it came by; empty: it has the server's token
+  std::string name, client, client_id;
 
   /// The message `seq` is contained in `revision` and all later ones.
   void note_input(std::uint64_t seq, std::uint64_t revision);

@@ -178,6 +178,12 @@ v1::Frame to_wire(const FrameReady& frame) {
   out.set_step(frame.step);
   out.set_phase(frame.lossless ? v1::FRAME_PHASE_LOSSLESS : v1::FRAME_PHASE_MOVING);
   out.set_format(frame.jpeg ? "jpeg" : "png");
+  if (frame.video) {
+    out.set_format(std::string(name_of(frame.video->codec)));
+    out.set_stream_id(frame.video->stream);
+    out.set_key(frame.video->key);
+    if (frame.video->key) out.set_decoder(decoder_string(frame.video->codec, frame.width, frame.height, 30));
+  }
   out.set_width(static_cast<std::uint32_t>(frame.width));
   out.set_height(static_cast<std::uint32_t>(frame.height));
   v1::StageTimes& stages = *out.mutable_stages();
@@ -200,7 +206,6 @@ v1::Frame to_wire(const FrameReady& frame) {
     of->set_volume(interval.volume);
   }
   *out.mutable_camera() = to_wire(frame.camera);
-  out.set_payload(frame.bytes->data(), frame.bytes->size());
   return out;
 }
 

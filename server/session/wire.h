@@ -19,7 +19,7 @@ v1::Camera to_wire(const Camera& camera);
 v1::Rgb to_wire(const Rgb& rgb);
 v1::DatasetInfo to_wire(const DatasetFacts& facts);
 v1::Histogram to_wire(const HistogramReady& histogram);
-/// Without frame_id and input_seq, which are the connection's own.
+/// Without frame_id and input_seq, which are the connection's own, and without the payload, which viewers share.
 v1::Frame to_wire(const FrameReady& frame);
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field = {});

@@ -14,6 +14,7 @@ interface Ready {
   port: number;
   pid: number;
   device: string;
+  worker: number | null; // the process that draws first
 }
 
 export interface ServerOptions {
@@ -21,6 +22,7 @@ export interface ServerOptions {
   token?: string;
   port?: number;
   more?: string[]; // further arguments
+  env?: Record<string, string>;
 }
 
 export class Server {
@@ -40,9 +42,10 @@ export class Server {
     const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-ready-'));
     const readyFile = join(folder, 'ready.json');
     const port = String(options.port ?? 0);
-    const more = options.more ?? [];
+    const more = [...(options.more ?? [])];
+    if (!more.includes('--state-dir')) more.push('--state-dir', 'none'); // a test leaves nothing behind
     const args = ['serve', ...options.data, '--port', port, '--ready-file', readyFile, '--web-root', webRoot, ...more];
-    const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}) };
+    const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}), ...options.env };
     const child = spawn(binary, args, { cwd: repository, env, stdio: ['ignore', 'pipe', 'pipe'] });
     const server = new Server(child, options);
     for (const stream of [child.stdout, child.stderr]) stream?.on('data', (text) => (server.log += String(text)));

@@ -58,7 +58,7 @@ export class Viewer {
   static async open(
     browser: Browser,
     url: string,
-    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light' } = {},
+    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; before?: (() => void)[] } = {},
   ): Promise<Viewer> {
     const context = await browser.newContext({
       viewport: { width: options.width ?? 1100, height: options.height ?? 760 },
@@ -66,6 +66,7 @@ export class Viewer {
       acceptDownloads: true,
     });
     const page = await context.newPage();
+    for (const script of options.before ?? []) await page.addInitScript(script); // runs in the page before its own scripts
     const viewer = new Viewer(page, context);
     page.on('console', (message) => message.type() === 'error' && viewer.problems.push(message.text()));
     page.on('pageerror', (error) => viewer.problems.push(error.message));

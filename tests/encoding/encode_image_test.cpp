@@ -203,17 +203,11 @@ TEST(WriteImage, LosslessFormatsKeepEveryPixelAndAlpha) {
   }
 }
 
-TEST(WriteImage, WebpIsNear) {
+TEST(WriteImage, WebpKeepsEveryPixelThatIsOpaque) {
   const TemporaryFolder folder;
-  Image image = gradient(64, 48);
-  for (std::size_t i = 2; i < image.rgba.size(); i += 4) image.rgba[i] = 90;  // smooth: 4:2:0 chroma, quality 100
+  const Image image = noise(64, 48, true, 4);
   write_image(folder / "a.webp", image);
-  const ReadImage back = read(folder / "a.webp");
-  ASSERT_EQ(back.width, 64);
-  const auto channels = static_cast<std::size_t>(back.channels);
-  for (std::size_t p = 0; p < image.rgba.size() / 4; ++p)
-    for (std::size_t c = 0; c < 3; ++c)
-      ASSERT_NEAR(255 * back.values[p * channels + c], image.rgba[4 * p + c], 12) << "pixel " << p;
+  expect_same(image, read(folder / "a.webp"), "webp, seed 4");
 }
 
 TEST(WriteImage, ExrIsLinearPremultipliedAndHasDepth) {

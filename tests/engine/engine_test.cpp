@@ -101,6 +101,51 @@ TEST_F(EngineTest, OpeningTellsWhatThereIsAndNamesWhatThereIsNot) {
   EXPECT_EQ(failure_of(6).code, ErrorCode::not_found);
 }
 
+TEST_F(EngineTest, VideoBeginsWithAKeyFrameAndAgainWhereItIsAskedFor) {
+  engine_->post(SceneUpdate{1, scene(7)});
+  const auto video = [&](RequestId request, StreamId stream, bool key) {
+    FrameRequest wanted = frame(1, request);
+    wanted.video = VideoOrder{Codec::vp9_444, stream, 4000, key};
+    engine_->post(wanted);
+    const FrameReady ready = frame_of(request);
+    EXPECT_TRUE(ready.video && ready.video->stream == stream && ready.video->codec == Codec::vp9_444);
+    EXPECT_TRUE(ready.bytes && !ready.bytes->empty());
+    engine_->post(SceneUpdate{1, scene(7 + request)});
+    return ready.video && ready.video->key;
+  };
+  EXPECT_TRUE(video(1, 5, false));
+  EXPECT_FALSE(video(2, 5, false));
+  EXPECT_TRUE(video(3, 6, false));  // another stream
+  EXPECT_FALSE(video(4, 5, false));
+  EXPECT_TRUE(video(5, 5, true));
+  engine_->post(CloseStream{1, 5});
+  engine_->post(CloseStream{1, 99});
+  EXPECT_TRUE(video(6, 5, false));
+}
+
+TEST_F(EngineTest, AStreamThatIsClosedWhileItsFrameIsDrawnAnswersWithoutOne) {
+  control_->delay_ms = 100;
+  engine_->post(SceneUpdate{1, scene(7)});
+  FrameRequest wanted = frame(1, 1);
+  wanted.video = VideoOrder{Codec::vp9_444, 5, 4000, false};
+  engine_->post(wanted);
+  wait_for<FrameStarted>([](const FrameStarted& f) { return f.request == 1; });
+  engine_->post(CloseStream{1, 5});
+  EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
+}
+
+TEST_F(EngineTest, AnEncoderThatCannotIsToldApartFromADrawingThatFailed) {
+  engine_->post(SceneUpdate{1, scene(7)});
+  FrameRequest wanted = frame(1, 1);
+  wanted.video = VideoOrder{Codec::vp9_444, 5, -1, false};
+  engine_->post(wanted);
+  EXPECT_TRUE(failure_of(1).encoder_failed);
+  control_->fail = true;
+  engine_->post(SceneUpdate{1, scene(8)});
+  engine_->post(frame(1, 2));
+  EXPECT_FALSE(failure_of(2).encoder_failed);
+}
+
 TEST_F(EngineTest, AFrameShowsTheNewestSceneAndSaysSo) {
   engine_->post(SceneUpdate{1, scene(7)});
   engine_->post(frame(1, 1));
@@ -124,6 +169,27 @@ TEST_F(EngineTest, AFrameShowsTheNewestSceneAndSaysSo) {
   EXPECT_EQ(second.camera.eye.x, 5);
   EXPECT_EQ(second.stages.extract_ms, 0) << "the same ends are not extracted again";
   EXPECT_EQ((*second.bytes)[1], 'P');
+}
+
+TEST_F(EngineTest, ALosslessFrameInBandsIsWholeAndIsGivenUpForANewerScene) {
+  engine_->post(SceneUpdate{1, scene(7)});
+  FrameRequest wanted = frame(1, 1, true);
+  wanted.width = wanted.height = 200;
+  wanted.band_bytes = 4096;
+  control_->noise = true;
+  engine_->post(wanted);
+  const FrameReady ready = frame_of(1);
+  ASSERT_TRUE(ready.bands && !ready.bytes);
+  EXPECT_GT(ready.bands->size(), 1u);
+  EXPECT_EQ(ready.bands->back().first_row + ready.bands->back().rows, 200);
+
+  control_->delay_ms = 100;
+  wanted.request = 2;
+  engine_->post(SceneUpdate{1, scene(8)});
+  engine_->post(wanted);
+  wait_for<FrameStarted>([](const FrameStarted& f) { return f.request == 2; });
+  engine_->post(SceneUpdate{1, scene(9)});
+  EXPECT_EQ(failure_of(2).code, ErrorCode::cancelled);
 }
 
 TEST_F(EngineTest, ADragIsNeverBlindAndEndsAtTheNewestScene) {

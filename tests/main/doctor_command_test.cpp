@@ -24,7 +24,9 @@ TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
   }
   EXPECT_TRUE(surfaceless);
   EXPECT_TRUE(osmesa);
-  for (const auto& codec : document.at("codecs").as_array()) EXPECT_TRUE(codec.at("ok").as_bool()) << codec.at("name");
+  for (const auto& codec : document.at("codecs").as_array())
+    if (codec.at("name").as_string() != "h264-420")  // an optional module
+      EXPECT_TRUE(codec.at("ok").as_bool()) << codec.at("name");
   EXPECT_GE(document.at("limits").at("cores").to_number<int>(), 1);
   EXPECT_GT(document.at("limits").at("memory_bytes").to_number<long long>(), 1ll << 20);
 }

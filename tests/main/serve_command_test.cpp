@@ -37,6 +37,7 @@ std::string contents(const fs::path& path) {
 
 class ServeCommand : public ::testing::Test {
  protected:
+  ServeCommand() { setenv("XDG_STATE_HOME", directory_.path().c_str(), 1); }
   ~ServeCommand() override {
     if (server_ > 0) {
       kill(server_, SIGKILL);
@@ -89,6 +90,7 @@ class ServeCommand : public ::testing::Test {
     return true;
   }
   int stop(int signal) {
+    if (server_ <= 0) return -1;  // a signal to -1 would be one to every process
     kill(server_, signal);
     const int status = end_of(server_);
     server_ = -1;
@@ -196,7 +198,58 @@ TEST_F(ServeCommand, AKilledServerIsReplacedOnTheSamePortWithTheSameToken) {
   ASSERT_TRUE(serve({"torus:12", "--token", token}, port));
   EXPECT_EQ(url_, url);
   EXPECT_EQ(run("isostrata-client", {url, "info"}), 0) << contents(errors());
-  EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 1) << "the old session is gone, and that is said";
+  EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 0) << "the session was kept: " << contents(errors());
+  EXPECT_EQ(stop(SIGKILL), 128 + SIGKILL);
+  ASSERT_TRUE(serve({"torus:12", "--token", token, "--state-dir", "none"}, port));
+  EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 1) << "nothing was kept, and that is said";
+}
+
+/// Whether a process runs: neither gone nor waiting to be waited for.
+bool runs(pid_t pid) {
+  const std::string stat = contents("/proc/" + std::to_string(pid) + "/stat");
+  const auto name_end = stat.rfind(") ");
+  return name_end != std::string::npos && stat[name_end + 2] != 'Z' && stat[name_end + 2] != 'X';
+}
+bool soon_gone(pid_t pid) {
+  for (int i = 0; i < 3000 && runs(pid); ++i) std::this_thread::sleep_for(10ms);
+  return !runs(pid);
+}
+
+TEST_F(ServeCommand, AWorkerEndsWithItsServerHoweverThatEnds) {
+  for (const int signal : {SIGTERM, SIGKILL}) {
+    SERVE_OR_SKIP({"torus:12"});
+    const pid_t worker = ready_.at("worker").to_number<pid_t>();
+    ASSERT_GT(worker, 0);
+    EXPECT_NE(worker, server_);
+    EXPECT_TRUE(runs(worker));
+    for (const int meant_for_the_server : {SIGINT, SIGTERM, SIGHUP}) kill(worker, meant_for_the_server);
+    ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << contents(errors());
+    EXPECT_TRUE(runs(worker)) << "a job's signals reach all of its processes; the server ends the worker";
+    stop(signal);
+    EXPECT_TRUE(soon_gone(worker)) << "after signal " << signal;
+  }
+}
+
+TEST_F(ServeCommand, AKilledWorkerIsReplaced) {
+  SERVE_OR_SKIP({"torus:12"});
+  const pid_t worker = ready_.at("worker").to_number<pid_t>();
+  ASSERT_GT(worker, 0);
+  kill(worker, SIGKILL);
+  EXPECT_TRUE(soon_gone(worker));
+  const std::string picture = (directory_ / "a.png").string();
+  ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.5", "--size", "120x90", "--out", picture}), 0)
+      << contents(errors());
+  EXPECT_TRUE(contents(picture).starts_with("\x89PNG"));
+  EXPECT_EQ(stop(SIGTERM), 0);
+}
+
+TEST_F(ServeCommand, TheEngineCanStayInTheServersProcess) {
+  SERVE_OR_SKIP({"torus:12", "--worker", "thread"});
+  EXPECT_TRUE(ready_.at("worker").is_null());
+  EXPECT_EQ(run("isostrata-client",
+                {url_, "snapshot", "--interval", "0.2:0.5", "--size", "120x90", "--out", (directory_ / "a.png").string()}),
+            0)
+      << contents(errors());
 }
 
 TEST_F(ServeCommand, SessionsAreJoinedByIdAndSeeTheSame) {

@@ -115,6 +115,10 @@ class RawSocket {
     std::string frame(1, static_cast<char>(0x80 | opcode));
     if (payload.size() < 126) {
       frame += static_cast<char>(0x80 | payload.size());
+    } else if (payload.size() < 65536) {  // the shortest form is the only one allowed
+      frame += static_cast<char>(0x80 | 126);
+      frame += static_cast<char>(payload.size() >> 8);
+      frame += static_cast<char>(payload.size());
     } else {
       frame += static_cast<char>(0x80 | 127);
       for (int shift = 56; shift >= 0; shift -= 8)

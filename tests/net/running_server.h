@@ -34,6 +34,7 @@ class RunningServer {
     thread_.join();
   }
 
+  const FrameEngine& engine() const { return server_->engine(); }
   unsigned short port() const { return server_->port(); }
   client::Options client_options() const {
     client::Options options;

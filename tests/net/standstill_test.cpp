@@ -166,16 +166,42 @@ TEST(Standstill, ASlowReaderIsNotABlockedOne) {
   slow.open_websocket(ws_target());
   slow.send_frame(hello(2048, 2048));
   // The first frame takes longer than the write timeout as a whole, and never as long without any progress.
+  // (It is the only one until it has been acknowledged, and it has to last for the whole time.)
   std::size_t read = 0;
   const auto began = std::chrono::steady_clock::now();
-  while (std::chrono::steady_clock::now() - began < milliseconds(1500)) {
-    const std::size_t now = slow.read_at_most(100000);
+  while (std::chrono::steady_clock::now() - began < milliseconds(1200)) {
+    const std::size_t now = slow.read_at_most(20000);
     ASSERT_GT(now, 0u) << "closed after " << read << " bytes";
     read += now;
     std::this_thread::sleep_for(milliseconds(10));
   }
   EXPECT_TRUE(slow.send_frame("x"));
   EXPECT_TRUE(has(server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), "\"viewers\":1"));
+}
+
+TEST(Standstill, WhoReadsAByteNowAndThenIsClosedWhileOthersGetFrames) {
+  ServerOptions options;
+  options.write_timeout = milliseconds(500);
+  RunningServer server(std::move(options));
+  server.control->noise = true;
+  RawSocket dripping(server.port(), 4096);
+  dripping.open_websocket(ws_target());
+  dripping.send_frame(hello(2048, 2048));
+  ASSERT_TRUE(soon([&] { return server.control->drawn > 0; }));
+  Client other(server.client_options());
+  other.open_dataset("torus-12");
+  int frames = 0;
+  const bool closed = soon(
+      [&] {
+        dripping.read_at_most(1, 1);
+        EXPECT_EQ(other.lossless_frame().width(), 64u);
+        ++frames;
+        return has(server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), "\"viewers\":1");
+      },
+      milliseconds(20000));
+  EXPECT_TRUE(closed);
+  EXPECT_GE(frames, 2);
+  EXPECT_EQ(other.lossless_frame().width(), 64u);
 }
 
 TEST(Standstill, WhoNeverSaysHelloIsClosed) {

@@ -19,10 +19,22 @@ class Scheduler : public ::testing::Test {
   void change() { frames_.scene_changed(++revision_, true, now_); }
   std::uint64_t deliver(const FrameOrder& order) {
     frames_.started();
-    return frames_.sent(revision_, order.lossless, now_);
+    return frames_.sent(order, revision_, kBytes, now_);
   }
   void deliver_and_acknowledge(const FrameOrder& order) { frames_.acknowledged(deliver(order), now_); }
+  /// Frames of kBytes take so long to pass: the scheduler has seen many.
+  void learn_link(Duration passing) {
+    for (int i = 0; i < 12; ++i) {
+      change();
+      const auto order = frames_.next(now_);
+      ASSERT_TRUE(order);
+      const auto id = deliver(*order);
+      tick(passing);
+      frames_.acknowledged(id, now_);
+    }
+  }
 
+  static constexpr std::size_t kBytes = 20000;
   FrameScheduler frames_;
   TimePoint now_ = TimePoint{} + std::chrono::hours(1);
   std::uint64_t revision_ = 0;
@@ -48,14 +60,16 @@ TEST_F(Scheduler, AChangeGivesAMovingFrameAndRestALosslessOneOfTheSameState) {
 }
 
 TEST_F(Scheduler, NothingIsLosslessWhileSomeoneInteracts) {
+  deliver_and_acknowledge(*frames_.next(now_));
   frames_.set_interaction(true, now_);
+  change();
   deliver_and_acknowledge(*frames_.next(now_));
   tick(seconds(60));
   EXPECT_FALSE(frames_.next(now_));
   change();
-  EXPECT_FALSE(frames_.next(now_)->lossless);
-  frames_.started();
-  frames_.acknowledged(frames_.sent(revision_, false, now_), now_);
+  const auto order = frames_.next(now_);
+  EXPECT_FALSE(order->lossless);
+  deliver_and_acknowledge(*order);
   frames_.set_interaction(false, now_);
   EXPECT_FALSE(frames_.next(now_));
   tick(FrameScheduler::kSettle);
@@ -63,6 +77,8 @@ TEST_F(Scheduler, NothingIsLosslessWhileSomeoneInteracts) {
 }
 
 TEST_F(Scheduler, OneOrderAtATimeAndCreditsBoundWhatIsUnderWay) {
+  deliver_and_acknowledge(*frames_.next(now_));
+  change();
   ASSERT_TRUE(frames_.next(now_));
   change();
   EXPECT_FALSE(frames_.next(now_));
@@ -76,15 +92,28 @@ TEST_F(Scheduler, OneOrderAtATimeAndCreditsBoundWhatIsUnderWay) {
   EXPECT_EQ(given, frames_.window());
 }
 
-TEST_F(Scheduler, NoAcknowledgementForFourSecondsStopsDrawingUntilOneComes) {
-  const auto id = deliver(*frames_.next(now_));
-  tick(FrameScheduler::kStall - milliseconds(1));
-  change();
-  EXPECT_TRUE(frames_.next(now_));
-  frames_.failed(false);
-  tick(milliseconds(1));
+TEST_F(Scheduler, NothingFollowsTheFirstFrameUntilItIsKnownWhatTheLinkCarries) {
+  const auto first = frames_.next(now_);
+  EXPECT_LT(first->quality, 90) << "a first frame that is cheap on any link";
+  const auto id = deliver(*first);
   change();
   EXPECT_FALSE(frames_.next(now_));
+  EXPECT_FALSE(frames_.wake_at(now_)) << "only an acknowledgement helps";
+  tick(milliseconds(5));
+  frames_.acknowledged(id, now_);
+  EXPECT_TRUE(frames_.next(now_));
+}
+
+TEST_F(Scheduler, NoAcknowledgementForFourSecondsStopsDrawingUntilOneComes) {
+  deliver_and_acknowledge(*frames_.next(now_));
+  change();
+  const auto id = deliver(*frames_.next(now_));
+  EXPECT_FALSE(frames_.stalled(now_));
+  tick(FrameScheduler::kStall);
+  EXPECT_TRUE(frames_.stalled(now_));
+  change();
+  EXPECT_FALSE(frames_.next(now_));
+  EXPECT_FALSE(frames_.wake_at(now_));
   frames_.acknowledged(id, now_);
   EXPECT_TRUE(frames_.next(now_));
 }
@@ -100,11 +129,11 @@ TEST_F(Scheduler, AHiddenPageGetsNothingAndTheNewestStateWhenItShowsAgain) {
 }
 
 TEST_F(Scheduler, AFrameOfAnOlderStateIsFollowedByTheNewest) {
-  frames_.next(now_);
+  const auto order = frames_.next(now_);
   change();
   frames_.next(now_);
   frames_.started();
-  frames_.acknowledged(frames_.sent(revision_ - 1, false, now_), now_);
+  frames_.acknowledged(frames_.sent(*order, revision_ - 1, kBytes, now_), now_);
   EXPECT_TRUE(frames_.next(now_)) << "the newest state has not been shown";
 }
 
@@ -137,20 +166,72 @@ TEST_F(Scheduler, AStillOfItsOwnSizeComesNowAndDoesNotReplaceTheViewports) {
 }
 
 TEST_F(Scheduler, CreditsFollowTheShortestRoundTrip) {
-  const auto trip = [&](milliseconds time) {
-    change();
-    const auto id = deliver(*frames_.next(now_));
-    tick(time);
-    frames_.acknowledged(id, now_);
-  };
-  trip(milliseconds(5));
+  frames_.round_trip(milliseconds(5), now_);
+  EXPECT_EQ(frames_.window(), 2);
+  frames_.round_trip(milliseconds(200), now_);
   EXPECT_EQ(frames_.window(), 2);
   tick(seconds(11));
-  trip(milliseconds(100));
+  frames_.round_trip(milliseconds(100), now_);
   EXPECT_EQ(frames_.window(), 4);
   tick(seconds(11));
-  trip(seconds(2));
+  frames_.round_trip(seconds(2), now_);
   EXPECT_EQ(frames_.window(), FrameScheduler::kMaxWindow);
+}
+
+TEST_F(Scheduler, OnASlowLinkPicturesShrinkWhileTheyMoveAndSettleBeforeTheyAreExact) {
+  frames_.round_trip(milliseconds(1), now_);
+  learn_link(milliseconds(200));
+  change();
+  auto order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->phase, FramePhase::moving);
+  EXPECT_LT(order->width, 640);
+  EXPECT_NEAR(static_cast<double>(order->width) / order->height, 640.0 / 480, 0.02);
+  EXPECT_GT(order->bitrate_kbps, 0);
+  deliver_and_acknowledge(*order);
+  tick(FrameScheduler::kSettle);
+  order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->phase, FramePhase::settled);
+  EXPECT_EQ(order->width, 640);
+  EXPECT_EQ(order->quality, 90);
+  deliver_and_acknowledge(*order);
+  order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->phase, FramePhase::lossless);
+  EXPECT_TRUE(order->lossless);
+  deliver_and_acknowledge(*order);
+  tick(seconds(10));
+  EXPECT_FALSE(frames_.next(now_));
+}
+
+TEST_F(Scheduler, AHandThatHoldsStillSeesTheSettledPictureAndNotTheLosslessOne) {
+  frames_.round_trip(milliseconds(1), now_);
+  learn_link(milliseconds(200));
+  frames_.set_interaction(true, now_);
+  change();
+  deliver_and_acknowledge(*frames_.next(now_));
+  tick(FrameScheduler::kSettle);
+  const auto order = frames_.next(now_);
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->phase, FramePhase::settled);
+  deliver_and_acknowledge(*order);
+  tick(seconds(10));
+  EXPECT_FALSE(frames_.next(now_));
+}
+
+TEST_F(Scheduler, FramesWaitHereAsTheNewestStateAndNotOnTheLink) {
+  frames_.round_trip(milliseconds(1), now_);
+  learn_link(milliseconds(100));
+  change();
+  deliver(*frames_.next(now_));
+  change();
+  EXPECT_FALSE(frames_.next(now_)) << "the link is busy with the one before";
+  const auto wake = frames_.wake_at(now_);
+  ASSERT_TRUE(wake);
+  EXPECT_GT(*wake, now_);
+  now_ = *wake;
+  EXPECT_TRUE(frames_.next(now_)) << "before the one before has been acknowledged, but when the link is about to be free";
 }
 
 TEST_F(Scheduler, AcknowledgingWhatWasNeverSentDoesNothing) {

@@ -3,6 +3,7 @@ import { mount } from 'svelte';
 import App from './App.svelte';
 import './style.css';
 import { Connection, type NotOpened, type Socket } from './lib/connection';
+import { browserProbe, probeDecoders } from './lib/probe-decoders';
 import { SavedTab } from './lib/saved';
 import { Session } from './lib/session.svelte';
 import { ThemeChoice } from './lib/theme.svelte';
@@ -28,6 +29,8 @@ async function askWhy(): Promise<NotOpened> {
       };
     if (response.status === 403) {
       const problem = (await response.json().catch(() => ({}))) as { detail?: string; title?: string };
+      // An invitation opens the socket and not the API: it is good, and the socket will open when the server has room.
+      if (problem.detail?.startsWith('an invitation')) return { kind: 'unknown' };
       return { kind: 'refused', reason: problem.detail ?? problem.title ?? 'The server does not let this page in.' };
     }
     return { kind: response.status >= 502 && response.status <= 504 ? 'unreachable' : 'unknown' };
@@ -35,6 +38,9 @@ async function askWhy(): Promise<NotOpened> {
     return { kind: 'unreachable' };
   }
 }
+
+// Some tens of milliseconds, before Hello says what came of it.
+const movingFormats = await probeDecoders(browserProbe());
 
 const session = new Session({
   connection: (handlers) =>
@@ -50,6 +56,7 @@ const session = new Session({
   saved: new SavedTab(sessionStorage, location.pathname),
   now: () => performance.now(),
   schedule: (callback) => void requestAnimationFrame(callback),
+  movingFormats,
 });
 
 mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });

@@ -47,6 +47,19 @@ test('a frame becomes plain numbers, its phase in words', () => {
   expect([...event.frame.payload]).toEqual([1, 2]);
 });
 
+test('the three phases are told apart', () => {
+  const phaseOf = (phase: FramePhase) => {
+    const event = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'frame', value: { phase } } })));
+    return event.kind === 'frame' ? event.frame.phase : event.kind;
+  };
+  expect([FramePhase.MOVING, FramePhase.SETTLED, FramePhase.LOSSLESS, FramePhase.UNSPECIFIED].map(phaseOf)).toEqual([
+    'moving',
+    'settled',
+    'exact',
+    'moving',
+  ]);
+});
+
 test('a message of a later version is unknown, not an error', () => {
   expect(decodeEvent(new Uint8Array([0x08, 0x01, 0xfa, 0x01, 0x00]))).toEqual({ kind: 'unknown' });
 });

@@ -33,6 +33,7 @@ function harness(store = new Map<string, string>()) {
     saved: new SavedTab({ getItem: (key) => store.get(key) ?? null, setItem: (key, value) => void store.set(key, value) }, '/'),
     now: () => clock.now,
     schedule: (callback) => scheduled.push(callback),
+    movingFormats: ['vp9-444', 'jpeg'],
   });
   const says = (body: Body) => {
     const bytes = toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));

@@ -1,44 +1,30 @@
-// A thin client of an Isostrata server: connect, send commands, receive state and frames. Messages are those of the protocol
-// (isostrata/v1/isostrata.pb.h); nothing of the server is needed.
+// A thin client of an Isostrata server: connect, change what is shown, receive state and frames. Messages are those of the
+// protocol (isostrata/v1/isostrata.pb.h, whose comments say what each field means); isostrata/scene.h writes the longer ones in
+// one expression. Nothing of the server is needed.
 //
 //   isostrata::client::Client client({.url = "http://127.0.0.1:8080/?token=..."});
-//   client.open_dataset(client.welcome().datasets(0).id());
+//   client.open_dataset("torus:64");
+//   client.set_intervals({isostrata::client::interval(0.1, 0.2, {.color = "#ff8000"})});
 //   const auto frame = client.lossless_frame();             // PNG bytes in frame.payload()
 #pragma once
 
-#include <chrono>
 #include <cstdint>
+#include <iosfwd>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "isostrata/v1/isostrata.pb.h"
+#include "isostrata/image.h"
+#include "isostrata/options.h"
+#include "isostrata/rest.h"
+#include "isostrata/scene.h"
 
 namespace isostrata::client {
 
-/// What went wrong: code is the server's ("not_found", "invalid_argument", ...) or one of ours: "bad_url", "connection",
-/// "unauthorized", "timeout", "closed", "protocol", "bad_image".
-class ClientError : public std::runtime_error {
- public:
-  ClientError(std::string code, const std::string& message) : std::runtime_error(message), code_(std::move(code)) {}
-  const std::string& code() const { return code_; }
-
- private:
-  std::string code_;
-};
-
-struct Options {
-  std::string url;           // as the server prints it, http://HOST:PORT/BASE/?token=TOKEN
-  std::string token;         // where the url has none
-  std::string resume_token;  // of an earlier Welcome: joins that session
-  std::string name = "isostrata-client";
-  int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
-  std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own
-};
-
-/// One connection. Not thread-safe: everything happens on the caller's thread, inside the calls.
+/// One connection to one session, which others may look at and change too: state() follows them while something here waits for
+/// the server. Commands return when the server has done them and state() shows it; they throw ClientError with the server's code
+/// where it refused, and then nothing has changed. Not thread-safe: everything happens on the caller's thread, inside the calls.
 class Client {
  public:
   /// Connects, says Hello and waits for Welcome. Throws ClientError.
@@ -47,43 +33,118 @@ class Client {
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
 
+  // ---- what the server has told ----------------------------------------------------------------------------------------------
+
   const v1::Welcome& welcome() const;
-  /// The newest that the server has told.
+  /// The newest that has been received.
   const v1::State& state() const;
   /// Of state().dataset(); empty where none is open.
   const v1::DatasetInfo& dataset() const;
 
-  /// Sends a command; its seq is filled in and returned. Does not wait for an answer.
-  std::uint64_t send(v1::ClientMessage message);
-  /// The next message of the server, or nothing after the timeout. Frames are acknowledged here, at once. Throws ClientError
-  /// "closed".
-  std::optional<v1::ServerMessage> receive(std::chrono::milliseconds timeout);
-  /// Sends and waits until the server has surely done it or refused it. Throws ClientError with the server's code.
-  void command(v1::ClientMessage message);
+  // ---- data: what is open, its arrays, its time
+  // --------------------------------------------------------------------------------
 
-  /// Waits until the dataset is open. Throws ClientError.
-  void open_dataset(const std::string& id);
-  /// The next lossless frame of at least the newest revision known here. Throws ClientError.
+  /// By id or by name. Waits until it is open.
+  void open_dataset(const std::string& dataset);
+  /// The array that intervals are cut from; they keep their place in its range.
+  void select_array(const std::string& array);
+  /// The array that colour maps and ramps run over.
+  void color_by(const std::string& array);
+  /// The array that surfaces' textures run over.
+  void texture_by(const std::string& array);
+  void set_step(int step);
+  /// A time between the first step's and the last one's, and what it means between two steps.
+  void set_time(double time, v1::TimeMode mode = v1::TIME_MODE_UNSPECIFIED);
+  /// Of the finite values of the array at the state's step. bins: 1..4096.
+  v1::Histogram histogram(const std::string& array, int bins = 256);
+
+  // ---- the layers
+  // --------------------------------------------------------------------------------------------------------------
+
+  /// Replaces all. Those with an id that exists keep it, those without one get a new one.
+  void set_intervals(const std::vector<v1::Interval>& intervals);
+  /// Adds one above all others; its id.
+  std::uint32_t add_interval(v1::Interval interval);
+  void move_interval(std::uint32_t id, double lower, double upper);
+  /// Changes the fields that are present.
+  void patch_interval(const v1::PatchInterval& patch);
+  void remove_interval(std::uint32_t id);
+  /// The interval of this id. Throws ClientError "not_found".
+  const v1::Interval& interval_of(std::uint32_t id) const;
+  /// All ids, the highest priority first.
+  void reorder_priorities(const std::vector<std::uint32_t>& ids);
+  /// Ranges of other arrays, combined with the intervals from left to right; none: the intervals alone.
+  void set_combination(const std::vector<v1::RangeTerm>& terms);
+  /// Replaces all intervals by touching ones between neighbouring points.
+  void set_transfer_function(const std::vector<v1::TransferPoint>& points);
+  void set_triangulation(v1::Triangulation triangulation);
+
+  // ---- how it looks
+  // ------------------------------------------------------------------------------------------------------------
+
+  void set_mode(v1::RenderMode mode);
+  void set_integral(v1::Integral integral);
+  void set_background(const v1::Rgb& color);
+  /// The thickness that opacities are meant for, in world units; 0: the default.
+  void set_unit_distance(double world);
+  /// Of v1::RENDER_MODE_CYCLED; changes what is present.
+  void set_cycle(const v1::SetCycle& cycle);
+  /// Of v1::RENDER_MODE_SMEAR: the steps in the order they are painted, and their colours.
+  void set_smear(const std::vector<int>& steps, const std::vector<v1::Rgb>& colors = {});
+  /// What is kept by all of them is shown; none: nothing is cut away.
+  void set_clip_planes(const std::vector<v1::ClipPlane>& planes);
+  void set_annotations(bool axes, bool box, bool legend);
+  void set_camera(const v1::Camera& camera);
+  /// "reset", "+x", "-x", "+y", "-y", "+z" or "-z": the whole dataset in this connection's viewport.
+  void set_view(const std::string& view);
+
+  // ---- pictures
+  // ----------------------------------------------------------------------------------------------------------------
+
+  /// In pixels. Nothing is sent to a hidden viewport or to one of width 0.
+  void set_viewport(int width, int height, bool hidden = false);
+  /// Between true and false frames are moving ones, lossy and quick, even where they stand still for a moment.
+  void set_interaction(bool active);
+  /// The next frame, or nothing after the timeout. Errors that the server reports meanwhile are thrown.
+  std::optional<v1::Frame> next_frame(std::chrono::milliseconds timeout);
+  /// The next lossless frame (PNG) of at least the newest revision known here, in the viewport's size.
   v1::Frame lossless_frame();
+  /// A picture of any size as a file's bytes; format "png", "jpeg" and what else the server knows. The viewport is as it was.
+  std::string still(int width, int height, const std::string& format = "png");
 
+  /// The layers as a mesh file, written as it comes: "vtu" (tetrahedra), "ply" or "stl" (their boundary, or the named parts of
+  /// it: "lower", "upper", "domain"). The server's progress is told; a stop takes its work with it.
+  void export_mesh(std::ostream& to, const std::string& format, const std::vector<std::string>& facets = {});
+
+  // ---- the whole state, as one JSON document
+  // ------------------------------------------------------------------------------------
+
+  /// The State in Protobuf's canonical JSON: what REST's state, the page's saved file and restore() take.
+  std::string save_state() const;
+  /// Opens its dataset and shows what it says.
+  void restore_state(const std::string& json);
+
+  // ---- operations
+  // --------------------------------------------------------------------------------------------------------------
+
+  /// Asks the server to give up the operation that a Progress named. Does not wait.
+  void cancel(std::uint64_t operation);
+
+  // ---- the wire
+  // ----------------------------------------------------------------------------------------------------------------
+
+  /// Sends a message; its seq is filled in and returned. Does not wait for an answer.
+  std::uint64_t send(v1::ClientMessage message);
+  /// The next message of the server, or nothing after the timeout. Frames have been acknowledged. Throws ClientError "closed".
+  std::optional<v1::ServerMessage> receive(std::chrono::milliseconds timeout);
+  /// Sends and waits until the server has surely done it or refused it.
+  void command(v1::ClientMessage message);
+  /// Ends the connection; the session lives on for a while. So does the destructor.
   void close();
 
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// A decoded picture, 8 bits a channel, row 0 at the top.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;  // [height][width][3]
-};
-
-/// JPEG, or PNG of 8-bit RGB or RGBA without interlacing, which is what servers send. Throws ClientError "bad_image".
-Picture decode(const std::string& bytes);
-
-/// GET below the server's base URL ("api/v1/sessions"), with its token; the body. Throws ClientError, for a status of 400 or more
-/// with the problem document's code and detail.
-std::string http_get(const Options& options, const std::string& path);
 
 }  // namespace isostrata::client

@@ -187,7 +187,39 @@ export interface Welcome {
   device: string;
   deviceIsSoftware: boolean;
   colorMaps: string[];
+  movingFormats: string[]; // the best first
   limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
+  role?: Role; // of this page; absent: controller
+  participant?: bigint; // which of the participants this page is
+  endsUnixMs?: number; // when the server is known to end; 0: not known
+}
+
+/** A viewer sees what a controller shows. */
+export type Role = 'controller' | 'viewer';
+
+export interface Participant {
+  id: bigint;
+  name: string;
+  role: Role;
+  invited: boolean;
+  client: string;
+}
+
+export interface Invitation {
+  id: string;
+  role: Role;
+  expiresUnixMs: number;
+  name: string;
+  token: string; // empty but for whoever has just made it
+  present: number;
+}
+
+/** With `notice` the server goes on until the deadline, else it ends now. */
+export interface Ending {
+  reason: string;
+  notice: boolean;
+  seconds: number;
+  comesBack: boolean;
 }
 
 export interface StageTimes {
@@ -206,12 +238,16 @@ export interface IntervalFacts {
   volume: number;
 }
 
+/** moving: as good as the link carries; settled: of full size and quality, not yet lossless; exact: lossless. */
+export type FramePhase = 'moving' | 'settled' | 'exact';
+
 export interface Frame {
   frameId: bigint;
   revision: number;
   inputSeq: number;
   step: number;
   lossless: boolean;
+  phase: FramePhase;
   format: string;
   width: number;
   height: number;
@@ -222,6 +258,10 @@ export interface Frame {
   tetrahedra: number;
   intervals: IntervalFacts[];
   camera: Camera | null;
+  streamId: number; // of video; 0: a picture by itself
+  key: boolean; // of a stream: decodes without those before it
+  band: { firstRow: number; rows: number; index: number; count: number } | null; // a part of the picture only
+  decoder: string; // of key frames: VideoDecoderConfig's codec
   payload: Uint8Array<ArrayBuffer>;
 }
 
@@ -249,7 +289,10 @@ export type ServerEvent =
   | { kind: 'done'; operation: bigint; cancelled: boolean }
   | { kind: 'error'; error: ServerError }
   | { kind: 'pong'; clientTimeMs: number }
-  | { kind: 'shutdown'; reason: string }
+  | ({ kind: 'shutdown' } & Ending)
+  | { kind: 'participants'; participants: Participant[] }
+  | { kind: 'invitation'; invitation: Invitation }
+  | { kind: 'invitations'; invitations: Invitation[] }
   | { kind: 'unknown' };
 
 export const emptyState: SceneState = {

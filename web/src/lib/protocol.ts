@@ -6,6 +6,7 @@ import {
   Integral as WireIntegral,
   RangeOperator as WireOperator,
   RenderMode as WireMode,
+  Role as WireRole,
   ServerMessageSchema,
   TimeMode as WireTimeMode,
   Triangulation as WireTriangulation,
@@ -13,6 +14,7 @@ import {
   type DatasetInfo as WireDatasetInfo,
   type Frame as WireFrame,
   type Interval as WireInterval,
+  type Invitation as WireInvitation,
   type RangeTerm as WireTerm,
   type Rgb as WireRgb,
   type State as WireState,
@@ -30,10 +32,12 @@ import type {
   Integral,
   Interval,
   IntervalPatch,
+  Invitation,
   RangeOperator,
   RangeTerm,
   RenderMode,
   Rgb,
+  Role,
   SceneState,
   ServerEvent,
   Smear,
@@ -86,6 +90,10 @@ const timeModes = byWire<TimeMode, WireTimeMode>([
   ['interpolate', WireTimeMode.INTERPOLATE],
   ['spacetime', WireTimeMode.SPACETIME],
 ]);
+const roles = byWire<Role, WireRole>([
+  ['controller', WireRole.CONTROLLER],
+  ['viewer', WireRole.VIEWER],
+]);
 const triangulations = byWire<Triangulation, WireTriangulation>([
   ['table', WireTriangulation.TABLE],
   ['strict', WireTriangulation.STRICT],
@@ -107,15 +115,15 @@ const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
 });
 
 export const command = {
-  hello: (viewport: ViewportSize, resumeToken: string): Command => ({
+  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg']): Command => ({
     case: 'hello',
     value: {
       protocolMajor,
       protocolMinor,
       client: 'isostrata-web 0.1.0',
       viewport,
-      stillFormats: ['png'],
-      movingFormats: ['jpeg'],
+      stillFormats: ['png', 'png-bands'],
+      movingFormats: [...movingFormats],
       resumeToken,
     },
   }),
@@ -183,9 +191,20 @@ export const command = {
   viewport: (viewport: ViewportSize): Command => ({ case: 'viewport', value: viewport }),
   interaction: (active: boolean): Command => ({ case: 'interaction', value: { active } }),
   frameAck: (frameId: bigint, decodeMs: number): Command => ({ case: 'frameAck', value: { frameId, decodeMs } }),
+  decoderFailed: ({ streamId, message, again }: { streamId: number; message: string; again: boolean }): Command => ({
+    case: 'decoderFailed',
+    value: { streamId: BigInt(streamId), problem: message.slice(0, 500), again },
+  }),
   requestStill: (): Command => ({ case: 'requestStill', value: {} }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
   cancel: (operation: bigint): Command => ({ case: 'cancel', value: { operation } }),
+  setRole: (participant: bigint, role: Role): Command => ({ case: 'setRole', value: { participant, role: roles.wire(role) } }),
+  createInvitation: (role: Role, seconds: number, name: string): Command => ({
+    case: 'createInvitation',
+    value: { role: roles.wire(role), seconds, name },
+  }),
+  revokeInvitation: (id: string): Command => ({ case: 'revokeInvitation', value: { id } }),
+  listInvitations: (): Command => ({ case: 'listInvitations', value: {} }),
   ping: (clientTimeMs: number): Command => ({ case: 'ping', value: { clientTimeMs } }),
 };
 
@@ -223,7 +242,28 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
     case 'pong':
       return { kind: 'pong', clientTimeMs: body.value.clientTimeMs };
     case 'shutdown':
-      return { kind: 'shutdown', reason: body.value.reason };
+      return {
+        kind: 'shutdown',
+        reason: body.value.reason,
+        notice: body.value.notice,
+        seconds: body.value.seconds,
+        comesBack: body.value.comesBack,
+      };
+    case 'participants':
+      return {
+        kind: 'participants',
+        participants: body.value.participants.map(({ id, name, role, invited, client }) => ({
+          id,
+          name,
+          role: roles.name(role),
+          invited,
+          client,
+        })),
+      };
+    case 'invitation':
+      return { kind: 'invitation', invitation: invitationOf(body.value) };
+    case 'invitations':
+      return { kind: 'invitations', invitations: body.value.invitations.map(invitationOf) };
     default:
       return { kind: 'unknown' };
   }
@@ -260,6 +300,15 @@ const intervalOf = (i: WireInterval): Interval => ({
   opacityUpper: i.opacityUpper ?? null,
   ownRange: i.ownRange,
   surface: i.surface ? surfaceOf(i.surface) : null,
+});
+
+const invitationOf = ({ id, role, expiresUnixMs, name, token, present }: WireInvitation): Invitation => ({
+  id,
+  role: roles.name(role),
+  expiresUnixMs,
+  name,
+  token,
+  present,
 });
 
 const termOf = (t: WireTerm): RangeTerm => ({
@@ -345,6 +394,10 @@ function welcomeOf(w: WireWelcome): Welcome {
     device: w.device,
     deviceIsSoftware: w.deviceIsSoftware,
     colorMaps: w.colorMaps,
+    role: roles.name(w.role),
+    participant: w.participant,
+    endsUnixMs: w.endsUnixMs,
+    movingFormats: w.movingFormats,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,
       maxClipPlanes: w.limits?.maxClipPlanes || 32,
@@ -362,6 +415,7 @@ function frameOf(f: WireFrame): Frame {
     inputSeq: Number(f.inputSeq),
     step: f.step,
     lossless: f.phase === FramePhase.LOSSLESS,
+    phase: f.phase === FramePhase.LOSSLESS ? 'exact' : f.phase === FramePhase.SETTLED ? 'settled' : 'moving',
     format: f.format,
     width: f.width,
     height: f.height,
@@ -384,6 +438,10 @@ function frameOf(f: WireFrame): Frame {
       volume,
     })),
     camera: cameraOf(f.camera),
+    streamId: Number(f.streamId),
+    key: f.key,
+    decoder: f.decoder,
+    band: f.band ? { firstRow: f.band.firstRow, rows: f.band.rows, index: f.band.index, count: f.band.count } : null,
     payload: f.payload as Uint8Array<ArrayBuffer>,
   };
 }

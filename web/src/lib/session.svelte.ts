@@ -1,6 +1,6 @@
 // The page's one store: what the server says, what the person does, and the way between them.
 import { Connection, type ConnectionStatus } from './connection';
-import { decodeFrame, FramePlayer } from './frames';
+import { FrameDecoder, FramePlayer, type Picture } from './frames';
 import { priorityOrder } from './intervals';
 import { RateMeter, Smoothed } from './meter';
 import {
@@ -11,7 +11,10 @@ import {
   type Histogram,
   type Interval,
   type IntervalPatch,
+  type Invitation,
+  type Participant,
   type Progress,
+  type Role,
   type SceneState,
   type ServerEvent,
   type Welcome,
@@ -22,6 +25,7 @@ import { CameraCredits, Outbox } from './pacing';
 import { command, protocolMajor, type Command, type ViewportSize } from './protocol';
 import { restoreStep } from './restore';
 import type { SavedTab } from './saved';
+import { StreamLost } from './video-decoder';
 
 /** A frame without its bytes, and what this side measured of it. */
 export type FrameReadout = Omit<Frame, 'payload'> & { bytes: number; decodeMs: number; fps: number };
@@ -35,6 +39,8 @@ export interface SessionDoors {
   saved: SavedTab;
   now(): number;
   schedule(callback: () => void): void;
+  /** Formats for frames in motion that this browser has decoded rightly. */
+  movingFormats: readonly string[];
 }
 
 const histogramBins = 256;
@@ -49,12 +55,20 @@ export class Session {
   frame = $state.raw<FrameReadout | null>(null);
   progress = $state.raw<Progress[]>([]);
   roundTripMs = $state.raw<number | null>(null);
+  /** Everyone at the session, this page among them. */
+  participants = $state.raw<Participant[]>([]);
+  invitations = $state.raw<Invitation[]>([]);
+  /** The invitation that was just made here, with its link; the server tells its token once. */
+  made = $state.raw<Invitation | null>(null);
+  role = $state.raw<Role>('controller');
+  /** When the server will end, by the page's clock, and why. */
+  ending = $state.raw<{ atMs: number; reason: string; comesBack: boolean } | null>(null);
   /** The layer that keys and new edits go to. */
   selected = $state.raw<number | null>(null);
   readonly notices = new Notices();
 
   /** Set by the viewport. */
-  drawFrame: ((bitmap: ImageBitmap, frame: Frame) => void) | null = null;
+  drawFrame: ((picture: Picture, frame: Frame, complete: boolean) => void) | null = null;
 
   private server: SceneState = emptyState;
   private viewport: ViewportSize = { width: 800, height: 600, hidden: false };
@@ -63,6 +77,7 @@ export class Session {
   private readonly credits = new CameraCredits();
   private readonly outbox: Outbox;
   private readonly player: FramePlayer;
+  private readonly decoder = new FrameDecoder();
   private readonly rate = new RateMeter();
   private trip = new Smoothed();
   private sentAbout = new Map<number, { place: Place; interval: number | null }>();
@@ -77,7 +92,7 @@ export class Session {
 
   constructor(private readonly doors: SessionDoors) {
     this.connection = doors.connection({
-      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken),
+      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats),
       onStatus: (status) => this.onStatus(status),
       onEvent: (event) => this.onEvent(event),
     });
@@ -92,14 +107,18 @@ export class Session {
       schedule: doors.schedule,
     });
     this.player = new FramePlayer({
-      decode: decodeFrame,
-      draw: (bitmap, frame) => this.drawFrame?.(bitmap, frame),
+      decode: (frame) => this.decoder.decode(frame),
+      draw: (picture, frame, complete) => this.drawFrame?.(picture, frame, complete),
       ack: (frameId, decodeMs) => {
         this.connection.send(command.frameAck(frameId, decodeMs));
         if (this.frame?.frameId === frameId) this.frame = { ...this.frame, decodeMs };
       },
-      failed: (frame, problem) =>
-        this.say(`A ${frame.format.toUpperCase()} frame of ${frame.payload.length} bytes could not be decoded: ${String(problem)}`),
+      failed: (frame, problem) => {
+        // Of video the server sends another stream; nobody needs to be told.
+        if (problem instanceof StreamLost) this.send(command.decoderFailed(problem));
+        else if (frame.streamId === 0)
+          this.say(`A ${frame.format.toUpperCase()} frame of ${frame.payload.length} bytes could not be decoded: ${String(problem)}`);
+      },
       now: doors.now,
     });
   }
@@ -230,10 +249,12 @@ export class Session {
     return this.view.camera ?? this.frame?.camera ?? null;
   }
   moveCamera(camera: Camera): void {
+    if (this.viewOnly) return;
     this.edit({ camera });
     this.outbox.putCamera(camera);
   }
   setView(side: string): void {
+    if (this.viewOnly) return;
     this.optimistic.forget('camera');
     this.sendInOrder(command.setView(side));
   }
@@ -258,8 +279,35 @@ export class Session {
     this.send(command.viewport(this.viewport)); // at once: a hidden page has no animation frames
     if (!hidden) this.connection.retryNow();
   }
+  get viewOnly(): boolean {
+    return this.role === 'viewer';
+  }
+  /** Whether this page came by a link; it cannot take control by itself. */
+  get invited(): boolean {
+    return this.welcome?.resumeToken === '';
+  }
+  setRole(participant: bigint, role: Role): void {
+    this.send(command.setRole(participant, role));
+  }
+  invite(role: Role, seconds: number, name: string): void {
+    this.made = null;
+    this.send(command.createInvitation(role, seconds, name));
+  }
+  revoke(id: string): void {
+    if (this.made?.id === id) this.made = null;
+    this.send(command.revokeInvitation(id));
+  }
+  listInvitations(): void {
+    if (!this.viewOnly) this.send(command.listInvitations());
+  }
+
   cancel(operation: bigint): void {
     this.send(command.cancel(operation));
+  }
+
+  /** In pixels of the device; frames in motion may have fewer. */
+  get viewportHeight(): number {
+    return this.viewport.height;
   }
 
   /** The newest lossless frame, asked for where the picture on the screen is not one. Null where none comes within ten seconds. */
@@ -290,6 +338,7 @@ export class Session {
     this.sentAbout.clear();
     this.credits.reset();
     this.player.reset();
+    this.decoder.reset();
     this.trip = new Smoothed();
     this.roundTripMs = null;
   }
@@ -328,7 +377,26 @@ export class Session {
         this.roundTripMs = this.trip.add(this.doors.now() - event.clientTimeMs);
         return;
       case 'shutdown':
-        this.say(`The server is shutting down${event.reason ? `: ${event.reason}` : ''}.`, 'note');
+        if (event.notice) this.ending = { atMs: this.doors.now() + event.seconds * 1000, reason: event.reason, comesBack: event.comesBack };
+        else this.say(`The server is shutting down${event.reason ? `: ${event.reason}` : ''}.`, 'note');
+        return;
+      case 'participants': {
+        this.participants = event.participants;
+        const me = event.participants.find((p) => p.id === this.welcome?.participant);
+        if (me && me.role !== this.role) {
+          this.role = me.role;
+          this.optimistic.clear();
+          this.refresh();
+          this.say(me.role === 'viewer' ? 'You see what others show: view only.' : 'You have control.', 'note');
+        }
+        return;
+      }
+      case 'invitation':
+        this.made = event.invitation;
+        this.listInvitations();
+        return;
+      case 'invitations':
+        this.invitations = event.invitations;
         return;
       case 'unknown':
         return;
@@ -348,8 +416,12 @@ export class Session {
     const saved = this.welcomed && this.server.dataset ? this.optimistic.view(this.server) : this.doors.saved.state;
     this.doors.saved.session = { id: welcome.session, resumeToken: welcome.resumeToken };
     this.welcome = welcome;
+    this.role = welcome.role ?? 'controller';
+    this.ending = null;
+    // A guest finds the session as it is and brings nothing of their own.
+    const guest = this.invited;
     if (!resumed) this.optimistic.clear();
-    this.restoring = !resumed && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
+    this.restoring = !resumed && !guest && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
     this.welcomed = true;
     this.askedHistogram = '';
     if (!resumed) this.histogram = null;
@@ -362,7 +434,7 @@ export class Session {
     this.send(command.ping(this.doors.now()));
     this.onState(welcome.state ?? emptyState);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
-    if (!resumed) this.openFirst();
+    if (!resumed && !guest) this.openFirst();
   }
 
   private onState(state: SceneState): void {
@@ -387,18 +459,29 @@ export class Session {
 
   private onFrame(frame: Frame): void {
     this.credits.answered(frame.inputSeq);
-    this.rate.tick(this.doors.now());
-    if (frame.lossless) {
+    const { band } = frame;
+    if (!band || band.index === 0) this.rate.tick(this.doors.now());
+    if (frame.lossless && !band) {
       this.lossless = frame;
       for (const resolve of this.wantStill.splice(0)) resolve(frame);
     }
     const { payload, ...readout } = frame;
     const decodeMs = this.frame?.decodeMs ?? 0;
-    this.frame = { ...readout, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    if (band && band.index > 0 && this.frame) {
+      // The facts came with the first band.
+      const bytes = this.frame.bytes + payload.length;
+      const { lossless, phase } = band.index + 1 === band.count ? frame : this.frame;
+      this.frame = { ...this.frame, frameId: frame.frameId, lossless, phase, bytes };
+    } else {
+      const part = band && band.count > 1 ? { lossless: false, phase: 'settled' as const } : {};
+      this.frame = { ...readout, ...part, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+    }
     void this.player.show(frame);
   }
 
   private onError(error: { inReplyTo: number; code: string; message: string; field: string }): void {
+    // The link that this page came by is over: another try would be refused alike.
+    if (error.code === 'forbidden' && !error.inReplyTo) this.connection.refuse(error.message);
     if (error.code === 'unsupported_version') this.connection.refuse(error.message);
     const about = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null };
     if (error.inReplyTo) this.optimistic.refuse(about.interval ?? undefined);

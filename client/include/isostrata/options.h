@@ -1,0 +1,45 @@
+// How a server is reached, and what goes wrong.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "isostrata/v1/isostrata.pb.h"
+
+namespace isostrata::client {
+
+/// What went wrong: code is the server's ("not_found", "invalid_argument", "bad_data", ...) or one of ours: "bad_url",
+/// "connection", "unauthorized", "timeout", "closed", "cancelled", "protocol", "bad_image", "bad_argument". field names the
+/// member of the command that the server refused, where it named one.
+class ClientError : public std::runtime_error {
+ public:
+  ClientError(std::string code, const std::string& message, std::string field = "")
+      : std::runtime_error(message), code_(std::move(code)), field_(std::move(field)) {}
+  const std::string& code() const { return code_; }
+  const std::string& field() const { return field_; }
+
+ private:
+  std::string code_, field_;
+};
+
+struct Options {
+  std::string url = "";           // as the server prints it, http://HOST:PORT/BASE/?token=TOKEN
+  std::string token = "";         // where the url has none
+  std::string resume_token = "";  // of an earlier Welcome: joins that session
+  std::string session = "";       // its id, where that is what is known: joins that session, and fails where it is not there
+  std::string name = "isostrata-client";
+  int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
+  std::vector<std::string> moving_formats{"jpeg"};  // of Hello: what is decoded of frames in motion
+  bool hidden = false;  // the viewport is there (views fit it), but no frames are sent: for who asks for stills
+  std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own; progress starts it anew
+  /// Set from anywhere, a signal handler too: what waits asks the server to cancel its work and throws "cancelled".
+  const std::atomic<bool>* stop = nullptr;
+  /// Called inside waits with each report on reading, extracting and so on.
+  std::function<void(const v1::Progress&)> on_progress = nullptr;
+};
+
+}  // namespace isostrata::client

@@ -1,0 +1,37 @@
+// Pictures one after the other, as files: numbered PNGs, or one film.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "isostrata/image.h"
+
+namespace isostrata::client {
+
+/// A film that is being written. Nothing has the film's name before finish(); without it nothing of a film is left behind, and of
+/// numbered pictures those that are complete.
+class Film {
+ public:
+  virtual ~Film() = default;
+  /// The next picture, a PNG file's bytes. Throws ClientError.
+  virtual void add(const std::string& png) = 0;
+  virtual void finish() = 0;
+};
+
+struct FilmOptions {
+  int width = 0, height = 0;
+  double fps = 30;
+  int quality = 20;  // VP9's quantizer, 0..63: 0 is lossless, 63 the smallest
+};
+
+/// By the name's end: ".png" with a place for the number ("frame-%04d.png"), ".y4m" (uncompressed 4:4:4, BT.601), ".webm" (VP9
+/// 4:4:4, BT.709). Throws ClientError "bad_argument".
+std::unique_ptr<Film> open_film(const std::string& path, const FilmOptions& options);
+
+/// Three planes of width * height bytes each, one after the other, in the range of studios (16..235, 16..240). BT.601 or BT.709.
+enum class Matrix { bt601, bt709 };
+std::vector<std::uint8_t> to_yuv444(const Picture& picture, Matrix matrix);
+
+}  // namespace isostrata::client

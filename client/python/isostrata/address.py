@@ -1,0 +1,41 @@
+"""A server's printed address, taken apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from urllib.parse import parse_qs, urlsplit
+
+from .errors import IsostrataError
+
+
+@dataclass(frozen=True)
+class Address:
+    scheme: str  # http or https
+    host: str  # with the port
+    path: str  # ends with a slash
+    token: str
+
+    @classmethod
+    def parse(cls, url: str, token: str = "") -> Address:
+        try:
+            parts = urlsplit(url)
+            parts.port  # raises where it is no number
+        except ValueError as wrong:
+            raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address: {wrong}") from None
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address; expected http://HOST:PORT/?token=TOKEN")
+        given = parse_qs(parts.query).get("token", [token])[0]
+        path = parts.path if parts.path.endswith("/") else parts.path + "/"
+        return cls(parts.scheme, parts.netloc.rpartition("@")[2], path, given)
+
+    @property
+    def base(self) -> str:
+        return f"{self.scheme}://{self.host}{self.path}"
+
+    @property
+    def socket(self) -> str:
+        return f"{'wss' if self.scheme == 'https' else 'ws'}://{self.host}{self.path}ws"
+
+    @property
+    def headers(self) -> dict[str, str]:
+        return {"Authorization": f"Bearer {self.token}"} if self.token else {}

@@ -1,0 +1,57 @@
+"""The server's REST interface, for what is one question and one answer."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+from urllib.error import HTTPError, URLError
+from urllib.parse import quote, urlencode
+from urllib.request import ProxyHandler, Request, build_opener
+
+from .address import Address
+from .errors import IsostrataError
+
+# The server is on this machine or behind a tunnel that ends here: a proxy of the environment is for other things.
+_open = build_opener(ProxyHandler({})).open
+
+
+class Rest:
+    """``api/v1`` below a server's address. Errors are IsostrataError with the problem document's code, detail and field."""
+
+    def __init__(self, address: Address, timeout: float) -> None:
+        self._address = address
+        self._timeout = timeout
+
+    def request(
+        self, method: str, path: str, body: Any = None, *, query: dict[str, Any] | None = None, headers: dict[str, str] | None = None
+    ) -> tuple[bytes, dict[str, str]]:
+        """The body and the headers of an answer. ``path`` is below api/v1; ``body`` is sent as JSON."""
+        url = f"{self._address.base}api/v1/{quote(path)}"
+        if query:
+            url += "?" + urlencode({name: value for name, value in query.items() if value is not None})
+        data = None if body is None else json.dumps(body).encode()
+        given = {**self._address.headers, **({"Content-Type": "application/json"} if data is not None else {}), **(headers or {})}
+        try:
+            with _open(Request(url, data=data, headers=given, method=method), timeout=self._timeout) as answer:
+                return answer.read(), {name.lower(): value for name, value in answer.headers.items()}
+        except HTTPError as refused:
+            raise _problem(refused) from None
+        except TimeoutError:
+            raise IsostrataError("timeout", f"no answer to {method} {path} in {self._timeout} s") from None
+        except (URLError, OSError) as wrong:
+            raise IsostrataError("connection", f"{self._address.host}: {getattr(wrong, 'reason', wrong)}") from None
+
+    def json(self, method: str, path: str, body: Any = None, **more: Any) -> Any:
+        """The same, where the answer is JSON."""
+        content, _ = self.request(method, path, body, **more)
+        return json.loads(content) if content else None
+
+
+def _problem(refused: HTTPError) -> IsostrataError:
+    code, detail, field = ("unauthorized" if refused.code == 401 else "protocol"), f"status {refused.code}", ""
+    try:
+        document = json.loads(refused.read())
+        code, detail, field = document.get("code", code), document.get("detail", detail), document.get("field", field)
+    except (ValueError, AttributeError, OSError):
+        pass
+    return IsostrataError(code, detail, field)

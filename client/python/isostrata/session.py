@@ -1,0 +1,464 @@
+"""A session of a server: what is shown, and pictures of it."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from google.protobuf import json_format
+
+from .address import Address
+from .connection import Connection
+from .errors import IsostrataError
+from .intervals import Intervals
+from .png import decode_png
+from .rest import Rest
+from .scene import Camera, Color, Term, rgb, vec3
+from .show import View
+from .v1 import isostrata_pb2 as v1
+
+_MODES = {
+    "sorted": v1.RENDER_MODE_SORTED,
+    "prioritized": v1.RENDER_MODE_PRIORITIZED,
+    "cycled": v1.RENDER_MODE_CYCLED,
+    "smear": v1.RENDER_MODE_SMEAR,
+}
+_TIME_MODES = {"": 0, "step": v1.TIME_MODE_STEP, "interpolate": v1.TIME_MODE_INTERPOLATE, "spacetime": v1.TIME_MODE_SPACETIME}
+_INTEGRALS = {"exact": v1.INTEGRAL_EXACT, "table2d": v1.INTEGRAL_TABLE2D}
+_TRIANGULATIONS = {"table": v1.TRIANGULATION_TABLE, "strict": v1.TRIANGULATION_STRICT}
+
+
+@dataclass(frozen=True)
+class Histogram:
+    """Of the finite values of one array, as numpy.histogram gives it."""
+
+    array: str
+    counts: np.ndarray  # [bins] uint64
+    edges: np.ndarray  # [bins + 1] float64
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A picture that the server sent by itself."""
+
+    id: int
+    revision: int  # of the state that it shows
+    lossless: bool
+    width: int
+    height: int
+    format: str  # "png", "jpeg"
+    payload: bytes
+    message: v1.Frame  # all that the server says of it: stage times, tetrahedra, device, ...
+
+    def image(self) -> np.ndarray:
+        """uint8 [height, width, channels]. JPEG needs Pillow (python3-pil); lossless frames need nothing."""
+        if self.format == "png":
+            return decode_png(self.payload)
+        try:
+            import io
+
+            from PIL import Image
+        except ImportError:
+            raise IsostrataError("unsupported", f"a frame as {self.format} needs Pillow (python3-pil); lossless ones need nothing") from None
+        with Image.open(io.BytesIO(self.payload)) as picture:
+            return np.asarray(picture.convert("RGB"))
+
+
+def connect(
+    url: str,
+    dataset: str = "",
+    *,
+    session: str = "",
+    resume_token: str = "",
+    token: str = "",
+    size: Tuple[int, int] = (800, 600),
+    frames: bool = False,
+    timeout: float = 60.0,
+) -> Session:
+    """Connects to the address that the server printed. A session of its own, or one that others look at (``session``, its id, as
+    ``sessions()`` lists them). ``size`` is that of frames and of ``image()``; frames are sent only where ``frames`` is set. Raises
+    IsostrataError."""
+    address = Address.parse(url, token)
+    rest = Rest(address, timeout)
+    if session:
+        resume_token = rest.json("GET", f"sessions/{session}")["resumeToken"]
+    hello = v1.Hello(
+        protocol_major=1,
+        client="isostrata-python",
+        viewport=v1.Viewport(width=size[0], height=size[1], hidden=not frames),
+        still_formats=["png"],
+        moving_formats=["jpeg"],
+        resume_token=resume_token,
+    )
+    made = Session(Connection(address, hello, timeout), rest, size)
+    if resume_token and made._connection.welcome.resume_token != resume_token:
+        made.close()
+        raise IsostrataError("not_found", "the session to join is not there any more")
+    try:
+        if dataset:
+            made.open(dataset)
+    except BaseException:
+        made.close()
+        raise
+    return made
+
+
+def sessions(url: str, *, token: str = "", timeout: float = 60.0) -> List[dict]:
+    """Those that live on the server: id, dataset, revision, viewers, resumeToken of each."""
+    return Rest(Address.parse(url, token), timeout).json("GET", "sessions")["sessions"]
+
+
+class Session:
+    """Made by ``connect``. Calls return when the server has done what they ask, and raise IsostrataError where it refused; then
+    nothing has changed. Others may change the same session: what is read here is the newest that the server has told."""
+
+    def __init__(self, connection: Connection, rest: Rest, size: Tuple[int, int]) -> None:
+        self._connection = connection
+        self.rest = rest  #: for what has no method here
+        self.size = size
+        self.intervals = Intervals(self)
+
+    def close(self) -> None:
+        """Ends the connection; the session lives on for a while on the server."""
+        self._connection.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = self.message
+        return f"<isostrata session {self.id}: {state.dataset or 'nothing open'}, {len(state.intervals)} intervals, revision {state.revision}>"
+
+    # ---- what is there ---------------------------------------------------------------------------------------------------------
+
+    @property
+    def id(self) -> str:
+        return self._connection.welcome.session
+
+    @property
+    def resume_token(self) -> str:
+        return self._connection.welcome.resume_token
+
+    @property
+    def server(self) -> str:
+        return self._connection.welcome.server
+
+    @property
+    def device(self) -> str:
+        return self._connection.welcome.device
+
+    @property
+    def datasets(self) -> List[str]:
+        """Their names."""
+        return [entry.name for entry in self._connection.welcome.datasets]
+
+    @property
+    def color_maps(self) -> List[str]:
+        return list(self._connection.welcome.color_maps)
+
+    @property
+    def info(self) -> v1.DatasetInfo:
+        """Of the open dataset: grid, cells, arrays, times, ..."""
+        return self._connection.dataset
+
+    @property
+    def arrays(self) -> dict[str, Tuple[float, float]]:
+        """The open dataset's arrays and their ranges."""
+        return {array.name: (array.lower, array.upper) for array in self.info.arrays}
+
+    @property
+    def message(self) -> v1.State:
+        """The newest state, as the protocol's message."""
+        return self._connection.state
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """The newest state, as save_state writes it."""
+        return json_format.MessageToDict(self.message, including_default_value_fields=True)
+
+    @property
+    def revision(self) -> int:
+        return self.message.revision
+
+    # ---- data ------------------------------------------------------------------------------------------------------------------
+
+    def open(self, dataset: str) -> None:
+        """By name or id; waits until it is open."""
+        entries = self._connection.welcome.datasets
+        wanted = next((e.id for e in entries if e.id == dataset), next((e.id for e in entries if e.name == dataset), dataset))
+        before = self.revision
+        if self.message.dataset == wanted and self.info.id == wanted:
+            return
+        seq = self._connection.send(v1.ClientMessage(open_dataset=v1.OpenDataset(id=wanted)))
+
+        def is_open() -> bool:
+            self._connection._refuse(seq)
+            return self.info.id == wanted and self.message.dataset == wanted and self.revision > before
+
+        self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
+
+    @property
+    def array(self) -> str:
+        """The array that intervals are cut from; setting it keeps their place in its range."""
+        return self.message.array
+
+    @array.setter
+    def array(self, name: str) -> None:
+        self.command(select_arrays=v1.SelectArrays(array=name))
+
+    @property
+    def color_by(self) -> str:
+        """The array that colour maps run over."""
+        return self.message.color_by
+
+    @color_by.setter
+    def color_by(self, name: str) -> None:
+        self.command(select_arrays=v1.SelectArrays(color_by=name))
+
+    @property
+    def texture(self) -> str:
+        """The array that surfaces' textures run over."""
+        return self.message.texture
+
+    @texture.setter
+    def texture(self, name: str) -> None:
+        self.command(select_arrays=v1.SelectArrays(texture=name))
+
+    @property
+    def step(self) -> int:
+        return self.message.step
+
+    @step.setter
+    def step(self, step: int) -> None:
+        self.command(set_time_step=v1.SetTimeStep(step=step))
+
+    @property
+    def time(self) -> float:
+        """In the dataset's units."""
+        if self.message.HasField("time"):
+            return self.message.time
+        return self.info.times[self.step] if self.step < len(self.info.times) else 0.0
+
+    @time.setter
+    def time(self, time: float) -> None:
+        self.set_time(time)
+
+    def set_time(self, time: float, mode: str = "") -> None:
+        """``mode``: what a time between two steps means: "step", "interpolate", "spacetime"; empty: as it is."""
+        self.command(set_time=v1.SetTime(time=time, mode=_choice(_TIME_MODES, mode, "mode")))
+
+    def histogram(self, array: str = "", bins: int = 256) -> Histogram:
+        """Of one array at the state's step; by default of the one that intervals are cut from."""
+        wanted = array or self.array
+        seq = self._connection.send(v1.ClientMessage(request_histogram=v1.RequestHistogram(array=wanted, bins=bins)))
+        found: List[v1.ServerMessage] = []
+
+        def counted() -> bool:
+            self._connection._refuse(seq)
+            answer = self._connection.take_answer("histogram", lambda a: a.histogram.array == wanted and len(a.histogram.counts) == bins)
+            if answer:
+                found.append(answer)
+            return bool(found)
+
+        self._connection.wait(counted, "no histogram came in time")
+        histogram = found[0].histogram
+        edges = np.linspace(histogram.lower, histogram.upper, len(histogram.counts) + 1)
+        return Histogram(wanted, np.array(histogram.counts, np.uint64), edges)
+
+    # ---- looks -------------------------------------------------------------------------------------------------------------------
+
+    def combine(self, *terms: Union[Term, Sequence[Any]]) -> None:
+        """Ranges of other arrays, ("and", "Momentum", 0.1, 0.4), combined with the intervals from left to right; none: the intervals
+        alone."""
+        wires = [(term if isinstance(term, Term) else Term(*term)).to_wire() for term in terms]
+        self.command(set_combination=v1.SetCombination(terms=wires))
+
+    def set_transfer_function(self, points: Sequence[Tuple[float, Color, float]]) -> None:
+        """Replaces all intervals by touching ones between neighbouring (value, colour, opacity)."""
+        wires = [v1.TransferPoint(value=value, color=rgb(color), opacity=opacity) for value, color, opacity in points]
+        self.command(set_transfer_function=v1.SetTransferFunction(points=wires))
+
+    def appearance(
+        self,
+        *,
+        mode: str | None = None,
+        integral: str | None = None,
+        triangulation: str | None = None,
+        background: Color | None = None,
+        unit_distance: float | None = None,
+    ) -> None:
+        """Changes what is given. ``mode``: "sorted", "prioritized", "cycled", "smear"."""
+        look = v1.SetAppearance()
+        if mode is not None:
+            look.mode = _choice(_MODES, mode, "mode")
+        if integral is not None:
+            look.integral = _choice(_INTEGRALS, integral, "integral")
+        if background is not None:
+            look.background.CopyFrom(rgb(background))
+        if unit_distance is not None:
+            look.unit_distance = unit_distance
+        cut = None if triangulation is None else _choice(_TRIANGULATIONS, triangulation, "triangulation")
+        if look.ByteSize() or look.HasField("unit_distance"):
+            self.command(set_appearance=look)
+        if cut is not None:
+            self.command(set_triangulation=v1.SetTriangulation(triangulation=cut))
+
+    def cycle(self, *, seconds: float | None = None, phase: float | None = None, playing: bool | None = None) -> None:
+        given = {name: value for name, value in (("seconds", seconds), ("phase", phase), ("playing", playing)) if value is not None}
+        self.command(set_cycle=v1.SetCycle(**given))
+
+    def smear(self, steps: Sequence[int], colors: Sequence[Color] = ()) -> None:
+        self.command(set_smear=v1.SetSmear(smear=v1.Smear(steps=steps, colors=[rgb(color) for color in colors])))
+
+    def clip(self, *planes: Tuple[Sequence[float], float]) -> None:
+        """(normal, offset): keeps what has dot(normal, position) >= offset for all of them; none: nothing is cut away."""
+        wires = [v1.ClipPlane(normal=vec3(normal), offset=offset) for normal, offset in planes]
+        self.command(set_clip_planes=v1.SetClipPlanes(clip_planes=wires))
+
+    def annotate(self, *, axes: bool = False, box: bool = False, legend: bool = False) -> None:
+        self.command(set_annotations=v1.SetAnnotations(annotations=v1.Annotations(axes=axes, box=box, legend=legend)))
+
+    @property
+    def camera(self) -> Camera:
+        return Camera.from_wire(self.message.camera)
+
+    @camera.setter
+    def camera(self, camera: Camera) -> None:
+        self.command(set_camera=v1.SetCamera(camera=camera.to_wire()))
+
+    def view(self, view: str = "reset") -> None:
+        """"reset", "+x", "-x", "+y", "-y", "+z" or "-z": the whole dataset."""
+        self.command(set_view=v1.SetView(view=view))
+
+    # ---- pictures ----------------------------------------------------------------------------------------------------------------
+
+    def png(self, width: int = 0, height: int = 0) -> bytes:
+        """The lossless picture of the newest state, as a PNG file's bytes."""
+        return self.still("png", width, height)
+
+    def still(self, format: str, width: int = 0, height: int = 0) -> bytes:
+        """A picture as a file's bytes: "png", "jpeg" and what else the server knows."""
+        query = {"width": width or self.size[0], "height": height or self.size[1], "format": format}
+        return self.rest.request("GET", f"sessions/{self.id}/image", query=query)[0]
+
+    def image(self, width: int = 0, height: int = 0) -> np.ndarray:
+        """The lossless picture of the newest state: uint8 [height, width, 3], or 4 where the background is transparent."""
+        return decode_png(self.png(width, height))
+
+    def save_image(self, path: str | PathLike[str], width: int = 0, height: int = 0) -> None:
+        """As a file; its end says the format."""
+        end = str(path).rpartition(".")[2].lower()
+        data = self.still("jpeg" if end == "jpg" else end, width, height)
+        with open(path, "wb") as file:
+            file.write(data)
+
+    def show(self, width: int = 0, height: int = 0) -> View:
+        """For notebooks: the picture and its layers, drawn anew each time it is displayed."""
+        return View(self, width or self.size[0], height or self.size[1])
+
+    def frames(self, count: int | None = None, timeout: float | None = None) -> Iterator[Frame]:
+        """The frames that the server sends while things change (``connect(..., frames=True)``). Ends after ``count``; raises
+        "timeout" where none comes for so long."""
+        given = 0
+        while count is None or given < count:
+            taken: List[v1.Frame] = []
+
+            def came() -> bool:
+                frame = self._connection.take_frame()
+                if frame is not None:
+                    taken.append(frame)
+                return bool(taken)
+
+            self._connection.wait(came, "no frame came in time", timeout)
+            f = taken[0]
+            given += 1
+            yield Frame(f.frame_id, f.revision, f.phase == v1.FRAME_PHASE_LOSSLESS, f.width, f.height, f.format, f.payload, f)
+
+    def interacting(self, active: bool) -> None:
+        """Between True and False frames are quick ones, even where they stand still for a moment."""
+        self._connection.send(v1.ClientMessage(interaction=v1.Interaction(active=active)))
+
+    def wait(self, holds: Callable[[Session], object], timeout: float | None = None) -> None:
+        """Until ``holds(session)``, whoever changes it: ``s.wait(lambda s: s.revision > 7)``."""
+        self._connection.wait(lambda: holds(self), "the session did not come to be so in time", timeout)
+
+    def export(self, path: str | PathLike[str], facets: Sequence[str] = ()) -> None:
+        """The layers as a mesh file: .vtu (tetrahedra), .ply or .stl (their boundary, or of it what ``facets`` names: "lower", "upper",
+        "domain"). ``on_progress`` hears of it; Ctrl-C takes the server's work with it."""
+        wanted = {"format": str(path).rpartition(".")[2].lower(), **({"facets": list(facets)} if facets else {})}
+        operation = self.rest.json("POST", f"sessions/{self.id}/exports", wanted)
+        where = f"sessions/{self.id}/operations/{operation['id']}"
+        try:
+            pause = 0.02
+            while operation["status"] == "running":
+                time.sleep(pause)
+                pause = min(2 * pause, 0.5)
+                operation = self.rest.json("GET", where)
+                if self._connection.on_progress:
+                    self._connection.on_progress(v1.Progress(stage=operation["stage"], fraction=operation["fraction"]))
+            if operation["status"] != "done":
+                error = operation.get("error", {})
+                raise IsostrataError(error.get("code", "internal"), error.get("detail", "the export failed"), error.get("field", ""))
+            data = self.rest.request("GET", f"sessions/{self.id}/exports/{operation['id']}")[0]
+            with open(path, "wb") as file:
+                file.write(data)
+        finally:
+            try:
+                self.rest.request("DELETE", where)  # cancels it, or forgets it and its file
+            except IsostrataError:
+                pass
+
+    def statistics(self, array: str = "") -> dict[str, float]:
+        """lower, upper, mean, standardDeviation and the like of an array at the state's step."""
+        return self.rest.json("GET", f"sessions/{self.id}/statistics", query={"array": array or self.array})
+
+    # ---- long work ----------------------------------------------------------------------------------------------------------------
+
+    def on_progress(self, listener: Optional[Callable[[str, float], None]]) -> None:
+        """Called with the stage and a fraction while the server works, from another thread."""
+        self._connection.on_progress = listener and (lambda progress: listener(progress.stage, progress.fraction))
+
+    def cancel(self) -> None:
+        """Asks the server to give up what it has told progress of."""
+        progress = self._connection.progress
+        if progress is not None:
+            self._connection.send(v1.ClientMessage(cancel=v1.Cancel(operation=progress.operation)))
+
+    # ---- the whole state --------------------------------------------------------------------------------------------------------
+
+    def save_state(self, path: str | PathLike[str] | None = None) -> dict[str, Any]:
+        """The whole state as one JSON document, and to a file where one is named."""
+        state = self.state
+        if path is not None:
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump(state, file, indent=2)
+        return state
+
+    def load_state(self, state: Union[dict[str, Any], str, PathLike[str]]) -> None:
+        """What save_state gave, or the file's name."""
+        if not isinstance(state, dict):
+            with open(state, encoding="utf-8") as file:
+                state = json.load(file)
+        answer = self.rest.json("PUT", f"sessions/{self.id}/state", state)
+        wanted = int(answer["revision"])
+        self._connection.wait(lambda: self.revision >= wanted, "the server did not tell the new state")
+
+    # ---- the wire -----------------------------------------------------------------------------------------------------------------
+
+    def command(self, **body: Any) -> None:
+        """One message of the protocol: ``command(set_view=v1.SetView(view="+x"))``."""
+        self._connection.command(v1.ClientMessage(**body))
+
+
+def _choice(known: dict[str, int], given: str, field: str) -> int:
+    if given not in known:
+        expected = ", ".join(name for name in known if name)
+        raise IsostrataError("invalid_argument", f"{field} {given!r} is not known; expected one of {expected}", field)
+    return known[given]

@@ -1,0 +1,21 @@
+// The worker process from its first line to its last: an Engine whose requests come over a socket and whose events go back.
+#pragma once
+
+#include <sys/types.h>
+
+#include <functional>
+#include <memory>
+
+#include "rendering/renderer.h"
+
+namespace isostrata {
+
+struct WorkerArguments {
+  int socket = -1, board = -1;  // descriptors that WorkerProcess has handed over
+  pid_t parent = 0;
+};
+
+/// Serves until the other end of the socket is closed. renderer: empty, or what tests draw with. Returns the exit status.
+int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<Renderer>()> renderer = {});
+
+}  // namespace isostrata

@@ -1,0 +1,311 @@
+// Frames of a turning camera as a viewer gets them: a real server in this process, isostrata-client in a process of its own, real
+// sockets between them, and a link of a given delay and rate.
+//
+// Links: "loopback", "40ms-20mbit", "20mbit" and, falling within a second in the middle of the run, "40ms-20mbit-to-2mbit".
+#include <algorithm>
+#include <array>
+#include <boost/json.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "data/child_process.h"
+#include "engine/catalogue.h"
+#include "main/commands.h"
+#include "main/picture_arguments.h"
+#include "net/server.h"
+#include "net/shaped_link.h"
+#include "session/random_token.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+
+constexpr auto kFall = std::chrono::milliseconds(1000);  // from the first rate to the second
+constexpr double kFallsAfter = 0.4;                      // of the run
+
+struct BenchArguments {
+  std::string data = "cylinder", interval = "0.9934:0.9949";  // the paper's tapered cylinder: 55.6 K tetrahedra
+  std::vector<std::string> links{"loopback", "40ms-20mbit", "80ms-2mbit", "40ms-20mbit-to-2mbit", "20ms-5mbit"};
+  std::string size = "1280x720", codec = "auto", renderer = "native", device = "auto";
+  double seconds = 8, rate = 60;
+  int viewers = 0, silent = 0;
+  int threads = 0;
+  bool json = false, timeline = false;
+};
+
+struct LinkArgument {
+  LinkShape shape;
+  std::optional<double> falls_to;  // bits per second
+  bool loopback() const { return shape.round_trip.count() == 0 && shape.bits_per_second == 0; }
+};
+
+/// Throws invalid_argument.
+LinkArgument parse_link(const std::string& name) {
+  LinkArgument link;
+  if (name == "loopback") return link;
+  std::vector<std::string> parts{""};
+  for (const char c : name) c == '-' ? void(parts.emplace_back()) : parts.back().push_back(c);
+  const auto take = [&](std::string_view unit) -> std::optional<double> {
+    if (parts.empty() || !parts.front().ends_with(unit)) return std::nullopt;
+    const std::string& text = parts.front();
+    double value = 0;
+    const char* end = text.data() + text.size() - unit.size();
+    if (const auto [at, error] = std::from_chars(text.data(), end, value);
+        error != std::errc{} || at != end || !(value > 0) || value > 1e5)
+      return std::nullopt;
+    parts.erase(parts.begin());
+    return value;
+  };
+  bool known = false;
+  if (const auto ms = take("ms")) {
+    link.shape.round_trip = std::chrono::microseconds(static_cast<std::int64_t>(*ms * 1000));
+    known = true;
+  }
+  if (const auto mbit = take("mbit")) {
+    link.shape.bits_per_second = *mbit * 1e6;
+    known = true;
+    if (!parts.empty() && parts.front() == "to") {
+      parts.erase(parts.begin());
+      const auto to = take("mbit");
+      known = to.has_value();
+      link.falls_to = to ? std::optional(*to * 1e6) : std::nullopt;
+    }
+  }
+  if (!known || !parts.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "link '" + name + "': expected loopback, or RTTms-RATEmbit such as 40ms-20mbit or 40ms-20mbit-to-2mbit");
+  return link;
+}
+
+struct ScratchFile {
+  explicit ScratchFile(const char* extension)
+      : path(fs::temp_directory_path() / ("isostrata-bench-" + random_token(64) + extension)) {}
+  ~ScratchFile() {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+  }
+  const fs::path path;
+};
+
+/// Serves on a thread of its own until it goes.
+class BenchServer {
+ public:
+  explicit BenchServer(const BenchArguments& arguments) : token_(random_token(192)) {
+    ServerOptions options;
+    options.engine.catalogue = Catalogue::from_sources({arguments.data});
+    options.engine.renderer_choice = {arguments.renderer, arguments.device};
+    options.port = 0;
+    options.token = token_;
+    server_ = std::make_unique<Server>(std::move(options));
+    thread_ = std::thread([this] { server_->run(false); });
+  }
+  ~BenchServer() {
+    server_->stop("the measurement is over");
+    thread_.join();
+  }
+  unsigned short port() const { return server_->port(); }
+  std::string url(unsigned short port) const { return "http://127.0.0.1:" + std::to_string(port) + "/?token=" + token_; }
+
+ private:
+  const std::string token_;
+  std::unique_ptr<Server> server_;
+  std::thread thread_;
+};
+
+fs::path beside_this_program(const char* name) {
+  const fs::path path = fs::read_symlink("/proc/self/exe").parent_path() / name;
+  if (!fs::exists(path)) throw Error(ErrorCode::unavailable, path.string() + " is not there; build the target " + name);
+  return path;
+}
+
+json::value run_json(const fs::path& program, const std::vector<std::string>& arguments, double timeout_s) {
+  std::string text;
+  const ChildResult result =
+      run_child(program, arguments, timeout_s, command_task(), [&](std::string_view line) { text += line; });
+  if (result.signal != 0 || result.exit_status != 0)
+    throw Error(ErrorCode::unavailable, program.filename().string() + " failed: " + result.errors);
+  return json::parse(text);
+}
+
+/// Lowers the rate in ten steps once the run is under way; the time when it has fallen, in ms of the steady clock.
+double fall(ShapedLink& link, const LinkArgument& from, double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(kFallsAfter * seconds));
+  constexpr int kSteps = 10;
+  for (int i = 1; i <= kSteps; ++i) {
+    LinkShape shape = from.shape;
+    shape.bits_per_second += (*from.falls_to - from.shape.bits_per_second) * i / kSteps;
+    link.reshape(shape);
+    std::this_thread::sleep_for(kFall / kSteps);
+  }
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Of inputs sent from `since_ms` on (steady clock).
+json::object after(const json::object& timeline, double since_ms) {
+  std::vector<double> latency;
+  for (const json::value& input : timeline.at("inputs").as_array())
+    if (input.at(0).to_number<double>() >= since_ms) latency.push_back(input.at(1).to_number<double>());
+  if (latency.empty()) return {};
+  std::sort(latency.begin(), latency.end());
+  const auto at = [&](double p) { return latency[static_cast<std::size_t>(p * static_cast<double>(latency.size() - 1))]; };
+  return {{"p50", at(0.5)}, {"p95", at(0.95)}, {"max", latency.back()}};
+}
+
+/// Bytes of memory that this process, and so the server, has.
+double resident_mib() {
+  std::ifstream file("/proc/self/statm");
+  double pages = 0, resident = 0;
+  file >> pages >> resident;
+  return resident * 4096 / (1 << 20);
+}
+
+json::object measure(const BenchServer& server, const BenchArguments& arguments, const std::string& name,
+                     const std::string& reference) {
+  const LinkArgument link = parse_link(name);
+  std::unique_ptr<ShapedLink> shaped;
+  if (!link.loopback()) shaped = std::make_unique<ShapedLink>(server.port(), link.shape);
+  std::vector<std::string> words{server.url(shaped ? shaped->port() : server.port()),
+                                 "latency",
+                                 "--json",
+                                 "--turn",
+                                 "--camera",
+                                 "reset",
+                                 "--size",
+                                 arguments.size,
+                                 "--interval",
+                                 arguments.interval,
+                                 "--codec",
+                                 arguments.codec,
+                                 "--seconds",
+                                 std::to_string(arguments.seconds),
+                                 "--rate",
+                                 std::to_string(arguments.rate)};
+  if (!reference.empty()) words.insert(words.end(), {"--reference", reference});
+  const ScratchFile timeline(".json");
+  words.insert(words.end(), {"--timeline", timeline.path.string()});
+  if (arguments.viewers > 0) words.insert(words.end(), {"--viewers", std::to_string(arguments.viewers)});
+  if (arguments.silent > 0) words.insert(words.end(), {"--silent", std::to_string(arguments.silent)});
+
+  double fallen_at_ms = 0;
+  std::thread falling;
+  if (link.falls_to) falling = std::thread([&] { fallen_at_ms = fall(*shaped, link, arguments.seconds); });
+  json::object run;
+  try {
+    run = run_json(beside_this_program("isostrata-client"), words, arguments.seconds + 120).as_object();
+  } catch (...) {
+    if (falling.joinable()) falling.join();
+    throw;
+  }
+  if (falling.joinable()) falling.join();
+  run["link"] = name;
+  run["data"] = arguments.data;
+  run["server_mib"] = resident_mib();
+  if (arguments.viewers > 0) run["viewers"] = arguments.viewers + 1;
+  if (arguments.silent > 0) run["silent"] = arguments.silent;
+  std::ifstream file(timeline.path);
+  json::value told = json::parse(std::string(std::istreambuf_iterator<char>(file), {}));
+  if (link.falls_to) {
+    run["fallen_at_ms"] = fallen_at_ms;
+    run["after_2s_ms"] = after(told.as_object(), fallen_at_ms + 2000);
+  }
+  if (arguments.timeline) run["timeline"] = std::move(told);
+  return run;
+}
+
+double number(const json::object& of, const char* key) { return of.contains(key) ? of.at(key).to_number<double>() : 0; }
+
+void print_text(const json::object& run) {
+  const json::object& ms = run.at("input_to_decoded_ms").as_object();
+  std::printf(
+      "%-22s %-8s %5.1f fps  input to decoded ms p50 %.0f p95 %.0f max %.0f  stale %.0f  %.0f bytes  rest to lossless %.0f "
+      "ms%s\n",
+      run.at("link").as_string().c_str(), run.at("codec").as_string().c_str(), number(run, "fps"), number(ms, "p50"),
+      number(ms, "p95"), number(ms, "max"), number(run, "stale_max_ms"), number(run, "bytes_per_frame"),
+      number(run, "rest_to_lossless_ms"),
+      !run.contains("lossless_differs")                           ? ""
+      : run.at("lossless_differs").to_number<std::int64_t>() == 0 ? ", bit-exact"
+                                                                  : ", NOT what render draws");
+  if (const auto* after = run.if_contains("after_2s_ms"); after && !after->as_object().empty())
+    std::printf("%-22s 2 s after the fall p50 %.0f p95 %.0f max %.0f\n", "", number(after->as_object(), "p50"),
+                number(after->as_object(), "p95"), number(after->as_object(), "max"));
+  if (run.contains("viewers_latency_ms")) {
+    const json::object& others = run.at("viewers_latency_ms").as_object();
+    std::printf("%-22s other viewers: %.0f frames, p50 %.0f p95 %.0f ms; the server has %.0f MiB\n", "",
+                number(run, "viewers_frames"), number(others, "p50"), number(others, "p95"), number(run, "server_mib"));
+  }
+  std::fflush(stdout);
+}
+
+void run(BenchArguments arguments) {
+  parse_size(arguments.size);
+  for (const std::string& link : arguments.links) parse_link(link);
+  if (arguments.threads > 0) set_thread_count(arguments.threads);
+  if (arguments.interval.find("opacity") == std::string::npos) arguments.interval += ",color=#e61f1f,opacity=0.6";
+  // What rest must show, made by the command whose pictures are the measure.
+  const ScratchFile reference(".png");
+  const ChildResult rendered =
+      run_child(beside_this_program("isostrata"),
+                {"render", arguments.data, "--interval", arguments.interval, "--size", arguments.size, "--renderer",
+                 arguments.renderer, "--device", arguments.device, "--out", reference.path.string()},
+                300, command_task(), [](std::string_view) {});
+  if (rendered.exit_status != 0 || rendered.signal != 0)
+    throw Error(ErrorCode::unavailable, "isostrata render failed: " + rendered.errors);
+  json::array runs;
+  {
+    const BenchServer server(arguments);
+    for (const std::string& link : arguments.links) {
+      json::object one = measure(server, arguments, link, reference.path.string());
+      if (!arguments.json) print_text(one);
+      runs.push_back(std::move(one));
+    }
+  }
+  if (arguments.json) print_json(json::object{{"runs", std::move(runs)}, {"threads", thread_count()}});
+}
+
+}  // namespace
+
+void add_bench_stream_command(CLI::App& bench) {
+  CLI::App* command =
+      bench.add_subcommand("stream", "A turning camera through a real server and client, over links of all kinds");
+  auto arguments = std::make_shared<BenchArguments>();
+  command->add_option("--data", arguments->data, "File or name of analytic data")->capture_default_str();
+  command->add_option("--interval", arguments->interval, "As in render")->capture_default_str();
+  command
+      ->add_option("--link", arguments->links,
+                   "loopback, or RTTms-RATEmbit, or RTTms-RATEmbit-to-RATEmbit, which falls within a second; may be repeated")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->add_option("--codec", arguments->codec, "Of frames in motion: auto, jpeg or vp9-444")
+      ->check(CLI::IsMember({"auto", "jpeg", "vp9-444"}))
+      ->capture_default_str();
+  command->add_option("--seconds", arguments->seconds, "How long the camera turns, for each link")
+      ->check(CLI::Range(0.5, 3600.0))
+      ->capture_default_str();
+  command->add_option("--rate", arguments->rate, "Inputs a second, and so the most frames a second")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  command->add_option("--viewers", arguments->viewers, "Further viewers of the same session")->check(CLI::Range(0, 1000));
+  command->add_option("--silent", arguments->silent, "And viewers that never read")->check(CLI::Range(0, 1000));
+  command->add_option("--renderer", arguments->renderer, "auto, native, raster or compute")
+      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
+      ->capture_default_str();
+  command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
+  command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
+  command->add_flag("--timeline", arguments->timeline,
+                    "In JSON also every input and frame, as isostrata-client latency tells them");
+  command->add_flag("--json", arguments->json, "Print one JSON document");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace isostrata

@@ -1,0 +1,20 @@
+// isostrata worker: the process that draws for `isostrata serve`. Not for people, so it is not listed.
+#include <cstdlib>
+#include <memory>
+
+#include "engine/run_worker.h"
+#include "main/commands.h"
+
+namespace isostrata {
+
+void add_worker_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("worker", "Draws for `isostrata serve`, which starts it");
+  command->group("");
+  const auto arguments = std::make_shared<WorkerArguments>();
+  command->add_option("--socket", arguments->socket)->required();
+  command->add_option("--board", arguments->board)->required();
+  command->add_option("--parent", arguments->parent)->required();
+  command->callback([arguments] { std::exit(run_worker(*arguments)); });
+}
+
+}  // namespace isostrata

@@ -1,0 +1,136 @@
+#include "net/json_body.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <boost/json/basic_parser_impl.hpp>
+#include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "net/problem.h"
+#include "session/wire.h"
+
+namespace isostrata {
+namespace {
+
+namespace json = boost::json;
+
+// Listens to a JSON parser for members that stand twice: which of them counts is a question that two parsers answer differently.
+class DuplicateFinder {
+ public:
+  static constexpr std::size_t max_object_size = 1 << 16;
+  static constexpr std::size_t max_array_size = 1 << 20;
+  static constexpr std::size_t max_key_size = 1 << 16;
+  static constexpr std::size_t max_string_size = 1 << 24;
+
+  std::string twice;  // the first such member
+
+  bool on_object_begin(json::error_code&) {
+    members_.emplace_back();
+    return true;
+  }
+  bool on_object_end(std::size_t, json::error_code&) {
+    members_.pop_back();
+    return true;
+  }
+  bool on_key_part(json::string_view part, std::size_t, json::error_code&) {
+    key_.append(part.data(), part.size());
+    return true;
+  }
+  bool on_key(json::string_view part, std::size_t, json::error_code&) {
+    key_.append(part.data(), part.size());
+    if (!members_.back().insert(key_).second && twice.empty()) twice = key_;
+    key_.clear();
+    return true;
+  }
+  bool on_document_begin(json::error_code&) { return true; }
+  bool on_document_end(json::error_code&) { return true; }
+  bool on_array_begin(json::error_code&) { return true; }
+  bool on_array_end(std::size_t, json::error_code&) { return true; }
+  bool on_string_part(json::string_view, std::size_t, json::error_code&) { return true; }
+  bool on_string(json::string_view, std::size_t, json::error_code&) { return true; }
+  bool on_number_part(json::string_view, json::error_code&) { return true; }
+  bool on_int64(std::int64_t, json::string_view, json::error_code&) { return true; }
+  bool on_uint64(std::uint64_t, json::string_view, json::error_code&) { return true; }
+  bool on_double(double, json::string_view, json::error_code&) { return true; }
+  bool on_bool(bool, json::error_code&) { return true; }
+  bool on_null(json::error_code&) { return true; }
+  bool on_comment_part(json::string_view, json::error_code&) { return true; }
+  bool on_comment(json::string_view, json::error_code&) { return true; }
+
+ private:
+  std::vector<std::set<std::string>> members_;
+  std::string key_;
+};
+
+void add_named(const google::protobuf::Descriptor& type, const json::object& document, const std::string& prefix,
+               google::protobuf::FieldMask& mask) {
+  for (const auto& [key, value] : document) {
+    const auto* field = type.FindFieldByCamelcaseName(std::string(key));
+    if (!field) field = type.FindFieldByName(std::string(key));
+    if (!field) continue;  // the Protobuf parser has refused it already
+    const bool nested = field->message_type() && !field->is_repeated() && value.is_object();
+    if (nested)
+      add_named(*field->message_type(), value.as_object(), prefix + field->name() + ".", mask);
+    else
+      mask.add_paths(prefix + field->name());
+  }
+}
+
+}  // namespace
+
+HttpResponse json_response(int status, const json::value& document) {
+  return {status, "application/json", json::serialize(document), {{"Cache-Control", "no-store"}}};
+}
+
+std::string message_json(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.always_print_primitive_fields = true;
+  std::string text;
+  const auto done = google::protobuf::util::MessageToJsonString(message, &text, options);
+  return done.ok() ? text : std::string();
+}
+
+HttpResponse message_response(int status, const google::protobuf::Message& message) {
+  std::string text = message_json(message);
+  if (text.empty()) return problem(500, "internal", "the answer could not be written as JSON");
+  return {status, "application/json", std::move(text), {{"Cache-Control", "no-store"}}};
+}
+
+std::optional<v1::Error> parse_object(const std::string& body, json::object& object) {
+  json::basic_parser<DuplicateFinder> finder(json::parse_options{});
+  json::error_code error;
+  const std::size_t used = finder.write_some(false, body.data(), body.size(), error);
+  const bool more = !error && body.find_first_not_of(" \t\r\n", used) != std::string::npos;
+  if (error || more)
+    return wire_error("malformed",
+                      "the body is not a JSON object" + (error ? ": " + error.message() + " at byte " + std::to_string(used)
+                                                               : std::string(": more follows it")));
+  if (const std::string& twice = finder.handler().twice; !twice.empty())
+    return wire_error("malformed", "member '" + twice.substr(0, 64) + "' stands twice in one object; expected it once",
+                      twice.substr(0, 64));
+  const json::value document = json::parse(body, error);
+  if (error || !document.is_object())
+    return wire_error("malformed", "the body is not a JSON object" + (error ? ": " + error.message() : std::string()));
+  object = document.as_object();
+  return std::nullopt;
+}
+
+std::optional<v1::Error> parse_message(const std::string& body, google::protobuf::Message& message) {
+  if (body.empty()) return std::nullopt;
+  json::object object;
+  if (auto error = parse_object(body, object)) return error;
+  const auto done = google::protobuf::util::JsonStringToMessage(body, &message);
+  if (done.ok()) return std::nullopt;
+  return wire_error("malformed", "the body is not a " + message.GetDescriptor()->name() + ": " + done.ToString());
+}
+
+google::protobuf::FieldMask named_fields(const google::protobuf::Descriptor& type, const json::object& document) {
+  google::protobuf::FieldMask mask;
+  add_named(type, document, "", mask);
+  return mask;
+}
+
+}  // namespace isostrata

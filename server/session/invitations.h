@@ -1,0 +1,52 @@
+// Links that let others into one session. What is kept of an invitation's token is its hash.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "isostrata/v1/isostrata.pb.h"
+
+namespace isostrata {
+
+using UnixMs = std::int64_t;  // by the system's clock: an invitation outlives the process
+
+UnixMs unix_ms_now();
+
+struct Invitation {
+  std::string id;
+  std::string token_hash;  // 32 bytes
+  v1::Role role = v1::ROLE_VIEWER;
+  UnixMs expires = 0;
+  std::string name;
+};
+
+/// Of one session. Not thread-safe: lives on the io thread.
+class Invitations {
+ public:
+  static constexpr std::size_t kMaxInvitations = 64;
+  static constexpr double kDefaultSeconds = 86400, kMinSeconds = 1, kMaxSeconds = 31536000;
+
+  struct Made {
+    std::optional<v1::Error> error;
+    const Invitation* invitation = nullptr;
+    std::string token;  // the only time that it is known
+  };
+  Made make(const v1::CreateInvitation& wanted, UnixMs now);
+  /// False where there is none of this id.
+  bool revoke(const std::string& id);
+  /// Takes out those whose time is over; their ids.
+  std::vector<std::string> expire(UnixMs now);
+
+  /// The one whose token has this hash, if its time is not over. Takes as long for every token.
+  const Invitation* find(const std::string& token_hash, UnixMs now) const;
+  const Invitation* find_id(const std::string& id) const;
+  const std::vector<Invitation>& all() const { return all_; }  // the oldest first
+  void restore(std::vector<Invitation> all) { all_ = std::move(all); }
+
+ private:
+  std::vector<Invitation> all_;
+};
+
+}  // namespace isostrata

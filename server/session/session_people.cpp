@@ -1,0 +1,163 @@
+// Of a session: who is in it, who may change what is shown, and whom they invite.
+#include <algorithm>
+#include <utility>
+
+#include "session/limits.h"
+#include "session/session.h"
+#include "session/wire.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kMaxClients = 32;  // whose newest command is remembered
+
+}  // namespace
+
+// What changes the scene or concerns others; everything else is about one's own pictures.
+bool Session::forbidden(const Viewer& viewer, const v1::ClientMessage& message) const {
+  if (viewer.role == v1::ROLE_CONTROLLER) return false;
+  switch (message.body_case()) {
+    case v1::ClientMessage::kOpenDataset:
+    case v1::ClientMessage::kCancel:
+    case v1::ClientMessage::kCreateInvitation:
+    case v1::ClientMessage::kRevokeInvitation:
+    case v1::ClientMessage::kListInvitations:
+      return true;
+    case v1::ClientMessage::kSetRole: {
+      // Down is always free, and whoever has the server's token may take control.
+      const bool oneself = message.set_role().participant() == 0 || message.set_role().participant() == viewer.key;
+      return !oneself || !viewer.invitation.empty();
+    }
+    default:
+      return is_scene_command(message);
+  }
+}
+
+bool Session::done_before(const Viewer& viewer, const v1::ClientMessage& message) {
+  if (message.command() == 0 || viewer.client_id.empty()) return false;
+  auto it = std::find_if(clients_.begin(), clients_.end(), [&](const Client& c) { return c.id == viewer.client_id; });
+  if (it != clients_.end() && message.command() <= it->last_command) return true;
+  Client client{viewer.client_id, message.command()};
+  if (it != clients_.end()) clients_.erase(it);
+  clients_.push_front(std::move(client));
+  if (clients_.size() > kMaxClients) clients_.pop_back();
+  return false;
+}
+
+std::uint64_t Session::last_command(const std::string& client_id) const {
+  if (!client_id.empty())
+    for (const Client& client : clients_)
+      if (client.id == client_id) return client.last_command;
+  return 0;
+}
+
+v1::Participants Session::participants() const {
+  v1::Participants all;
+  for (const auto& [key, viewer] : viewers_) {
+    v1::Participant& one = *all.add_participants();
+    one.set_id(key);
+    one.set_name(viewer->name);
+    one.set_role(viewer->role);
+    one.set_invited(!viewer->invitation.empty());
+    one.set_client(viewer->client);
+  }
+  return all;
+}
+
+void Session::people_changed() {
+  if (viewers_.empty()) return;
+  v1::ServerMessage message;
+  *message.mutable_participants() = participants();
+  broadcast(message);
+}
+
+void Session::set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& reply) {
+  if (wanted.role() != v1::ROLE_CONTROLLER && wanted.role() != v1::ROLE_VIEWER)
+    return reply(wire_error("invalid_argument",
+                            "role is " + std::to_string(wanted.role()) + "; expected ROLE_CONTROLLER (1) or ROLE_VIEWER (2)",
+                            "role"));
+  Viewer* of = wanted.participant() == 0 ? &viewer : living(wanted.participant());
+  if (!of)
+    return reply(wire_error("not_found", "participant " + std::to_string(wanted.participant()) + " is not in this session",
+                            "participant"));
+  if (of->role == wanted.role()) return reply(std::nullopt);
+  const auto controllers =
+      std::count_if(viewers_.begin(), viewers_.end(), [](const auto& v) { return v.second->role == v1::ROLE_CONTROLLER; });
+  if (wanted.role() == v1::ROLE_VIEWER && controllers <= 1)
+    return reply(
+        wire_error("invalid_argument", "this is the session's last controller; make somebody else a controller first", "role"));
+  of->role = wanted.role();
+  people_changed();
+  reply(std::nullopt);
+}
+
+Invitations::Made Session::invite(const v1::CreateInvitation& wanted) {
+  expire_invitations(unix_ms_now());
+  Invitations::Made made = invitations_.make(wanted, unix_ms_now());
+  if (!made.error) engine_.session_changed(*this);
+  return made;
+}
+
+bool Session::revoke(const std::string& invitation) {
+  if (!invitations_.revoke(invitation)) return false;
+  engine_.session_changed(*this);
+  engine_.invitation_ended(*this, invitation);
+  return true;
+}
+
+void Session::expire_invitations(UnixMs now) {
+  const auto over = invitations_.expire(now);
+  if (!over.empty()) engine_.session_changed(*this);
+  for (const std::string& invitation : over) engine_.invitation_ended(*this, invitation);
+}
+
+v1::Invitation Session::to_wire_invitation(const Invitation& invitation) const {
+  v1::Invitation out;
+  out.set_id(invitation.id);
+  out.set_role(invitation.role);
+  out.set_expires_unix_ms(static_cast<double>(invitation.expires));
+  out.set_name(invitation.name);
+  out.set_present(static_cast<std::uint32_t>(
+      std::count_if(viewers_.begin(), viewers_.end(), [&](const auto& v) { return v.second->invitation == invitation.id; })));
+  return out;
+}
+
+bool Session::answer_people(Viewer& viewer, const v1::ClientMessage& message, const Reply& reply) {
+  const auto list = [&] {
+    v1::ServerMessage answer;
+    answer.mutable_invitations();
+    for (const Invitation& invitation : invitations_.all())
+      *answer.mutable_invitations()->add_invitations() = to_wire_invitation(invitation);
+    viewer.outbox->send(std::move(answer));
+  };
+  switch (message.body_case()) {
+    case v1::ClientMessage::kSetRole:
+      set_role(viewer, message.set_role(), reply);
+      return true;
+    case v1::ClientMessage::kCreateInvitation: {
+      Invitations::Made made = invite(message.create_invitation());
+      if (made.error) {
+        reply(std::move(made.error));
+        return true;
+      }
+      v1::ServerMessage answer;
+      *answer.mutable_invitation() = to_wire_invitation(*made.invitation);
+      answer.mutable_invitation()->set_token(std::move(made.token));
+      viewer.outbox->send(std::move(answer));
+      return true;
+    }
+    case v1::ClientMessage::kRevokeInvitation:
+      if (!revoke(message.revoke_invitation().id()))
+        reply(wire_error("not_found", "this session has no invitation of this id; it may be over or revoked already", "id"));
+      else
+        list();
+      return true;
+    case v1::ClientMessage::kListInvitations:
+      list();
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace isostrata

@@ -1,0 +1,23 @@
+// Who wants to know what happens in all sessions: metrics, logs, the list of operations.
+#pragma once
+
+#include "engine/messages.h"
+
+namespace isostrata {
+
+class Session;
+
+/// Called on the io thread, in the middle of what happens: must return quickly and not call sessions back.
+class SessionsObserver {
+ public:
+  virtual ~SessionsObserver() = default;
+  virtual void session_began(const Session&) {}
+  virtual void session_ended(const Session&) {}
+  /// After it was counted in, or out.
+  virtual void viewer_joined(const Session&) {}
+  virtual void viewer_left(const Session&) {}
+  /// Every event of the engine, before anyone acts on it. Null: of no session that lives.
+  virtual void engine_event(const Session*, const EngineEvent&) {}
+};
+
+}  // namespace isostrata

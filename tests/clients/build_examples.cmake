@@ -1,0 +1,28 @@
+# Installs the client as a user would, and builds its examples against what was installed: cmake -D... -P build_examples.cmake
+#   BUILD     the build folder of Isostrata
+#   EXAMPLES  where the examples' sources are
+#   TO        where it all goes; emptied first
+file(REMOVE_RECURSE ${TO})
+function(run)
+  execute_process(COMMAND ${ARGV} COMMAND_ECHO STDOUT RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "ended with status ${status}")
+  endif()
+endfunction()
+run(${CMAKE_COMMAND} --install ${BUILD} --component client --prefix ${TO}/prefix)
+# Nothing of the build may be needed: that the package names no path of it is looked at, too.
+file(GLOB configs ${TO}/prefix/lib*/cmake/isostrata/*.cmake ${TO}/prefix/lib/*/cmake/isostrata/*.cmake)
+list(LENGTH configs count)
+if(count LESS 4)
+  message(FATAL_ERROR "the package has ${count} files of CMake; expected 4")
+endif()
+foreach(config ${configs})
+  file(READ ${config} text)
+  string(FIND "${text}" "${SOURCE}" place)
+  if(NOT place EQUAL -1)
+    message(FATAL_ERROR "${config} names the folder it was built from")
+  endif()
+endforeach()
+run(${CMAKE_COMMAND} -S ${EXAMPLES} -B ${TO}/build -G Ninja -DCMAKE_PREFIX_PATH=${TO}/prefix -DCMAKE_BUILD_TYPE=Debug
+  "-DCMAKE_CXX_FLAGS_DEBUG=-Wall -Wextra -Werror" -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+run(${CMAKE_COMMAND} --build ${TO}/build)

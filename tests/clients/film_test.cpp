@@ -1,0 +1,212 @@
+#include "film.h"
+
+#include <gtest/gtest.h>
+#include <vpx/vp8dx.h>
+#include <vpx/vpx_decoder.h>
+#include <zlib.h>
+
+#include <bit>
+#include <cmath>
+
+#include "isostrata/client.h"
+#include "support/run_isostrata.h"
+#include "support/temporary_folder.h"
+
+namespace isostrata::client {
+namespace {
+
+using isostrata::testing::read_text;
+
+// A picture that moves: a coloured disc before a ramp.
+Picture scene(int width, int height, int frame) {
+  Picture picture{width, height, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool inside = std::hypot(x - 20 - 2 * frame, y - height / 2) < 12;
+      const auto ramp = static_cast<std::uint8_t>(60 + 100 * x / width);
+      for (const std::uint8_t c :
+           {inside ? std::uint8_t{230} : ramp, inside ? std::uint8_t{60} : ramp, inside ? std::uint8_t{40} : std::uint8_t{90}})
+        picture.rgb.push_back(c);
+    }
+  return picture;
+}
+
+std::string big_endian(std::uint32_t value) {
+  return {static_cast<char>(value >> 24), static_cast<char>(value >> 16), static_cast<char>(value >> 8),
+          static_cast<char>(value)};
+}
+std::string chunk(const std::string& type, const std::string& body) {
+  const std::string checked = type + body;
+  return big_endian(static_cast<std::uint32_t>(body.size())) + checked +
+         big_endian(static_cast<std::uint32_t>(
+             crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()))));
+}
+std::string png_of(const Picture& picture) {
+  std::string lines;
+  const auto row = static_cast<std::size_t>(picture.width) * 3;
+  for (int y = 0; y < picture.height; ++y)
+    lines += '\0' + std::string(reinterpret_cast<const char*>(&picture.rgb[static_cast<std::size_t>(y) * row]), row);
+  std::string packed(compressBound(lines.size()), '\0');
+  uLongf size = packed.size();
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(lines.data()), lines.size());
+  packed.resize(size);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR", big_endian(static_cast<std::uint32_t>(picture.width)) +
+                           big_endian(static_cast<std::uint32_t>(picture.height)) + std::string("\x08\x02\0\0\0", 5)) +
+         chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+// The elements of a Matroska file, all the way down, as (id, content).
+struct Element {
+  std::uint32_t id;
+  std::string_view content;
+  std::size_t at;  // of the id, in the file
+};
+void walk(std::string_view file, std::size_t begin, std::size_t end, std::vector<Element>& out) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(file.at(i)); };
+  for (std::size_t at = begin; at < end;) {
+    const auto start = at;
+    const int id_bytes = std::countl_zero(byte(at)) + 1;
+    std::uint32_t id = 0;
+    for (int i = 0; i < id_bytes; ++i) id = id << 8 | byte(at++);
+    const int size_bytes = std::countl_zero(byte(at)) + 1;
+    std::uint64_t size = byte(at++) & (0xffu >> size_bytes);
+    for (int i = 1; i < size_bytes; ++i) size = size << 8 | byte(at++);
+    ASSERT_LE(at + size, end) << "element " << std::hex << id;
+    out.push_back({id, file.substr(at, size), start});
+    for (const std::uint32_t parent :
+         {0x18538067u, 0x114D9B74u, 0x4DBBu, 0x1549A966u, 0x1654AE6Bu, 0xAEu, 0xE0u, 0x1F43B675u, 0x1C53BB6Bu, 0xBBu, 0xB7u})
+      if (id == parent) walk(file, at, at + size, out);
+    at += size;
+  }
+}
+std::uint64_t number(std::string_view bytes) {
+  std::uint64_t value = 0;
+  for (const char c : bytes) value = value << 8 | static_cast<unsigned char>(c);
+  return value;
+}
+
+// Y, U and V as they were encoded, and the mean square error against a picture's.
+double error_of(const vpx_image_t& image, const Picture& picture) {
+  const auto wanted = to_yuv444(picture, Matrix::bt709);
+  double sum = 0;
+  std::size_t at = 0;
+  for (int p = 0; p < 3; ++p)
+    for (unsigned y = 0; y < image.d_h; ++y)
+      for (unsigned x = 0; x < image.d_w; ++x, ++at) {
+        const double d = image.planes[p][y * static_cast<unsigned>(image.stride[p]) + x] - wanted[at];
+        sum += d * d;
+      }
+  return sum / static_cast<double>(at);
+}
+
+void write_film(const std::string& path, int frames, int quality) {
+  const auto film = open_film(path, {.width = 101, .height = 67, .fps = 25, .quality = quality});
+  for (int i = 0; i < frames; ++i) film->add(png_of(scene(101, 67, i)));
+  film->finish();
+}
+
+TEST(WebM, HoldsEveryFrameAtItsTimeAndDecodesToThePictures) {
+  const isostrata::testing::TemporaryFolder folder;
+  for (const int quality : {0, 20}) {
+    const std::string path = (folder / "a.webm").string();
+    constexpr int kFrames = 31;
+    write_film(path, kFrames, quality);
+    const std::string file = read_text(path);
+    std::vector<Element> elements;
+    ASSERT_NO_FATAL_FAILURE(walk(file, 0, file.size(), elements));
+
+    vpx_codec_ctx_t decoder{};
+    ASSERT_EQ(vpx_codec_dec_init(&decoder, vpx_codec_vp9_dx(), nullptr, 0), VPX_CODEC_OK);
+    int frame = 0;
+    std::uint64_t cluster = 0;
+    for (const Element& element : elements) {
+      if (element.id == 0xE7) cluster = number(element.content);
+      if (element.id != 0xA3) continue;
+      EXPECT_EQ(cluster + number(element.content.substr(1, 2)), static_cast<std::uint64_t>(frame) * 40);
+      ASSERT_EQ(vpx_codec_decode(&decoder, reinterpret_cast<const std::uint8_t*>(element.content.data()) + 4,
+                                 static_cast<unsigned>(element.content.size() - 4), nullptr, 0),
+                VPX_CODEC_OK);
+      vpx_codec_iter_t at = nullptr;
+      const vpx_image_t* image = vpx_codec_get_frame(&decoder, &at);
+      ASSERT_NE(image, nullptr) << "frame " << frame;
+      EXPECT_EQ(image->fmt, VPX_IMG_FMT_I444);
+      const double error = error_of(*image, scene(101, 67, frame));
+      if (quality == 0)
+        EXPECT_EQ(error, 0) << "frame " << frame;
+      else
+        EXPECT_LT(error, 12) << "frame " << frame;  // 37 dB
+      ++frame;
+    }
+    vpx_codec_destroy(&decoder);
+    EXPECT_EQ(frame, kFrames);
+  }
+}
+
+TEST(WebM, ItsHeadKnowsTheLengthAndWhereTheCuesAre) {
+  const isostrata::testing::TemporaryFolder folder;
+  const std::string path = (folder / "a.webm").string();
+  write_film(path, 130, 40);  // more than one key frame
+  const std::string file = read_text(path);
+  std::vector<Element> elements;
+  ASSERT_NO_FATAL_FAILURE(walk(file, 0, file.size(), elements));
+  std::size_t segment = 0, cues = 0;
+  std::vector<std::size_t> clusters, cued;
+  std::uint64_t seek = 0;
+  double duration = 0;
+  for (const Element& e : elements) {
+    if (e.id == 0x18538067) segment = static_cast<std::size_t>(e.content.data() - file.data());
+    if (e.id == 0x1C53BB6B) cues = e.at;
+    if (e.id == 0x1F43B675) clusters.push_back(e.at);
+    if (e.id == 0xF1) cued.push_back(number(e.content) + segment);
+    if (e.id == 0x53AC) seek = number(e.content);
+    if (e.id == 0x4489) duration = std::bit_cast<double>(number(e.content));
+  }
+  EXPECT_EQ(duration, 130 * 40);
+  EXPECT_EQ(seek + segment, cues);
+  EXPECT_GE(clusters.size(), 2u);
+  EXPECT_EQ(cued, clusters);
+}
+
+TEST(Y4m, HasAHeadAndWholeFrames) {
+  const isostrata::testing::TemporaryFolder folder;
+  write_film((folder / "a.y4m").string(), 3, 0);
+  const std::string file = read_text(folder / "a.y4m");
+  const auto head = file.find('\n') + 1;
+  EXPECT_EQ(file.substr(0, head), "YUV4MPEG2 W101 H67 F25000:1000 Ip A1:1 C444 XCOLORRANGE=LIMITED\n");
+  ASSERT_EQ(file.size(), head + 3 * (6 + 3 * 101 * 67));
+  const auto planes = to_yuv444(scene(101, 67, 1), Matrix::bt601);
+  EXPECT_EQ(file.substr(head + 6 + 3 * 101 * 67, 6), "FRAME\n");
+  EXPECT_EQ(file.substr(head + 12 + 3 * 101 * 67, planes.size()), std::string(planes.begin(), planes.end()));
+}
+
+// The ends of the range, and a primary, as the recommendations' own examples have them.
+TEST(Yuv, IsThatOfTheRecommendations) {
+  const Picture picture{3, 1, {0, 0, 0, 255, 255, 255, 255, 0, 0}};
+  EXPECT_EQ(to_yuv444(picture, Matrix::bt601), (std::vector<std::uint8_t>{16, 235, 81, 128, 128, 90, 128, 128, 240}));
+  EXPECT_EQ(to_yuv444(picture, Matrix::bt709), (std::vector<std::uint8_t>{16, 235, 63, 128, 128, 102, 128, 128, 240}));
+}
+
+TEST(Films, NameNothingThatIsNotComplete) {
+  const isostrata::testing::TemporaryFolder folder;
+  for (const char* name : {"a.webm", "a.y4m"}) {
+    { open_film((folder / name).string(), {.width = 101, .height = 67})->add(png_of(scene(101, 67, 0))); }
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name;
+  }
+  const auto pictures = open_film((folder / "p-%03d.png").string(), {});
+  pictures->add("one");
+  pictures->add("two");
+  EXPECT_EQ(read_text(folder / "p-001.png"), "two");
+}
+
+TEST(Films, RefuseNamesAndSizesThatAreWrong) {
+  for (const char* name : {"a.gif", "a.png", "a-%s.png", "a-%d-%d.png", "a-%99999d.png", "%.png"})
+    EXPECT_THROW(open_film(name, {.width = 8, .height = 8}), ClientError) << name;
+  EXPECT_THROW(open_film("/no/such/folder/a.y4m", {.width = 8, .height = 8}), ClientError);
+  const isostrata::testing::TemporaryFolder folder;
+  const auto film = open_film((folder / "a.y4m").string(), {.width = 8, .height = 8});
+  EXPECT_THROW(film->add(png_of(scene(9, 8, 0))), ClientError);
+}
+
+}  // namespace
+}  // namespace isostrata::client

@@ -1,0 +1,105 @@
+// Sessions without an engine: what they ask is answered at once, by facts that fit, so that a fuzzer reaches every rule behind a
+// dataset that is open. Nothing is drawn.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "session/sessions.h"
+
+namespace isostrata::fuzz {
+
+inline DatasetFacts facts() {
+  DatasetFacts facts;
+  facts.id = "fin";
+  facts.name = "fin";
+  facts.grid = "curvilinear";
+  facts.bounds.include({-1, -1, -1});
+  facts.bounds.include({1, 2, 3});
+  facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5},
+                  {"Density", "point", "float32", 1, 0, 8, 0},
+                  {"Energy", "point", "float64", 1, -100, 300, 0}};
+  facts.first_layers = {{0, 2}, {2, 4}, {4, 6}, {6, 8}};
+  facts.times = {0, 1, 2};
+  return facts;
+}
+
+/// What was asked waits until run(), as on the io thread.
+class FakeEngine {
+  std::deque<EngineRequest> asked_;  // before the sessions, which still ask when they end
+
+ public:
+  FakeEngine() : sessions(options(), [this](EngineRequest request) { asked_.push_back(std::move(request)); }) {}
+
+  void run() {
+    for (int i = 0; i < 100 && !asked_.empty(); ++i) {
+      const EngineRequest request = std::move(asked_.front());
+      asked_.pop_front();
+      std::visit([this](const auto& r) { answer(r); }, request);
+    }
+  }
+
+  Sessions sessions;
+
+ private:
+  static SessionsOptions options() {
+    SessionsOptions options;
+    options.max_sessions = 4;
+    for (const char* id : {"fin", "gone"}) {
+      options.datasets.emplace_back().set_id(id);
+      options.datasets.back().set_name(id);
+    }
+    return options;
+  }
+  void send(const EngineEvent& event) { sessions.on_event(event, std::chrono::steady_clock::now()); }
+  template <class Request>
+  void fail(const Request& r) {
+    send(RequestFailed{r.session, r.request, 0, ErrorCode::not_found, "it is not there"});
+  }
+
+  void answer(const OpenRequest& r) {
+    if (r.dataset == "fin")
+      send(DatasetReady{r.session, r.request, facts()});
+    else
+      fail(r);
+  }
+  void answer(const HistogramRequest& r) {
+    send(HistogramReady{r.session, r.request, r.dataset, r.step, r.array, 0, 1,
+                        std::vector<std::uint64_t>(static_cast<std::size_t>(r.bins))});
+  }
+  void answer(const StatisticsRequest& r) { send(StatisticsReady{r.session, r.request, r.dataset, r.step, r.array, {}}); }
+  void answer(const ExportRequest& r) {
+    send(OperationProgress{r.session, 1, "writing", 0.5, r.request});
+    send(ExportReady{r.session, r.request, {}});
+  }
+  void answer(const FrameRequest& r) {
+    send(FrameStarted{r.session, r.request});
+    FrameReady frame;
+    frame.session = r.session;
+    frame.request = r.request;
+    frame.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
+    send(std::move(frame));
+  }
+  void answer(const SceneUpdate& r) { send(OperationProgress{r.session, r.scene.revision, "extracting", 0.5, 0}); }
+  void answer(const CancelRequest&) {}
+  void answer(const ForgetFrame&) {}
+  void answer(const CloseSession&) {}
+};
+
+/// For the next input.
+inline void end_all(Sessions& sessions) {
+  std::vector<std::string> ids;
+  for (const Session* session : sessions.list()) ids.push_back(session->id());
+  for (const std::string& id : ids) sessions.end(id);
+}
+
+/// Tells the fuzzer's report what did not hold.
+inline void expect(bool holds, const char* law) {
+  if (holds) return;
+  std::fprintf(stderr, "broken: %s\n", law);
+  std::abort();
+}
+
+}  // namespace isostrata::fuzz

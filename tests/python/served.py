@@ -1,0 +1,41 @@
+"""A real `isostrata serve`, started and ended with the tests that use it."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+BIN = Path(os.environ.get("ISOSTRATA_BIN_DIR", Path(__file__).resolve().parents[2] / "build" / "release" / "bin"))
+
+
+class Served:
+    def __init__(self, *data: str) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="isostrata-python-"))
+        ready = self.folder / "ready.json"
+        with open(self.folder / "log", "wb") as log:
+            self.process = subprocess.Popen(
+                [BIN / "isostrata", "serve", *data, "--port", "0", "--ready-file", ready], stdout=log, stderr=log
+            )
+        end = time.monotonic() + 60
+        while not ready.exists():
+            if self.process.poll() is not None or time.monotonic() > end:
+                raise RuntimeError(f"isostrata serve does not start:\n{(self.folder / 'log').read_text()}")
+            time.sleep(0.02)
+        self.url = json.loads(ready.read_text())["url"]
+
+    def stop(self, number: int = signal.SIGTERM) -> None:
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+            try:
+                self.process.wait(20)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+
+    def close(self) -> None:
+        self.stop()
+        shutil.rmtree(self.folder, ignore_errors=True)

@@ -1,0 +1,362 @@
+"""The package before a real server."""
+
+import base64
+import json
+import signal
+import tempfile
+import types
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+import isostrata
+from isostrata import Interval, IsostrataError, Surface, Term, decode_png, v1
+
+from served import Served
+
+
+class WithServer(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Served("torus:12", "cylinder:12x12x8x3")
+        cls.addClassCleanup(cls.server.close)
+
+    def connect(self, dataset="torus:12", **options):
+        options.setdefault("size", (96, 72))
+        session = isostrata.connect(self.server.url, dataset, **options)
+        self.addCleanup(session.close)
+        return session
+
+    def assertRefused(self, code, call, *arguments, field=None, **named):
+        with self.assertRaises(IsostrataError) as caught:
+            call(*arguments, **named)
+        self.assertEqual(caught.exception.code, code, str(caught.exception))
+        if field is not None:
+            self.assertEqual(caught.exception.field, field)
+
+
+class Sessions(WithServer):
+    def test_a_server_tells_what_it_offers(self):
+        s = isostrata.connect(self.server.url)
+        self.addCleanup(s.close)
+        self.assertEqual(s.datasets, ["torus:12", "cylinder:12x12x8x3"])
+        self.assertIn("viridis", s.color_maps)
+        s.open("cylinder:12x12x8x3")
+        self.assertEqual((s.info.grid, len(s.info.times)), ("curvilinear", 3))
+        self.assertIn("Density", s.arrays)
+        self.assertRefused("not_found", s.open, "nosuch")
+
+    def test_addresses_and_tokens_that_are_wrong_are_said(self):
+        for url in ("nonsense", "ftp://x/", "http://", "http://h:port/"):
+            self.assertRefused("bad_url", isostrata.connect, url)
+        self.assertRefused("connection", isostrata.connect, "http://127.0.0.1:1/?token=x")
+        wrong = self.server.url.split("token=")[0] + "token=wrong"
+        self.assertRefused("unauthorized", isostrata.connect, wrong)
+        self.assertRefused("unauthorized", isostrata.sessions, wrong)
+        self.assertRefused("not_found", isostrata.connect, self.server.url, session="0123456789abcdef")
+
+    def test_the_token_may_come_apart_from_the_address(self):
+        base, _, token = self.server.url.partition("?token=")
+        s = isostrata.connect(base, token=token, size=(32, 32))
+        self.addCleanup(s.close)
+        self.assertTrue(s.id)
+
+    def test_two_clients_of_one_session_see_the_same(self):
+        a = self.connect()
+        b = self.connect("", session=a.id)
+        a.intervals.set([(0.2, 0.4)])
+        b.wait(lambda s: s.revision >= a.revision)
+        self.assertEqual(b.intervals[0], a.intervals[0])
+        b.intervals.move(b.intervals[0], 0.25, 0.5)
+        a.wait(lambda s: s.intervals[0].upper == 0.5)
+        self.assertIn(a.id, [each["id"] for each in isostrata.sessions(self.server.url)])
+
+    def test_a_closed_session_says_so(self):
+        s = self.connect()
+        s.close()
+        self.assertRefused("closed", s.view, "+x")
+        s.close()
+
+
+class Layers(WithServer):
+    def test_intervals_are_set_added_changed_and_removed(self):
+        s = self.connect()
+        s.intervals.set([(0.1, 0.2), Interval(0.3, 0.4, color="#f80", opacity=0.75, name="shell", color_map="viridis")])
+        self.assertEqual(len(s.intervals), 2)
+        second = s.intervals[1]
+        self.assertEqual((second.lower, second.upper, second.color, second.opacity, second.name, second.color_map),
+                         (0.3, 0.4, "#ff8800", 0.75, "shell", "viridis"))
+        third = s.intervals.add(0.5, 0.6, color=(0, 1, 0))
+        self.assertEqual((third.color, third.priority), ("#00ff00", 1))
+        self.assertEqual(s.intervals.move(third, 0.5, 0.7).upper, 0.7)
+        changed = s.intervals.patch(third, opacity=0.1, opacity_upper=0.9, surface=Surface(opacity=0.5, domain=True), visible=False)
+        self.assertEqual((changed.opacity_upper, changed.surface.opacity, changed.surface.domain, changed.visible), (0.9, 0.5, True, False))
+        plain = s.intervals.patch(third, opacity_upper=None, surface=None)
+        self.assertIsNone(plain.opacity_upper)
+        self.assertTrue(plain.surface is None or not (plain.surface.lower or plain.surface.upper or plain.surface.domain))
+        s.intervals.reorder([s.intervals[0], s.intervals[2], s.intervals[1]])
+        self.assertEqual([i.priority for i in s.intervals], [2, 0, 1])
+        s.intervals.remove(third)
+        self.assertEqual([i.name for i in s.intervals], ["", "shell"])
+
+    def test_a_refused_change_names_its_field_and_changes_nothing(self):
+        s = self.connect()
+        before = s.save_state()
+        self.assertRefused("invalid_argument", s.intervals.set, [(0.1, 0.2), (2, 1)], field="intervals[1].lower")
+        self.assertRefused("invalid_argument", s.intervals.patch, s.intervals[0], opacity=7)
+        self.assertRefused("invalid_argument", s.intervals.patch, s.intervals[0], colour="red")
+        self.assertRefused("invalid_argument", s.intervals.add, 0.1, 0.2, color="red")
+        self.assertRefused("not_found", s.intervals.remove, 4711)
+        self.assertRefused("not_found", s.intervals.set, [Interval(0, 1, color_map="nosuch")])
+        self.assertEqual(s.save_state(), before)
+
+    def test_arrays_times_terms_and_transfer_functions(self):
+        s = self.connect("cylinder:12x12x8x3")
+        s.array = "Density"
+        s.color_by = "Energy"
+        s.texture = "Momentum"
+        self.assertEqual((s.array, s.color_by, s.texture), ("Density", "Energy", "Momentum"))
+        s.step = 2
+        self.assertEqual((s.step, s.time), (2, s.info.times[2]))
+        middle = (s.info.times[0] + s.info.times[1]) / 2
+        s.set_time(middle, "interpolate")
+        self.assertEqual((s.time, s.message.time_mode), (middle, v1.TIME_MODE_INTERPOLATE))
+        self.assertRefused("invalid_argument", s.set_time, middle, "sideways", field="mode")
+        lower, upper = s.arrays["Momentum"]
+        s.combine(("and", "Momentum", lower, (lower + upper) / 2), Term("minus", "Energy", 77.5, 78, hidden=True))
+        self.assertEqual([t.op for t in s.message.terms], [v1.RANGE_OPERATOR_INTERSECT, v1.RANGE_OPERATOR_SUBTRACT])
+        s.combine()
+        self.assertEqual(len(s.message.terms), 0)
+        lower, upper = s.arrays["Density"]
+        s.set_transfer_function([(lower, "#000000", 0), ((lower + upper) / 2, "#ff0000", 0.5), (upper, "#ffffff", 0)])
+        self.assertEqual([i.own_range for i in s.intervals], [True, True])
+        self.assertRefused("not_found", setattr, s, "array", "Temperature")
+
+    def test_histograms_are_numpys(self):
+        s = self.connect()
+        histogram = s.histogram(bins=16)
+        self.assertEqual((histogram.counts.sum(), len(histogram.edges)), (12**3, 17))
+        self.assertEqual((histogram.edges[0], histogram.edges[-1]), s.arrays["distance"])
+        self.assertRefused("not_found", s.histogram, "nosuch")
+
+
+class Pictures(WithServer):
+    def test_images_are_arrays_that_follow_the_scene(self):
+        s = self.connect()
+        s.view("+x")
+        first = s.image()
+        self.assertEqual((first.shape, first.dtype), ((72, 96, 3), np.uint8))
+        np.testing.assert_array_equal(first, s.image(), "pictures of one state are the same")
+        s.intervals.set([(0.05, 0.2)])
+        self.assertFalse(np.array_equal(first, s.image()))
+        self.assertEqual(s.image(50, 40).shape, (40, 50, 3))
+        s.appearance(background="#ffffff", mode="prioritized", integral="table2d", triangulation="strict", unit_distance=0.1)
+        np.testing.assert_array_equal(s.image()[0, 0], [255, 255, 255])
+        self.assertEqual((s.message.mode, s.message.triangulation), (v1.RENDER_MODE_PRIORITIZED, v1.TRIANGULATION_STRICT))
+        self.assertRefused("invalid_argument", s.appearance, mode="sideways", field="mode")
+
+    def test_cuts_annotations_cycles_and_smears(self):
+        s = self.connect("cylinder:12x12x8x3")
+        whole = s.image()
+        s.clip(((1, 0, 0), 0.0))
+        self.assertFalse(np.array_equal(whole, s.image()))
+        s.clip()
+        np.testing.assert_array_equal(whole, s.image())
+        s.annotate(axes=True, box=True, legend=True)
+        self.assertFalse(np.array_equal(whole, s.image()))
+        s.annotate()
+        s.cycle(seconds=2, phase=1)
+        s.appearance(mode="cycled")
+        self.assertFalse(np.array_equal(whole, s.image()))
+        s.smear([0, 2], ["#ff0000", "#0000ff"])
+        s.appearance(mode="smear")
+        self.assertEqual(list(s.message.smear.steps), [0, 2])
+        self.assertEqual(s.image().shape, whole.shape)
+
+    def test_cameras_turn_and_zoom(self):
+        s = self.connect()
+        s.view("+x")
+        start = s.camera
+        s.camera = start.turned(90)
+        self.assertAlmostEqual(np.linalg.norm(np.subtract(s.camera.eye, s.camera.at)), np.linalg.norm(np.subtract(start.eye, start.at)))
+        self.assertAlmostEqual(np.dot(np.subtract(s.camera.eye, s.camera.at), np.subtract(start.eye, start.at)), 0)
+        back = start.turned(30, 20).turned(0, -20).turned(-30)
+        np.testing.assert_allclose(back.eye, start.eye, atol=1e-9)
+        near = start.zoomed(2)
+        self.assertAlmostEqual(np.linalg.norm(np.subtract(near.eye, near.at)) * 2, np.linalg.norm(np.subtract(start.eye, start.at)))
+        self.assertRefused("invalid_argument", setattr, s, "camera", isostrata.Camera((0, 0, 0), (0, 0, 0), (0, 0, 1)))
+
+    def test_pictures_are_saved_as_their_name_says(self):
+        s = self.connect()
+        with tempfile.TemporaryDirectory() as folder:
+            s.save_image(Path(folder) / "a.png", 20, 10)
+            s.save_image(Path(folder) / "a.jpg", 20, 10)
+            self.assertEqual(decode_png((Path(folder) / "a.png").read_bytes()).shape, (10, 20, 3))
+            self.assertEqual((Path(folder) / "a.jpg").read_bytes()[:2], b"\xff\xd8")
+        self.assertRefused("invalid_argument", s.still, "bmp")
+
+    def test_meshes_are_exported(self):
+        s = self.connect()
+        told = []
+        s.on_progress(lambda stage, fraction: told.append(fraction))
+        with tempfile.TemporaryDirectory() as folder:
+            s.export(Path(folder) / "a.vtu")
+            s.export(Path(folder) / "a.stl")
+            s.export(Path(folder) / "lower.stl", facets=["lower"])
+            self.assertIn(b"UnstructuredGrid", (Path(folder) / "a.vtu").read_bytes()[:200])
+            self.assertLess((Path(folder) / "lower.stl").stat().st_size, (Path(folder) / "a.stl").stat().st_size)
+            self.assertRefused("invalid_argument", s.export, Path(folder) / "a.obj")
+            s.intervals.set([])
+            self.assertRefused("not_found", s.export, Path(folder) / "none.vtu")
+            self.assertFalse((Path(folder) / "none.vtu").exists())
+        self.assertTrue(told)
+        self.assertEqual(s.rest.json("GET", f"sessions/{s.id}/operations")["operations"], [])
+
+    def test_statistics_agree_with_the_histogram(self):
+        s = self.connect()
+        statistics, histogram = s.statistics(), s.histogram(bins=4096)
+        middles = (histogram.edges[1:] + histogram.edges[:-1]) / 2
+        mean = np.average(middles, weights=histogram.counts)
+        self.assertAlmostEqual(statistics["mean"], mean, delta=histogram.edges[1] - histogram.edges[0])
+
+    def test_frames_come_while_things_change_and_end_lossless(self):
+        s = self.connect(frames=True)
+        s.intervals.move(s.intervals[0], 0.1, 0.3)
+        for frame in s.frames(timeout=60):
+            self.assertEqual((frame.width, frame.height), (96, 72))
+            if frame.lossless and frame.revision == s.revision:
+                break
+        np.testing.assert_array_equal(frame.image()[:, :, :3], s.image())
+        with self.assertRaises(IsostrataError) as caught:
+            next(s.frames(timeout=0.3))
+        self.assertEqual(caught.exception.code, "timeout")
+
+    def test_moving_frames_are_pictures_too(self):
+        try:
+            import PIL  # noqa: F401
+        except ImportError:
+            self.skipTest("python3-pil is not installed")
+        s = self.connect(frames=True)
+        s.interacting(True)
+        for step in range(1, 4):
+            s.intervals.move(s.intervals[0], 0.1, 0.3 + 0.1 * step)
+            frame = next(s.frames(1))
+            self.assertEqual(frame.image().shape, (72, 96, 3))
+
+
+class Notebooks(WithServer):
+    def test_a_view_is_a_picture_and_its_layers(self):
+        s = self.connect()
+        s.intervals.set([Interval(0.1, 0.25, color="#ff8800", name="<core>")])
+        view = s.show(64, 48)
+        self.assertEqual(decode_png(view._repr_png_()).shape, (48, 64, 3))
+        bundle = view._repr_mimebundle_()
+        self.assertEqual(set(bundle), {"image/png", "text/html", "text/plain"})
+        np.testing.assert_array_equal(decode_png(base64.b64decode(bundle["image/png"])), s.image(64, 48))
+        self.assertIn("#ff8800", bundle["text/html"])
+        self.assertIn("&lt;core&gt; 0.1 &hellip; 0.25", bundle["text/html"])
+        self.assertIn("0.1:0.25", repr(view))
+        self.assertEqual(set(view._repr_mimebundle_(include=["image/png", "text/html"], exclude={"text/html"})), {"image/png"})
+        json.dumps(bundle)
+
+    def test_simple_controls_change_the_session_and_give_the_view_back(self):
+        s = self.connect()
+        view = s.show()
+        before, camera = view._repr_png_(), s.camera
+        self.assertIs(view.turn(40, 10).zoom(1.5).interval(0, upper=0.6, opacity=0.9), view)
+        self.assertNotEqual(view._repr_png_(), before)
+        self.assertEqual((s.intervals[0].upper, s.intervals[0].opacity), (0.6, 0.9))
+        view.view("reset")
+        self.assertEqual(s.camera, camera)
+
+    def test_sliders_move_the_layers(self):
+        """The widgets are stand-ins with ipywidgets' names: what is tested is what they do to the session."""
+
+        class Widget:
+            def __init__(self, *children, **options):
+                self.__dict__.update(options, children=children)
+
+            def observe(self, handler, name):
+                self.handler = handler
+
+            def on_click(self, handler):
+                self.handler = handler
+
+        names = ("Image", "FloatRangeSlider", "Button", "Layout", "HBox", "VBox")
+        s = self.connect()
+        with mock.patch.dict("sys.modules", ipywidgets=types.SimpleNamespace(**{name: Widget for name in names})):
+            box = s.show(64, 48).interact()
+        picture, buttons, first, *_ = box.children[0]
+        before = picture.value
+        first.handler({"new": (0.15, 0.45)})
+        self.assertEqual((s.intervals[0].lower, s.intervals[0].upper), (0.15, 0.45))
+        self.assertNotEqual(picture.value, before)
+        camera = s.camera
+        buttons.children[0][0].handler(None)
+        self.assertNotEqual(s.camera, camera)
+
+
+class States(WithServer):
+    def test_a_state_is_saved_and_brought_back_elsewhere(self):
+        s = self.connect("cylinder:12x12x8x3")
+        s.view("+y")
+        s.intervals.set([Interval(s.arrays["Density"][0], 1.0, color="#123456", surface=Surface(silhouette=0.5))])
+        picture = s.image()
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "state.json"
+            saved = s.save_state(path)
+            self.assertEqual(json.loads(path.read_text()), saved)
+            other = self.connect()
+            other.load_state(path)
+        np.testing.assert_array_equal(other.image(), picture)
+        other.intervals.set([])
+        other.load_state(saved)
+        self.assertEqual(len(other.intervals), 1)
+        self.assertRefused("invalid_argument", other.load_state, {**saved, "intervals": [{"lower": 2, "upper": 1}]})
+        self.assertRefused("malformed", other.load_state, {**saved, "nonsense": 1})
+
+
+class Troubles(unittest.TestCase):
+    def test_progress_is_told_and_work_can_be_cancelled(self):
+        server = Served("torus:12", "torus:300")
+        self.addCleanup(server.close)
+        s = isostrata.connect(server.url, "torus:12", size=(64, 48), frames=True)
+        self.addCleanup(s.close)
+        s.image()  # the first extraction is over
+        told = []
+
+        def listen(stage, fraction):
+            told.append((stage, fraction))
+            s.cancel()
+
+        s.on_progress(listen)
+        try:
+            s.open("torus:300")
+            s.wait(lambda _: len(told) > 0)
+        except IsostrataError as given_up:
+            self.assertEqual(given_up.code, "cancelled")
+        self.assertTrue(told)
+        self.assertTrue(all(0 <= fraction <= 1 for _, fraction in told), told)
+        s.on_progress(None)
+        s.open("torus:12")
+        self.assertEqual(s.image().shape, (48, 64, 3))
+
+    def test_a_server_that_dies_or_ends_is_an_error_and_no_hang(self):
+        for number in (signal.SIGKILL, signal.SIGTERM):
+            server = Served("torus:12")
+            self.addCleanup(server.close)
+            s = isostrata.connect(server.url, "torus:12")
+            self.addCleanup(s.close)
+            server.stop(number)
+            with self.assertRaises(IsostrataError) as caught:
+                s.wait(lambda _: False)
+            self.assertEqual(caught.exception.code, "closed")
+            with self.assertRaises(IsostrataError) as caught:
+                s.image()
+            self.assertEqual(caught.exception.code, "connection")
+
+
+if __name__ == "__main__":
+    unittest.main()
