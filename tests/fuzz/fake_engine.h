@@ -86,6 +86,7 @@ class FakeEngine {
   void answer(const CancelRequest&) {}
   void answer(const ForgetFrame&) {}
   void answer(const CloseSession&) {}
+  void answer(const CloseStream&) {}
 };
 
 /// For the next input.
