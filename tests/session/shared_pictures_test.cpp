@@ -87,6 +87,38 @@ TEST_F(SharedPictures, WhoComesWhileOneIsDrawnTakesItWhereItIsOfTheNewestScene) 
   EXPECT_EQ(clients_[1]->outbox.frames.size(), had + 1);
 }
 
+TEST_F(SharedPictures, WhoComesAfterwardsGetsTheSameBytesUntilTheSceneChanges) {
+  begin(2);
+  hide(*clients_[1], true);
+  s_.say(*clients_[0], s_.camera(5));
+  const auto request = s_.take<FrameRequest>().at(0);
+  s_.start(request);
+  s_.finish(request, revision());
+  hide(*clients_[1], false);
+  EXPECT_TRUE(s_.take<FrameRequest>().empty());
+  EXPECT_EQ(clients_[1]->outbox.payloads.back(), clients_[0]->outbox.payloads.back());
+  EXPECT_EQ(clients_[1]->outbox.frames.back().revision(), revision());
+
+  hide(*clients_[1], true);
+  s_.say(*clients_[0], s_.camera(6));
+  for (const auto& newer : s_.take<FrameRequest>()) s_.start(newer);  // and is not finished
+  const auto had = clients_[1]->outbox.frames.size();
+  hide(*clients_[1], false);
+  EXPECT_EQ(clients_[1]->outbox.frames.size(), had) << "the one that is there is of an older scene";
+}
+
+TEST_F(SharedPictures, OfAnOlderSceneThanTheNewestAreNotKept) {
+  begin(2);
+  hide(*clients_[1], true);
+  s_.say(*clients_[0], s_.camera(5));
+  const auto request = s_.take<FrameRequest>().at(0);
+  s_.start(request);
+  s_.finish(request, revision() - 1);  // its extraction was not ready
+  const auto had = clients_[1]->outbox.frames.size();
+  hide(*clients_[1], false);
+  EXPECT_EQ(clients_[1]->outbox.frames.size(), had);
+}
+
 TEST_F(SharedPictures, WhoComesWhileAnOldOneIsDrawnGetsANewOne) {
   begin(2);
   hide(*clients_[1], true);
