@@ -24,7 +24,7 @@ namespace {
 using Steady = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr int kFloodEachMs = 10;   // messages
+constexpr int kFloodEachMs = 10;  // messages
 constexpr int kPoliteEveryMs = 16;
 constexpr int kVanishEveryMs = 20;
 constexpr int kMalformedEveryMs = 500;
@@ -173,9 +173,7 @@ class HostileClient::Impl {
   std::atomic<std::uint64_t> messages_{0}, connections_{0};
 
  private:
-  std::unique_ptr<Socket> connect() const {
-    return std::make_unique<Socket>(port_, token_, manners_ == "reader" ? 4096 : 0);
-  }
+  std::unique_ptr<Socket> connect() const { return std::make_unique<Socket>(port_, token_, manners_ == "reader" ? 4096 : 0); }
 
   /// Hello, the dataset, and the viewport last, since whoever shows one at first gets the server's first dataset.
   bool begin() {

@@ -14,7 +14,8 @@ namespace isostrata {
 ///   flood-hidden  the same on a hidden page, for which nothing is drawn
 ///   reader        asks for pictures and reads a byte a second
 ///   vanish        connects, says Hello, opens the dataset and is gone, 50 times a second
-///   garbage       sends 10,000 messages a second of which each has a field out of range, and now and then one that is none at all
+///   garbage       sends 10,000 messages a second of which each has a field out of range, and now and then one that is none at
+///   all
 class HostileClient {
  public:
   /// Connects once before it returns. Throws unavailable, invalid_argument.

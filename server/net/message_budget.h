@@ -17,13 +17,14 @@ class MessageBudget {
   using TimePoint = std::chrono::steady_clock::time_point;
   using Duration = std::chrono::steady_clock::duration;
 
-  static constexpr double kPerSecond = 1000;  // a mouse that is read a thousand times a second is not noticed
-  static constexpr double kBurst = 1000;
+  static constexpr double kPerSecond = 1000;       // a mouse that is read a thousand times a second is not noticed
   static constexpr double kPassedOver = 1.0 / 20;  // tokens, for one that is read and no more
 
   static constexpr double kBytes = 4096;  // that cost as much as a message by itself
 
-  explicit MessageBudget(TimePoint now) : filled_(now) {}
+  /// A second's worth may come at once.
+  explicit MessageBudget(TimePoint now, double per_second = kPerSecond)
+      : per_second_(per_second), tokens_(per_second), filled_(now) {}
 
   /// Whether there is a token for a message that has come now.
   bool has_room(TimePoint now) {
@@ -35,16 +36,17 @@ class MessageBudget {
     fill(now);
     tokens_ -= tokens;
     if (tokens_ >= 0) return Duration::zero();
-    return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(-tokens_ / kPerSecond));
+    return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(-tokens_ / per_second_));
   }
 
  private:
   void fill(TimePoint now) {
-    tokens_ = std::min(kBurst, tokens_ + kPerSecond * std::chrono::duration<double>(now - filled_).count());
+    tokens_ = std::min(per_second_, tokens_ + per_second_ * std::chrono::duration<double>(now - filled_).count());
     filled_ = now;
   }
 
-  double tokens_ = kBurst;
+  const double per_second_;
+  double tokens_;
   TimePoint filled_;
 };
 

@@ -18,7 +18,6 @@
 #include <limits>
 #include <optional>
 
-#include "net/message_budget.h"
 #include "session/limits.h"
 #include "session/wire.h"
 
@@ -87,7 +86,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         held_until_(socket_.get_executor()),
         go_on_reading_(socket_.get_executor()),
         connections_(connections),
-        admission_(std::move(admission)) {}
+        admission_(std::move(admission)),
+        budget_(Steady::now(), connections.messages_per_second) {}
 
   asio::awaitable<void> run(beast::http::request<beast::http::string_body> request) {
     const auto self = shared_from_this();
@@ -225,7 +225,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       reminded_ = now;
       v1::ServerMessage answer;
       *answer.mutable_error() = wire_error(
-          "too_many_messages", "more than " + std::to_string(static_cast<int>(MessageBudget::kPerSecond)) +
+          "too_many_messages", "more than " + std::to_string(static_cast<int>(connections_.messages_per_second)) +
                                    " messages a second came on this connection: of cameras the newest is taken and others, as "
                                    "this one, are passed over");
       answer.mutable_error()->set_in_reply_to(held_->seq());
@@ -379,7 +379,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   std::optional<v1::State> state_;
   std::deque<Waiting> frames_;
   std::uint64_t last_seq_ = 0;
-  MessageBudget budget_{Steady::now()};
+  MessageBudget budget_;
   std::optional<v1::ClientMessage> held_;       // a camera that a newer one may replace
   std::optional<Steady::time_point> reminded_;  // when the client was last told that it is over its budget
 };

@@ -2,6 +2,8 @@
 // dataset that is open. Nothing is drawn.
 #pragma once
 
+#include <cstdio>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <stdexcept>
