@@ -9,9 +9,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "session/protobuf_log.h"
 #include "session/sessions.h"
 
 namespace isostrata::fuzz {
+
+inline const bool quiet = (silence_protobuf(), true);  // it would write a line for every other input
 
 inline DatasetFacts facts() {
   DatasetFacts facts;

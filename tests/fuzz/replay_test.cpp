@@ -8,8 +8,6 @@
 #include <iterator>
 #include <string>
 
-#include "session/protobuf_log.h"
-
 extern "C" {
 int fuzz_commands(const std::uint8_t* data, std::size_t size);
 int fuzz_request(const std::uint8_t* data, std::size_t size);
@@ -21,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 void replay(const char* name, int (*target)(const std::uint8_t*, std::size_t)) {
-  isostrata::silence_protobuf();
   int inputs = 0;
   for (const auto& file : fs::directory_iterator(fs::path(ISOSTRATA_SOURCE_DIR) / "tests/fuzz/corpus" / name)) {
     std::ifstream in(file.path(), std::ios::binary);
