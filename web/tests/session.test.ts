@@ -331,7 +331,8 @@ describe('the store', () => {
     session.patchInterval(5, { upper: 0.95 }); // the hand is still down
     frame();
     session.endInteraction();
-    expect(sent.slice(before).some(({ body }) => body.case === 'patchInterval')).toBe(false);
+    expect(sent.slice(before).some(({ body }) => body.case === 'patchInterval' || body.case === 'interaction')).toBe(false);
+    expect(session.interacting).toBe(false);
   });
 
   test('tells of a cancellation that somebody asked for, and not of work that a newer edit overtook', () => {

@@ -453,6 +453,8 @@ export class Session {
       // Ids of the old session's layers mean nothing to this one; what can be had again comes as a whole.
       this.info = welcome.datasetInfo;
       this.histogram = null;
+      this.interactions = 0; // what the hand held is gone
+      this.interacting = false;
       this.optimistic.clear();
       this.outbox.drop();
       this.log.clear();
