@@ -27,9 +27,9 @@ bool same_picture(const FrameRequest& a, const FrameRequest& b) {
          a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes;
 }
 
-/// Whether who ordered `wanted` can do with the picture of another's request, made at that step of the ladder. Moving pictures that
-/// are less than the viewport deserves need not be of one's own step: else many who look over ways that differ a little would have a
-/// drawing each, and all would wait for all of them.
+/// Whether who ordered `wanted` can do with the picture of another's request, made at that step of the ladder. Moving pictures
+/// that are less than the viewport deserves need not be of one's own step: else many who look over ways that differ a little
+/// would have a drawing each, and all would wait for all of them.
 bool does_for(const FrameRequest& made, int step, const FrameRequest& wanted, const FrameOrder& order) {
   if (same_picture(made, wanted)) return true;
   const bool moving = order.phase == FramePhase::moving && !made.lossless && made.jpeg && !made.video && !wanted.video;
@@ -47,6 +47,11 @@ FrameOrder as_made(FrameOrder order, int step) {
 // Whoever has missed a frame, or begins anew, gets a stream of their own, which begins with a key frame.
 void Session::begin_stream(Viewer& viewer, TimePoint now) {
   streams_.missed(viewer.key, now);
+  leave_stream(viewer, now);
+}
+
+void Session::leave_stream(Viewer& viewer, TimePoint now) {
+  streams_.leave(viewer.key);
   viewer.stream = 0;
   end_streams();
   viewer.frames.scene_changed(state_.scene.revision, drawable(), now);  // the picture it did not get
@@ -84,6 +89,8 @@ void Session::leave_picture(Viewer& viewer) {
 void Session::pump(Viewer& viewer, TimePoint now) {
   send_bands(viewer, now);
   if (viewer.frames.withdraw_order()) leave_picture(viewer);
+  if (viewer.stream != 0 && (!viewer.frames.visible() || viewer.frames.stalled(now))) leave_stream(viewer, now);
+  viewer.frames.set_video(is_video(viewer.ladder.front()) && streams_.has_room(viewer.key, now));
   const auto order = viewer.frames.next(now);
   if (!order) return;
   announce(now);
@@ -93,7 +100,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
     const auto choice = streams_.choose(viewer.key, viewer.ladder.front(), order->width, order->height, now);
     viewer.stream = choice.stream;
     end_streams();
-    request.video = VideoOrder{viewer.ladder.front(), choice.stream, order->bitrate_kbps, choice.key};
+    if (choice.stream != 0) request.video = VideoOrder{viewer.ladder.front(), choice.stream, order->bitrate_kbps, choice.key};
   }
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)
@@ -170,7 +177,7 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
       if (made_.size() > kMostMade) made_.pop_back();
     }
     std::vector<ViewerKey> of_stream;
-    if (ready->video) of_stream = streams_.takers(ready->video->stream, ready->video->key);
+    if (ready->video) of_stream = streams_.takers(ready->video->stream, ready->video->key, now);
     const auto in_stream = [&](ViewerKey key) { return std::find(of_stream.begin(), of_stream.end(), key) != of_stream.end(); };
     each_taker(picture, [&](Viewer& viewer, const FrameOrder& order) {
       if (ready->video && !in_stream(viewer.key))
