@@ -125,6 +125,7 @@ void Session::announce(TimePoint now) {
   engine_.post(SceneUpdate{key_, state_.scene});
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
+  engine_.state_told(*this);
 }
 
 void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
@@ -133,7 +134,9 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   const std::uint64_t seq = message.seq();
   // An answer never overtakes the change that it answers.
   if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
-  const Reply reply = [this, key, seq](std::optional<v1::Error> error) {
+  const Reply reply = [this, key, seq, client = message.command() == 0 ? std::string() : viewer.client_id,
+                       command = message.command()](std::optional<v1::Error> error) {
+    if (error && !client.empty()) note_refused(client, command, *error);
     Viewer* to = living(key);
     if (to && error) send_error(*to, seq, std::move(*error));
   };
