@@ -129,9 +129,17 @@ class Session {
   /// A picture that is being made, for everyone who asked for the same one.
   struct Picture {
     FrameRequest request;
+    int step = 0;                // of the picture ladder
     std::uint64_t revision = 0;  // of the scene when it was asked for: it shows this one or a newer one
     bool started = false;
     std::map<ViewerKey, FrameOrder> takers;
+  };
+
+  /// One of the newest scene that is there already.
+  struct Made {
+    FrameRequest request;
+    int step = 0;
+    FrameReady ready;
   };
 
   struct Opening {
@@ -157,6 +165,7 @@ class Session {
   void leave_picture(Viewer& viewer);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);
+  void leave_stream(Viewer& viewer, TimePoint now);
   void end_streams();
   void step_down(Viewer& viewer, TimePoint now);
   void send_bands(Viewer& viewer, TimePoint now);
@@ -186,6 +195,7 @@ class Session {
   std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
   std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
   std::map<RequestId, Picture> pictures_;
+  std::deque<Made> made_;  // the newest first; none of an older scene
   VideoStreams streams_;
   Invitations invitations_;
   struct Client {
