@@ -117,7 +117,7 @@ void Connection::open(Steady::time_point deadline) {
                        [](const v1::ServerMessage& m) { return m.has_dataset_info() || m.has_error(); });
   };
   while (!told()) {
-    if (socket_->failed()) throw ClientError("closed", "the server ended the connection: " + socket_->why());
+    if (socket_->failed()) throw ClientError("closed", "the server ended the connection: " + why_lost());
     if (Steady::now() >= deadline) throw ClientError("timeout", "the session's dataset was not open in time");
     run(deadline);
   }
@@ -127,7 +127,7 @@ void Connection::open(Steady::time_point deadline) {
 void Connection::wait_for_welcome(Steady::time_point deadline) {
   while (incoming_.empty()) {
     if (socket_->failed())
-      throw ClientError("closed", "the server ended the connection: " + (last_words_.empty() ? socket_->why() : last_words_));
+      throw ClientError("closed", "the server ended the connection: " + why_lost());
     if (Steady::now() >= deadline) throw ClientError("timeout", "the server did not answer Hello");
     run(deadline);
   }
@@ -200,7 +200,7 @@ std::uint64_t Connection::send(v1::ClientMessage message) {
     forget_old();
     ++since_mark_;
   }
-  if (socket_->failed()) return number;  // whoever waits next finds that out, and commands are sent again
+  if (lost()) return number;  // whoever waits next finds that out, and commands are sent again
   write(message);
   numbers_.emplace_back(last_wire_, number);
   if (numbers_.size() > kMostNumbers) numbers_.pop_front();
@@ -299,13 +299,13 @@ void Connection::note(v1::ServerMessage& message) {
 std::optional<v1::ServerMessage> Connection::receive_until(Steady::time_point deadline) {
   while (incoming_.empty()) {
     if (ended_) throw ClientError(ended_->first, ended_->second);
-    if (socket_->failed()) {
+    if (lost()) {
       recover();
       continue;
     }
     const bool late = Steady::now() >= deadline;
     run(deadline);
-    if (late && incoming_.empty() && !socket_->failed()) return std::nullopt;
+    if (late && incoming_.empty() && !lost()) return std::nullopt;
   }
   v1::ServerMessage message = std::move(incoming_.front());
   incoming_.pop_front();
@@ -321,7 +321,7 @@ std::optional<v1::ServerMessage> Connection::receive_until(Steady::time_point de
 void Connection::keep_until(Steady::time_point deadline) {
   while (Steady::now() < deadline) {
     if (ended_) throw ClientError(ended_->first, ended_->second);
-    if (socket_->failed())
+    if (lost())
       recover();
     else
       run(deadline);
@@ -331,15 +331,22 @@ void Connection::keep_until(Steady::time_point deadline) {
 // ---- coming back
 // ---------------------------------------------------------------------------------------------------------------
 
+// What was refused long ago is no reason; what was said with a goodbye is.
+std::string Connection::why_lost() const {
+  if (!socket_) return "it could not be made";
+  return socket_->close_code() != 0 && !last_words_.empty() ? last_words_ : socket_->why();
+}
+
 void Connection::give_up(const std::string& code, const std::string& why) {
   ended_ = {code, why};
+  incoming_.clear();
   tell({ConnectionEvent::Kind::given_up, why});
   throw ClientError(code, why);
 }
 
 void Connection::recover() {
-  const std::string why = last_words_.empty() ? socket_->why() : last_words_;
-  const unsigned goodbye = socket_->close_code();
+  const std::string why = why_lost();
+  const unsigned goodbye = socket_ ? socket_->close_code() : 0;
   if (options_.reconnect_for.count() <= 0 || ends_for_good_ || goodbye == kPolicy || goodbye == kProtocolError) {
     ended_ = {"closed", "the server ended the connection: " + why};
     throw ClientError(ended_->first, ended_->second);

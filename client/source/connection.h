@@ -57,6 +57,8 @@ class Connection {
   void write(v1::ClientMessage& message);
   void acknowledge(std::uint64_t frame);
   void run(Steady::time_point deadline);
+  bool lost() const { return !socket_ || socket_->failed(); }  // none: a stop was seen while it was being made
+  std::string why_lost() const;
   [[noreturn]] void stop();
   [[noreturn]] void give_up(const std::string& code, const std::string& why);
   void recover();

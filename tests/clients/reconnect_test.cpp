@@ -219,6 +219,11 @@ TEST_F(Reconnect, AStopIsHeardWhileNobodyIsThere) {
   });
   EXPECT_EQ(code_of([&] { client.set_view("+x"); }), "cancelled");
   stopping.join();
+  EXPECT_EQ(code_of([&] { client.set_view("+x"); }), "cancelled");
+  stop = false;
+  server_.restart();
+  client.set_view("+y");
+  EXPECT_EQ(restored(), 1u) << "it can go on afterwards";
 }
 
 }  // namespace

@@ -250,7 +250,7 @@ class Connection:
             except _Lost as lost:
                 if not self.made:
                     raise IsostrataError("connection", str(lost)) from None
-                why = self._last_words or str(lost)
+                why = str(lost)
             if self._closing:
                 raise IsostrataError("closed", "the connection has been closed")
             with self._changed:
@@ -325,7 +325,8 @@ class Connection:
             await self._listen(socket)
         except websockets.ConnectionClosed as closed:
             self._for_good = self._for_good or closed.code in _FINAL
-            raise _Lost(closed.reason or str(closed)) from None
+            # What was refused long ago is no reason; what was said with a goodbye is.
+            raise _Lost((closed.rcvd and (self._last_words or closed.rcvd.reason)) or str(closed)) from None
         finally:
             await socket.close()
 
