@@ -27,9 +27,9 @@ bool same_picture(const FrameRequest& a, const FrameRequest& b) {
          a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes;
 }
 
-/// Whether who ordered `wanted` can do with the picture of another's request, made at that step of the ladder. Moving pictures that
-/// are less than the viewport deserves need not be of one's own step: else many who look over ways that differ a little would have a
-/// drawing each, and all would wait for all of them.
+/// Whether who ordered `wanted` can do with the picture of another's request, made at that step of the ladder. Moving pictures
+/// that are less than the viewport deserves need not be of one's own step: else many who look over ways that differ a little
+/// would have a drawing each, and all would wait for all of them.
 bool does_for(const FrameRequest& made, int step, const FrameRequest& wanted, const FrameOrder& order) {
   if (same_picture(made, wanted)) return true;
   const bool moving = order.phase == FramePhase::moving && !made.lossless && made.jpeg && !made.video && !wanted.video;

@@ -1,6 +1,7 @@
 // Who shares which video stream of a session. A frame of a stream is encoded once and must reach every member, in order; whoever
-// misses one goes on with a stream of their own, so that nobody waits for the slowest; but a session has few streams, since each is
-// an encoder that is paid for with every frame: beyond them the slow get pictures by themselves, which any two can share, for a while.
+// misses one goes on with a stream of their own, so that nobody waits for the slowest; but a session has few streams, since each
+// is an encoder that is paid for with every frame: beyond them the slow get pictures by themselves, which any two can share, for
+// a while.
 #pragma once
 
 #include <map>
@@ -26,7 +27,7 @@ class VideoStreams {
 
   struct Choice {
     StreamId stream = 0;  // 0: none can be had now, a picture by itself has to do
-    bool key = false;  // the frame must be a key frame: the viewer has none of the ones before
+    bool key = false;     // the frame must be a key frame: the viewer has none of the ones before
   };
 
   /// Whether choose() would give one, as far as can be known without the size.
