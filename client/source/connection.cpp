@@ -126,8 +126,7 @@ void Connection::open(Steady::time_point deadline) {
 // Leaves Welcome as the first message.
 void Connection::wait_for_welcome(Steady::time_point deadline) {
   while (incoming_.empty()) {
-    if (socket_->failed())
-      throw ClientError("closed", "the server ended the connection: " + why_lost());
+    if (socket_->failed()) throw ClientError("closed", "the server ended the connection: " + why_lost());
     if (Steady::now() >= deadline) throw ClientError("timeout", "the server did not answer Hello");
     run(deadline);
   }
@@ -371,6 +370,7 @@ void Connection::recover() {
       const bool same = welcome.session() == session_;
       if (!same) bring_state_back(welcome.session(), known);
       const std::size_t again = send_again(welcome, same, known.revision());
+      wait_for_dataset(end);
       session_ = welcome.session();
       return tell({ConnectionEvent::Kind::restored, "", again, !same});
     } catch (const ClientError& error) {
@@ -396,6 +396,19 @@ void Connection::bring_state_back(const std::string& session, const v1::State& k
     if (may_pass(error) || error.code() == "cancelled") throw;
     give_up("session_lost", "the server came back without session " + session_ + ", and refuses what it showed: " + error.what());
   }
+}
+
+// Commands that follow a dataset wait for it in the server, and pings do not: where one was to be opened again, it is waited for.
+void Connection::wait_for_dataset(Steady::time_point deadline) {
+  std::string opening;
+  for (const Sent& sent : log_)
+    if (!sent.judged && sent.message.has_open_dataset()) opening = sent.message.open_dataset().id();
+  const auto told = [&] {
+    return opening.empty() || newest_state_.dataset() == opening ||
+           std::any_of(incoming_.begin(), incoming_.end(), [](const v1::ServerMessage& m) { return m.has_error(); });
+  };
+  while (!told() && !socket_->failed() && Steady::now() < deadline) run(deadline);
+  if (socket_->failed()) throw ClientError("closed", why_lost());
 }
 
 // Commands without a verdict; and, where the server has lost the last moments of what it kept, those too that it had done then.

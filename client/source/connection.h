@@ -63,6 +63,7 @@ class Connection {
   [[noreturn]] void give_up(const std::string& code, const std::string& why);
   void recover();
   void wait_for_welcome(Steady::time_point deadline);
+  void wait_for_dataset(Steady::time_point deadline);
   std::size_t send_again(const v1::Welcome& welcome, bool same_session, std::uint64_t known_revision);
   void bring_state_back(const std::string& session, const v1::State& known);
   void tell(const ConnectionEvent& event) const {

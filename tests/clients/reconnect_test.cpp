@@ -32,6 +32,15 @@ class Reconnect : public ::testing::Test {
     out.on_connection = [this](const ConnectionEvent& event) { events_.push_back(event); };
     return out;
   }
+  /// What the server keeps is written by a thread of its own; a kill before that would be another test.
+  void wait_until_kept(const std::string& text) const {
+    for (int i = 0; i < 3000; ++i) {
+      for (const auto& file : std::filesystem::recursive_directory_iterator(folder_ / "state"))
+        if (file.path().extension() == ".journal" && read_text(file.path()).find(text) != std::string::npos) return;
+      std::this_thread::sleep_for(10ms);
+    }
+    ADD_FAILURE() << "the journal does not have " << text;
+  }
   std::size_t restored() const {
     std::size_t count = 0;
     for (const ConnectionEvent& event : events_) count += event.kind == ConnectionEvent::Kind::restored;
@@ -52,11 +61,11 @@ TEST_F(Reconnect, AClientGoesOnWhileTheServerIsKilledAndStartedAgain) {
   SERVED_OR_SKIP(server_);
   Client client(options());
   client.open_dataset("torus:12");
-  client.set_intervals({client::interval(0.1, 0.2), client::interval(0.3, 0.4)});
+  client.set_intervals({client::interval(0.1, 0.2), client::interval(0.3, 0.4, {.name = "the-second"})});
   const std::string session = client.welcome().session();
   const auto id = client.state().intervals(0).id();
   std::thread killer([&] {
-    std::this_thread::sleep_for(50ms);
+    wait_until_kept("the-second");
     server_.restart();
   });
   // Every call returns when it is done, whichever server did it.
@@ -84,6 +93,7 @@ TEST_F(Reconnect, WhatTheServerDidNotHearIsSentAgainInItsOrder) {
   Client client(options());
   client.open_dataset("torus:12");
   const auto id = client.state().intervals(0).id();
+  wait_until_kept("torus-12");
   server_.stop(SIGKILL);
   std::uint64_t last = 0;
   for (int i = 1; i <= 30; ++i) {

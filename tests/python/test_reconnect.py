@@ -39,6 +39,13 @@ class WithState(unittest.TestCase):
         self.addCleanup(session.close)
         return session
 
+    def wait_until_kept(self, text):
+        """What the server keeps is written by a thread of its own; a kill before that would be another test."""
+        end = time.monotonic() + 30
+        while not any(text in file.read_bytes() for file in (self.folder / "state").rglob("*.journal")):
+            self.assertLess(time.monotonic(), end, f"the journal does not have {text}")
+            time.sleep(0.01)
+
     def kinds(self):
         return [event.kind for event in self.events]
 
@@ -51,9 +58,9 @@ class WithState(unittest.TestCase):
 class Lost(WithState):
     def test_a_client_goes_on_while_the_server_is_killed_and_started_again(self):
         s = self.connect()
-        s.intervals.set([(0.1, 0.2), (0.3, 0.4)])
+        s.intervals.set([(0.1, 0.2), Interval(0.3, 0.4, name="the-second")])
         session, first = s.id, s.intervals[0]
-        killer = threading.Thread(target=lambda: (time.sleep(0.1), self.server.restart()))
+        killer = threading.Thread(target=lambda: (self.wait_until_kept(b"the-second"), self.server.restart()))
         killer.start()
         after = moves = 0
         while after < 20:
@@ -71,6 +78,7 @@ class Lost(WithState):
     def test_what_the_server_did_not_hear_is_sent_again_in_its_order(self):
         s = self.connect()
         first = s.intervals[0].id
+        self.wait_until_kept(b"torus-12")
         self.server.stop(signal.SIGKILL)
         for i in range(1, 31):
             s._connection.send(v1.ClientMessage(patch_interval=v1.PatchInterval(id=first, upper=0.5 + 0.001 * i)))
@@ -81,6 +89,7 @@ class Lost(WithState):
     def test_pictures_and_questions_wait_for_the_server(self):
         s = self.connect()
         before, counts = s.image(), s.histogram(bins=8).counts
+        self.wait_until_kept(b"torus-12")
         self.server.stop(signal.SIGKILL)
         again = threading.Thread(target=self.server.restart)
         again.start()
@@ -151,6 +160,7 @@ class Tls(WithState):
         context = ssl.create_default_context(cafile=str(self.certificate))
         self.assertIn(s.id, [each["id"] for each in isostrata.sessions(by_name, ssl_context=context)])
         self.assertTrue(self.connect(insecure=True).image().any())
+        self.wait_until_kept(b"torus-12")
         self.server.restart()
         s.intervals.set([(0.2, 0.4)])
         self.assertEqual(s.image().shape, (48, 64, 3))

@@ -87,6 +87,7 @@ class Connection:
         self._unmarked = 0  # commands since the last ping
         self._interacting = False
         self._up = False  # what is queued goes out
+        self._opening = ""  # a dataset that is opened once more after a loss
         self._known = 0  # the newest revision that was told before Welcome
         self._last_words = ""
         self._for_good = False  # the server has said that it does not come back
@@ -117,6 +118,8 @@ class Connection:
 
         def judged() -> bool:
             self._refuse(seq)
+            if self._opening:  # commands that follow a dataset wait for it in the server, and pings do not
+                return False
             return any(a.WhichOneof("body") == "pong" and a.pong.client_time_ms == mark for a in self._answers)
 
         # Messages are answered in order: when the ping is answered, the command has been judged.
@@ -393,6 +396,7 @@ class Connection:
                 verdict = v1.ServerMessage(error=welcome.last_command_error)
                 verdict.error.in_reply_to = unheard
                 self._answers.append(verdict)
+            self._opening = self._sent.opening() if again and self.state.dataset != self._sent.opening() else ""
             for data in again:
                 self._put(data)
             if self._interacting:
@@ -428,6 +432,8 @@ class Connection:
                 changed = self.on_state
             elif kind == "state":
                 self.state = message.state
+                if self.state.dataset == self._opening:
+                    self._opening = ""
                 if self._up:
                     self._known = message.state.revision
                 changed = self.on_state
@@ -450,6 +456,7 @@ class Connection:
                 self._pong(message)
             elif kind is not None:
                 if kind == "error":
+                    self._opening = ""
                     self._last_words = message.error.message
                     message.error.in_reply_to = self._sent.number_of(message.error.in_reply_to, exact=True)
                 self._answers.append(message)

@@ -84,6 +84,10 @@ class Sent:
         at = bisect_right(self._wires, wire)
         return self._numbers[at - 1] if at else self._contained
 
+    def opening(self) -> str:
+        """The dataset that a command without a verdict opens."""
+        return next((c.message.open_dataset.id for c in reversed(self._log) if not c.judged and c.message.HasField("open_dataset")), "")
+
     def new_connection(self) -> None:
         self._wire = 0
         self._wires.clear()
