@@ -115,7 +115,9 @@ def serve(job):
     from paraview.modules.vtkPVClientWeb import vtkPVWebApplication
     from paraview.web import protocols
 
-    carrier.shared["app"] = vtkPVWebApplication()
+    application = carrier.shared["app"] = vtkPVWebApplication()
+    if job["way"] != "render":
+        application.SetImageEncoding(0)  # pictures as they are, not as base64: what ParaView's applications choose for them
     for protocol in (protocols.ParaViewWebViewPort(), protocols.ParaViewWebViewPortImageDelivery(),
                      protocols.ParaViewWebPublishImageDelivery(decode=False)):
         carrier.take(protocol)
@@ -246,7 +248,10 @@ class Looker:
             await self.call("bench.turn", number % LEVELS**3, 1.5 * number, self.way == "push")
             if self.way == "render":
                 await self.ask()
-            await asyncio.wait_for(self.seen.wait(), 30)
+            seen = asyncio.ensure_future(self.seen.wait())
+            await asyncio.wait({seen, reading}, timeout=30, return_when=asyncio.FIRST_COMPLETED)
+            if not seen.done():
+                raise reading.exception() if reading.done() else TimeoutError(f"picture {number} has not come within 30 s")
             if number == warm:
                 self.frames.clear(), self.latency.clear()
                 self.bytes, self.begin = 0, time.monotonic()
@@ -266,7 +271,7 @@ class Looker:
 def start_display():
     """A window system for ParaView, which Debian builds for X alone: the process and its display."""
     read, write = os.pipe()
-    display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "2048x2048x24", "-nolisten", "tcp"], pass_fds=[write],
+    display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "2048x2048x24", "-nolisten", "tcp", "-noreset"], pass_fds=[write],
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     os.close(write)
     with os.fdopen(read) as told:
@@ -285,7 +290,7 @@ def paraview_environment(root, display):
 def measure_paraview(arguments, mesh, size, way):
     import websockets
 
-    server = subprocess.Popen([arguments.python, __file__, "--serve", json.dumps({"mesh": str(mesh), "size": size})],
+    server = subprocess.Popen([arguments.python, __file__, "--serve", json.dumps({"mesh": str(mesh), "size": size, "way": way})],
                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=arguments.environment, text=True)
     try:
         facts = None
