@@ -6,7 +6,6 @@
 
 #include "engine/draw_scene.h"
 #include "engine/transfer_function.h"
-
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/wire.h"
