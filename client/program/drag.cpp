@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
 #include <deque>
 #include <map>
 #include <memory>
@@ -84,8 +85,10 @@ class Audience {
     joining.resume_token = client.welcome().resume_token();
     for (int i = 0; i < arguments.silent; ++i) silent_.push_back(std::make_unique<Client>(joining));
     for (int i = 0; i < arguments.viewers; ++i) watching_.push_back(std::make_unique<Client>(joining));
-    // A few threads for all: each waits for one client at a time, and kernels buffer meanwhile.
     for (auto& viewer : watching_) threads_.emplace_back([this, &viewer] { watch(*viewer); });
+    // Their coming, each with the whole state and a lossless picture, is not what is measured.
+    std::unique_lock lock(mutex_);
+    seated_.wait_for(lock, kToSit, [&] { return have_a_picture_ == watching_.size(); });
   }
   ~Audience() { end(); }
 
@@ -103,6 +106,7 @@ class Audience {
   std::size_t frames() const { return frames_; }
 
  private:
+  static constexpr std::chrono::seconds kToSit{10};
   static std::array<double, 3> key(const v1::Camera& camera) { return {camera.eye().x(), camera.eye().y(), camera.eye().z()}; }
 
   void watch(Client& viewer) {
@@ -115,6 +119,7 @@ class Audience {
         const double arrived = now_ms();
         ++frames;
         std::lock_guard lock(mutex_);
+        if (frames == 1 && ++have_a_picture_ == watching_.size()) seated_.notify_one();
         if (const auto it = sent_.find(key(message->frame().camera())); it != sent_.end()) mine.push_back(arrived - it->second);
       }
     } catch (const ClientError&) {
@@ -129,6 +134,8 @@ class Audience {
   std::vector<std::thread> threads_;
   std::atomic<bool> ended_{false};
   std::mutex mutex_;  // guards what follows
+  std::condition_variable seated_;
+  std::size_t have_a_picture_ = 0;
   std::map<std::array<double, 3>, double> sent_;
   std::vector<double> latency_ms_;
   std::size_t frames_ = 0;

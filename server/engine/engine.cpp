@@ -370,7 +370,9 @@ class Engine::Impl {
     for (auto& [id, operation] : operations_) {
       const auto living = operation.lock();
       if (!living || living->session() != request.session) continue;
-      if (id == request.operation || (request.request != 0 && living->request() == request.request)) living->task().cancel();
+      if (id != request.operation && (request.request == 0 || living->request() != request.request)) continue;
+      if (request.superseded) living->supersede(0);
+      living->task().cancel();
     }
   }
 

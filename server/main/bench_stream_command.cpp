@@ -37,7 +37,7 @@ struct BenchArguments {
   std::string data = "cylinder", interval = "0.9934:0.9949";  // the paper's tapered cylinder: 55.6 K tetrahedra
   std::vector<std::string> links{"loopback", "40ms-20mbit", "80ms-2mbit", "40ms-20mbit-to-2mbit", "20ms-5mbit"};
   std::string size = "1280x720", codec = "auto", renderer = "native", device = "auto";
-  double seconds = 8;
+  double seconds = 8, rate = 60;
   int viewers = 0, silent = 0;
   int threads = 0;
   bool json = false, timeline = false;
@@ -187,7 +187,9 @@ json::object measure(const BenchServer& server, const BenchArguments& arguments,
                                  "--codec",
                                  arguments.codec,
                                  "--seconds",
-                                 std::to_string(arguments.seconds)};
+                                 std::to_string(arguments.seconds),
+                                 "--rate",
+                                 std::to_string(arguments.rate)};
   if (!reference.empty()) words.insert(words.end(), {"--reference", reference});
   const ScratchFile timeline(".json");
   words.insert(words.end(), {"--timeline", timeline.path.string()});
@@ -289,6 +291,9 @@ void add_bench_stream_command(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--seconds", arguments->seconds, "How long the camera turns, for each link")
       ->check(CLI::Range(0.5, 3600.0))
+      ->capture_default_str();
+  command->add_option("--rate", arguments->rate, "Inputs a second, and so the most frames a second")
+      ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   command->add_option("--viewers", arguments->viewers, "Further viewers of the same session")->check(CLI::Range(0, 1000));
   command->add_option("--silent", arguments->silent, "And viewers that never read")->check(CLI::Range(0, 1000));

@@ -30,14 +30,6 @@ v1::ServerMessage dataset_message(const DatasetFacts& facts) {
   return message;
 }
 
-bool same_picture(const FrameRequest& a, const FrameRequest& b) {
-  if (a.video.has_value() != b.video.has_value()) return false;
-  // Whoever needs a key frame cannot do with an ordinary one; the other way round is no loss.
-  if (a.video && (a.video->stream != b.video->stream || (b.video->key && !a.video->key))) return false;
-  return a.width == b.width && a.height == b.height && a.lossless == b.lossless && a.jpeg == b.jpeg &&
-         a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes;
-}
-
 }  // namespace
 
 v1::Error wire_error(const RequestFailed& failed) { return wire_error(to_string(failed.code), failed.message); }
@@ -79,27 +71,10 @@ void Session::detach(Viewer& viewer, TimePoint now) {
   viewer.stream = 0;
   end_streams();
   viewers_.erase(viewer.key);
+  if (viewers_.empty()) made_.clear();
   viewer.session = 0;
   last_use_ = now;
   people_changed();
-}
-
-// Whoever has missed a frame, or begins anew, gets a stream of their own, which begins with a key frame.
-void Session::begin_stream(Viewer& viewer, TimePoint now) {
-  streams_.missed(viewer.key, now);
-  viewer.stream = 0;
-  end_streams();
-  viewer.frames.scene_changed(state_.scene.revision, drawable(), now);  // the picture it did not get
-}
-
-void Session::end_streams() {
-  for (const StreamId stream : streams_.take_ended()) engine_.post(CloseStream{key_, stream});
-}
-
-void Session::step_down(Viewer& viewer, TimePoint now) {
-  if (viewer.ladder.size() > 1) viewer.ladder.erase(viewer.ladder.begin());
-  viewer.frames.set_video(is_video(viewer.ladder.front()));
-  begin_stream(viewer, now);
 }
 
 void Session::broadcast(const v1::ServerMessage& message) {
@@ -109,6 +84,7 @@ void Session::broadcast(const v1::ServerMessage& message) {
 void Session::changed(TimePoint now, bool soon) {
   unannounced_ = true;
   if (!soon || now - announced_ >= kAnnounce) announce(now);
+  made_.clear();
   for (auto& [key, viewer] : viewers_) {
     viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
     viewer->bands.clear();
@@ -133,9 +109,13 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   const std::uint64_t seq = message.seq();
   // An answer never overtakes the change that it answers.
   if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
-  const Reply reply = [this, key, seq](std::optional<v1::Error> error) {
-    Viewer* to = living(key);
-    if (to && error) send_error(*to, seq, std::move(*error));
+  const Reply reply = [this, key, seq, client = viewer.client_id](std::optional<v1::Error> error) {
+    if (!error) return;
+    // An answer that was long in coming follows its client to a newer connection, where the number means nothing.
+    if (Viewer* to = living(key))
+      send_error(*to, seq, std::move(*error));
+    else if (Viewer* again = back_again(client))
+      send_error(*again, 0, std::move(*error));
   };
   if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message))
     return;  // a picture may be asked for again
@@ -145,7 +125,12 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
     case v1::ClientMessage::kOpenDataset:
-      return open(message.open_dataset().id(), &viewer, now, reply);
+      open(message.open_dataset().id(), &viewer, now, reply);
+      if (opening_ && opening_->viewer == key && opening_->seq == seq && opening_->command == 0) {
+        opening_->client = viewer.client_id;
+        opening_->command = message.command();
+      }
+      return;
     case v1::ClientMessage::kViewport: {
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
@@ -210,9 +195,9 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
     // It means the dataset that the viewer has asked for.
     if (deferred_.size() >= kMaxDeferred)
       return send_error(viewer, seq, wire_error("unavailable", "too many commands wait for the dataset"));
-    deferred_.push_back([this, key = viewer.key, message](TimePoint) {
+    deferred_.push_back({[this, key = viewer.key, message](TimePoint) {
       if (Viewer* to = living(key)) send_histogram(*to, message);
-    });
+    }});
     return;
   }
   if (auto error = check_histogram(wanted, context())) return send_error(viewer, seq, std::move(*error));
@@ -248,9 +233,14 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
   if (opening_) {
     if (deferred_.size() >= kMaxDeferred)
       return reply(wire_error("unavailable", std::to_string(kMaxDeferred) + " commands wait for the dataset already"));
-    deferred_.push_back([this, message, key = viewer ? viewer->key : 0, expected, reply = std::move(reply)](TimePoint then) {
+    Deferred& last = deferred_.emplace_back();
+    last.run = [this, message, key = viewer ? viewer->key : 0, expected, reply = std::move(reply)](TimePoint then) {
       command(message, living(key), then, reply, expected);
-    });
+    };
+    if (viewer) {
+      last.client = viewer->client_id;
+      last.command = message.command();
+    }
     return;
   }
   if (asleep_)
@@ -284,7 +274,7 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     return reply(std::nullopt);
   }
   if (opening_) {
-    engine_.post(CancelRequest{key_, 0, opening_->request});
+    engine_.post(CancelRequest{key_, 0, opening_->request, true});
     engine_.forget(opening_->request);
     Opening given_up = std::move(*opening_);
     opening_.reset();
@@ -325,9 +315,9 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
 
 void Session::run_deferred(TimePoint now) {
   while (!opening_ && !deferred_.empty()) {
-    const auto next = std::move(deferred_.front());
+    const Deferred next = std::move(deferred_.front());
     deferred_.pop_front();
-    next(now);
+    next.run(now);
   }
 }
 
@@ -363,6 +353,7 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
   } else if (const auto* done = std::get_if<OperationDone>(&event)) {
     message.mutable_done()->set_operation(done->operation);
     message.mutable_done()->set_cancelled(done->cancelled);
+    message.mutable_done()->set_superseded(done->superseded);
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
     *message.mutable_error() = wire_error(*failed);
   } else {
@@ -392,136 +383,6 @@ void Session::pump(TimePoint now) {
   if (now - announced_ >= kAnnounce) announce(now);
   play_cycle(now);
   for (auto& [key, viewer] : viewers_) pump(*viewer, now);
-}
-
-void Session::send_bands(Viewer& viewer, TimePoint now) {
-  while (!viewer.bands.empty() && viewer.frames.next_band_at(now) <= now) {
-    Viewer::Band& band = viewer.bands.front();
-    band.frame.set_frame_id(viewer.frames.sent_band(band.payload->size(), now));
-    viewer.outbox->send_frame(std::move(band.frame), std::move(band.payload));
-    viewer.bands.pop_front();
-  }
-}
-
-void Session::leave_picture(Viewer& viewer) {
-  const auto it = pictures_.find(std::exchange(viewer.ordered_request, 0));
-  if (it == pictures_.end()) return;
-  it->second.takers.erase(viewer.key);
-  if (!it->second.takers.empty()) return;
-  engine_.post(ForgetFrame{key_, it->first});
-  engine_.forget(it->first);
-  pictures_.erase(it);
-}
-
-void Session::pump(Viewer& viewer, TimePoint now) {
-  send_bands(viewer, now);
-  if (viewer.frames.withdraw_order()) leave_picture(viewer);
-  const auto order = viewer.frames.next(now);
-  if (!order) return;
-  announce(now);
-  FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
-  // A settled frame is a picture by itself, as good as pictures get that are not lossless.
-  if (order->phase == FramePhase::moving && is_video(viewer.ladder.front())) {
-    const auto choice = streams_.choose(viewer.key, viewer.ladder.front(), order->width, order->height, now);
-    viewer.stream = choice.stream;
-    end_streams();
-    request.video = VideoOrder{viewer.ladder.front(), choice.stream, order->bitrate_kbps, choice.key};
-  }
-  if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
-  // One that is not being drawn yet will show the newest scene, and so will one that was asked for after the newest change.
-  for (auto& [id, picture] : pictures_) {
-    if ((picture.started && picture.revision != state_.scene.revision) || !same_picture(picture.request, request) ||
-        picture.takers.contains(viewer.key))
-      continue;
-    picture.takers[viewer.key] = *order;
-    if (picture.started)
-      viewer.frames.started();
-    else
-      viewer.ordered_request = id;
-    return;
-  }
-  // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
-  auto number = std::make_shared<RequestId>(0);
-  *number =
-      engine_.ask(request, [this, number](const EngineEvent& event, TimePoint then) { on_picture_event(*number, event, then); });
-  pictures_[*number] = {request, state_.scene.revision, false, {{viewer.key, *order}}};
-  viewer.ordered_request = *number;
-}
-
-void Session::give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now) {
-  v1::Frame frame = to_wire(ready);
-  std::shared_ptr<const Bytes> payload = ready.bytes;
-  viewer.bands.clear();
-  if (ready.bands) {
-    v1::Frame next = frame;
-    next.clear_facts();
-    for (std::size_t i = 0; i < ready.bands->size(); ++i) {
-      const PngBand& band = (*ready.bands)[i];
-      const std::shared_ptr<const Bytes> bytes(ready.bands, &band.bytes);  // all viewers' pieces are these
-      v1::Frame& piece = i == 0 ? frame : viewer.bands.emplace_back(Viewer::Band{next, bytes}).frame;
-      if (i == 0) payload = bytes;
-      piece.mutable_band()->set_first_row(static_cast<std::uint32_t>(band.first_row));
-      piece.mutable_band()->set_rows(static_cast<std::uint32_t>(band.rows));
-      piece.mutable_band()->set_index(static_cast<std::uint32_t>(i));
-      piece.mutable_band()->set_count(static_cast<std::uint32_t>(ready.bands->size()));
-      piece.set_input_seq(viewer.input_of(ready.revision));
-    }
-  }
-  if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
-  frame.set_frame_id(viewer.frames.sent(order, ready.revision, payload->size(), now));
-  frame.set_input_seq(viewer.input_of(ready.revision));
-  viewer.outbox->send_frame(std::move(frame), std::move(payload));
-}
-
-void Session::on_picture_event(RequestId request, const EngineEvent& event, TimePoint now) {
-  const auto it = pictures_.find(request);
-  if (it == pictures_.end()) return;
-  const auto each_taker = [&](const Picture& picture, const auto& act) {
-    for (const auto& [key, order] : picture.takers)
-      if (Viewer* viewer = living(key)) act(*viewer, order);
-  };
-  if (std::holds_alternative<FrameStarted>(event)) {
-    it->second.started = true;
-    each_taker(it->second, [](Viewer& viewer, const FrameOrder&) {
-      viewer.ordered_request = 0;
-      viewer.frames.started();
-    });
-    return pump(now);
-  }
-  const Picture picture = std::move(it->second);
-  pictures_.erase(it);
-  if (!picture.started) each_taker(picture, [](Viewer& viewer, const FrameOrder&) { viewer.ordered_request = 0; });
-  if (const auto* ready = std::get_if<FrameReady>(&event)) {
-    std::vector<ViewerKey> of_stream;
-    if (ready->video) of_stream = streams_.takers(ready->video->stream, ready->video->key);
-    const auto in_stream = [&](ViewerKey key) { return std::find(of_stream.begin(), of_stream.end(), key) != of_stream.end(); };
-    each_taker(picture, [&](Viewer& viewer, const FrameOrder& order) {
-      if (ready->video && !in_stream(viewer.key))
-        viewer.frames.failed(picture.started);  // it was being drawn when the viewer left its stream
-      else
-        give(viewer, order, *ready, now);
-    });
-    // The stream's next frame is of use only to whoever has this one.
-    for (const ViewerKey key : of_stream) {
-      Viewer* viewer = living(key);
-      if (!viewer || picture.takers.empty() || picture.takers.contains(key)) continue;
-      if (viewer->frames.visible() && viewer->frames.in_flight() < viewer->frames.window() && !viewer->frames.stalled(now))
-        give(*viewer, picture.takers.begin()->second, *ready, now);
-      else
-        begin_stream(*viewer, now);
-    }
-  } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
-    each_taker(picture, [&](Viewer& viewer, const FrameOrder&) {
-      viewer.frames.failed(picture.started);
-      // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
-      if (picture.started && !failed->encoder_failed && failed->code != ErrorCode::cancelled)
-        send_error(viewer, 0, wire_error(*failed));
-    });
-    if (failed->encoder_failed && picture.request.video)
-      for (const ViewerKey key : streams_.members(picture.request.video->stream))
-        if (Viewer* viewer = living(key)) step_down(*viewer, now);
-  }
-  pump(now);
 }
 
 std::optional<TimePoint> Session::wake_at(TimePoint now) const {

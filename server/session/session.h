@@ -20,8 +20,8 @@ namespace isostrata {
 
 class Session;
 
-/// How a session reaches the engine and its keepers. Asked for something, the engine answers to the listener with that request's events, the last
-/// of which is DatasetReady, HistogramReady, FrameReady or RequestFailed.
+/// How a session reaches the engine and its keepers. Asked for something, the engine answers to the listener with that request's
+/// events, the last of which is DatasetReady, HistogramReady, FrameReady or RequestFailed.
 class EngineDoor {
  public:
   using Listener = std::function<void(const EngineEvent& event, TimePoint now)>;
@@ -43,7 +43,8 @@ class Session {
   using Reply = std::function<void(std::optional<v1::Error> error)>;  // none: done
 
   Session(SessionKey key, EngineDoor& engine);
-  /// One that a journal has kept. It sleeps, that is, its dataset is not opened, until somebody comes; its state is known at once.
+  /// One that a journal has kept. It sleeps, that is, its dataset is not opened, until somebody comes; its state is known at
+  /// once.
   Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept);
   ~Session();
   Session(const Session&) = delete;
@@ -71,7 +72,7 @@ class Session {
   /// Whether its dataset is being opened again after a restart; what is asked meanwhile would be told that there is none.
   bool waking() const { return asleep_.has_value() && opening_.has_value(); }
   /// Calls back once it is awake, or has failed to wake.
-  void after_waking(std::function<void(TimePoint)> then) { deferred_.push_back(std::move(then)); }
+  void after_waking(std::function<void(TimePoint)> then) { deferred_.push_back({std::move(then)}); }
 
   void attach(Viewer& viewer, TimePoint now);
   void detach(Viewer& viewer, TimePoint now);
@@ -124,9 +125,17 @@ class Session {
   /// A picture that is being made, for everyone who asked for the same one.
   struct Picture {
     FrameRequest request;
+    int step = 0;                // of the picture ladder
     std::uint64_t revision = 0;  // of the scene when it was asked for: it shows this one or a newer one
     bool started = false;
     std::map<ViewerKey, FrameOrder> takers;
+  };
+
+  /// One of the newest scene that is there already.
+  struct Made {
+    FrameRequest request;
+    int step = 0;
+    FrameReady ready;
   };
 
   struct Opening {
@@ -135,6 +144,19 @@ class Session {
     ViewerKey viewer = 0;
     std::uint64_t seq = 0;
     Reply reply;
+    std::string client;  // as in Deferred
+    std::uint64_t command = 0;
+  };
+
+  struct Deferred {
+    std::function<void(TimePoint)> run;
+    std::string client;         // whose command it is; empty: none that is numbered
+    std::uint64_t command = 0;  // its number
+  };
+
+  struct Client {
+    std::string id;
+    std::uint64_t last_command = 0;
   };
 
   Viewer* living(ViewerKey key);
@@ -152,6 +174,7 @@ class Session {
   void leave_picture(Viewer& viewer);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);
+  void leave_stream(Viewer& viewer, TimePoint now);
   void end_streams();
   void step_down(Viewer& viewer, TimePoint now);
   void send_bands(Viewer& viewer, TimePoint now);
@@ -162,6 +185,8 @@ class Session {
 
   bool forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
   bool done_before(const Viewer& viewer, const v1::ClientMessage& message);
+  std::uint64_t settled_command(const Client& client) const;
+  Viewer* back_again(const std::string& client_id);
   void people_changed();
   void set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& reply);
   bool answer_people(Viewer& viewer, const v1::ClientMessage& message, const Reply& reply);
@@ -177,17 +202,14 @@ class Session {
   bool unannounced_ = false;  // the scene is newer than the engine and the viewers know
   TimePoint announced_{};
   std::optional<Opening> opening_;
-  std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
+  std::deque<Deferred> deferred_;    // commands that wait for opening_
   std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
   std::map<RequestId, Picture> pictures_;
+  std::deque<Made> made_;  // the newest first; none of an older scene
   VideoStreams streams_;
   Invitations invitations_;
-  struct Client {
-    std::string id;
-    std::uint64_t last_command = 0;
-  };
   std::deque<Client> clients_;  // the one that was heard last first
-  int histograms_ = 0;  // asked for and not answered
+  int histograms_ = 0;          // asked for and not answered
   TimePoint last_use_{};
   std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };

@@ -58,7 +58,7 @@ journal::Entry Session::entry() const {
   }
   for (const Client& client : clients_) {
     entry.add_clients()->set_id(client.id);
-    entry.mutable_clients()->rbegin()->set_last_command(client.last_command);
+    entry.mutable_clients()->rbegin()->set_last_command(settled_command(client));
   }
   return entry;
 }

@@ -10,18 +10,26 @@ StreamId VideoStreams::of(ViewerKey viewer) const {
   return 0;
 }
 
+bool VideoStreams::sociable(ViewerKey viewer, TimePoint now) const {
+  const auto past = past_.find(viewer);
+  return past == past_.end() || now >= past->second.back_at;
+}
+
+bool VideoStreams::has_room(ViewerKey viewer, TimePoint now) const {
+  return streams_.size() < kMostStreams || sociable(viewer, now) || of(viewer) != 0;
+}
+
 VideoStreams::Choice VideoStreams::choose(ViewerKey viewer, Codec codec, int width, int height, TimePoint now) {
   const StreamId current = of(viewer);
   const auto fits = [&](const Stream& s) { return s.codec == codec && s.width == width && s.height == height; };
-  const auto past = past_.find(viewer);
-  const bool sociable = past == past_.end() || now >= past->second.back_at;
   if (current != 0) {
     Stream& mine = streams_[current];
     if (mine.members.size() > 1 && fits(mine)) return {current, !mine.members[viewer]};
   }
-  if (sociable)
+  if (sociable(viewer, now))
     for (auto& [id, stream] : streams_)
       if (id != current && fits(stream)) {
+        if (stream.key_at && now - *stream.key_at < kKeyPause) continue;
         leave(viewer);
         stream.members[viewer] = false;
         return {id, true};
@@ -36,7 +44,8 @@ VideoStreams::Choice VideoStreams::choose(ViewerKey viewer, Codec codec, int wid
     }
     leave(viewer);
   }
-  streams_[++last_] = {codec, width, height, {{viewer, false}}};
+  if (streams_.size() >= kMostStreams) return {};
+  streams_[++last_] = {codec, width, height, {{viewer, false}}, std::nullopt};
   return {last_, false};
 }
 
@@ -59,10 +68,11 @@ void VideoStreams::leave(ViewerKey viewer, bool gone) {
   }
 }
 
-std::vector<ViewerKey> VideoStreams::takers(StreamId id, bool key) {
+std::vector<ViewerKey> VideoStreams::takers(StreamId id, bool key, TimePoint now) {
   std::vector<ViewerKey> all;
   const auto it = streams_.find(id);
   if (it == streams_.end()) return all;
+  if (key) it->second.key_at = now;
   for (auto& [viewer, begun] : it->second.members) {
     begun = begun || key;
     if (begun) all.push_back(viewer);

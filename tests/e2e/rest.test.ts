@@ -157,6 +157,11 @@ test('every operation of the document can be called, and answers what the docume
     if (format === 'vtu') await answers.call('deleteOperation', { session, operation });
     else await answers.call('deleteExport', { session, export: operation });
   }
+  await answers.call('getEngine');
+  await answers.call('listParticipants', at);
+  await answers.call('createInvitation', at, { role: 'ROLE_VIEWER', seconds: 3600 });
+  const invitation = (await answers.call('listInvitations', at)).json.invitations[0].id as string;
+  await answers.call('revokeInvitation', { session, invitation });
   // Refusals have a schema, too.
   for (const [id, path, body] of [
     ['getState', { session: 'nosuch' }, undefined],

@@ -176,7 +176,7 @@ TEST_F(RestRoutes, IfMatchGuardsEveryChange) {
     expect_problem(stale, 412, "precondition_failed", "If-Match");
     const auto now = header_of(ask("GET", session + "/state"), "ETag");
     EXPECT_EQ(header_of(stale, "ETag"), now);
-    for (const std::string bad : {"W/" + now, std::string("2"), std::string("\"\""), std::string()})
+    for (const std::string& bad : {"W/" + now, std::string("2"), std::string("\"\""), std::string()})
       EXPECT_EQ(status_of(ask(change.first, session + path, change.second, "If-Match: " + bad + "\r\n")), 412) << bad;
     EXPECT_LT(status_of(ask(change.first, session + path, change.second, "If-Match: " + now + "\r\n")), 300) << path;
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <set>
 
 #include "session/fake_engine.h"
 
@@ -87,6 +88,38 @@ TEST_F(SharedPictures, WhoComesWhileOneIsDrawnTakesItWhereItIsOfTheNewestScene) 
   EXPECT_EQ(clients_[1]->outbox.frames.size(), had + 1);
 }
 
+TEST_F(SharedPictures, WhoComesAfterwardsGetsTheSameBytesUntilTheSceneChanges) {
+  begin(2);
+  hide(*clients_[1], true);
+  s_.say(*clients_[0], s_.camera(5));
+  const auto request = s_.take<FrameRequest>().at(0);
+  s_.start(request);
+  s_.finish(request, revision());
+  hide(*clients_[1], false);
+  EXPECT_TRUE(s_.take<FrameRequest>().empty());
+  EXPECT_EQ(clients_[1]->outbox.payloads.back(), clients_[0]->outbox.payloads.back());
+  EXPECT_EQ(clients_[1]->outbox.frames.back().revision(), revision());
+
+  hide(*clients_[1], true);
+  s_.say(*clients_[0], s_.camera(6));
+  for (const auto& newer : s_.take<FrameRequest>()) s_.start(newer);  // and is not finished
+  const auto had = clients_[1]->outbox.frames.size();
+  hide(*clients_[1], false);
+  EXPECT_EQ(clients_[1]->outbox.frames.size(), had) << "the one that is there is of an older scene";
+}
+
+TEST_F(SharedPictures, OfAnOlderSceneThanTheNewestAreNotKept) {
+  begin(2);
+  hide(*clients_[1], true);
+  s_.say(*clients_[0], s_.camera(5));
+  const auto request = s_.take<FrameRequest>().at(0);
+  s_.start(request);
+  s_.finish(request, revision() - 1);  // its extraction was not ready
+  const auto had = clients_[1]->outbox.frames.size();
+  hide(*clients_[1], false);
+  EXPECT_EQ(clients_[1]->outbox.frames.size(), had);
+}
+
 TEST_F(SharedPictures, WhoComesWhileAnOldOneIsDrawnGetsANewOne) {
   begin(2);
   hide(*clients_[1], true);
@@ -164,6 +197,7 @@ TEST_F(SharedPictures, VideoIsOneStreamForAllInStep) {
 
 TEST_F(SharedPictures, WhoJoinsAVideoStreamBeginsWithItsKeyFrame) {
   begin(1, true);
+  s_.now += VideoStreams::kKeyPause;
   clients_.push_back(s_.connect(s_.resuming(*clients_[0], s_.looking(64, 48, true))));
   s_.say(*clients_[0], s_.camera(5));
   bool key = false;
@@ -208,6 +242,40 @@ TEST_F(SharedPictures, NobodyEverMissesAFrameOfTheStreamTheyAreIn) {
     }
   }
   EXPECT_GT(made.size(), 1u) << "nobody was ever out of step: the test shows nothing";
+}
+
+// An encoder for each would take a core for each.
+TEST_F(SharedPictures, ManyWhoAreOutOfStepHaveFewStreamsAndPicturesByThemselves) {
+  begin(40, true);
+  std::set<StreamId> open;
+  std::size_t most = 0, orders = 0, by_itself = 0;
+  for (int move = 0; move < 300; ++move) {
+    s_.now += std::chrono::milliseconds(30);
+    s_.say(*clients_[0], s_.camera(move));
+    const auto requests = s_.take<FrameRequest>();
+    for (const auto& request : requests)
+      if (request.video) open.insert(request.video->stream);
+    for (const auto& closed : s_.take<CloseStream>()) open.erase(closed.stream);
+    most = std::max(most, open.size());
+    orders += requests.size();
+    for (const auto& request : requests) {
+      s_.start(request);
+      s_.finish(request, revision());
+    }
+    for (std::size_t i = 0; i < clients_.size(); ++i) {
+      auto& frames = clients_[i]->outbox.frames;
+      if (frames.empty()) continue;
+      by_itself += frames.back().stream_id() == 0;
+      const std::uint64_t newest = frames.back().frame_id();
+      if (static_cast<std::size_t>(move) % (1 + i % 9) == 0) {
+        acknowledge(*clients_[i], newest);
+        frames.clear();
+      }
+    }
+  }
+  EXPECT_EQ(most, VideoStreams::kMostStreams);
+  EXPECT_GT(by_itself, 0u);
+  EXPECT_LT(orders, 300u * 9) << "drawings and encodings for 40 viewers and 300 moves";
 }
 
 }  // namespace

@@ -200,6 +200,7 @@ export interface Welcome {
   limits: { maxIntervals: number; maxTransferPoints?: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
   role?: Role; // of this page; absent: controller
   participant?: bigint; // which of the participants this page is
+  lastCommand?: number; // the newest of this page's commands that the session has judged
   endsUnixMs?: number; // when the server is known to end; 0: not known
 }
 
@@ -295,7 +296,7 @@ export type ServerEvent =
   | { kind: 'histogram'; histogram: Histogram }
   | { kind: 'frame'; frame: Frame }
   | { kind: 'progress'; progress: Progress }
-  | { kind: 'done'; operation: bigint; cancelled: boolean }
+  | { kind: 'done'; operation: bigint; cancelled: boolean; superseded: boolean }
   | { kind: 'error'; error: ServerError }
   | { kind: 'pong'; clientTimeMs: number }
   | ({ kind: 'shutdown' } & Ending)

@@ -120,7 +120,7 @@ const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
 });
 
 export const command = {
-  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg']): Command => ({
+  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg'], clientId = ''): Command => ({
     case: 'hello',
     value: {
       protocolMajor,
@@ -130,6 +130,7 @@ export const command = {
       stillFormats: ['png', 'png-bands'],
       movingFormats: [...movingFormats],
       resumeToken,
+      clientId,
     },
   }),
   openDataset: (id: string): Command => ({ case: 'openDataset', value: { id } }),
@@ -214,8 +215,9 @@ export const command = {
   ping: (clientTimeMs: number): Command => ({ case: 'ping', value: { clientTimeMs } }),
 };
 
-export function encodeCommand(seq: number, body: Command): Uint8Array<ArrayBuffer> {
-  const bytes = toBinary(ClientMessageSchema, create(ClientMessageSchema, { seq: BigInt(seq), body }));
+/** number: of a command that may be sent again, over all connections; 0: none. */
+export function encodeCommand(seq: number, body: Command, number = 0): Uint8Array<ArrayBuffer> {
+  const bytes = toBinary(ClientMessageSchema, create(ClientMessageSchema, { seq: BigInt(seq), body, command: BigInt(number) }));
   return bytes as Uint8Array<ArrayBuffer>;
 }
 
@@ -240,7 +242,7 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
       return { kind: 'progress', progress: { operation, stage, fraction } };
     }
     case 'done':
-      return { kind: 'done', operation: body.value.operation, cancelled: body.value.cancelled };
+      return { kind: 'done', operation: body.value.operation, cancelled: body.value.cancelled, superseded: body.value.superseded };
     case 'error': {
       const { inReplyTo, code, message, field } = body.value;
       return { kind: 'error', error: { inReplyTo: Number(inReplyTo), code, message, field } };
@@ -405,6 +407,7 @@ function welcomeOf(w: WireWelcome): Welcome {
     colorMaps: w.colorMaps,
     role: roles.name(w.role),
     participant: w.participant,
+    lastCommand: Number(w.lastCommand),
     endsUnixMs: w.endsUnixMs,
     movingFormats: w.movingFormats,
     limits: {
