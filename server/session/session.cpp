@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/draw_scene.h"
-
+#include "engine/transfer_function.h"
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/wire.h"
@@ -98,7 +98,7 @@ void Session::announce(TimePoint now) {
   if (!unannounced_) return;
   unannounced_ = false;
   announced_ = now;
-  engine_.post(SceneUpdate{key_, state_.scene});
+  engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
   engine_.state_told(*this);

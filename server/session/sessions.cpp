@@ -254,6 +254,7 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   welcome.set_device_is_software(drawing.device_is_software);
   for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
   welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
+  welcome.mutable_limits()->set_max_transfer_points(kMaxTransferPoints);
   welcome.mutable_limits()->set_max_width(kMaxSide);
   welcome.mutable_limits()->set_max_height(kMaxSide);
   welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
