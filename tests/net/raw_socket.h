@@ -59,6 +59,12 @@ class RawSocket {
     if (closed) *closed = false;
     return all;
   }
+  /// What comes next; empty: the server has closed, or nothing came in the time.
+  std::string read_piece(int timeout_ms = 8000) {
+    std::string piece;
+    read_some(piece, timeout_ms);
+    return piece;
+  }
   /// A whole HTTP response with a Content-Length, or what came before the end.
   std::string read_response() {
     std::string all;
