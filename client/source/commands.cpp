@@ -106,6 +106,13 @@ void Client::set_transfer_function(const std::vector<v1::TransferPoint>& points)
   command(std::move(message));
 }
 
+void Client::set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points) {
+  v1::PatchInterval patch;
+  patch.set_id(id);
+  patch.mutable_transfer_function()->mutable_points()->Add(points.begin(), points.end());
+  patch_interval(patch);
+}
+
 void Client::set_triangulation(v1::Triangulation triangulation) {
   v1::ClientMessage message;
   message.mutable_set_triangulation()->set_triangulation(triangulation);

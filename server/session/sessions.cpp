@@ -254,6 +254,7 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   welcome.set_device_is_software(drawing.device_is_software);
   for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
   welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
+  welcome.mutable_limits()->set_max_transfer_points(kMaxTransferPoints);
   welcome.mutable_limits()->set_max_width(kMaxSide);
   welcome.mutable_limits()->set_max_height(kMaxSide);
   welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);
@@ -445,6 +446,7 @@ void Sessions::shut_down(const std::string& reason, Duration deadline) {
     viewer->outbox->send(message);
     viewer->outbox->close(kCloseGoingAway, reason);
   }
+  for (const auto& [key, session] : sessions_) session_changed(*session);  // a camera of the last milliseconds may not be written yet
 }
 
 }  // namespace isostrata

@@ -133,7 +133,16 @@ class Layers(WithServer):
         self.assertEqual(len(s.message.terms), 0)
         lower, upper = s.arrays["Density"]
         s.set_transfer_function([(lower, "#000000", 0), ((lower + upper) / 2, "#ff0000", 0.5), (upper, "#ffffff", 0)])
-        self.assertEqual([i.own_range for i in s.intervals], [True, True])
+        middle = (lower + upper) / 2
+        self.assertEqual([(i.lower, i.upper, i.transfer[1][1:]) for i in s.intervals], [(lower, upper, ("#ff0000", 0.5))])
+        self.assertRefused("unsupported", setattr, s, "color_by", "Energy", field="color_by")
+        changed = s.intervals.patch(s.intervals[0], transfer=[(lower, "#00ff00", 0.25), (middle, "#0000ff", 0.5)])
+        self.assertEqual((changed.upper, changed.transfer[0]), (middle, (lower, "#00ff00", 0.25)))
+        again = s.intervals.set(list(s.intervals))  # a value brings all of itself along
+        self.assertEqual(again[0].transfer, changed.transfer)
+        self.assertEqual(s.intervals.patch(changed, transfer=()).transfer, ())
+        s.transfer_from_matplotlib(lambda t: (t, 0, 1 - t, 1), opacity=0.25, count=5)
+        self.assertEqual([p[1] for p in s.intervals[0].transfer], ["#0000ff", "#4000bf", "#800080", "#bf0040", "#ff0000"])
         self.assertRefused("not_found", setattr, s, "array", "Temperature")
 
     def test_histograms_are_numpys(self):

@@ -86,8 +86,10 @@ class Client {
   void reorder_priorities(const std::vector<std::uint32_t>& ids);
   /// Ranges of other arrays, combined with the intervals from left to right; none: the intervals alone.
   void set_combination(const std::vector<v1::RangeTerm>& terms);
-  /// Replaces all intervals by touching ones between neighbouring points.
+  /// Replaces all intervals by one that looks as the points say, from the first one's value to the last one's.
   void set_transfer_function(const std::vector<v1::TransferPoint>& points);
+  /// The same for one interval, whose ends become those of the points; none: it looks as it did without.
+  void set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points);
   void set_triangulation(v1::Triangulation triangulation);
 
   // ---- how it looks

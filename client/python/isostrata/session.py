@@ -18,7 +18,7 @@ from .errors import IsostrataError
 from .intervals import Intervals
 from .png import decode_png
 from .rest import Rest
-from .scene import Camera, Color, Term, rgb, vec3
+from .scene import Camera, Color, Point, Term, rgb, to_points, vec3
 from .show import View
 from .v1 import isostrata_pb2 as v1
 
@@ -323,10 +323,20 @@ class Session:
         wires = [(term if isinstance(term, Term) else Term(*term)).to_wire() for term in terms]
         self.command(set_combination=v1.SetCombination(terms=wires))
 
-    def set_transfer_function(self, points: Sequence[Tuple[float, Color, float]]) -> None:
-        """Replaces all intervals by touching ones between neighbouring (value, colour, opacity)."""
-        wires = [v1.TransferPoint(value=value, color=rgb(color), opacity=opacity) for value, color, opacity in points]
-        self.command(set_transfer_function=v1.SetTransferFunction(points=wires))
+    def set_transfer_function(self, points: Sequence[Point]) -> None:
+        """Replaces all intervals by one that looks as these (value, colour, opacity) say, straight between them."""
+        self.command(set_transfer_function=v1.SetTransferFunction(points=to_points(points)))
+
+    def transfer_from_matplotlib(self, color_map: Any, opacity: float = 0.3, count: int = 33) -> None:
+        """A transfer function over the whole array, in the colours of a matplotlib colour map: its name, or anything that makes
+        (red, green, blue, ...) of a number in [0, 1]."""
+        if isinstance(color_map, str):
+            import matplotlib
+
+            color_map = matplotlib.colormaps[color_map]
+        lower, upper = self.arrays[self.array]
+        places = [i / (count - 1) for i in range(count)]
+        self.set_transfer_function([(lower * (1 - t) + upper * t, tuple(color_map(t))[:3], opacity) for t in places])
 
     def appearance(
         self,

@@ -43,6 +43,7 @@ import type {
   Smear,
   Surface,
   TimeMode,
+  TransferPoint,
   Triangulation,
   Vec3,
   Welcome,
@@ -100,11 +101,15 @@ const triangulations = byWire<Triangulation, WireTriangulation>([
 ]);
 
 const wireSurface = ({ color, ...rest }: Surface) => ({ ...rest, ...(color ? { color: wireRgb(color) } : {}) });
-const wireInterval = ({ color, surface, opacityUpper, ...rest }: Interval) => ({
+const wireTransfer = (points: readonly TransferPoint[]) => ({
+  points: points.map(({ value, color, opacity }) => ({ value, color: wireRgb(color), opacity })),
+});
+const wireInterval = ({ color, surface, opacityUpper, transfer, ...rest }: Interval) => ({
   ...rest,
   color: wireRgb(color),
   ...(surface ? { surface: wireSurface(surface) } : {}),
   ...(typeof opacityUpper === 'number' ? { opacityUpper } : {}),
+  ...(transfer ? { transferFunction: wireTransfer(transfer) } : {}),
 });
 const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
   ...rest,
@@ -139,7 +144,7 @@ export const command = {
     value: { intervals: intervals.map(wireInterval) },
   }),
   patchInterval: (id: number, patch: IntervalPatch): Command => {
-    const { color, surface, opacityUpper, ...rest } = patch;
+    const { color, surface, opacityUpper, transfer, ...rest } = patch;
     const value = {
       id,
       ...rest,
@@ -147,6 +152,7 @@ export const command = {
       ...(surface !== undefined ? { surface: surface ? wireSurface(surface) : {} } : {}),
       ...(typeof opacityUpper === 'number' ? { opacityUpper } : {}),
       ...(opacityUpper === null ? { clearOpacityUpper: true } : {}),
+      ...(transfer !== undefined ? { transferFunction: wireTransfer(transfer ?? []) } : {}),
     };
     return { case: 'patchInterval', value };
   },
@@ -302,6 +308,9 @@ const intervalOf = (i: WireInterval): Interval => ({
   opacityUpper: i.opacityUpper ?? null,
   ownRange: i.ownRange,
   surface: i.surface ? surfaceOf(i.surface) : null,
+  transfer: i.transferFunction?.points.length
+    ? i.transferFunction.points.map((p) => ({ value: p.value, color: rgbOf(p.color), opacity: p.opacity }))
+    : null,
 });
 
 const invitationOf = ({ id, role, expiresUnixMs, name, token, present }: WireInvitation): Invitation => ({
@@ -403,6 +412,7 @@ function welcomeOf(w: WireWelcome): Welcome {
     movingFormats: w.movingFormats,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,
+      maxTransferPoints: w.limits?.maxTransferPoints || 512,
       maxClipPlanes: w.limits?.maxClipPlanes || 32,
       maxWidth: w.limits?.maxWidth || 4096,
       maxHeight: w.limits?.maxHeight || 4096,

@@ -26,6 +26,7 @@ import { CameraCredits, Outbox } from './pacing';
 import { command, protocolMajor, type Command, type ViewportSize } from './protocol';
 import { restoreStep } from './restore';
 import type { SavedTab } from './saved';
+import { stretched } from './transfer';
 import { StreamLost } from './video-decoder';
 
 /** A frame without its bytes, and what this side measured of it. */
@@ -66,6 +67,8 @@ export class Session {
   ending = $state.raw<{ atMs: number; reason: string; comesBack: boolean } | null>(null);
   /** The layer that keys and new edits go to. */
   selected = $state.raw<number | null>(null);
+  /** Of its transfer function, where it has one: the point that the swatch and the fields go to. */
+  selectedPoint = $state.raw(0);
   /** A hand is at something: it is not taken away from under it, whatever the connection does. */
   interacting = $state.raw(false);
   readonly notices = new Notices();
@@ -218,12 +221,24 @@ export class Session {
     this.outbox.put('unitDistance', command.setAppearance({ unitDistance }));
   }
 
-  patchInterval(id: number, patch: IntervalPatch): void {
+  patchInterval(id: number, change: IntervalPatch): void {
     if (!this.view.intervals.some((interval) => interval.id === id)) return; // somebody has deleted it under the hand
+    const patch = this.withTransfer(id, change);
     this.optimistic.patch(id, patch, this.doors.now());
     this.refresh();
     this.notices.clear('layers', id);
     this.outbox.putPatch(id, patch);
+  }
+  // A transfer function and the layer's ends belong together: whichever is moved, the other goes along, at once and not only when the server says so.
+  private withTransfer(id: number, patch: IntervalPatch): IntervalPatch {
+    const before = this.view.intervals.find((interval) => interval.id === id);
+    const points = patch.transfer === undefined ? before?.transfer : patch.transfer;
+    const [first, last] = [points?.[0], points?.[points.length - 1]];
+    if (!before || !points || !first || !last) return patch;
+    if (patch.transfer) return { ...patch, lower: first.value, upper: last.value };
+    if (patch.lower === undefined && patch.upper === undefined) return patch;
+    const { lower, upper } = { ...before, ...patch };
+    return { ...patch, lower, upper, transfer: stretched(points, lower, upper) };
   }
   addInterval(interval: Omit<Interval, 'id' | 'priority'>): void {
     const most = this.welcome?.limits.maxIntervals ?? 256;
