@@ -89,18 +89,19 @@ void Session::changed(TimePoint now, bool soon) {
     viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
     viewer->bands.clear();
   }
-  engine_.session_changed(*this);
   pump(now);
 }
 
-// Thousands of cameras a second would be copied to everyone, and nobody sees them.
+// Thousands of cameras a second would be copied to everyone and written down, and nobody sees them.
 void Session::announce(TimePoint now) {
   if (!unannounced_) return;
   unannounced_ = false;
   announced_ = now;
   engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
+  engine_.session_changed(*this);
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
+  engine_.state_told(*this);
 }
 
 void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
@@ -109,8 +110,10 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   const std::uint64_t seq = message.seq();
   // An answer never overtakes the change that it answers.
   if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
-  const Reply reply = [this, key, seq, client = viewer.client_id](std::optional<v1::Error> error) {
+  const Reply reply = [this, key, seq, client = viewer.client_id,
+                       command = message.command()](std::optional<v1::Error> error) {
     if (!error) return;
+    if (command != 0) note_refused(client, command, *error);
     // An answer that was long in coming follows its client to a newer connection, where the number means nothing.
     if (Viewer* to = living(key))
       send_error(*to, seq, std::move(*error));

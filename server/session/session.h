@@ -33,6 +33,9 @@ class EngineDoor {
   virtual void forget(RequestId request) = 0;
   /// What is to be kept of the session is another than before.
   virtual void session_changed(const Session&) {}
+  /// The viewers have been told a new revision; other people are there, or may do other things.
+  virtual void state_told(const Session&) {}
+  virtual void people_changed(const Session&) {}
   /// Whoever came by the invitation is to be cut off. Not called back from within.
   virtual void invitation_ended(const Session&, const std::string&) {}
 };
@@ -120,6 +123,8 @@ class Session {
   void came(const Viewer&) { people_changed(); }
   /// The newest command of this client that was judged; 0: none.
   std::uint64_t last_command(const std::string& client_id) const;
+  /// What that one was refused with; null: it was done, or it is not known.
+  const v1::Error* last_command_error(const std::string& client_id) const;
 
  private:
   /// A picture that is being made, for everyone who asked for the same one.
@@ -157,6 +162,7 @@ class Session {
   struct Client {
     std::string id;
     std::uint64_t last_command = 0;
+    std::optional<v1::Error> error = {};  // of last_command
   };
 
   Viewer* living(ViewerKey key);
@@ -185,6 +191,7 @@ class Session {
 
   bool forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
   bool done_before(const Viewer& viewer, const v1::ClientMessage& message);
+  void note_refused(const std::string& client_id, std::uint64_t command, const v1::Error& error);
   std::uint64_t settled_command(const Client& client) const;
   Viewer* back_again(const std::string& client_id);
   void people_changed();

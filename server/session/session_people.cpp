@@ -71,6 +71,19 @@ std::uint64_t Session::last_command(const std::string& client_id) const {
   return 0;
 }
 
+// The answer may be lost with its connection; the client hears of it when it comes back.
+void Session::note_refused(const std::string& client_id, std::uint64_t command, const v1::Error& error) {
+  for (Client& client : clients_)
+    if (!client_id.empty() && client.id == client_id && client.last_command == command) client.error = error;
+}
+
+const v1::Error* Session::last_command_error(const std::string& client_id) const {
+  if (!client_id.empty())
+    for (const Client& client : clients_)
+      if (client.id == client_id) return client.error ? &*client.error : nullptr;
+  return nullptr;
+}
+
 v1::Participants Session::participants() const {
   v1::Participants all;
   for (const auto& [key, viewer] : viewers_) {
@@ -85,6 +98,7 @@ v1::Participants Session::participants() const {
 }
 
 void Session::people_changed() {
+  engine_.people_changed(*this);
   if (viewers_.empty()) return;
   v1::ServerMessage message;
   *message.mutable_participants() = participants();

@@ -90,6 +90,14 @@ void Sessions::invitation_ended(const Session& session, const std::string& invit
       refuse(*viewer, 0, wire_error("forbidden", "the invitation is over or was taken back"), kClosePolicy);
 }
 
+void Sessions::state_told(const Session& session) {
+  for (SessionsObserver* observer : observers_) observer->state_told(session);
+}
+
+void Sessions::people_changed(const Session& session) {
+  for (SessionsObserver* observer : observers_) observer->people_changed(session);
+}
+
 ViewerKey Sessions::attach(Outbox& outbox, TimePoint now, Admission admission) {
   now_ = now;
   auto viewer = std::make_unique<Viewer>();
@@ -236,6 +244,7 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   welcome.set_role(viewer.role);
   welcome.set_participant(viewer.key);
   welcome.set_last_command(session.last_command(viewer.client_id));
+  if (const v1::Error* error = session.last_command_error(viewer.client_id)) *welcome.mutable_last_command_error() = *error;
   welcome.set_ends_unix_ms(static_cast<double>(options_.ends));
   for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
   *welcome.mutable_state() = session.wire_state();
@@ -437,6 +446,7 @@ void Sessions::shut_down(const std::string& reason, Duration deadline) {
     viewer->outbox->send(message);
     viewer->outbox->close(kCloseGoingAway, reason);
   }
+  for (const auto& [key, session] : sessions_) session_changed(*session);  // a camera of the last milliseconds may not be written yet
 }
 
 }  // namespace isostrata

@@ -4,6 +4,8 @@ import base64
 import json
 import signal
 import tempfile
+import threading
+import time
 import types
 import unittest
 from pathlib import Path
@@ -356,7 +358,7 @@ class Troubles(unittest.TestCase):
         for number in (signal.SIGKILL, signal.SIGTERM):
             server = Served("torus:12")
             self.addCleanup(server.close)
-            s = isostrata.connect(server.url, "torus:12")
+            s = isostrata.connect(server.url, "torus:12", reconnect=0)
             self.addCleanup(s.close)
             server.stop(number)
             with self.assertRaises(IsostrataError) as caught:
@@ -365,6 +367,33 @@ class Troubles(unittest.TestCase):
             with self.assertRaises(IsostrataError) as caught:
                 s.image()
             self.assertEqual(caught.exception.code, "connection")
+
+    def test_listeners_and_loops_hear_of_changes(self):
+        server = Served("torus:12")
+        self.addCleanup(server.close)
+        s = isostrata.connect(server.url, "torus:12")
+        self.addCleanup(s.close)
+        other = isostrata.connect(server.url, session=s.id)
+        self.addCleanup(other.close)
+        heard = []
+        s.on_change(lambda session: heard.append(session.intervals[0].lower))
+        changes = s.changes(count=2, timeout=30)
+        waiting = threading.Thread(target=lambda: (time.sleep(0.2), other.intervals.set([(0.1, 0.2)]), other.view("+x")))
+        waiting.start()
+        first = next(changes)
+        self.assertEqual((first.fields, first.state.intervals[0].lower), ({"intervals"}, 0.1))
+        self.assertEqual(next(changes).fields, {"camera"})
+        self.assertEqual(list(changes), [])
+        waiting.join()
+        self.assertIn(0.1, heard)
+        s.on_change(lambda session: session.view("+y"))  # which would wait for its own thread
+        other.view("-x")
+        s.wait(lambda session: session.revision >= other.revision)
+        s.on_change(None)
+        s.view("+z")
+        with self.assertRaises(IsostrataError) as caught:
+            next(s.changes(timeout=0.2))
+        self.assertEqual(caught.exception.code, "timeout")
 
 
 if __name__ == "__main__":

@@ -71,6 +71,27 @@ TEST_F(People, AViewersCommandsAreForbiddenAndChangeNothing) {
   EXPECT_EQ(viewer->outbox.closed, 0);
 }
 
+TEST_F(People, AVerdictThatWasNotHeardIsToldWithTheNextWelcome) {
+  auto hello = s_.resuming(*owner_);
+  hello.set_client_id("a-client");
+  auto client = s_.connect(hello);
+  v1::ClientMessage refused;
+  refused.mutable_patch_interval()->set_id(4711);
+  refused.set_command(1);
+  s_.say(*client, refused);
+  auto again = s_.connect(hello);
+  EXPECT_EQ(again->outbox.welcome().last_command(), 1u);
+  EXPECT_EQ(again->outbox.welcome().last_command_error().code(), "not_found");
+  v1::ClientMessage done = s_.camera(3);
+  done.set_command(2);
+  s_.say(*client, done);
+  again = s_.connect(hello);
+  EXPECT_EQ(again->outbox.welcome().last_command(), 2u);
+  EXPECT_FALSE(again->outbox.welcome().has_last_command_error());
+  hello.set_client_id("another-client");
+  EXPECT_EQ(s_.connect(hello)->outbox.welcome().last_command(), 0u);
+}
+
 TEST_F(People, EveryoneIsToldWhoIsThere) {
   auto hello = s_.resuming(*owner_);
   hello.set_name("Ada");
