@@ -376,7 +376,7 @@ def compare(arguments):
                       f"| {peer['p95'] / ours['p95']:.1f} |", flush=True)
                 if peer["lost"]:
                     print(f"{text}, {way}: {peer['lost']} of ParaView's newest pictures were sent only when asked for again", file=sys.stderr)
-                if peer["size"] != size or peer["covered"] < 0.02:
+                if peer["size"] != size or peer["covered"] < 0.005:
                     print(f"ParaView's picture is {peer['size']}, {peer['covered']:.1%} of it not background", file=sys.stderr)
     print(f"\n{peer['version']}, {peer['mapper']}, {peer['cells']} tetrahedra, {peer['covered']:.0%} of the last picture covered; load average "
           f"{os.getloadavg()[0]:.1f}")
