@@ -87,20 +87,20 @@ TEST_F(ModesCommands, AnIntervalsTransferFunctionBringsItsEndsAndMovesWithThem) 
   ASSERT_FALSE(apply(R"({"selectArrays":{"colorBy":"Energy"}})").error);
   const SceneInterval before = state_.scene.intervals[1];
   ASSERT_FALSE(apply(std::string(R"({"patchInterval":{"id":2,"lower":7,"upper":8,)") + kTwoPoints + "}}").error);
-  const SceneInterval& interval = state_.scene.intervals[1];
-  EXPECT_EQ(interval.lower, 1);
-  EXPECT_EQ(interval.upper, 3);
+  const auto interval = [&]() -> const SceneInterval& { return state_.scene.intervals[1]; };  // another one after each command
+  EXPECT_EQ(interval().lower, 1);
+  EXPECT_EQ(interval().upper, 3);
   EXPECT_EQ(state_.scene.color_by, "Density");
   ASSERT_FALSE(apply(R"({"patchInterval":{"id":2,"upper":5}})").error);
-  EXPECT_EQ(interval.transfer, (std::vector<TransferPoint>{{1, {1, 0, 0}, 0.25}, {5, {0, 0, 1}, 0.5}}));
+  EXPECT_EQ(interval().transfer, (std::vector<TransferPoint>{{1, {1, 0, 0}, 0.25}, {5, {0, 0, 1}, 0.5}}));
   ASSERT_FALSE(apply(R"({"selectArrays":{"array":"Energy"}})").error);  // [0, 8] is then [-100, 300]
-  EXPECT_EQ(interval.transfer.front().value, -50);
-  EXPECT_EQ(interval.transfer.back().value, 150);
+  EXPECT_EQ(interval().transfer.front().value, -50);
+  EXPECT_EQ(interval().transfer.back().value, 150);
   EXPECT_EQ(state_.scene.color_by, "Energy");
   ASSERT_FALSE(apply(R"({"patchInterval":{"id":2,"transferFunction":{}}})").error);
-  EXPECT_TRUE(interval.transfer.empty());
-  EXPECT_EQ(interval.color, before.color);
-  EXPECT_EQ(interval.opacity, before.opacity);
+  EXPECT_TRUE(interval().transfer.empty());
+  EXPECT_EQ(interval().color, before.color);
+  EXPECT_EQ(interval().opacity, before.opacity);
 }
 
 TEST_F(ModesCommands, ColoursOfAnotherArrayAndTransferFunctionsExcludeEachOther) {
