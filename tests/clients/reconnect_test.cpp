@@ -222,6 +222,8 @@ TEST_F(Reconnect, AStopIsHeardWhileNobodyIsThere) {
   forever.reconnect_for = std::chrono::hours(1);
   forever.stop = &stop;
   Client client(forever);
+  client.open_dataset("torus:12");
+  wait_until_kept("torus-12");
   server_.stop(SIGKILL);
   std::thread stopping([&] {
     std::this_thread::sleep_for(200ms);
