@@ -234,7 +234,7 @@ TEST_F(Reconnect, AStopIsHeardWhileNobodyIsThere) {
   EXPECT_EQ(code_of([&] { client.set_view("+x"); }), "cancelled");
   stop = false;
   server_.restart();
-  client.set_view("+y");
+  client.set_annotations(true, false, false);
   EXPECT_EQ(restored(), 1u) << "it can go on afterwards";
 }
 
