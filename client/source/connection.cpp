@@ -195,6 +195,9 @@ std::uint64_t Connection::send(v1::ClientMessage message) {
   if (marks_.size() > kMostLogged) marks_.pop_front();
   if (is_command(message)) {
     message.set_command(++last_command_);
+    // A hand goes on turning while nobody is there; the server would read no more than a thousand of its cameras at once.
+    if (lost() && message.has_set_camera() && !log_.empty() && !log_.back().judged && log_.back().message.has_set_camera())
+      log_.pop_back();
     log_.push_back({number, last_command_, message, Steady::now()});
     forget_old();
     ++since_mark_;

@@ -2,6 +2,8 @@
 // sockets between them, and a link of a given delay and rate.
 //
 // Links: "loopback", "40ms-20mbit", "20mbit" and, falling within a second in the middle of the run, "40ms-20mbit-to-2mbit".
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/json.hpp>
@@ -256,35 +258,54 @@ void print_text(const json::object& run) {
   std::fflush(stdout);
 }
 
-/// The same link alone and with each neighbour, in turns, so that a machine that others slow down slows down all of them.
+/// That this process, and so the server with its neighbour, has used.
+double cpu_seconds() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto seconds = [](const timeval& of) { return static_cast<double>(of.tv_sec) + 1e-6 * static_cast<double>(of.tv_usec); };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+/// The same link alone and with each neighbour, in turns, so that a machine that others slow down slows down all of them; each round
+/// begins with another of them.
 json::array measure_with_neighbours(const BenchServer& server, const BenchArguments& arguments, const std::string& link,
                                     const std::string& reference) {
   json::array runs;
   std::vector<std::string> all{"none"};
   all.insert(all.end(), arguments.hostile.begin(), arguments.hostile.end());
-  std::map<std::string, std::vector<double>> p95;
+  struct Measured {
+    std::vector<double> p95_ms, cores;  // of the server
+  };
+  std::map<std::string, Measured> measured;
   for (int round = 0; round < arguments.rounds; ++round)
-    for (const std::string& manners : all) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::string& manners = all[(i + static_cast<std::size_t>(round)) % all.size()];
       std::unique_ptr<HostileClient> neighbour;
       if (manners != "none") neighbour = server.neighbour(manners);
+      const auto began = std::chrono::steady_clock::now();
+      const double used = cpu_seconds() - (neighbour ? neighbour->cpu_seconds() : 0);
       json::object one = measure(server, arguments, link, reference);
+      const double cores = (cpu_seconds() - (neighbour ? neighbour->cpu_seconds() : 0) - used) /
+                           std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
       one["hostile"] = manners;
+      one["server_cores"] = cores;
       if (neighbour) {
         one["hostile_messages"] = neighbour->messages();
         one["hostile_connections"] = neighbour->connections();
       }
-      p95[manners].push_back(number(one.at("input_to_decoded_ms").as_object(), "p95"));
+      measured[manners].p95_ms.push_back(number(one.at("input_to_decoded_ms").as_object(), "p95"));
+      measured[manners].cores.push_back(cores);
       if (!arguments.json) std::printf("%-12s ", manners.c_str()), print_text(one);
       runs.push_back(std::move(one));
     }
   if (arguments.json) return runs;
-  std::printf("p95 of %d rounds, and against none\n", arguments.rounds);
-  for (auto& [manners, of] : p95) std::sort(of.begin(), of.end());
-  const std::size_t middle = static_cast<std::size_t>(arguments.rounds) / 2;
+  std::printf("%-14s p95 ms: least  median  greatest   server's cores, median\n", "neighbour");
   for (const std::string& manners : all) {
-    const std::vector<double>& of = p95[manners];
-    std::printf("  %-12s min %.0f  median %.0f  max %.0f ms  %+.0f %%\n", manners.c_str(), of.front(), of[middle], of.back(),
-                100 * (of[middle] / p95["none"][middle] - 1));
+    auto& [p95, cores] = measured[manners];
+    std::sort(p95.begin(), p95.end());
+    std::sort(cores.begin(), cores.end());
+    std::printf("  %-12s %13.0f %7.0f %9.0f %17.2f\n", manners.c_str(), p95.front(), p95[p95.size() / 2], p95.back(),
+                cores[cores.size() / 2]);
   }
   return runs;
 }

@@ -4,16 +4,20 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "isostrata/v1/isostrata.pb.h"
@@ -170,6 +174,13 @@ class HostileClient::Impl {
     thread_.join();
   }
 
+  double cpu_seconds() {
+    clockid_t clock{};
+    timespec used{};
+    if (pthread_getcpuclockid(thread_.native_handle(), &clock) != 0 || clock_gettime(clock, &used) != 0) return 0;
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+  }
+
   std::atomic<std::uint64_t> messages_{0}, connections_{0};
 
  private:
@@ -263,5 +274,6 @@ HostileClient::HostileClient(unsigned short port, std::string token, std::string
 HostileClient::~HostileClient() = default;
 std::uint64_t HostileClient::messages() const { return impl_->messages_; }
 std::uint64_t HostileClient::connections() const { return impl_->connections_; }
+double HostileClient::cpu_seconds() const { return impl_->cpu_seconds(); }
 
 }  // namespace isostrata

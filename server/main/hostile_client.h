@@ -27,6 +27,7 @@ class HostileClient {
   /// What it has done so far.
   std::uint64_t messages() const;
   std::uint64_t connections() const;
+  double cpu_seconds() const;  // of its thread, to tell its own cost from the server's
 
  private:
   class Impl;

@@ -89,16 +89,16 @@ void Session::changed(TimePoint now, bool soon) {
     viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
     viewer->bands.clear();
   }
+  engine_.session_changed(*this);
   pump(now);
 }
 
-// Thousands of cameras a second would be copied to everyone and written down, and nobody sees them.
+// Thousands of cameras a second would be copied to everyone, and nobody sees them.
 void Session::announce(TimePoint now) {
   if (!unannounced_) return;
   unannounced_ = false;
   announced_ = now;
   engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
-  engine_.session_changed(*this);
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
   engine_.state_told(*this);

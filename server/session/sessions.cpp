@@ -446,7 +446,6 @@ void Sessions::shut_down(const std::string& reason, Duration deadline) {
     viewer->outbox->send(message);
     viewer->outbox->close(kCloseGoingAway, reason);
   }
-  for (const auto& [key, session] : sessions_) session_changed(*session);  // a camera of the last milliseconds may not be written yet
 }
 
 }  // namespace isostrata

@@ -69,7 +69,9 @@ TEST(FrameDecoder, BandsAreThePictureToTheLastByte) {
     for (const v1::Frame& frame : frames) {
       const auto picture = decoder.decode(frame);
       ASSERT_EQ(picture.has_value(), &frame == &frames.back());
-      if (picture) EXPECT_EQ(distance(image, *picture), 0);
+      if (picture) {
+        EXPECT_EQ(distance(image, *picture), 0);
+      }
       EXPECT_FALSE(decoder.needs_stream());
     }
 }
