@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 
+#include "transfer_file.h"
 #include "whole_file.h"
 
 namespace isostrata::client {
@@ -90,6 +91,11 @@ void add_scene_options(CLI::App& command, SceneArguments& arguments) {
                   "LOWER:UPPER and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N, and of the surface's looks that "
                   "`isostrata render` takes; they replace the session's")
       ->type_name("INTERVAL");
+  command
+      .add_option("--transfer", arguments.transfer,
+                  "A transfer function in place of the session's intervals: the JSON that `isostrata render --transfer` takes")
+      ->type_name("FILE.json")
+      ->excludes("--interval");
   command.add_option("--size", arguments.size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--camera", arguments.camera, "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg, or reset, +x, -x, +y, -y, +z, -z");
   command.add_option("--session", arguments.session, "Id or resume token of the session to join; none: a new one");
@@ -183,6 +189,9 @@ Client connect(Options options, const SceneArguments& arguments) {
 }
 
 void set_scene(Client& client, const SceneArguments& arguments) {
+  // What is wrong with a file is said before anything is changed.
+  const std::vector<v1::TransferPoint> transfer =
+      arguments.transfer.empty() ? std::vector<v1::TransferPoint>{} : read_transfer(arguments.transfer);
   std::string id;
   for (const v1::DatasetEntry& entry : client.welcome().datasets())
     if (entry.id() == arguments.dataset || (id.empty() && entry.name() == arguments.dataset)) id = entry.id();
@@ -199,6 +208,7 @@ void set_scene(Client& client, const SceneArguments& arguments) {
     for (std::size_t i = 0; i < arguments.intervals.size(); ++i) intervals.push_back(parse_interval(arguments.intervals[i], i));
     client.set_intervals(intervals);
   }
+  if (!arguments.transfer.empty()) client.set_transfer_function(transfer);
   if (arguments.camera.empty()) return;
   if (arguments.camera.find('=') == std::string::npos)
     client.set_view(arguments.camera);

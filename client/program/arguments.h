@@ -14,6 +14,7 @@ struct SceneArguments {
   std::string dataset;  // id or name; empty: what the session shows, else the first
   std::string array;
   std::vector<std::string> intervals;
+  std::string transfer;  // file; empty: none
   std::string size = "800x600";
   std::string camera;
   std::string session;  // id, or resume token, of the session to join

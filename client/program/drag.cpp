@@ -12,7 +12,7 @@
 #include <numbers>
 #include <thread>
 
-#include "frame_decoder.h"
+#include "isostrata/video.h"
 
 namespace isostrata::client {
 namespace {
@@ -145,17 +145,6 @@ void throw_error(const v1::ServerMessage& message) {
   if (message.has_error()) throw ClientError(message.error().code(), message.error().message());
 }
 
-/// The frame's picture; of a video stream that began before anyone decoded it, a new beginning is asked for instead.
-std::optional<Picture> decode(Client& client, FrameDecoder& decoder, const v1::Frame& frame) {
-  std::optional<Picture> picture = decoder.decode(frame);
-  if (picture) return picture;
-  v1::ClientMessage failed;
-  failed.mutable_decoder_failed()->set_stream_id(frame.stream_id());
-  failed.mutable_decoder_failed()->set_again(true);
-  client.send(std::move(failed));
-  return std::nullopt;
-}
-
 /// Waits for the lossless frame that contains the message `seq`.
 void rest(Client& client, FrameDecoder& decoder, std::uint64_t seq, double since_ms, std::chrono::milliseconds timeout,
           Dragged& dragged) {
@@ -166,7 +155,7 @@ void rest(Client& client, FrameDecoder& decoder, std::uint64_t seq, double since
     throw_error(*message);
     if (!message->has_frame()) continue;
     const v1::Frame& frame = message->frame();
-    std::optional<Picture> picture = decode(client, decoder, frame);
+    std::optional<Picture> picture = client.decode_frame(decoder, frame);
     if (!picture || frame.input_seq() < seq) continue;
     if (frame.phase() == v1::FRAME_PHASE_SETTLED && dragged.rest_to_settled_ms == 0)
       dragged.rest_to_settled_ms = now_ms() - since_ms;
@@ -183,7 +172,7 @@ void rest(Client& client, FrameDecoder& decoder, std::uint64_t seq, double since
 
 Dragged drag(Client& client, const Options& options, const DragArguments& arguments) {
   const v1::State start = client.state();
-  FrameDecoder decoder;
+  FrameDecoder decoder(video_decoder);
   Dragged dragged;
   dragged.seconds = arguments.seconds;
   Audience audience(client, options, arguments);
@@ -214,7 +203,7 @@ Dragged drag(Client& client, const Options& options, const DragArguments& argume
     if (!message->has_frame()) continue;
     const v1::Frame& frame = message->frame();
     const double arrived = now_ms();
-    if (!decode(client, decoder, frame)) continue;
+    if (!client.decode_frame(decoder, frame)) continue;
     const double decoded = now_ms();
     for (; !inputs.empty() && inputs.front().seq <= frame.input_seq(); inputs.pop_front()) {
       newest_shown_ms = inputs.front().at_ms;

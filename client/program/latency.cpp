@@ -10,7 +10,7 @@
 
 #include "arguments.h"
 #include "drag.h"
-#include "frame_decoder.h"
+#include "isostrata/video.h"
 
 namespace isostrata::client {
 namespace {
@@ -163,7 +163,7 @@ void add_latency(CLI::App& app, Options& options) {
       ->capture_default_str();
   command->add_flag("--json", a->json, "One JSON document");
   command->callback([&options, a] {
-    options.moving_formats = a->codec == "auto" ? decodable_formats() : std::vector<std::string>{"jpeg"};
+    options.moving_formats = a->codec == "auto" ? video_formats() : std::vector<std::string>{"jpeg"};
     if (a->codec != "auto" && a->codec != "jpeg") options.moving_formats.push_back(a->codec);
     Client client = connect(options, a->scene);
     set_scene(client, a->scene);

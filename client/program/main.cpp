@@ -20,6 +20,12 @@ void show_progress(const isostrata::v1::Progress& progress) {
                progress.fraction() >= 1 ? "\r\x1b[K" : "");
 }
 
+void show_connection(const isostrata::client::ConnectionEvent& event) {
+  using Kind = isostrata::client::ConnectionEvent::Kind;
+  if (event.kind == Kind::lost) std::fprintf(stderr, "\rthe connection is lost (%s), trying again\x1b[K", event.reason.c_str());
+  if (event.kind == Kind::restored) std::fprintf(stderr, "\r\x1b[K");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -40,8 +46,20 @@ int main(int argc, char** argv) {
   app.add_option("--token", options.token, "The token, where the address has none")->envname("ISOSTRATA_TOKEN");
   long timeout_s = 60;
   app.add_option("--timeout", timeout_s, "Seconds to wait for an answer")->check(CLI::Range(1, 86400))->capture_default_str();
+  app.add_option("--ca-file", options.ca_file, "Of https: the certificates, in PEM, that are trusted in place of the system's")
+      ->envname("ISOSTRATA_CA_FILE")
+      ->type_name("FILE");
+  app.add_flag("--insecure", options.insecure, "Of https: takes any certificate");
+  double reconnect_s = 30;
+  app.add_option("--reconnect", reconnect_s, "Seconds that a lost connection is tried again; 0: not at all")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.require_subcommand(1);
-  app.parse_complete_callback([&] { options.timeout = std::chrono::seconds(timeout_s); });
+  app.parse_complete_callback([&] {
+    options.timeout = std::chrono::seconds(timeout_s);
+    options.reconnect_for = std::chrono::milliseconds(static_cast<long>(reconnect_s * 1000));
+  });
+  if (isatty(STDERR_FILENO)) options.on_connection = show_connection;
   isostrata::client::add_info(app, options);
   isostrata::client::add_snapshot(app, options);
   isostrata::client::add_set(app, options);

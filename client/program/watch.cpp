@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "arguments.h"
+#include "isostrata/video.h"
 
 namespace isostrata::client {
 namespace {
@@ -56,11 +57,11 @@ void print(const v1::ServerMessage& message, const v1::State& before) {
       break;
     case v1::ServerMessage::kFrame: {
       const v1::Frame& frame = message.frame();
-      std::printf("frame    %llu: revision %llu, %s %ux%u, %zu bytes, %lld tetrahedra, %.1f ms on %s\n",
+      std::printf("frame    %llu: revision %llu, %s %ux%u, %zu bytes (%s), %lld tetrahedra, %.1f ms on %s\n",
                   static_cast<unsigned long long>(frame.frame_id()), static_cast<unsigned long long>(frame.revision()),
                   frame.phase() == v1::FRAME_PHASE_LOSSLESS ? "lossless" : "moving", frame.width(), frame.height(),
-                  frame.payload().size(), static_cast<long long>(frame.facts().tetrahedra()), frame.stages().total_ms(),
-                  frame.facts().device().c_str());
+                  frame.payload().size(), frame.format().c_str(), static_cast<long long>(frame.facts().tetrahedra()),
+                  frame.stages().total_ms(), frame.facts().device().c_str());
       break;
     }
     case v1::ServerMessage::kDatasetInfo:
@@ -87,9 +88,23 @@ void print(const v1::ServerMessage& message, const v1::State& before) {
   }
 }
 
+void print(const ConnectionEvent& event) {
+  if (event.kind == ConnectionEvent::Kind::restored)
+    std::printf("back     %s%zu commands sent again\n",
+                event.new_session ? "in a new session, which shows what the old one showed; " : "", event.resent);
+  else
+    std::printf("%s %s\n", event.kind == ConnectionEvent::Kind::lost ? "lost    " : "given up", event.reason.c_str());
+}
+
 void watch(const Options& options, const WatchArguments& arguments) {
   Options quiet = options;
-  quiet.on_progress = nullptr;  // it has lines of its own here
+  quiet.on_progress = nullptr;  // they have lines of their own here
+  quiet.on_connection = [&](const ConnectionEvent& event) {
+    if (!arguments.json) print(event);
+    std::fflush(stdout);
+  };
+  quiet.moving_formats = video_formats();
+  FrameDecoder decoder(video_decoder);
   SceneArguments scene = arguments.scene;
   const bool pictures = !scene.size.empty();
   Client client = connect(quiet, scene);
@@ -112,6 +127,9 @@ void watch(const Options& options, const WatchArguments& arguments) {
       print(*message, shown);
     std::fflush(stdout);
     if (message->has_state()) shown = message->state();
+    if (message->has_welcome()) shown = client.state();
+    // A stream is followed as a page would follow it, so that what is told of it is what a person gets.
+    if (message->has_frame()) client.decode_frame(decoder, message->frame());
     if (message->has_frame() && pictures && ++frames == arguments.frames) return;
   }
 }

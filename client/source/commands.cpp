@@ -106,6 +106,13 @@ void Client::set_transfer_function(const std::vector<v1::TransferPoint>& points)
   command(std::move(message));
 }
 
+void Client::set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points) {
+  v1::PatchInterval patch;
+  patch.set_id(id);
+  patch.mutable_transfer_function()->mutable_points()->Add(points.begin(), points.end());
+  patch_interval(patch);
+}
+
 void Client::set_triangulation(v1::Triangulation triangulation) {
   v1::ClientMessage message;
   message.mutable_set_triangulation()->set_triangulation(triangulation);
@@ -201,6 +208,35 @@ std::optional<v1::Frame> Client::next_frame(std::chrono::milliseconds timeout) {
     if (message->has_error()) throw ClientError(message->error().code(), message->error().message(), message->error().field());
     if (message->has_frame()) return std::move(*message->mutable_frame());
   }
+}
+
+std::optional<ShownFrame> Client::next_picture(FrameDecoder& decoder, std::chrono::milliseconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    const auto left = deadline - std::chrono::steady_clock::now();
+    auto frame = next_frame(std::max(std::chrono::milliseconds(0), std::chrono::ceil<std::chrono::milliseconds>(left)));
+    if (!frame) return std::nullopt;
+    if (auto picture = decode_frame(decoder, *frame)) {
+      frame->clear_payload();
+      return ShownFrame{std::move(*frame), std::move(*picture)};
+    }
+  }
+}
+
+std::optional<Picture> Client::decode_frame(FrameDecoder& decoder, const v1::Frame& frame) {
+  std::optional<Picture> picture;
+  try {
+    picture = decoder.decode(frame);
+  } catch (const ClientError&) {
+    if (!decoder.needs_stream()) throw;
+  }
+  if (decoder.needs_stream()) {
+    v1::ClientMessage failed;
+    failed.mutable_decoder_failed()->set_stream_id(frame.stream_id());
+    failed.mutable_decoder_failed()->set_again(true);
+    send(std::move(failed));
+  }
+  return picture;
 }
 
 std::string Client::save_state() const {

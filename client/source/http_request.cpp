@@ -1,7 +1,5 @@
-// One request over a plain socket. HTTP/1.0 asks for a body that ends with the connection, so there is nothing to parse but the
-// head.
-#include <boost/asio/connect.hpp>
-#include <boost/asio/ip/tcp.hpp>
+// One request over a socket of its own. HTTP/1.0 asks for a body that ends with the connection, so there is nothing to parse but
+// the head.
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/json/parse.hpp>
@@ -9,6 +7,7 @@
 
 #include "isostrata/rest.h"
 #include "server_address.h"
+#include "transport.h"
 
 namespace isostrata::client {
 namespace {
@@ -17,18 +16,6 @@ namespace asio = boost::asio;
 using Error = boost::system::error_code;
 
 constexpr std::size_t kMaxHead = 64 << 10, kPiece = 256 << 10;
-
-// Runs until `done`, the deadline, or a request to stop.
-void run(asio::io_context& io, const bool& done, const Options& options, std::chrono::steady_clock::time_point deadline,
-         const std::string& what) {
-  while (!done) {
-    if (options.stop && *options.stop) throw ClientError("cancelled", "stopped");
-    const auto now = std::chrono::steady_clock::now();
-    if (now >= deadline) throw ClientError("timeout", what);
-    io.restart();
-    io.run_one_for(std::min<std::chrono::steady_clock::duration>(deadline - now, std::chrono::milliseconds(50)));
-  }
-}
 
 // The value of a header field of the answer's head; names have no case.
 std::string field_of(const std::string& head, std::string_view name) {
@@ -78,17 +65,18 @@ HttpAnswer exchange(const Options& options, const Exchange& what) {
   std::string answer, request;  // outlive the io_context, whose operations use them
   asio::io_context io(1);
   // Each step has the timeout for itself: a large file may take longer than one as long as it comes.
-  const auto step = [&] {
-    run(io, done, options, std::chrono::steady_clock::now() + options.timeout, late);
+  const auto finish = [&] {
+    run_until(io, done, options, Steady::now() + options.timeout, late);
     done = false;
+    // Servers and what stands between seldom say TLS's own goodbye; whether all has come, the length says.
+    if (error == asio::ssl::error::stream_truncated) error = asio::error::eof;
+  };
+  const auto step = [&] {
+    finish();
     if (error && error != asio::error::eof) throw ClientError("connection", where + ": " + error.message());
   };
-  asio::ip::tcp::resolver resolver(io);
-  const auto found = resolver.resolve(address.connect_to, address.port, error);
-  if (error) throw ClientError("connection", where + ": " + error.message());
-  asio::ip::tcp::socket socket(io);
-  asio::async_connect(socket, found, [&](Error e, const auto&) { error = e, done = true; });
-  step();
+  Transport socket(io);
+  socket.connect(address, options, Steady::now() + options.timeout);
 
   request = what.method + " " + address.base_path + what.path + " HTTP/1.0\r\nHost: " + where + "\r\nConnection: close\r\n";
   if (!address.token.empty()) request += "Authorization: Bearer " + address.token + "\r\n";
@@ -100,11 +88,11 @@ HttpAnswer exchange(const Options& options, const Exchange& what) {
   step();
   asio::async_read_until(socket, asio::dynamic_buffer(answer, kMaxHead), "\r\n\r\n",
                          [&](Error e, std::size_t n) { error = e, read = n, done = true; });
-  run(io, done, options, std::chrono::steady_clock::now() + options.timeout, late);
-  done = false;
+  finish();
   const auto head_end = answer.find("\r\n\r\n");
   if (error && error != asio::error::eof && error != asio::error::not_found)
     throw ClientError("connection", where + ": " + error.message());
+  if (error == asio::error::eof && answer.empty()) throw ClientError("connection", where + ": it ended without an answer");
   if (!answer.starts_with("HTTP/1.") || head_end == std::string::npos || answer.size() < 12)
     throw ClientError("protocol", where + ": this is not an HTTP server");
 

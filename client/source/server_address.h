@@ -10,6 +10,7 @@
 namespace isostrata::client {
 
 struct ServerAddress {
+  bool tls = false;
   std::string host;        // as a Host header has it, without the port
   std::string connect_to;  // without brackets
   std::string port;
@@ -19,13 +20,14 @@ struct ServerAddress {
 
 inline ServerAddress parse_address(const Options& options) {
   const auto url = boost::urls::parse_uri(options.url);
-  if (!url || url->scheme() != "http" || url->host().empty())
+  if (!url || (url->scheme() != "http" && url->scheme() != "https") || url->host().empty())
     throw ClientError("bad_url", "'" + options.url.substr(0, options.url.find('?')) +
-                                     "' is not a server's address; expected http://HOST:PORT/");
+                                     "' is not a server's address; expected http://HOST:PORT/ or https://HOST:PORT/");
   ServerAddress address;
+  address.tls = url->scheme() == "https";
   address.host = url->encoded_host();
   address.connect_to = url->host_address();
-  address.port = url->has_port() ? std::string(url->port()) : "80";
+  address.port = url->has_port() ? std::string(url->port()) : address.tls ? "443" : "80";
   address.base_path = url->encoded_path();
   if (!address.base_path.ends_with('/')) address.base_path += '/';
   address.token = options.token;

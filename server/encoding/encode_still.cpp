@@ -62,7 +62,7 @@ Bytes encode_still(const Image& image, StillFormat format) {
     case StillFormat::jpeg:
       return encode_jpeg(image, kStillJpegQuality);
     case StillFormat::webp:
-      return by_file(image, ".webp", false);
+      return encode_webp(image);
     case StillFormat::exr:
       return by_file(image, ".exr", false);
     default:

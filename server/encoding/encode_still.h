@@ -12,7 +12,7 @@ namespace isostrata {
 enum class StillFormat {
   png,   // lossless, 8 bits
   jpeg,  // quality 95, 4:4:4
-  webp,  // lossy, quality 100
+  webp,  // lossless, 8 bits
   exr    // linear floats, premultiplied, with depth where there is one
 };
 

@@ -6,9 +6,11 @@
 
 #include "base/error.h"
 #include "encoding/avcodec_module.h"
+#include "encoding/decoder.h"
 #include "encoding/encode_h264.h"
 #include "encoding/encode_image.h"
 #include "encoding/encoder.h"
+#include "encoding/picture_distance.h"
 
 namespace isostrata {
 namespace {
@@ -21,19 +23,43 @@ CodecProbe probe(const std::string& name, const std::string& library, const std:
   }
 }
 
-/// A key frame and one that follows it.
+constexpr double kLeastPsnr = 30;  // in dB; another matrix, range or stride would be far below
+
+/// Colours that run across the picture: a plain one would hide a wrong row or a swapped channel.
+Image slope() {
+  Image image{320, 240, std::vector<std::uint8_t>(320 * 240 * 4, 255)};
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) {
+      std::uint8_t* pixel = &image.rgba[static_cast<std::size_t>(4 * (y * 320 + x))];
+      pixel[0] = static_cast<std::uint8_t>(255 * x / 320);
+      pixel[1] = static_cast<std::uint8_t>(255 * y / 240);
+      pixel[2] = static_cast<std::uint8_t>(128 + 60 * x / 320);
+    }
+  return image;
+}
+
+/// A key frame and one that follows it, decoded again.
 CodecProbe probe_video(Codec codec) {
   const std::string name(name_of(codec));
   try {
     const auto encoder = make_encoder(codec);
-    const Image image{320, 240, std::vector<std::uint8_t>(320 * 240 * 4, 200)};
-    const std::size_t first = encoder->encode(image, {}).bytes.size(), second = encoder->encode(image, {}).bytes.size();
-    std::string detail = encoder->implementation() + ", " + std::to_string(first) + " and " + std::to_string(second) +
-                         " bytes for two frames of 320x240";
-    if (codec == Codec::h264_420)
+    const auto decoder = make_decoder(codec);
+    const Image image = slope();
+    const Bytes first = encoder->encode(image, {}).bytes, second = encoder->encode(image, {}).bytes;
+    std::string detail = encoder->implementation() + ", " + std::to_string(first.size()) + " and " +
+                         std::to_string(second.size()) + " bytes for two frames of 320x240";
+    if (codec == Codec::h264_420) {
+      detail += ", by " + avcodec_module().path;
       for (const H264Attempt& attempt : h264_attempts())
         if (!attempt.ok) detail += "; not " + attempt.problem;
-    return {name, true, detail};
+    }
+    for (const Bytes* frame : {&first, &second}) {
+      const PictureDistance distance = picture_distance(image, decoder->decode(*frame));
+      if (distance.psnr < kLeastPsnr)
+        return {name, false,
+                detail + "; decoded, a picture is " + std::to_string(distance.max) + " steps of 255 from the one encoded"};
+    }
+    return {name, true, detail + ", decoded as they were"};
   } catch (const Error& error) {
     return {name, false, error.what()};
   }

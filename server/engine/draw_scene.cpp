@@ -275,14 +275,48 @@ std::vector<IntervalStyle> styles_of(const Scene& scene, const ExtractedScene& e
   return styles;
 }
 
-/// Leaves one of the visible ones visible.
-void show_phase(std::vector<IntervalStyle>& styles, double phase) {
-  const auto visible = std::count_if(styles.begin(), styles.end(), [](const IntervalStyle& s) { return s.visible; });
+/// Whether the i-th and the one before it are parts of one interval (drawn_scene).
+bool continues(const Scene& scene, std::size_t i) {
+  return i > 0 && i < scene.intervals.size() && scene.intervals[i].id == scene.intervals[i - 1].id;
+}
+
+/// Leaves one of the visible intervals visible.
+void show_phase(const Scene& scene, std::vector<IntervalStyle>& styles) {
+  const double phase = scene.cycle.phase;
+  std::ptrdiff_t visible = 0;
+  for (std::size_t i = 0; i < styles.size(); ++i) visible += styles[i].visible && !continues(scene, i) ? 1 : 0;
   if (visible == 0) return;
   auto shown = static_cast<std::ptrdiff_t>(std::fmod(std::floor(std::isfinite(phase) ? phase : 0), static_cast<double>(visible)));
   if (shown < 0) shown += visible;
-  for (IntervalStyle& style : styles)
-    if (style.visible) style.visible = shown-- == 0;
+  std::ptrdiff_t at = -1;
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    if (!styles[i].visible) continue;
+    if (!continues(scene, i)) ++at;
+    styles[i].visible = at == shown;
+  }
+}
+
+/// The parts of a transfer function as one entry, with a ramp of as many colours as a ramp may have.
+LegendEntry joined_entry(std::span<const LegendEntry> parts) {
+  constexpr std::size_t kColors = 16;
+  LegendEntry whole = parts.front();
+  whole.upper = parts.back().upper;
+  IntervalStyle& style = whole.style;
+  if (std::all_of(parts.begin(), parts.end(),
+                  [&](const LegendEntry& of) { return of.style.color_map.empty() && of.style.color == style.color; }))
+    return whole;
+  style.color_map.clear();
+  for (std::size_t i = 0, part = 0; i < kColors; ++i) {
+    const double value = whole.lower + (whole.upper - whole.lower) * static_cast<double>(i) / (kColors - 1);
+    while (part + 1 < parts.size() && value > parts[part].upper) ++part;
+    const IntervalStyle& of = parts[part].style;
+    const double t = std::clamp((value - parts[part].lower) / (parts[part].upper - parts[part].lower), 0.0, 1.0);
+    const Rgb color = of.color_map.empty() ? of.color : sample(color_map(of.color_map), static_cast<float>(t));
+    style.color_map += (i ? "-" : "") + format_rgb(color);
+  }
+  style.color_lower = whole.lower;
+  style.color_upper = whole.upper;
+  return whole;
 }
 
 /// Each step in one colour, over those before it.
@@ -447,7 +481,7 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.base = extracted.base;
   if (extracted.base) input.cut_intervals = extracted.request.intervals;
   input.styles = extracted.parts.empty() ? styles_of(scene, extracted, extracted.summaries()) : smear_styles(scene, extracted);
-  if (scene.mode == SceneMode::cycled) show_phase(input.styles, scene.cycle.phase);
+  if (scene.mode == SceneMode::cycled) show_phase(scene, input.styles);
   input.mode =
       scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;
   input.integral = scene.integral;
@@ -477,6 +511,11 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
   out.transparent = input.transparent;
   out.array = extracted.array;
   out.color_by = extracted.color_by;
+  std::vector<LegendEntry> parts_of_last;
+  const auto end_last = [&] {
+    if (!parts_of_last.empty())
+      out.entries.push_back(parts_of_last.size() == 1 ? parts_of_last.front() : joined_entry(parts_of_last));
+  };
   for (std::size_t i = 0; i < input.styles.size() && i < extracted.summaries().size(); ++i) {
     const IntervalSummary& summary = extracted.summaries()[i];
     LegendEntry entry{summary.interval.lower, summary.interval.upper, {}, input.styles[i]};
@@ -489,8 +528,12 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
     else if (summary.term >= 0)
       entry.name = scene.terms.at(static_cast<std::size_t>(summary.term)).term.array;
     if (part) entry.name += (entry.name.empty() ? "step " : ", step ") + std::to_string(part->step);
-    out.entries.push_back(std::move(entry));
+    if (continues(scene, of))
+      parts_of_last.push_back(std::move(entry));
+    else
+      end_last(), parts_of_last = {std::move(entry)};
   }
+  end_last();
   return out;
 }
 

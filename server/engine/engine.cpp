@@ -370,7 +370,9 @@ class Engine::Impl {
     for (auto& [id, operation] : operations_) {
       const auto living = operation.lock();
       if (!living || living->session() != request.session) continue;
-      if (id == request.operation || (request.request != 0 && living->request() == request.request)) living->task().cancel();
+      if (id != request.operation && (request.request == 0 || living->request() != request.request)) continue;
+      if (request.superseded) living->supersede(0);
+      living->task().cancel();
     }
   }
 
@@ -535,9 +537,18 @@ class Engine::Impl {
       frame.order_exact = result.facts.order_exact;
       frame.tetrahedra = result.facts.tetrahedra;
       const auto summaries = interval_summaries(*order.extracted, order.scene);
-      for (std::size_t i = 0; i < summaries.size(); ++i)
-        frame.intervals.push_back(
-            {order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra, summaries[i].volume});
+      for (std::size_t i = 0; i < summaries.size(); ++i) {
+        const IntervalFacts part{order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra,
+                                 summaries[i].volume};
+        if (i == 0 || part.id != frame.intervals.back().id) {
+          frame.intervals.push_back(part);
+          continue;
+        }
+        IntervalFacts& whole = frame.intervals.back();  // of a transfer function
+        whole.active_cells += part.active_cells;
+        whole.tetrahedra += part.tetrahedra;
+        whole.volume += part.volume;
+      }
       auto image = std::make_shared<AnyImage>(std::move(result.image));
       EncodeOrder encode_order{request.jpeg_quality};
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;

@@ -98,6 +98,7 @@ struct CancelRequest {
   SessionKey session = 0;
   std::uint64_t operation = 0;
   RequestId request = 0;
+  bool superseded = false;  // what it worked for is not wanted any more; else somebody ends it
 };
 
 /// Forgets the frame request where it has not begun (its viewer is gone).
@@ -136,6 +137,7 @@ struct OperationDone {
   std::uint64_t operation = 0;
   bool cancelled = false;
   RequestId works_for = 0;
+  bool superseded = false;  // cancelled by nobody's word: something newer, or a new start of the same, has taken its place
 };
 
 struct DatasetReady {

@@ -33,7 +33,7 @@ void Operation::finish() {
   std::lock_guard lock(mutex_);
   if (finished_) return;
   finished_ = true;
-  if (announced_) announce_(OperationDone{session_, id_, task_.cancelled(), request_});
+  if (announced_) announce_(OperationDone{session_, id_, task_.cancelled(), request_, task_.cancelled() && superseded()});
 }
 
 }  // namespace isostrata

@@ -28,7 +28,7 @@ class Operation {
   double elapsed_ms() const { return watch_.elapsed_ms(); }
 
   /// A newer scene has made the result unwanted. The work goes on for `grace_ms` from its start, so that a drag over quick
-  /// extractions still shows each of them, and is then cancelled.
+  /// extractions still shows each of them, and is then cancelled. Its end says so, since nobody has asked for it.
   void supersede(double grace_ms);
   bool superseded() const { return grace_ms_.load() >= 0; }
 

@@ -148,7 +148,7 @@ std::vector<EngineRequest> RequestLedger::begin_life() {
 std::vector<EngineEvent> RequestLedger::end_life(const std::vector<ActivityFacts>& at, const std::string& cause,
                                                  bool may_withhold) {
   std::vector<EngineEvent> events;
-  for (const auto& [session, operation] : operations_) events.emplace_back(OperationDone{session, operation, true});
+  for (const auto& [session, operation] : operations_) events.emplace_back(OperationDone{session, operation, true, 0, true});
   operations_.clear();
 
   std::set<SessionKey> blamed;  // their scenes

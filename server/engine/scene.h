@@ -40,6 +40,15 @@ struct SceneSmear {
   bool operator==(const SceneSmear&) const = default;
 };
 
+/// A control point of a transfer function: what the field looks like where it has this value.
+struct TransferPoint {
+  double value = 0;
+  Rgb color{1, 1, 1};
+  double opacity = 0;  // of a layer one unit distance thick, in [0, 1]
+
+  bool operator==(const TransferPoint&) const = default;
+};
+
 /// One layer.
 struct SceneInterval {
   std::uint32_t id = 0;  // unique in the scene, never used again
@@ -54,7 +63,10 @@ struct SceneInterval {
   std::optional<double> opacity_upper;
   bool own_range = false;  // colour and opacity run from `lower` to `upper`, not over the colour array's whole range
   SurfaceStyle surface;    // its texture runs over the whole range of Scene::texture
-  std::string name;  // for the legend; may be empty
+  std::string name;        // for the legend; may be empty
+  // Not empty: how it looks, in place of colour, map and opacities; from `lower` at its first point to `upper` at its last one.
+  // Such a scene is drawn by way of drawn_scene (engine/transfer_function.h), which has none.
+  std::vector<TransferPoint> transfer;
 
   bool operator==(const SceneInterval&) const = default;
 };

@@ -11,7 +11,9 @@ namespace {
 
 bool in_unit(double v) { return v >= 0 && v <= 1; }
 
-void check(std::span<const TransferPoint> points, std::size_t max_points) {
+}  // namespace
+
+void check_transfer(std::span<const TransferPoint> points, std::size_t max_points) {
   const auto refuse = [](std::size_t i, const std::string& why) {
     throw Error(ErrorCode::invalid_argument, "transfer function: point " + std::to_string(i) + ": " + why);
   };
@@ -28,6 +30,21 @@ void check(std::span<const TransferPoint> points, std::size_t max_points) {
     for (const float channel : points[i].color)
       if (!in_unit(static_cast<double>(channel))) refuse(i, "its colour is not in [0, 1]");
   }
+  if (!(points.front().value < points.back().value))
+    throw Error(ErrorCode::invalid_argument, "transfer function: all of its points have one value; expected different ones");
+}
+
+namespace {
+
+/// The part between two neighbouring points, as an interval.
+void look_between(const TransferPoint& a, const TransferPoint& b, SceneInterval& part) {
+  part.lower = a.value;
+  part.upper = b.value;
+  part.color = a.color;
+  part.opacity = a.opacity;
+  part.own_range = true;
+  part.color_map = a.color != b.color ? format_rgb(a.color) + "-" + format_rgb(b.color) : std::string();
+  part.opacity_upper = a.opacity != b.opacity ? std::optional(b.opacity) : std::nullopt;
 }
 
 /// Whether the straight line from a to b meets p.
@@ -43,21 +60,15 @@ bool meets(const TransferPoint& a, const TransferPoint& b, const TransferPoint& 
 }  // namespace
 
 std::vector<SceneInterval> transfer_intervals(std::span<const TransferPoint> points, std::size_t max_points) {
-  check(points, max_points);
+  check_transfer(points, max_points);
   std::vector<SceneInterval> intervals;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const TransferPoint &a = points[i], &b = points[i + 1];
     if (!(a.value < b.value) || (a.opacity == 0 && b.opacity == 0)) continue;
     SceneInterval interval;
     interval.id = static_cast<std::uint32_t>(intervals.size() + 1);
-    interval.lower = a.value;
-    interval.upper = b.value;
-    interval.color = a.color;
-    interval.opacity = a.opacity;
+    look_between(a, b, interval);
     interval.priority = static_cast<int>(intervals.size());
-    interval.own_range = true;
-    if (a.color != b.color) interval.color_map = format_rgb(a.color) + "-" + format_rgb(b.color);
-    if (a.opacity != b.opacity) interval.opacity_upper = b.opacity;
     intervals.push_back(std::move(interval));
   }
   if (intervals.empty())
@@ -65,6 +76,44 @@ std::vector<SceneInterval> transfer_intervals(std::span<const TransferPoint> poi
                 "transfer function: nothing in it can be seen; expected an opacity above 0 "
                 "between two different values");
   return intervals;
+}
+
+std::vector<TransferPoint> moved_transfer(std::span<const TransferPoint> points, double lower, double upper) {
+  std::vector<TransferPoint> moved(points.begin(), points.end());
+  const double first = points.front().value, last = points.back().value;
+  double before = lower;  // rounding may not make values fall
+  for (TransferPoint& point : moved) {
+    const double t = (point.value - first) / (last - first);
+    before = point.value = t >= 1 ? upper : std::clamp(lower * (1 - t) + upper * t, before, upper);
+  }
+  return moved;
+}
+
+Scene drawn_scene(const Scene& scene) {
+  Scene drawn = scene;
+  drawn.intervals.clear();
+  for (const SceneInterval& interval : scene.intervals) {
+    if (interval.transfer.empty()) {
+      drawn.intervals.push_back(interval);
+      continue;
+    }
+    const std::vector<TransferPoint>& points = interval.transfer;
+    const bool seen = std::any_of(points.begin(), points.end(), [](const TransferPoint& of) { return of.opacity > 0; });
+    const std::size_t before = drawn.intervals.size();
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const TransferPoint &a = points[i], &b = points[i + 1];
+      if (!(a.value < b.value)) continue;
+      const bool needed = interval.surface.drawn() || (!seen && drawn.intervals.size() == before);
+      if (a.opacity == 0 && b.opacity == 0 && !needed) continue;
+      SceneInterval part = interval;
+      part.transfer.clear();
+      look_between(a, b, part);
+      part.surface.lower = interval.surface.lower && a.value == points.front().value;
+      part.surface.upper = interval.surface.upper && b.value == points.back().value;
+      drawn.intervals.push_back(std::move(part));
+    }
+  }
+  return drawn;
 }
 
 std::vector<TransferPoint> thin_out(std::span<const TransferPoint> points, double tolerance) {

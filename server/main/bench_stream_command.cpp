@@ -2,6 +2,8 @@
 // sockets between them, and a link of a given delay and rate.
 //
 // Links: "loopback", "40ms-20mbit", "20mbit" and, falling within a second in the middle of the run, "40ms-20mbit-to-2mbit".
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/json.hpp>
@@ -10,6 +12,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -19,6 +22,7 @@
 #include "data/child_process.h"
 #include "engine/catalogue.h"
 #include "main/commands.h"
+#include "main/hostile_client.h"
 #include "main/picture_arguments.h"
 #include "net/server.h"
 #include "net/shaped_link.h"
@@ -32,6 +36,7 @@ namespace json = boost::json;
 
 constexpr auto kFall = std::chrono::milliseconds(1000);  // from the first rate to the second
 constexpr double kFallsAfter = 0.4;                      // of the run
+constexpr const char *kNeighbourData = "torus:12", *kNeighbourId = "torus-12";
 
 struct BenchArguments {
   std::string data = "cylinder", interval = "0.9934:0.9949";  // the paper's tapered cylinder: 55.6 K tetrahedra
@@ -39,6 +44,8 @@ struct BenchArguments {
   std::string size = "1280x720", codec = "auto", renderer = "native", device = "auto";
   double seconds = 8, rate = 60;
   int viewers = 0, silent = 0;
+  std::vector<std::string> hostile;  // manners of a neighbour; none: nobody else is there
+  int rounds = 3;                    // with each of them
   int threads = 0;
   bool json = false, timeline = false;
 };
@@ -102,7 +109,9 @@ class BenchServer {
  public:
   explicit BenchServer(const BenchArguments& arguments) : token_(random_token(192)) {
     ServerOptions options;
-    options.engine.catalogue = Catalogue::from_sources({arguments.data});
+    std::vector<std::string> data{arguments.data};
+    if (!arguments.hostile.empty()) data.emplace_back(kNeighbourData);
+    options.engine.catalogue = Catalogue::from_sources(data);
     options.engine.renderer_choice = {arguments.renderer, arguments.device};
     options.port = 0;
     options.token = token_;
@@ -114,6 +123,9 @@ class BenchServer {
     thread_.join();
   }
   unsigned short port() const { return server_->port(); }
+  std::unique_ptr<HostileClient> neighbour(const std::string& manners) const {
+    return std::make_unique<HostileClient>(port(), token_, kNeighbourId, manners);
+  }
   std::string url(unsigned short port) const { return "http://127.0.0.1:" + std::to_string(port) + "/?token=" + token_; }
 
  private:
@@ -246,6 +258,58 @@ void print_text(const json::object& run) {
   std::fflush(stdout);
 }
 
+/// That this process, and so the server with its neighbour, has used.
+double cpu_seconds() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto seconds = [](const timeval& of) { return static_cast<double>(of.tv_sec) + 1e-6 * static_cast<double>(of.tv_usec); };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+/// The same link alone and with each neighbour, in turns, so that a machine that others slow down slows down all of them; each round
+/// begins with another of them.
+json::array measure_with_neighbours(const BenchServer& server, const BenchArguments& arguments, const std::string& link,
+                                    const std::string& reference) {
+  json::array runs;
+  std::vector<std::string> all{"none"};
+  all.insert(all.end(), arguments.hostile.begin(), arguments.hostile.end());
+  struct Measured {
+    std::vector<double> p95_ms, cores;  // of the server
+  };
+  std::map<std::string, Measured> measured;
+  for (int round = 0; round < arguments.rounds; ++round)
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::string& manners = all[(i + static_cast<std::size_t>(round)) % all.size()];
+      std::unique_ptr<HostileClient> neighbour;
+      if (manners != "none") neighbour = server.neighbour(manners);
+      const auto began = std::chrono::steady_clock::now();
+      const double used = cpu_seconds() - (neighbour ? neighbour->cpu_seconds() : 0);
+      json::object one = measure(server, arguments, link, reference);
+      const double cores = (cpu_seconds() - (neighbour ? neighbour->cpu_seconds() : 0) - used) /
+                           std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+      one["hostile"] = manners;
+      one["server_cores"] = cores;
+      if (neighbour) {
+        one["hostile_messages"] = neighbour->messages();
+        one["hostile_connections"] = neighbour->connections();
+      }
+      measured[manners].p95_ms.push_back(number(one.at("input_to_decoded_ms").as_object(), "p95"));
+      measured[manners].cores.push_back(cores);
+      if (!arguments.json) std::printf("%-12s ", manners.c_str()), print_text(one);
+      runs.push_back(std::move(one));
+    }
+  if (arguments.json) return runs;
+  std::printf("%-14s p95 ms: least  median  greatest   server's cores, median\n", "neighbour");
+  for (const std::string& manners : all) {
+    auto& [p95, cores] = measured[manners];
+    std::sort(p95.begin(), p95.end());
+    std::sort(cores.begin(), cores.end());
+    std::printf("  %-12s %13.0f %7.0f %9.0f %17.2f\n", manners.c_str(), p95.front(), p95[p95.size() / 2], p95.back(),
+                cores[cores.size() / 2]);
+  }
+  return runs;
+}
+
 void run(BenchArguments arguments) {
   parse_size(arguments.size);
   for (const std::string& link : arguments.links) parse_link(link);
@@ -264,6 +328,11 @@ void run(BenchArguments arguments) {
   {
     const BenchServer server(arguments);
     for (const std::string& link : arguments.links) {
+      if (!arguments.hostile.empty()) {
+        for (json::value& one : measure_with_neighbours(server, arguments, link, reference.path.string()))
+          runs.push_back(std::move(one));
+        continue;
+      }
       json::object one = measure(server, arguments, link, reference.path.string());
       if (!arguments.json) print_text(one);
       runs.push_back(std::move(one));
@@ -297,6 +366,13 @@ void add_bench_stream_command(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--viewers", arguments->viewers, "Further viewers of the same session")->check(CLI::Range(0, 1000));
   command->add_option("--silent", arguments->silent, "And viewers that never read")->check(CLI::Range(0, 1000));
+  command
+      ->add_option("--hostile", arguments->hostile,
+                   "A neighbour in a session of its own, measured in turns with none; may be repeated: polite, flood, "
+                   "flood-hidden, reader, vanish, garbage")
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(hostile_manners()));
+  command->add_option("--rounds", arguments->rounds, "With --hostile: how often each is measured")->check(CLI::Range(1, 1000));
   command->add_option("--renderer", arguments->renderer, "auto, native, raster or compute")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "encoding/encode_image.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/worker_probe.h"
 #include "rendering/gl_extraction_mesh.h"
 #include "rendering/renderer.h"
 
@@ -31,6 +32,7 @@ struct Findings {
   bool software = false;
   std::string trial;    // how raster and compute compare there; empty where no trial was held
   std::string compute;  // why extraction does not work on the device; empty where it does
+  WorkerProbe worker;
   std::vector<CodecProbe> codecs;
   Importer importer;
   int cores = 0;
@@ -67,6 +69,10 @@ Findings examine(const std::string& device, bool trial) {
     findings.device_detail = error.what();
   }
   findings.compute = findings.device.empty() ? "no device" : check_gl_extraction(device);
+  if (findings.device.empty())
+    findings.worker.detail = "no device";
+  else
+    findings.worker = probe_worker({"auto", device});
   findings.codecs = probe_codecs();
   findings.importer = find_importer();
   findings.cores = thread_count();
@@ -96,6 +102,13 @@ boost::json::object to_json(const Findings& findings) {
     out["renderer_trial"] = findings.trial;
   out["compute_extraction"] = boost::json::object{{"ok", findings.compute.empty()},
                                                   {"detail", findings.compute.empty() ? findings.device : findings.compute}};
+  const WorkerProbe& worker = findings.worker;
+  out["worker"] = boost::json::object{{"ok", worker.ok},
+                                      {"device", worker.device},
+                                      {"detail", worker.detail},
+                                      {"start_ms", worker.start_ms},
+                                      {"frame_ms", worker.frame_ms},
+                                      {"replace_ms", worker.replace_ms}};
   out["codecs"] = std::move(codecs);
   out["importer"] = boost::json::object{{"found", findings.importer.found}, {"path", findings.importer.path}};
   out["limits"] = boost::json::object{
@@ -115,6 +128,13 @@ void print_text(const Findings& findings) {
   if (findings.software) std::printf("  *** SOFTWARE rendering: pictures are right, but slow; no GPU is used ***\n");
   std::printf("\nextraction in OpenGL compute (extract --device)\n  %-5s %s\n", findings.compute.empty() ? "ok" : "no",
               findings.compute.empty() ? "equals the CPU's on a small field" : findings.compute.c_str());
+  const WorkerProbe& worker = findings.worker;
+  std::printf("\nprocess that draws (serve --worker process)\n  %-5s %s\n", worker.ok ? "ok" : "no", worker.detail.c_str());
+  if (worker.ok)
+    std::printf("        on %s; started in %.0f ms, first frame after %.0f ms, replaced in %.0f ms\n", worker.device.c_str(),
+                worker.start_ms, worker.frame_ms, worker.replace_ms);
+  else if (!findings.device.empty())
+    std::printf("        serve --worker thread draws in the server's own process\n");
   std::printf("\ncodecs\n");
   for (const CodecProbe& codec : findings.codecs)
     std::printf("  %-5s %s: %s\n", codec.ok ? "ok" : "no", codec.name.c_str(), codec.detail.c_str());

@@ -6,9 +6,11 @@
 
 #include "base/error.h"
 #include "main/commands.h"
+#include "session/protobuf_log.h"
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, not the end of the program
+  isostrata::silence_protobuf();          // a server has it speak through its log; a worker's lines would be nobody's
   CLI::App app{"Isostrata: interval volumes of scalar fields, extracted exactly, rendered here, seen in a browser"};
   app.set_version_flag("--version", "isostrata " ISOSTRATA_VERSION);
   app.require_subcommand(1);

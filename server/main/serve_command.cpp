@@ -22,6 +22,7 @@
 #include "main/server_log.h"
 #include "net/server.h"
 #include "net/static_files.h"
+#include "session/protobuf_log.h"
 #include "session/random_token.h"
 
 namespace isostrata {
@@ -145,8 +146,17 @@ void print_address(const Server& server) {
   std::fflush(stdout);
 }
 
+/// While it lives, what libprotobuf has to say is a few lines of the log.
+struct ProtobufLines {
+  explicit ProtobufLines(ServerLog& log) {
+    set_protobuf_log([&log](const std::string& text) { log.warn("bad_text", text); });
+  }
+  ~ProtobufLines() { silence_protobuf(); }
+};
+
 void serve(const ServeArguments& arguments) {
   ServerLog log(arguments.log_format == "json");
+  const ProtobufLines protobuf_lines(log);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
 

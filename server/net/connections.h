@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "net/message_budget.h"
 #include "net/site.h"
 #include "session/sessions.h"
 
@@ -23,6 +24,7 @@ struct Connections {
   std::chrono::milliseconds write_timeout{10000};  // one that does not take 64 KiB within that time is closed
   /// Called after a message has changed what is due.
   std::function<void()> wake;
+  double messages_per_second = MessageBudget::kPerSecond;  // of one WebSocket; more are passed over or read later
 
   // What follows is kept by the connections themselves.
   std::size_t open = 0;

@@ -54,15 +54,21 @@ Operations::~Operations() {
   if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
 }
 
-OperationRecord& Operations::begin(const Session& session, const std::string& kind, RequestId request) {
+OperationRecord& Operations::add(const Session& session, const std::string& id, const std::string& kind) {
   make_room(session.key());
   OperationRecord& record = records_.emplace_back();
-  record.id = "r" + std::to_string(request);
+  record.id = id;
   record.kind = kind;
   record.session = session.key();
   record.session_id = session.id();
-  record.request = request;
   record.stage = "waiting";
+  return record;
+}
+
+OperationRecord& Operations::begin(const Session& session, const std::string& kind, RequestId request) {
+  OperationRecord& record = add(session, "r" + std::to_string(request), kind);
+  record.request = request;
+  changed_(record);
   return record;
 }
 
@@ -98,6 +104,7 @@ void Operations::finish(OperationRecord& record, std::optional<v1::Error> error,
   record.stage.clear();
   if (record.status != Status::done) remove_file(record);
   tell(record);
+  changed_(record);
 }
 
 OperationRecord* Operations::find(const std::string& session_id, const std::string& id) {
@@ -173,9 +180,9 @@ void Operations::engine_event(const Session* session, const EngineEvent& event) 
   if (const auto* progress = std::get_if<OperationProgress>(&event)) {
     OperationRecord* record = of_event(progress->session, progress->works_for, progress->operation);
     if (!record && progress->works_for == 0) {
-      record = &begin(*session, "extract", 0);
-      record->id = "x" + std::to_string(progress->operation);
+      record = &add(*session, "x" + std::to_string(progress->operation), "extract");
       record->engine_number = progress->operation;
+      changed_(*record);
     }
     if (!record || record->status != Status::running) return;
     record->stage = progress->stage;

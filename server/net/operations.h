@@ -3,6 +3,7 @@
 
 #include <boost/json/object.hpp>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <memory>
 #include <optional>
@@ -47,6 +48,8 @@ class Operations final : public SessionsObserver {
   Operations& operator=(const Operations&) = delete;
 
   OperationRecord& begin(const Session& session, const std::string& kind, RequestId request);
+  /// Told when an operation has begun, and when it has ended. One listener.
+  void on_change(std::function<void(const OperationRecord&)> listener) { changed_ = std::move(listener); }
   /// Sets status, error and result and tells the listeners; call it once.
   void finish(OperationRecord& record, std::optional<v1::Error> error, boost::json::object result = {});
 
@@ -73,7 +76,10 @@ class Operations final : public SessionsObserver {
   void make_room(SessionKey session);
   OperationRecord* of_event(SessionKey session, RequestId request, std::uint64_t number);
 
+  OperationRecord& add(const Session& session, const std::string& id, const std::string& kind);
+
   Sessions& sessions_;
+  std::function<void(const OperationRecord&)> changed_ = [](const OperationRecord&) {};
   std::list<OperationRecord> records_;  // in the order they began
   std::filesystem::path folder_;        // empty: not made yet
   std::uint64_t last_file_ = 0;

@@ -77,7 +77,7 @@ std::optional<HttpResponse> refuse_revision(const HttpRequest& request, std::uin
 }  // namespace
 
 RestApi::RestApi(Sessions& sessions)
-    : sessions_(sessions), operations_(sessions), context_{sessions, operations_}, router_(all_routes(context_, document_)) {
+    : sessions_(sessions), operations_(sessions), events_(sessions, operations_), context_{sessions, operations_, events_}, router_(all_routes(context_, document_)) {
   document_ = boost::json::serialize(openapi_document(router_.routes(), sessions.options().server_name));
 }
 

@@ -32,6 +32,7 @@ class RestApi {
 
   Sessions& sessions_;
   Operations operations_;
+  SessionEvents events_;
   RestContext context_;
   std::string document_;
   Router router_;

@@ -61,6 +61,7 @@ v1::ClientMessage patch_message(std::uint32_t id, const v1::Interval& interval, 
   if (named(given, "name")) patch.set_name(interval.name());
   if (named(given, "own_range")) patch.set_own_range(interval.own_range());
   if (named(given, "surface")) *patch.mutable_surface() = interval.surface();
+  if (named(given, "transfer_function")) *patch.mutable_transfer_function() = interval.transfer_function();
   if (named(given, "opacity_upper")) {
     if (interval.has_opacity_upper())
       patch.set_opacity_upper(interval.opacity_upper());

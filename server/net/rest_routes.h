@@ -6,6 +6,7 @@
 
 #include "net/operations.h"
 #include "net/route.h"
+#include "net/session_events.h"
 #include "session/sessions.h"
 
 namespace isostrata {
@@ -14,6 +15,7 @@ namespace isostrata {
 struct RestContext {
   Sessions& sessions;
   Operations& operations;
+  SessionEvents& events;
 };
 
 void add_server_routes(std::vector<Route>& routes, RestContext& context);   // version, health, colour maps

@@ -121,6 +121,28 @@ void add_state_routes(std::vector<Route>& routes, RestContext& context) {
                     .answers = {{200, "The state as it is now", "State"}},
                     .conditional = true,
                     .handler = [&context](Call call) { patch_state(context, call); }});
+  routes.push_back({.method = "GET",
+                    .path = "/sessions/{session}/events",
+                    .id = "watchSession",
+                    .tag = "state",
+                    .summary = "What happens in the session, as server-sent events",
+                    .description =
+                        "First `state` ({revision, state}), `participants` and an `operation` for each that runs. Then `change` "
+                        "({revision, changed}), where `changed` is a merge patch (RFC 7396) of the state's members since what was "
+                        "read before: whoever reads slowly reads fewer of them and misses nothing; `participants` "
+                        "(Participants); `operation` (Operation) when long work begins and when it ends; `ended` with the "
+                        "session. A comment every 15 seconds says that the connection lives. Who leaves 64 events unread is cut "
+                        "off, and a session has at most 32 listeners.",
+                    .answers = {{200, "Events until the session ends", "", "text/event-stream"}},
+                    .handler = [&context](Call call) {
+                      HttpResponse response{200, "text/event-stream", "", {{"Cache-Control", "no-store"}}};
+                      response.events = context.events.listen(*call.session);
+                      if (!response.events)
+                        return call.reply(problem(wire_error(
+                            "unavailable", "this session has its " + std::to_string(SessionEvents::kMostListeners) +
+                                               " listeners; try again when one has gone")));
+                      call.reply(std::move(response));
+                    }});
   routes.push_back({.method = "POST",
                     .path = "/sessions/{session}/commands",
                     .id = "doCommand",

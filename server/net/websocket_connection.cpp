@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "session/limits.h"
+#include "session/wire.h"
 
 namespace isostrata {
 namespace {
@@ -30,6 +31,10 @@ using Steady = std::chrono::steady_clock;
 
 constexpr std::size_t kPieceBytes = 64 << 10;  // what a client must take within the write timeout: a slow link is not a stuck one
 constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
+
+// Of a client that is over its budget:
+constexpr auto kPassedOverPause = std::chrono::milliseconds(4);  // between cameras that are heeded
+constexpr auto kRemindPause = std::chrono::seconds(1);           // between errors that say so
 
 constexpr auto kProbePause = std::chrono::seconds(2);
 constexpr const char* kProbe = "way";  // tells our pings' answers from those of Beast's keep-alive
@@ -78,8 +83,11 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         wake_writer_(socket_.get_executor()),
         watch_(socket_.get_executor()),
         next_ping_(socket_.get_executor()),
+        held_until_(socket_.get_executor()),
+        go_on_reading_(socket_.get_executor()),
         connections_(connections),
-        admission_(std::move(admission)) {}
+        admission_(std::move(admission)),
+        budget_(Steady::now(), connections.messages_per_second) {}
 
   asio::awaitable<void> run(beast::http::request<beast::http::string_body> request) {
     const auto self = shared_from_this();
@@ -114,6 +122,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     asio::co_spawn(
         socket_.get_executor(), [self] { return self->measure(); }, asio::detached);
     co_await read_all();
+    heed_held();  // the last that a client says before it goes counts
     connections_.closers.erase(closer);
     connections_.sessions.detach(viewer_, Steady::now());
     connections_.wake();
@@ -162,21 +171,75 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       }
       v1::ClientMessage message;
       if (!message.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size()))) {
+        heed_held();
         connections_.sessions.receive_malformed(
             viewer_, std::to_string(buffer.size()) + " bytes that are no ClientMessage of isostrata.v1");
         continue;
       }
-      try {
-        connections_.sessions.receive(viewer_, message, Steady::now());
-      } catch (const std::exception&) {
-        v1::ServerMessage failed;
-        failed.mutable_error()->set_code("internal");
-        failed.mutable_error()->set_in_reply_to(message.seq());
-        failed.mutable_error()->set_message("this message could not be handled; the session is as it was");
-        send(std::move(failed));
+      const auto now = Steady::now();
+      if (message.has_set_camera() && (held_ || !budget_.has_room(now))) {
+        hold(std::move(message));
+        co_await pause(budget_.take(now, MessageBudget::kPassedOver));
+        continue;
       }
-      connections_.wake();
+      heed_held();
+      heed(message);
+      co_await pause(budget_.take(now, 1 + static_cast<double>(buffer.size()) / MessageBudget::kBytes));
     }
+  }
+
+  // Nothing is read meanwhile: what the client goes on to send fills its own socket.
+  asio::awaitable<void> pause(Steady::duration time) {
+    if (time <= Steady::duration::zero()) co_return;
+    boost::system::error_code error;
+    go_on_reading_.expires_after(time);
+    co_await go_on_reading_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+  }
+
+  void heed(const v1::ClientMessage& message) {
+    try {
+      connections_.sessions.receive(viewer_, message, Steady::now());
+    } catch (const std::exception&) {
+      v1::ServerMessage failed;
+      failed.mutable_error()->set_code("internal");
+      failed.mutable_error()->set_in_reply_to(message.seq());
+      failed.mutable_error()->set_message("this message could not be handled; the session is as it was");
+      send(std::move(failed));
+    }
+    connections_.wake();
+  }
+
+  // Of the cameras of a client that is over its budget the newest is heeded, and no more of them than would be drawn.
+  void hold(v1::ClientMessage camera) {
+    const auto now = Steady::now();
+    if (held_ && camera.seq() <= held_->seq()) heed_held();  // replayed: refused as it would be anywhere
+    if (!held_) {
+      held_ = std::move(camera);
+      held_until_.expires_after(kPassedOverPause);
+      held_until_.async_wait([self = shared_from_this()](boost::system::error_code error) {
+        if (!error && !self->ended_) self->heed_held();
+      });
+      return;
+    }
+    if (!reminded_ || now - *reminded_ >= kRemindPause) {
+      reminded_ = now;
+      v1::ServerMessage answer;
+      *answer.mutable_error() = wire_error(
+          "too_many_messages", "more than " + std::to_string(static_cast<int>(connections_.messages_per_second)) +
+                                   " messages a second came on this connection: of cameras the newest is taken and others, as "
+                                   "this one, are passed over");
+      answer.mutable_error()->set_in_reply_to(held_->seq());
+      send(std::move(answer));
+    }
+    held_ = std::move(camera);
+  }
+
+  void heed_held() {
+    if (!held_) return;
+    held_until_.cancel();
+    const v1::ClientMessage camera = std::move(*held_);
+    held_.reset();
+    if (!closing_) heed(camera);
   }
 
   void note(const v1::Error& error) {
@@ -294,12 +357,15 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     wake_writer_.cancel();
     watch_.cancel();
     next_ping_.cancel();
+    held_until_.cancel();
+    go_on_reading_.cancel();
   }
 
   websocket::stream<beast::tcp_stream> socket_;
   asio::steady_timer wake_writer_;
   asio::steady_timer watch_;
   asio::steady_timer next_ping_;
+  asio::steady_timer held_until_, go_on_reading_;
   std::optional<Steady::time_point> pinged_;  // when the ping went that is not answered yet
   Connections& connections_;
   Sessions::Admission admission_;
@@ -313,6 +379,9 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   std::optional<v1::State> state_;
   std::deque<Waiting> frames_;
   std::uint64_t last_seq_ = 0;
+  MessageBudget budget_;
+  std::optional<v1::ClientMessage> held_;       // a camera that a newer one may replace
+  std::optional<Steady::time_point> reminded_;  // when the client was last told that it is over its budget
 };
 
 }  // namespace

@@ -132,6 +132,60 @@ void number_priorities(std::vector<SceneInterval*> highest_first) {
   for (SceneInterval* interval : highest_first) interval->priority = --priority;
 }
 
+bool has_transfer(const Scene& scene) {
+  return std::any_of(scene.intervals.begin(), scene.intervals.end(),
+                     [](const SceneInterval& of) { return !of.transfer.empty(); });
+}
+
+void move_ends(SceneInterval& interval, double lower, double upper) {
+  if (!interval.transfer.empty() && (lower != interval.lower || upper != interval.upper))
+    interval.transfer = moved_transfer(interval.transfer, lower, upper);
+  interval.lower = lower;
+  interval.upper = upper;
+}
+
+std::vector<TransferPoint> points_of(const google::protobuf::RepeatedPtrField<v1::TransferPoint>& wanted, const std::string& in) {
+  if (wanted.size() > kMaxTransferPoints)
+    refuse("too_large", std::to_string(wanted.size()) + " points; expected at most " + std::to_string(kMaxTransferPoints),
+           in + "points");
+  std::vector<TransferPoint> points;
+  for (int i = 0; i < wanted.size(); ++i) {
+    const v1::TransferPoint& point = wanted.Get(i);
+    const std::string field = in + "points[" + std::to_string(i) + "].";
+    points.push_back({finite(point.value(), field + "value"), rgb_of(point.color(), field + "color"),
+                      unit(point.opacity(), field + "opacity")});
+  }
+  return points;
+}
+
+/// Of an interval; without points it has none.
+void set_transfer(SceneInterval& interval, const v1::TransferFunction& wanted, const std::string& field) {
+  std::vector<TransferPoint> points = points_of(wanted.points(), field + ".");
+  if (!points.empty()) {
+    try {
+      check_transfer(points);
+    } catch (const Error& error) {
+      refuse(to_string(error.code()), error.what(), field + ".points");
+    }
+    interval.lower = points.front().value;
+    interval.upper = points.back().value;
+  }
+  interval.transfer = std::move(points);
+}
+
+/// After a command that may have given intervals their transfer functions.
+void settle_transfers(Scene& scene) {
+  if (!has_transfer(scene)) return;
+  std::size_t points = 0;
+  for (const SceneInterval& interval : scene.intervals) points += interval.transfer.size();
+  if (points > static_cast<std::size_t>(kMaxTransferPoints))
+    refuse("too_large",
+           "the intervals' transfer functions have " + std::to_string(points) + " points; expected at most " +
+               std::to_string(kMaxTransferPoints),
+           "points");
+  scene.color_by = scene.array;
+}
+
 void apply(SceneState& state, const v1::SelectArrays& command, const CommandContext& context) {
   Scene& scene = state.scene;
   opened(context);
@@ -147,14 +201,16 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
           const double lower = array.lower + (interval.lower - before->lower) * scale;
           const double upper = array.lower + (interval.upper - before->lower) * scale;
           if (!std::isfinite(lower) || !std::isfinite(upper) || !(lower < upper)) continue;
-          interval.lower = lower;
           // The top of one range must be the top of the other to the last bit, or the points that have it fall outside.
-          interval.upper = interval.upper == before->upper ? std::max(array.upper, std::nextafter(lower, INFINITY)) : upper;
+          const double end = interval.upper == before->upper ? std::max(array.upper, std::nextafter(lower, INFINITY)) : upper;
+          move_ends(interval, lower, end);
         }
       }
     }
   }
   if (!command.color_by().empty()) scene.color_by = array_of(command.color_by(), context, "color_by").name;
+  // A transfer function is of the values that are cut.
+  if (command.color_by().empty() && has_transfer(scene)) scene.color_by = scene.array;
   if (!command.texture().empty()) scene.texture = array_of(command.texture(), context, "texture").name;
 }
 
@@ -286,20 +342,23 @@ void apply(SceneState& state, const v1::SetSmear& command, const CommandContext&
 
 void apply(SceneState& state, const v1::SetTransferFunction& command, const CommandContext& context) {
   opened(context);
-  std::vector<TransferPoint> points;
-  for (int i = 0; i < std::min(command.points_size(), kMaxIntervals + 2); ++i) {
-    const v1::TransferPoint& point = command.points(i);
-    const std::string field = "points[" + std::to_string(i) + "].";
-    points.push_back({finite(point.value(), field + "value"), rgb_of(point.color(), field + "color"),
-                      unit(point.opacity(), field + "opacity")});
-  }
+  SceneInterval interval;
+  interval.transfer = points_of(command.points(), "");
   try {
-    state.scene.intervals = transfer_intervals(points, kMaxIntervals + 1);
+    transfer_intervals(interval.transfer);
   } catch (const Error& error) {
     refuse(to_string(error.code()), error.what(), "points");
   }
-  for (SceneInterval& interval : state.scene.intervals) interval.id = fresh_id(state);
-  state.scene.color_by = state.scene.array;
+  interval.id = fresh_id(state);
+  interval.lower = interval.transfer.front().value;
+  interval.upper = interval.transfer.back().value;
+  // What is seen of it where a person ends the function: the colour and the opacity of its densest point.
+  const auto densest = std::max_element(interval.transfer.begin(), interval.transfer.end(),
+                                        [](const auto& a, const auto& b) { return a.opacity < b.opacity; });
+  interval.color = densest->color;
+  interval.opacity = densest->opacity;
+  state.scene.intervals = {std::move(interval)};
+  settle_transfers(state.scene);
 }
 
 void apply(SceneState& state, const v1::SetIntervals& command, const CommandContext& context) {
@@ -314,9 +373,12 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     const v1::Interval& wanted = command.intervals(i);
     const std::string field = "intervals[" + std::to_string(i) + "].";
     SceneInterval interval;
-    check_ends(wanted.lower(), wanted.upper(), field);
-    interval.lower = wanted.lower();
-    interval.upper = wanted.upper();
+    set_transfer(interval, wanted.transfer_function(), field + "transfer_function");
+    if (interval.transfer.empty()) {
+      check_ends(wanted.lower(), wanted.upper(), field);
+      interval.lower = wanted.lower();
+      interval.upper = wanted.upper();
+    }
     interval.color =
         wanted.has_color() ? rgb_of(wanted.color(), field + "color") : default_interval_color(static_cast<std::size_t>(i));
     interval.color_map = color_map_of(wanted.color_map(), field + "color_map");
@@ -343,16 +405,19 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     intervals.push_back(std::move(interval));
   }
   state.scene.intervals = std::move(intervals);
+  settle_transfers(state.scene);
 }
 
 void apply(SceneState& state, const v1::PatchInterval& command, const CommandContext& context) {
   opened(context);
   SceneInterval& interval = interval_of(state.scene, command.id());
-  const double lower = command.has_lower() ? command.lower() : interval.lower;
-  const double upper = command.has_upper() ? command.upper() : interval.upper;
-  check_ends(lower, upper, "");
-  interval.lower = lower;
-  interval.upper = upper;
+  if (command.has_transfer_function()) set_transfer(interval, command.transfer_function(), "transfer_function");
+  if (!command.has_transfer_function() || interval.transfer.empty()) {
+    const double lower = command.has_lower() ? command.lower() : interval.lower;
+    const double upper = command.has_upper() ? command.upper() : interval.upper;
+    check_ends(lower, upper, "");
+    move_ends(interval, lower, upper);
+  }
   if (command.has_color()) interval.color = rgb_of(command.color(), "color");
   if (command.has_color_map()) interval.color_map = color_map_of(command.color_map(), "color_map");
   if (command.has_opacity()) interval.opacity = unit(command.opacity(), "opacity");
@@ -362,6 +427,7 @@ void apply(SceneState& state, const v1::PatchInterval& command, const CommandCon
   if (command.has_opacity_upper()) interval.opacity_upper = unit(command.opacity_upper(), "opacity_upper");
   if (command.has_own_range()) interval.own_range = command.own_range();
   if (command.has_surface()) interval.surface = surface_of(command.surface(), "surface");
+  if (command.has_transfer_function()) settle_transfers(state.scene);
 }
 
 void apply(SceneState& state, const v1::RemoveInterval& command, const CommandContext& context) {
@@ -553,7 +619,13 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
   return attempt(state, [&](SceneState& next) {
     switch (message.body_case()) {
       case v1::ClientMessage::kSelectArrays:
-        return apply(next, message.select_arrays(), context);
+        apply(next, message.select_arrays(), context);
+        if (has_transfer(next.scene) && !next.scene.color_by.empty() && next.scene.color_by != next.scene.array)
+          refuse("unsupported",
+                 "an interval has a transfer function of " + next.scene.array + "; colours by " + next.scene.color_by +
+                     " are not possible as long as it has",
+                 "color_by");
+        return;
       case v1::ClientMessage::kSetTimeStep:
         return apply(next, message.set_time_step(), context);
       case v1::ClientMessage::kSetIntervals:

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/draw_scene.h"
-
+#include "engine/transfer_function.h"
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/wire.h"
@@ -98,9 +98,10 @@ void Session::announce(TimePoint now) {
   if (!unannounced_) return;
   unannounced_ = false;
   announced_ = now;
-  engine_.post(SceneUpdate{key_, state_.scene});
+  engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
+  engine_.state_told(*this);
 }
 
 void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
@@ -109,9 +110,15 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   const std::uint64_t seq = message.seq();
   // An answer never overtakes the change that it answers.
   if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
-  const Reply reply = [this, key, seq](std::optional<v1::Error> error) {
-    Viewer* to = living(key);
-    if (to && error) send_error(*to, seq, std::move(*error));
+  const Reply reply = [this, key, seq, client = viewer.client_id,
+                       command = message.command()](std::optional<v1::Error> error) {
+    if (!error) return;
+    if (command != 0) note_refused(client, command, *error);
+    // An answer that was long in coming follows its client to a newer connection, where the number means nothing.
+    if (Viewer* to = living(key))
+      send_error(*to, seq, std::move(*error));
+    else if (Viewer* again = back_again(client))
+      send_error(*again, 0, std::move(*error));
   };
   if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message))
     return;  // a picture may be asked for again
@@ -121,7 +128,12 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
     case v1::ClientMessage::kOpenDataset:
-      return open(message.open_dataset().id(), &viewer, now, reply);
+      open(message.open_dataset().id(), &viewer, now, reply);
+      if (opening_ && opening_->viewer == key && opening_->seq == seq && opening_->command == 0) {
+        opening_->client = viewer.client_id;
+        opening_->command = message.command();
+      }
+      return;
     case v1::ClientMessage::kViewport: {
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
@@ -186,9 +198,9 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
     // It means the dataset that the viewer has asked for.
     if (deferred_.size() >= kMaxDeferred)
       return send_error(viewer, seq, wire_error("unavailable", "too many commands wait for the dataset"));
-    deferred_.push_back([this, key = viewer.key, message](TimePoint) {
+    deferred_.push_back({[this, key = viewer.key, message](TimePoint) {
       if (Viewer* to = living(key)) send_histogram(*to, message);
-    });
+    }});
     return;
   }
   if (auto error = check_histogram(wanted, context())) return send_error(viewer, seq, std::move(*error));
@@ -224,9 +236,14 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
   if (opening_) {
     if (deferred_.size() >= kMaxDeferred)
       return reply(wire_error("unavailable", std::to_string(kMaxDeferred) + " commands wait for the dataset already"));
-    deferred_.push_back([this, message, key = viewer ? viewer->key : 0, expected, reply = std::move(reply)](TimePoint then) {
+    Deferred& last = deferred_.emplace_back();
+    last.run = [this, message, key = viewer ? viewer->key : 0, expected, reply = std::move(reply)](TimePoint then) {
       command(message, living(key), then, reply, expected);
-    });
+    };
+    if (viewer) {
+      last.client = viewer->client_id;
+      last.command = message.command();
+    }
     return;
   }
   if (asleep_)
@@ -260,7 +277,7 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     return reply(std::nullopt);
   }
   if (opening_) {
-    engine_.post(CancelRequest{key_, 0, opening_->request});
+    engine_.post(CancelRequest{key_, 0, opening_->request, true});
     engine_.forget(opening_->request);
     Opening given_up = std::move(*opening_);
     opening_.reset();
@@ -301,9 +318,9 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
 
 void Session::run_deferred(TimePoint now) {
   while (!opening_ && !deferred_.empty()) {
-    const auto next = std::move(deferred_.front());
+    const Deferred next = std::move(deferred_.front());
     deferred_.pop_front();
-    next(now);
+    next.run(now);
   }
 }
 
@@ -339,6 +356,7 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
   } else if (const auto* done = std::get_if<OperationDone>(&event)) {
     message.mutable_done()->set_operation(done->operation);
     message.mutable_done()->set_cancelled(done->cancelled);
+    message.mutable_done()->set_superseded(done->superseded);
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
     *message.mutable_error() = wire_error(*failed);
   } else {

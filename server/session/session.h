@@ -20,8 +20,8 @@ namespace isostrata {
 
 class Session;
 
-/// How a session reaches the engine and its keepers. Asked for something, the engine answers to the listener with that request's events, the last
-/// of which is DatasetReady, HistogramReady, FrameReady or RequestFailed.
+/// How a session reaches the engine and its keepers. Asked for something, the engine answers to the listener with that request's
+/// events, the last of which is DatasetReady, HistogramReady, FrameReady or RequestFailed.
 class EngineDoor {
  public:
   using Listener = std::function<void(const EngineEvent& event, TimePoint now)>;
@@ -33,6 +33,9 @@ class EngineDoor {
   virtual void forget(RequestId request) = 0;
   /// What is to be kept of the session is another than before.
   virtual void session_changed(const Session&) {}
+  /// The viewers have been told a new revision; other people are there, or may do other things.
+  virtual void state_told(const Session&) {}
+  virtual void people_changed(const Session&) {}
   /// Whoever came by the invitation is to be cut off. Not called back from within.
   virtual void invitation_ended(const Session&, const std::string&) {}
 };
@@ -43,7 +46,8 @@ class Session {
   using Reply = std::function<void(std::optional<v1::Error> error)>;  // none: done
 
   Session(SessionKey key, EngineDoor& engine);
-  /// One that a journal has kept. It sleeps, that is, its dataset is not opened, until somebody comes; its state is known at once.
+  /// One that a journal has kept. It sleeps, that is, its dataset is not opened, until somebody comes; its state is known at
+  /// once.
   Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept);
   ~Session();
   Session(const Session&) = delete;
@@ -71,7 +75,7 @@ class Session {
   /// Whether its dataset is being opened again after a restart; what is asked meanwhile would be told that there is none.
   bool waking() const { return asleep_.has_value() && opening_.has_value(); }
   /// Calls back once it is awake, or has failed to wake.
-  void after_waking(std::function<void(TimePoint)> then) { deferred_.push_back(std::move(then)); }
+  void after_waking(std::function<void(TimePoint)> then) { deferred_.push_back({std::move(then)}); }
 
   void attach(Viewer& viewer, TimePoint now);
   void detach(Viewer& viewer, TimePoint now);
@@ -119,6 +123,8 @@ class Session {
   void came(const Viewer&) { people_changed(); }
   /// The newest command of this client that was judged; 0: none.
   std::uint64_t last_command(const std::string& client_id) const;
+  /// What that one was refused with; null: it was done, or it is not known.
+  const v1::Error* last_command_error(const std::string& client_id) const;
 
  private:
   /// A picture that is being made, for everyone who asked for the same one.
@@ -143,6 +149,20 @@ class Session {
     ViewerKey viewer = 0;
     std::uint64_t seq = 0;
     Reply reply;
+    std::string client;  // as in Deferred
+    std::uint64_t command = 0;
+  };
+
+  struct Deferred {
+    std::function<void(TimePoint)> run;
+    std::string client;         // whose command it is; empty: none that is numbered
+    std::uint64_t command = 0;  // its number
+  };
+
+  struct Client {
+    std::string id;
+    std::uint64_t last_command = 0;
+    std::optional<v1::Error> error = {};  // of last_command
   };
 
   Viewer* living(ViewerKey key);
@@ -171,6 +191,9 @@ class Session {
 
   bool forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
   bool done_before(const Viewer& viewer, const v1::ClientMessage& message);
+  void note_refused(const std::string& client_id, std::uint64_t command, const v1::Error& error);
+  std::uint64_t settled_command(const Client& client) const;
+  Viewer* back_again(const std::string& client_id);
   void people_changed();
   void set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& reply);
   bool answer_people(Viewer& viewer, const v1::ClientMessage& message, const Reply& reply);
@@ -186,18 +209,14 @@ class Session {
   bool unannounced_ = false;  // the scene is newer than the engine and the viewers know
   TimePoint announced_{};
   std::optional<Opening> opening_;
-  std::deque<std::function<void(TimePoint)>> deferred_;  // commands that wait for opening_
+  std::deque<Deferred> deferred_;    // commands that wait for opening_
   std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
   std::map<RequestId, Picture> pictures_;
   std::deque<Made> made_;  // the newest first; none of an older scene
   VideoStreams streams_;
   Invitations invitations_;
-  struct Client {
-    std::string id;
-    std::uint64_t last_command = 0;
-  };
   std::deque<Client> clients_;  // the one that was heard last first
-  int histograms_ = 0;  // asked for and not answered
+  int histograms_ = 0;          // asked for and not answered
   TimePoint last_use_{};
   std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };

@@ -44,11 +44,44 @@ bool Session::done_before(const Viewer& viewer, const v1::ClientMessage& message
   return false;
 }
 
+// The newest whose effect is in the scene, with all before it. What waits for a dataset dies with the server, so the journal
+// leaves it to its client to send that again.
+std::uint64_t Session::settled_command(const Client& client) const {
+  std::uint64_t settled = client.last_command;
+  const auto waits = [&](const std::string& id, std::uint64_t command) {
+    if (command != 0 && id == client.id) settled = std::min(settled, command - 1);
+  };
+  if (opening_) waits(opening_->client, opening_->command);
+  for (const Deferred& of : deferred_) waits(of.client, of.command);
+  return settled;
+}
+
+// The client on a connection that it has made since; null where there is none.
+Viewer* Session::back_again(const std::string& client_id) {
+  if (client_id.empty()) return nullptr;
+  const auto of = [&](const auto& entry) { return entry.second->client_id == client_id; };
+  const auto newest = std::find_if(viewers_.rbegin(), viewers_.rend(), of);
+  return newest == viewers_.rend() ? nullptr : newest->second;
+}
+
 std::uint64_t Session::last_command(const std::string& client_id) const {
   if (!client_id.empty())
     for (const Client& client : clients_)
       if (client.id == client_id) return client.last_command;
   return 0;
+}
+
+// The answer may be lost with its connection; the client hears of it when it comes back.
+void Session::note_refused(const std::string& client_id, std::uint64_t command, const v1::Error& error) {
+  for (Client& client : clients_)
+    if (!client_id.empty() && client.id == client_id && client.last_command == command) client.error = error;
+}
+
+const v1::Error* Session::last_command_error(const std::string& client_id) const {
+  if (!client_id.empty())
+    for (const Client& client : clients_)
+      if (client.id == client_id) return client.error ? &*client.error : nullptr;
+  return nullptr;
 }
 
 v1::Participants Session::participants() const {
@@ -65,6 +98,7 @@ v1::Participants Session::participants() const {
 }
 
 void Session::people_changed() {
+  engine_.people_changed(*this);
   if (viewers_.empty()) return;
   v1::ServerMessage message;
   *message.mutable_participants() = participants();

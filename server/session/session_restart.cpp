@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/transfer_function.h"
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/session.h"
@@ -57,7 +58,7 @@ journal::Entry Session::entry() const {
   }
   for (const Client& client : clients_) {
     entry.add_clients()->set_id(client.id);
-    entry.mutable_clients()->rbegin()->set_last_command(client.last_command);
+    entry.mutable_clients()->rbegin()->set_last_command(settled_command(client));
   }
   return entry;
 }
@@ -103,7 +104,7 @@ void Session::woken(const DatasetFacts& facts, TimePoint now) {
     return broadcast(message);
   }
   // Nothing has changed: everyone has been told this state already.
-  engine_.post(SceneUpdate{key_, state_.scene});
+  engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
   for (auto& [key, viewer] : viewers_) viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
   pump(now);
 }

@@ -90,6 +90,14 @@ void Sessions::invitation_ended(const Session& session, const std::string& invit
       refuse(*viewer, 0, wire_error("forbidden", "the invitation is over or was taken back"), kClosePolicy);
 }
 
+void Sessions::state_told(const Session& session) {
+  for (SessionsObserver* observer : observers_) observer->state_told(session);
+}
+
+void Sessions::people_changed(const Session& session) {
+  for (SessionsObserver* observer : observers_) observer->people_changed(session);
+}
+
 ViewerKey Sessions::attach(Outbox& outbox, TimePoint now, Admission admission) {
   now_ = now;
   auto viewer = std::make_unique<Viewer>();
@@ -236,6 +244,7 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   welcome.set_role(viewer.role);
   welcome.set_participant(viewer.key);
   welcome.set_last_command(session.last_command(viewer.client_id));
+  if (const v1::Error* error = session.last_command_error(viewer.client_id)) *welcome.mutable_last_command_error() = *error;
   welcome.set_ends_unix_ms(static_cast<double>(options_.ends));
   for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
   *welcome.mutable_state() = session.wire_state();
@@ -245,6 +254,7 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   welcome.set_device_is_software(drawing.device_is_software);
   for (const auto map : color_map_names()) welcome.add_color_maps(std::string(map));
   welcome.mutable_limits()->set_max_intervals(kMaxIntervals);
+  welcome.mutable_limits()->set_max_transfer_points(kMaxTransferPoints);
   welcome.mutable_limits()->set_max_width(kMaxSide);
   welcome.mutable_limits()->set_max_height(kMaxSide);
   welcome.mutable_limits()->set_max_message_bytes(kMaxMessageBytes);

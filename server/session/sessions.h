@@ -102,6 +102,8 @@ class Sessions final : public EngineDoor {
   void forget(RequestId request) override { pending_.erase(request); }
   void session_changed(const Session& session) override;
   void invitation_ended(const Session& session, const std::string& invitation) override;
+  void state_told(const Session& session) override;
+  void people_changed(const Session& session) override;
 
  private:
   struct Pending {

@@ -16,6 +16,10 @@ class SessionsObserver {
   /// After it was counted in, or out.
   virtual void viewer_joined(const Session&) {}
   virtual void viewer_left(const Session&) {}
+  /// Its scene has a new revision that its viewers have been told.
+  virtual void state_told(const Session&) {}
+  /// Who is in it, or what one of them may do.
+  virtual void people_changed(const Session&) {}
   /// Every event of the engine, before anyone acts on it. Null: of no session that lives.
   virtual void engine_event(const Session*, const EngineEvent&) {}
 };

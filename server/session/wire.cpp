@@ -48,6 +48,14 @@ v1::Surface to_wire(const SurfaceStyle& surface) {
   return out;
 }
 
+v1::TransferPoint to_wire(const TransferPoint& point) {
+  v1::TransferPoint out;
+  out.set_value(point.value);
+  *out.mutable_color() = to_wire(point.color);
+  out.set_opacity(point.opacity);
+  return out;
+}
+
 v1::Interval to_wire(const SceneInterval& interval) {
   v1::Interval out;
   out.set_id(interval.id);
@@ -62,6 +70,7 @@ v1::Interval to_wire(const SceneInterval& interval) {
   if (interval.opacity_upper) out.set_opacity_upper(*interval.opacity_upper);
   out.set_own_range(interval.own_range);
   if (interval.surface != SurfaceStyle{}) *out.mutable_surface() = to_wire(interval.surface);
+  for (const TransferPoint& point : interval.transfer) *out.mutable_transfer_function()->add_points() = to_wire(point);
   return out;
 }
 

@@ -118,6 +118,36 @@ TEST_F(ClientCommand, SetMovesAnIntervalAndKeepsStates) {
   EXPECT_EQ(server_.client({"set", "--session", session, "--load-state", path("nosuch.json")}).status, 1);
 }
 
+TEST_F(ClientCommand, SetTakesTheTransferFunctionThatRenderTakes) {
+  client::Client watcher({.url = server_.url()});
+  watcher.open_dataset("torus:12");
+  const std::string session = watcher.welcome().session();
+  folder_.write("good.json", R"({"points":[{"value":0.1,"color":"#ff0000","opacity":0.25},
+                                           {"value":0.5,"color":"#0000ff","opacity":0.5}]})");
+  const Ended ended = server_.client({"set", "--session", session, "--transfer", path("good.json")});
+  ASSERT_EQ(ended.status, 0) << ended.err;
+  const auto shows = [&](const auto& wanted) {
+    for (int i = 0; i < 200 && !wanted(); ++i) watcher.receive(std::chrono::milliseconds(50));
+    return wanted();
+  };
+  ASSERT_TRUE(shows([&] { return watcher.state().intervals_size() == 1; }));
+  EXPECT_EQ(watcher.state().intervals(0).transfer_function().points_size(), 2);
+  EXPECT_EQ(watcher.state().intervals(0).upper(), 0.5);
+
+  const std::uint32_t id = watcher.state().intervals(0).id();
+  watcher.set_transfer_function(id, {client::transfer_point(0.2, "#00ff00", 1), client::transfer_point(0.3, "#ffffff", 0)});
+  EXPECT_EQ(watcher.interval_of(id).lower(), 0.2);
+  watcher.set_transfer_function(id, {});
+  EXPECT_FALSE(watcher.interval_of(id).has_transfer_function());
+
+  folder_.write("text.json",
+                R"([{"value":0.1,"color":"#ff0000","opacity":"much"},{"value":0.5,"color":"#0000ff","opacity":0.5}])");
+  const Ended refused = server_.client({"set", "--session", session, "--transfer", path("text.json")});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("text.json: point 0: unexpected 'opacity'"), std::string::npos) << refused.err;
+  EXPECT_EQ(server_.client({"set", "--session", session, "--transfer", path("nosuch.json")}).status, 1);
+}
+
 TEST_F(ClientCommand, ExportsAreTheFilesThatExtractWrites) {
   for (const std::string& name : {"a.vtu", "a.ply", "a.stl"}) {
     const Ended ended = server_.client({"export", "--dataset", "torus:12", "--interval", "0.1:0.3", "--out", path(name)});

@@ -59,6 +59,12 @@ TEST_F(Examples, AStreamEndsWithTheExactPicture) {
   EXPECT_NE(ended.out.find("at rest: revision 22, 320 x 240 pixels"), std::string::npos) << ended.out;
 }
 
+TEST_F(Examples, AStreamIsVideoWhereItIsDecoded) {
+  const Ended ended = run("11_video", {"torus:12"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_NE(ended.out.find("pictures, the last as vp9-444\nat rest: 320 x 240 pixels\n"), std::string::npos) << ended.out;
+}
+
 TEST_F(Examples, LooksAreDifferentPictures) {
   const Ended ended = run("05_looks", {"torus:12", folder_.path().string()});
   ASSERT_EQ(ended.status, 0) << ended.err;

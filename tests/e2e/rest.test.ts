@@ -114,6 +114,7 @@ test('every operation of the document can be called, and answers what the docume
   for (const id of ['getDataset', 'listArrays', 'getDatasetHistogram', 'getDatasetStatistics']) await answers.call(id, { dataset });
   const session = (await answers.call('createSession', {}, { dataset })).json.id as string;
   const at = { session };
+  const happened = answers.call('watchSession', at);
   await answers.call('listSessions');
   for (const id of ['getSession', 'getSessionDataset', 'getHistogram', 'getStatistics', 'listOperations']) await answers.call(id, at);
 
@@ -172,6 +173,8 @@ test('every operation of the document can be called, and answers what the docume
   ] as [string, Record<string, string>, Json][])
     expect((await answers.call(id, path, body)).response.status).toBeGreaterThanOrEqual(400);
   await answers.call('deleteSession', at);
+  const events = (await happened).text;
+  for (const event of ['state', 'change', 'participants', 'operation', 'ended']) expect(events).toContain(`event: ${event}\ndata: {`);
 
   const described = Object.values<Json>(document.paths).flatMap((methods) => Object.values<Json>(methods).map((o) => o.operationId as string));
   expect([...answers.called].sort()).toEqual(described.sort());
@@ -189,6 +192,7 @@ test("the README's curl lines do what they say", async () => {
     });
     expect(stdout).toMatch(/^torus-64$/m);
     expect(stdout).toMatch(/event: done/);
+    expect(readFileSync(join(folder, 'events.txt'), 'utf8')).toMatch(/^event: state\n[\s\S]*\nevent: change\n[\s\S]*\nevent: ended\n/);
     expect(stdout.trim().split('\n').pop()).toBe('{"lower":0.1,"upper":0.2,"opacity":0.8}');
     expect(readFileSync(join(folder, 'layers.png')).subarray(1, 4).toString()).toBe('PNG');
     expect(readFileSync(join(folder, 'layers.vtu')).subarray(0, 5).toString()).toBe('<?xml');

@@ -1,5 +1,6 @@
 #include "encoding/encode_image.h"
 
+#include "encoding/encode_still.h"
 #include "encoding/image_file.h"
 
 #include <OpenImageIO/imageio.h>
@@ -208,6 +209,17 @@ TEST(WriteImage, WebpKeepsEveryPixelThatIsOpaque) {
   const Image image = noise(64, 48, true, 4);
   write_image(folder / "a.webp", image);
   expect_same(image, read(folder / "a.webp"), "webp, seed 4");
+}
+
+TEST(EncodeStill, WebpIsLosslessAndTheSameAsTheFile) {
+  const TemporaryFolder folder;
+  const Image image = noise(64, 48, false, 5);
+  const Bytes bytes = encode_still(image, StillFormat::webp);
+  EXPECT_EQ(bytes, encode_webp(image));
+  std::ofstream(folder / "a.webp", std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const ReadImage back = read(folder / "a.webp");
+  EXPECT_EQ(back.values.size(), std::size_t{64} * 48 * back.names.size());
+  EXPECT_EQ(bytes, encode_still(image, StillFormat::webp)) << "the same picture gives the same bytes";
 }
 
 TEST(WriteImage, ExrIsLinearPremultipliedAndHasDepth) {

@@ -79,7 +79,11 @@ TEST_F(RequestLedgerTest, WhatIsForgottenOrClosedIsNotToldAgain) {
 TEST_F(RequestLedgerTest, OperationsOfADeadWorkerEndAndAreNotTakenForThoseOfTheNext) {
   const auto first = ledger.hear(OperationProgress{1, 5, "extracting", 0.5});
   const std::uint64_t old = std::get<OperationProgress>(*first).operation;
-  EXPECT_EQ(count<OperationDone>(ledger.end_life({}, "killed", false)), 1);
+  const auto ended = ledger.end_life({}, "killed", false);
+  ASSERT_EQ(count<OperationDone>(ended), 1);
+  const auto done =
+      std::find_if(ended.begin(), ended.end(), [](const auto& e) { return std::holds_alternative<OperationDone>(e); });
+  EXPECT_TRUE(std::get<OperationDone>(*done).superseded) << "nobody has asked for it, and it begins again";
   ledger.begin_life();
   const auto second = ledger.hear(OperationProgress{1, 5, "extracting", 0.1});
   const std::uint64_t now = std::get<OperationProgress>(*second).operation;

@@ -118,6 +118,27 @@ TEST_F(SceneModes, ACycleShowsOneOfTheVisibleIntervalsAtATime) {
   EXPECT_THAT(visible(), ElementsAre(false, false, false));
 }
 
+TEST_F(SceneModes, ACycleAndTheLegendTakeTheTouchingPartsOfOneIntervalAsOne) {
+  scene_.mode = SceneMode::cycled;
+  SceneInterval part = scene_.intervals[1];  // of a transfer function
+  part.lower = 0.998;
+  part.upper = 1;
+  part.color_map = "#0000ff-#00ff00";
+  scene_.intervals.push_back(part);
+  scene_.cycle.phase = 1;
+  EXPECT_THAT(visible(), ElementsAre(false, true, true));
+  scene_.cycle.phase = 2;
+  EXPECT_THAT(visible(), ElementsAre(true, false, false));
+  scene_.mode = SceneMode::sorted;
+  const auto extracted = extract();
+  const auto legend = annotation_input(*extracted, scene_, input(extracted)).entries;
+  ASSERT_EQ(legend.size(), 2u);
+  EXPECT_EQ(legend[1].lower, 0.99);
+  EXPECT_EQ(legend[1].upper, 1);
+  EXPECT_TRUE(legend[1].style.color_map.ends_with("#00ff00"));
+  EXPECT_TRUE(is_color_map(legend[1].style.color_map));
+}
+
 TEST_F(SceneModes, ACycleDoesNotExtractAgain) {
   const auto sorted = extract();
   scene_.mode = SceneMode::cycled;

@@ -43,6 +43,54 @@ TEST(TransferFunction, RefusesWhatIsNone) {
   EXPECT_THROW(transfer_intervals(kPoints, 3), Error);
 }
 
+TEST(TransferFunction, MovesToOtherEndsWithoutFallingAndMeetsThemToTheLastBit) {
+  const auto moved = moved_transfer(kPoints, 0.1, 0.7);
+  EXPECT_EQ(moved.front().value, 0.1);
+  EXPECT_EQ(moved.back().value, 0.7);
+  EXPECT_DOUBLE_EQ(moved[2].value, 0.4);
+  EXPECT_EQ(moved[2].value, moved[3].value) << "a step stays one";
+  for (std::size_t i = 1; i < moved.size(); ++i) EXPECT_GE(moved[i].value, moved[i - 1].value);
+}
+
+TEST(TransferFunction, OfAnIntervalIsDrawnAsPartsThatBearItsId) {
+  Scene scene;
+  scene.intervals.resize(3);
+  scene.intervals[0].id = 4;
+  scene.intervals[1].id = 7;
+  scene.intervals[1].lower = 0;
+  scene.intervals[1].upper = 4;
+  scene.intervals[1].priority = 5;
+  scene.intervals[1].transfer = kPoints;
+  scene.intervals[2].id = 9;
+  scene.intervals[2].transfer = {{0, {}, 0}, {1, {}, 0}};
+  const auto drawn = drawn_scene(scene).intervals;
+  ASSERT_EQ(drawn.size(), 4u);
+  EXPECT_EQ(drawn[0], scene.intervals[0]);
+  EXPECT_EQ(drawn[1].id, 7u);
+  EXPECT_EQ(drawn[2].id, 7u);
+  EXPECT_EQ(drawn[1].lower, 1) << "what cannot be seen is not cut";
+  EXPECT_EQ(drawn[1].upper, drawn[2].lower);
+  EXPECT_EQ(drawn[1].color_map, "#ff0000-#0000ff");
+  EXPECT_EQ(drawn[2].upper, 4);
+  EXPECT_EQ(drawn[2].priority, 5);
+  EXPECT_TRUE(drawn[2].transfer.empty());
+  EXPECT_EQ(drawn[3].id, 9u) << "a place of its own in a cycle";
+  EXPECT_EQ(drawn[3].opacity, 0);
+}
+
+TEST(TransferFunction, SurfacesStandAtTheEndsOfTheWhole) {
+  Scene scene;
+  scene.intervals.resize(1);
+  scene.intervals[0].transfer = kPoints;
+  scene.intervals[0].surface.lower = scene.intervals[0].surface.upper = true;
+  const auto drawn = drawn_scene(scene).intervals;
+  ASSERT_EQ(drawn.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(drawn[i].surface.lower, i == 0);
+    EXPECT_EQ(drawn[i].surface.upper, i == 2);
+  }
+}
+
 TEST(TransferFunction, ATableIsThinnedOutToWhatItShows) {
   std::vector<TransferPoint> table;
   for (int i = 0; i < 256; ++i) {

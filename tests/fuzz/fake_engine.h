@@ -2,14 +2,19 @@
 // dataset that is open. Nothing is drawn.
 #pragma once
 
+#include <cstdio>
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <stdexcept>
 #include <string>
 
+#include "session/protobuf_log.h"
 #include "session/sessions.h"
 
 namespace isostrata::fuzz {
+
+inline const bool quiet = (silence_protobuf(), true);  // it would write a line for every other input
 
 inline DatasetFacts facts() {
   DatasetFacts facts;
@@ -86,6 +91,7 @@ class FakeEngine {
   void answer(const CancelRequest&) {}
   void answer(const ForgetFrame&) {}
   void answer(const CloseSession&) {}
+  void answer(const CloseStream&) {}
 };
 
 /// For the next input.

@@ -44,7 +44,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   });
   engine.run();
   fuzz::expect(replies == 1, "every request is answered once");
-  site.refuse_upgrade(request);
+  Sessions::Admission admission;
+  site.refuse_upgrade(request, admission);
   fuzz::end_all(engine.sessions);
   return 0;
 }

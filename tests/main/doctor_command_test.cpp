@@ -8,6 +8,7 @@
 namespace {
 
 using namespace isostrata::testing;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
@@ -27,6 +28,24 @@ TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
   for (const auto& codec : document.at("codecs").as_array())
     if (codec.at("name").as_string() != "h264-420")  // an optional module
       EXPECT_TRUE(codec.at("ok").as_bool()) << codec.at("name");
+  const auto& worker = document.at("worker");
+  EXPECT_TRUE(worker.at("ok").as_bool()) << worker;
+  EXPECT_THAT(std::string(worker.at("detail").as_string()), HasSubstr("was replaced by process"));
+  EXPECT_EQ(worker.at("device"), document.at("device")) << "the worker draws on what doctor says is used";
+  EXPECT_GT(worker.at("frame_ms").to_number<double>(), 0);
+  bool vp9 = false, h264 = false;
+  for (const auto& codec : document.at("codecs").as_array()) {
+    const std::string name(codec.at("name").as_string()), detail(codec.at("detail").as_string());
+    if (name == "vp9-444") {
+      vp9 = true;
+      EXPECT_THAT(detail, HasSubstr("decoded as they were"));
+    }
+    if (name == "h264-420") {
+      h264 = true;
+      EXPECT_THAT(detail, AnyOf(HasSubstr("decoded as they were"), HasSubstr("no libisostrata_avcodec.so"), HasSubstr("not ")));
+    }
+  }
+  EXPECT_TRUE(vp9 && h264);
   EXPECT_GE(document.at("limits").at("cores").to_number<int>(), 1);
   EXPECT_GT(document.at("limits").at("memory_bytes").to_number<long long>(), 1ll << 20);
 }
@@ -35,6 +54,7 @@ TEST(DoctorCommand, IsLoudAboutSoftware) {
   const CommandResult result = run_isostrata("doctor --device surfaceless");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("*** SOFTWARE rendering"));
+  EXPECT_THAT(result.out, HasSubstr("process that draws"));
 }
 
 // With EGL's vendor list empty and a driver that does not exist, neither EGL nor OSMesa makes a context.
@@ -47,6 +67,7 @@ TEST(DoctorCommand, ExitsWithOneAndTheReasonsWhereTheDeviceCannotDraw) {
   EXPECT_TRUE(document.at("device").is_null());
   EXPECT_THAT(std::string(document.at("reason").as_string()), HasSubstr("OSMesa"));
   EXPECT_THAT(result.err, HasSubstr("no OpenGL 4.5 device for 'osmesa'"));
+  EXPECT_FALSE(document.at("worker").at("ok").as_bool());
   EXPECT_EQ(run_isostrata("render torus:8 --renderer raster --out a.png", no_driver).status, 1);
 }
 

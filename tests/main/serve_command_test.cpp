@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "net/raw_socket.h"
 #include "support/temporary_folder.h"
 
 extern char** environ;
@@ -250,6 +251,26 @@ TEST_F(ServeCommand, TheEngineCanStayInTheServersProcess) {
                 {url_, "snapshot", "--interval", "0.2:0.5", "--size", "120x90", "--out", (directory_ / "a.png").string()}),
             0)
       << contents(errors());
+}
+
+TEST_F(ServeCommand, TextThatIsNoUtf8IsRefusedAndFillsNoLog) {
+  SERVE_OR_SKIP({"torus:12", "--no-auth"});
+  const auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
+  const std::string hello("\x08\x01\x12\x06\x08\x01\x1a\x02\xff\xfe", 10);  // seq 1, and a Hello whose client has this name
+  for (int i = 0; i < 40; ++i) {
+    isostrata::RawSocket socket(port);
+    ASSERT_NE(socket.open_websocket("/ws").find(" 101 "), std::string::npos);
+    socket.send_frame(hello);
+    socket.send_frame(std::string("\x03\xe8", 2), 8);
+    EXPECT_NE(socket.read_all().find("malformed"), std::string::npos);
+  }
+  EXPECT_EQ(stop(SIGTERM), 0);
+  const std::string log = contents(errors());
+  EXPECT_EQ(log.find("libprotobuf"), std::string::npos) << log;
+  int lines = 0;
+  for (std::size_t at = log.find("UTF-8"); at != std::string::npos; at = log.find("UTF-8", at + 1)) ++lines;
+  EXPECT_GE(lines, 1) << log;
+  EXPECT_LE(lines, 3) << log;
 }
 
 TEST_F(ServeCommand, SessionsAreJoinedByIdAndSeeTheSame) {

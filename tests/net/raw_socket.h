@@ -28,6 +28,11 @@ class RawSocket {
       throw std::runtime_error("the server does not accept");
   }
   ~RawSocket() { ::close(fd_); }
+  /// What closes it sends no goodbye but a reset, as a machine that has lost its way.
+  void reset() {
+    const linger at_once{1, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+  }
   RawSocket(const RawSocket&) = delete;
   RawSocket& operator=(const RawSocket&) = delete;
 
@@ -53,6 +58,12 @@ class RawSocket {
     }
     if (closed) *closed = false;
     return all;
+  }
+  /// What comes next; empty: the server has closed, or nothing came in the time.
+  std::string read_piece(int timeout_ms = 8000) {
+    std::string piece;
+    read_some(piece, timeout_ms);
+    return piece;
   }
   /// A whole HTTP response with a Content-Length, or what came before the end.
   std::string read_response() {

@@ -215,8 +215,14 @@ TEST(Standstill, WhoNeverSaysHelloIsClosed) {
   EXPECT_TRUE(closed);
 }
 
+RunningServer server_that_heeds(double messages_per_second) {
+  ServerOptions options;
+  options.messages_per_second = messages_per_second;
+  return RunningServer(std::move(options));
+}
+
 TEST(Flood, OfTenThousandCamerasTheNewestWinsAndOthersAreServed) {
-  RunningServer server;
+  RunningServer server = server_that_heeds(400);
   server.control->delay_ms = 5;
   Client flooding(server.client_options()), other(server.client_options());
   flooding.open_dataset("torus-12");
@@ -236,18 +242,110 @@ TEST(Flood, OfTenThousandCamerasTheNewestWinsAndOthersAreServed) {
   }
   EXPECT_EQ(others, 4);
   v1::Frame newest;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-  while (newest.input_seq() < last && std::chrono::steady_clock::now() < end)
-    if (const auto message = flooding.receive(milliseconds(200)); message && message->has_frame()) {
+  int reminders = 0;
+  const auto began = std::chrono::steady_clock::now();
+  while (newest.input_seq() < last && std::chrono::steady_clock::now() < began + std::chrono::seconds(30))
+    if (const auto message = flooding.receive(milliseconds(200))) {
+      if (message->has_error()) {
+        EXPECT_EQ(message->error().code(), "too_many_messages");
+        EXPECT_GT(message->error().in_reply_to(), 0u);
+        ++reminders;
+      }
+      if (!message->has_frame()) continue;
       newest = message->frame();
       ++frames;
     }
+  EXPECT_GE(reminders, 1) << "nobody has told the client that its cameras are passed over";
   EXPECT_GE(newest.input_seq(), last);
   EXPECT_EQ(flooding.state().camera().eye().x(), kCameras);
   EXPECT_EQ(newest.camera().eye().x(), kCameras);
   // Nothing queued up: far fewer pictures were drawn, and sent, than cameras came.
   EXPECT_LT(server.control->drawn - drawn, kCameras / 4);
   EXPECT_LT(frames, kCameras / 4);
+}
+
+TEST(Flood, OfMessagesThatAreNoCamerasIsReadLaterWholeAndInOrder) {
+  RunningServer server = server_that_heeds(400);
+  RawSocket socket(server.port());
+  ASSERT_EQ(status_of(socket.open_websocket(ws_target())), 101);
+  v1::ClientMessage first;
+  first.set_seq(1);
+  first.mutable_hello()->set_protocol_major(1);
+  socket.send_frame(first.SerializeAsString());
+  constexpr std::uint64_t kPings = 800;  // beyond what a connection may say at once
+  std::thread writing([&] {
+    for (std::uint64_t i = 1; i <= kPings; ++i) {
+      v1::ClientMessage ping;
+      ping.set_seq(1 + i);
+      ping.mutable_ping()->set_client_time_ms(static_cast<double>(i));
+      socket.send_frame(ping.SerializeAsString());
+    }
+  });
+  std::uint64_t answered = 0;
+  for (auto frame = socket.read_frame(); frame && frame->opcode != 8; frame = socket.read_frame()) {
+    v1::ServerMessage answer;
+    if (frame->opcode != 2 || !answer.ParseFromString(frame->payload) || !answer.has_pong()) continue;
+    EXPECT_EQ(answer.pong().client_time_ms(), static_cast<double>(++answered));
+    if (answered == kPings) break;
+  }
+  writing.join();
+  EXPECT_EQ(answered, kPings);
+}
+
+TEST(Flood, TheLastCameraBeforeSilenceCounts) {
+  RunningServer server = server_that_heeds(400);
+  Client watching(server.client_options());
+  watching.open_dataset("torus-12");
+  constexpr int kCameras = 3000;
+  auto options = server.client_options();
+  options.resume_token = watching.welcome().resume_token();
+  Client flooding(options);
+  for (int i = 1; i <= kCameras; ++i) flooding.send(camera_at(i));
+  EXPECT_TRUE(soon(
+      [&] {
+        watching.receive(milliseconds(50));
+        return watching.state().camera().eye().x() == kCameras;
+      },
+      milliseconds(20000)))
+      << watching.state().camera().eye().x();
+}
+
+TEST(Vanishing, AtAnyMomentAndWithoutGoodbyeLeavesNothingBehind) {
+  RunningServer server;
+  server.control->delay_ms = 20;
+  Client other(server.client_options());
+  other.open_dataset("torus-12");
+  const std::string upgrade = "GET " + ws_target() +
+                              " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                              "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                              "Sec-WebSocket-Protocol: isostrata.v1\r\n\r\n";
+  const auto vanish = [&](const std::function<void(RawSocket&)>& after) {
+    RawSocket socket(server.port());
+    after(socket);
+    socket.reset();
+  };
+  for (int round = 0; round < 6; ++round) {
+    vanish([](RawSocket&) {});                                     // connected
+    vanish([&](RawSocket& s) { s.send(upgrade.substr(0, 60)); });  // half a head
+    vanish([&](RawSocket& s) { s.send(upgrade); });                // without reading the answer
+    vanish([&](RawSocket& s) { s.open_websocket(ws_target()); });  // before Hello
+    vanish([&](RawSocket& s) {                                     // half a message
+      s.open_websocket(ws_target());
+      s.send(std::string("\x82\xfe\x10\x00", 4) + std::string(100, 'x'));
+    });
+    vanish([&](RawSocket& s) {  // while its first picture is drawn
+      s.open_websocket(ws_target());
+      s.send_frame(hello(64, 48));
+      s.read_frame();
+    });
+    vanish([&](RawSocket& s) {  // half a body
+      s.send("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100\r\n\r\n{");
+    });
+    other.command(camera_at(round + 1));
+    EXPECT_GE(other.lossless_frame().revision(), other.state().revision());
+  }
+  EXPECT_TRUE(
+      soon([&] { return has(server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), "\"viewers\":1"); }));
 }
 
 TEST(TwoClients, OfOneSessionSeeEachOthersChangesAndEachGetsFrames) {

@@ -13,19 +13,30 @@ BIN = Path(os.environ.get("ISOSTRATA_BIN_DIR", Path(__file__).resolve().parents[
 
 
 class Served:
-    def __init__(self, *data: str) -> None:
-        self.folder = Path(tempfile.mkdtemp(prefix="isostrata-python-"))
+    def __init__(self, *data: str, folder: Path | None = None) -> None:
+        self.folder = folder or Path(tempfile.mkdtemp(prefix="isostrata-python-"))
+        self.arguments = data
+        self._start("0")
+
+    def _start(self, port: str) -> None:
         ready = self.folder / "ready.json"
+        ready.unlink(missing_ok=True)
         with open(self.folder / "log", "wb") as log:
             self.process = subprocess.Popen(
-                [BIN / "isostrata", "serve", *data, "--port", "0", "--ready-file", ready], stdout=log, stderr=log
+                [BIN / "isostrata", "serve", *self.arguments, "--port", port, "--ready-file", ready], stdout=log, stderr=log
             )
         end = time.monotonic() + 60
         while not ready.exists():
             if self.process.poll() is not None or time.monotonic() > end:
                 raise RuntimeError(f"isostrata serve does not start:\n{(self.folder / 'log').read_text()}")
             time.sleep(0.02)
-        self.url = json.loads(ready.read_text())["url"]
+        announced = json.loads(ready.read_text())
+        self.url, self.port = announced["url"], str(announced["port"])
+
+    def restart(self, number: int = signal.SIGKILL) -> None:
+        """Ends it and starts it again on the same port; what it is to know again, --token-file and --state-dir say."""
+        self.stop(number)
+        self._start(self.port)
 
     def stop(self, number: int = signal.SIGTERM) -> None:
         if self.process.poll() is None:

@@ -4,6 +4,8 @@ import base64
 import json
 import signal
 import tempfile
+import threading
+import time
 import types
 import unittest
 from pathlib import Path
@@ -131,7 +133,16 @@ class Layers(WithServer):
         self.assertEqual(len(s.message.terms), 0)
         lower, upper = s.arrays["Density"]
         s.set_transfer_function([(lower, "#000000", 0), ((lower + upper) / 2, "#ff0000", 0.5), (upper, "#ffffff", 0)])
-        self.assertEqual([i.own_range for i in s.intervals], [True, True])
+        middle = (lower + upper) / 2
+        self.assertEqual([(i.lower, i.upper, i.transfer[1][1:]) for i in s.intervals], [(lower, upper, ("#ff0000", 0.5))])
+        self.assertRefused("unsupported", setattr, s, "color_by", "Energy", field="color_by")
+        changed = s.intervals.patch(s.intervals[0], transfer=[(lower, "#00ff00", 0.25), (middle, "#0000ff", 0.5)])
+        self.assertEqual((changed.upper, changed.transfer[0]), (middle, (lower, "#00ff00", 0.25)))
+        again = s.intervals.set(list(s.intervals))  # a value brings all of itself along
+        self.assertEqual(again[0].transfer, changed.transfer)
+        self.assertEqual(s.intervals.patch(changed, transfer=()).transfer, ())
+        s.transfer_from_matplotlib(lambda t: (t, 0, 1 - t, 1), opacity=0.25, count=5)
+        self.assertEqual([p[1] for p in s.intervals[0].transfer], ["#0000ff", "#4000bf", "#800080", "#bf0040", "#ff0000"])
         self.assertRefused("not_found", setattr, s, "array", "Temperature")
 
     def test_histograms_are_numpys(self):
@@ -347,7 +358,7 @@ class Troubles(unittest.TestCase):
         for number in (signal.SIGKILL, signal.SIGTERM):
             server = Served("torus:12")
             self.addCleanup(server.close)
-            s = isostrata.connect(server.url, "torus:12")
+            s = isostrata.connect(server.url, "torus:12", reconnect=0)
             self.addCleanup(s.close)
             server.stop(number)
             with self.assertRaises(IsostrataError) as caught:
@@ -356,6 +367,33 @@ class Troubles(unittest.TestCase):
             with self.assertRaises(IsostrataError) as caught:
                 s.image()
             self.assertEqual(caught.exception.code, "connection")
+
+    def test_listeners_and_loops_hear_of_changes(self):
+        server = Served("torus:12")
+        self.addCleanup(server.close)
+        s = isostrata.connect(server.url, "torus:12")
+        self.addCleanup(s.close)
+        other = isostrata.connect(server.url, session=s.id)
+        self.addCleanup(other.close)
+        heard = []
+        s.on_change(lambda session: heard.append(session.intervals[0].lower))
+        changes = s.changes(count=2, timeout=30)
+        waiting = threading.Thread(target=lambda: (time.sleep(0.2), other.intervals.set([(0.1, 0.2)]), other.view("+x")))
+        waiting.start()
+        first = next(changes)
+        self.assertEqual((first.fields, first.state.intervals[0].lower), ({"intervals"}, 0.1))
+        self.assertEqual(next(changes).fields, {"camera"})
+        self.assertEqual(list(changes), [])
+        waiting.join()
+        self.assertIn(0.1, heard)
+        s.on_change(lambda session: session.view("+y"))  # which would wait for its own thread
+        other.view("-x")
+        s.wait(lambda session: session.revision >= other.revision)
+        s.on_change(None)
+        s.view("+z")
+        with self.assertRaises(IsostrataError) as caught:
+            next(s.changes(timeout=0.2))
+        self.assertEqual(caught.exception.code, "timeout")
 
 
 if __name__ == "__main__":

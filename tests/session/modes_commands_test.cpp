@@ -65,18 +65,75 @@ TEST_F(ModesCommands, AnOpacityThatRunsComesAndGoes) {
   EXPECT_FALSE(state_.scene.intervals[0].opacity_upper);
 }
 
-TEST_F(ModesCommands, ATransferFunctionReplacesTheIntervalsUnderNewIds) {
+TEST_F(ModesCommands, ATransferFunctionReplacesTheIntervalsByOneThatKeepsItsPoints) {
   const auto newest = state_.last_interval_id;
   ASSERT_FALSE(apply(R"({"selectArrays":{"colorBy":"Energy"}})").error);
   ASSERT_FALSE(apply(R"({"setTransferFunction":{"points":[{"value":1,"color":{"r":1},"opacity":0},
                          {"value":2,"color":{"b":1},"opacity":0.5},{"value":5,"color":{"b":1},"opacity":0.5}]}})")
                    .error);
-  const auto& intervals = state_.scene.intervals;
-  ASSERT_EQ(intervals.size(), 2u);
-  EXPECT_EQ(intervals[0].id, newest + 1);
-  EXPECT_EQ(intervals[0].upper, intervals[1].lower);
-  EXPECT_EQ(intervals[0].color_map, "#ff0000-#0000ff");
+  ASSERT_EQ(state_.scene.intervals.size(), 1u);
+  const SceneInterval& interval = state_.scene.intervals[0];
+  EXPECT_EQ(interval.id, newest + 1);
+  EXPECT_EQ(interval.lower, 1);
+  EXPECT_EQ(interval.upper, 5);
+  EXPECT_EQ(interval.transfer, (std::vector<TransferPoint>{{1, {1, 0, 0}, 0}, {2, {0, 0, 1}, 0.5}, {5, {0, 0, 1}, 0.5}}));
   EXPECT_EQ(state_.scene.color_by, "Density");
+}
+
+constexpr const char* kTwoPoints = R"("transferFunction":{"points":[{"value":1,"color":{"r":1},"opacity":0.25},
+                                      {"value":3,"color":{"b":1},"opacity":0.5}]})";
+
+TEST_F(ModesCommands, AnIntervalsTransferFunctionBringsItsEndsAndMovesWithThem) {
+  ASSERT_FALSE(apply(R"({"selectArrays":{"colorBy":"Energy"}})").error);
+  const SceneInterval before = state_.scene.intervals[1];
+  ASSERT_FALSE(apply(std::string(R"({"patchInterval":{"id":2,"lower":7,"upper":8,)") + kTwoPoints + "}}").error);
+  const auto interval = [&]() -> const SceneInterval& { return state_.scene.intervals[1]; };  // another one after each command
+  EXPECT_EQ(interval().lower, 1);
+  EXPECT_EQ(interval().upper, 3);
+  EXPECT_EQ(state_.scene.color_by, "Density");
+  ASSERT_FALSE(apply(R"({"patchInterval":{"id":2,"upper":5}})").error);
+  EXPECT_EQ(interval().transfer, (std::vector<TransferPoint>{{1, {1, 0, 0}, 0.25}, {5, {0, 0, 1}, 0.5}}));
+  ASSERT_FALSE(apply(R"({"selectArrays":{"array":"Energy"}})").error);  // [0, 8] is then [-100, 300]
+  EXPECT_EQ(interval().transfer.front().value, -50);
+  EXPECT_EQ(interval().transfer.back().value, 150);
+  EXPECT_EQ(state_.scene.color_by, "Energy");
+  ASSERT_FALSE(apply(R"({"patchInterval":{"id":2,"transferFunction":{}}})").error);
+  EXPECT_TRUE(interval().transfer.empty());
+  EXPECT_EQ(interval().color, before.color);
+  EXPECT_EQ(interval().opacity, before.opacity);
+}
+
+TEST_F(ModesCommands, ColoursOfAnotherArrayAndTransferFunctionsExcludeEachOther) {
+  ASSERT_FALSE(apply(std::string(R"({"patchInterval":{"id":1,)") + kTwoPoints + "}}").error);
+  expect_refused(R"({"selectArrays":{"colorBy":"Energy"}})", "unsupported", "color_by");
+  EXPECT_FALSE(apply(R"({"selectArrays":{"colorBy":"Density"}})").error);
+  ASSERT_FALSE(apply(R"({"removeInterval":{"id":1}})").error);
+  EXPECT_FALSE(apply(R"({"selectArrays":{"colorBy":"Energy"}})").error);
+}
+
+TEST_F(ModesCommands, AWrongTransferFunctionNamesItsPointAndChangesNothing) {
+  const auto refused = [&](const std::string& points, const char* code, const char* field) {
+    expect_refused(R"({"patchInterval":{"id":1,"transferFunction":{"points":[)" + points + "]}}}", code, field);
+  };
+  refused(R"({"value":1,"opacity":1})", "invalid_argument", "transfer_function.points");
+  refused(R"({"value":1,"opacity":1},{"value":1,"opacity":1})", "invalid_argument", "transfer_function.points");
+  refused(R"({"value":2,"opacity":1},{"value":1,"opacity":1})", "invalid_argument", "transfer_function.points");
+  refused(R"({"value":1},{"value":"NaN"})", "invalid_argument", "transfer_function.points[1].value");
+  refused(R"({"value":1},{"value":"Infinity"})", "invalid_argument", "transfer_function.points[1].value");
+  refused(R"({"value":1},{"value":2,"opacity":-0.1})", "invalid_argument", "transfer_function.points[1].opacity");
+  refused(R"({"value":1,"color":{"g":2}},{"value":2})", "invalid_argument", "transfer_function.points[0].color.g");
+  expect_refused(R"({"setIntervals":{"intervals":[{"transferFunction":{"points":[{"value":1}]}}]}})", "invalid_argument",
+                 "intervals[0].transfer_function.points");
+  // Each has few enough, all together have not.
+  std::string intervals;
+  for (int i = 0; i < 3; ++i) {
+    std::string points;
+    for (int k = 0; k < kMaxTransferPoints / 2; ++k) points += (k ? "," : "") + (R"({"value":)" + std::to_string(k) + "}");
+    intervals += (i ? "," : "") + (R"({"transferFunction":{"points":[)" + points + "]}}");
+  }
+  expect_refused(R"({"setIntervals":{"intervals":[)" + intervals + "]}}", "too_large", "points");
+  EXPECT_FALSE(apply(R"({"patchInterval":{"id":1,"transferFunction":{"points":[{"value":1},{"value":2}]}}})").error)
+      << "a function may be wholly transparent for a while";
 }
 
 TEST_F(ModesCommands, WhatIsOutOfRangeNamesItsFieldAndChangesNothing) {
@@ -103,7 +160,7 @@ TEST_F(ModesCommands, WhatIsOutOfRangeNamesItsFieldAndChangesNothing) {
   for (int i = 0; i <= kMaxSmearSteps; ++i) many += i ? ",0" : "0";
   expect_refused(R"({"setSmear":{"smear":{"steps":[)" + many + "]}}}", "too_large", "steps");
   many.clear();
-  for (int i = 0; i < kMaxIntervals + 5; ++i)
+  for (int i = 0; i < kMaxTransferPoints + 5; ++i)
     many += (i ? "," : "") + std::string(R"({"value":)") + std::to_string(i) + R"(,"opacity":1})";
   expect_refused(R"({"setTransferFunction":{"points":[)" + many + "]}}", "too_large", "points");
 }
@@ -113,7 +170,8 @@ TEST_F(ModesCommands, AWholeStateComesBackAsItWas) {
        {R"({"setAppearance":{"mode":"RENDER_MODE_SMEAR","integral":"INTEGRAL_TABLE2D"}})",
         R"({"setSmear":{"smear":{"steps":[2,0],"colors":[{"g":1}]}}})",
         R"({"setCycle":{"seconds":0.5,"phase":1,"playing":false}})", R"({"selectArrays":{"texture":"Energy"}})",
-        R"({"patchInterval":{"id":1,"opacityUpper":0.9,"ownRange":true,"surface":{"domain":true,"opacity":0.25}}})"})
+        R"({"patchInterval":{"id":1,"opacityUpper":0.9,"ownRange":true,"surface":{"domain":true,"opacity":0.25}}})",
+        R"({"patchInterval":{"id":2,"transferFunction":{"points":[{"value":1,"color":{"r":1}},{"value":3,"opacity":0.5}]}}})"})
     ASSERT_FALSE(apply(json).error) << json;
   const v1::State saved = to_wire(state_.scene);
   SceneState other;
@@ -128,6 +186,10 @@ TEST_F(ModesCommands, AWholeStateComesBackAsItWas) {
   EXPECT_EQ(other.scene.intervals[0].surface, state_.scene.intervals[0].surface);
   EXPECT_EQ(other.scene.intervals[0].opacity_upper, 0.9);
   EXPECT_TRUE(other.scene.intervals[0].own_range);
+  EXPECT_EQ(other.scene.intervals[1].transfer, state_.scene.intervals[1].transfer);
+  SceneState kept;
+  ASSERT_FALSE(restore_state(kept, saved, state_.last_interval_id, {&facts_}));
+  EXPECT_EQ(kept.scene.intervals, state_.scene.intervals);
 }
 
 TEST_F(ModesCommands, ACycleGoesRoundTheVisibleIntervals) {

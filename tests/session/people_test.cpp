@@ -71,6 +71,27 @@ TEST_F(People, AViewersCommandsAreForbiddenAndChangeNothing) {
   EXPECT_EQ(viewer->outbox.closed, 0);
 }
 
+TEST_F(People, AVerdictThatWasNotHeardIsToldWithTheNextWelcome) {
+  auto hello = s_.resuming(*owner_);
+  hello.set_client_id("a-client");
+  auto client = s_.connect(hello);
+  v1::ClientMessage refused;
+  refused.mutable_patch_interval()->set_id(4711);
+  refused.set_command(1);
+  s_.say(*client, refused);
+  auto again = s_.connect(hello);
+  EXPECT_EQ(again->outbox.welcome().last_command(), 1u);
+  EXPECT_EQ(again->outbox.welcome().last_command_error().code(), "not_found");
+  v1::ClientMessage done = s_.camera(3);
+  done.set_command(2);
+  s_.say(*client, done);
+  again = s_.connect(hello);
+  EXPECT_EQ(again->outbox.welcome().last_command(), 2u);
+  EXPECT_FALSE(again->outbox.welcome().has_last_command_error());
+  hello.set_client_id("another-client");
+  EXPECT_EQ(s_.connect(hello)->outbox.welcome().last_command(), 0u);
+}
+
 TEST_F(People, EveryoneIsToldWhoIsThere) {
   auto hello = s_.resuming(*owner_);
   hello.set_name("Ada");
@@ -203,6 +224,37 @@ TEST_F(People, ACommandThatIsSentAgainIsDoneOnce) {
   EXPECT_EQ(owner_->outbox.state().intervals(0).id(), id);
   s_.say(*again, add(6));
   EXPECT_GT(owner_->outbox.state().revision(), revision);
+}
+
+TEST_F(People, AnAnswerThatWasLongInComingFollowsItsClientToANewConnection) {
+  auto hello = s_.resuming(*owner_);
+  hello.set_client_id("one-page");
+  const auto first = s_.connect(hello);
+  v1::ClientMessage other;
+  other.mutable_open_dataset()->set_id("other");
+  s_.say(*first, other);
+  s_.leave(*first);
+  const auto again = s_.connect(hello);
+  for (const OpenRequest& request : s_.take<OpenRequest>())
+    s_.sessions->on_event(RequestFailed{request.session, request.request, 0, ErrorCode::bad_data, "truncated"}, s_.now);
+  EXPECT_EQ(again->outbox.error().message(), "truncated");
+  EXPECT_EQ(again->outbox.error().in_reply_to(), 0u) << "a number of another connection";
+  EXPECT_TRUE(owner_->outbox.error().code().empty()) << "it is not theirs";
+}
+
+TEST_F(People, ADatasetThatAnotherOneOvertookEndsOnNobodysWord) {
+  for (const char* id : {"other", "another"}) {
+    v1::ClientMessage open;
+    open.mutable_open_dataset()->set_id(id);
+    s_.say(*owner_, open);
+  }
+  const auto cancelled = s_.take<CancelRequest>();
+  ASSERT_EQ(cancelled.size(), 1u);
+  EXPECT_TRUE(cancelled[0].superseded);
+  s_.sessions->on_event(OperationDone{cancelled[0].session, 9, true, cancelled[0].request, true}, s_.now);
+  const auto done = owner_->outbox.newest([](const auto& m) { return m.has_done(); }).done();
+  EXPECT_TRUE(done.cancelled());
+  EXPECT_TRUE(done.superseded());
 }
 
 TEST(SessionLimits, SayWhichAndHowMany) {

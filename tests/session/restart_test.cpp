@@ -22,6 +22,7 @@ class Restart : public ::testing::Test {
     s_.reset();
     begin();
   }
+  double eye_x() { return s_->sessions->list().front()->wire_state().camera().eye().x(); }
   std::string on_disk() {
     std::string all;
     for (const auto& file : fs::directory_iterator(folder_ / "sessions")) {
@@ -129,6 +130,61 @@ TEST_F(Restart, IdsAreNeverUsedAgainAndRevisionsGoOn) {
   s_->open();
   EXPECT_EQ(after->outbox.state().revision(), before->outbox.state().revision() + 1);
   EXPECT_GT(after->outbox.state().intervals(0).id(), newest);
+}
+
+// What a client does not know to have arrived it sends again; what it is told was judged it forgets. So the journal may claim no
+// more than the state that it keeps contains.
+TEST_F(Restart, TheJournalClaimsNoCommandThatStillWaitedForADataset) {
+  auto hello = s_->looking();
+  hello.set_client_id("one-page");
+  const auto before = s_->connect(hello);
+  s_->open();
+  const auto numbered = [](v1::ClientMessage message, std::uint64_t number) {
+    message.set_command(number);
+    return message;
+  };
+  v1::ClientMessage other;
+  other.mutable_open_dataset()->set_id("other");
+  s_->say(*before, numbered(s_->camera(5), 1));
+  s_->say(*before, numbered(other, 2));
+  s_->say(*before, numbered(s_->camera(7), 3));  // waits
+  v1::ClientMessage invite;
+  invite.mutable_create_invitation()->set_role(v1::ROLE_VIEWER);
+  s_->say(*before, invite);  // kept at once
+  hello.set_resume_token(before->outbox.welcome().resume_token());
+  restart();
+  const auto after = s_->connect(hello);
+  EXPECT_EQ(after->outbox.welcome().last_command(), 1u);
+  EXPECT_EQ(after->outbox.welcome().state().camera().eye().x(), 5);
+  s_->open();
+  s_->say(*after, numbered(s_->camera(6), 1));
+  EXPECT_EQ(eye_x(), 5) << "done before";
+  s_->say(*after, numbered(other, 2));
+  s_->say(*after, numbered(s_->camera(7), 3));
+  s_->open();
+  EXPECT_EQ(eye_x(), 7);
+  hello.set_resume_token(after->outbox.welcome().resume_token());
+  restart();
+  EXPECT_EQ(s_->connect(hello)->outbox.welcome().last_command(), 3u);
+}
+
+TEST_F(Restart, CommandsThatCameWhileTheDatasetWasOpenedAgainAreClaimedOneByOne) {
+  auto hello = s_->looking();
+  hello.set_client_id("one-page");
+  const auto before = s_->connect(hello);
+  s_->open();
+  hello.set_resume_token(before->outbox.welcome().resume_token());
+  restart();
+  const auto asleep = s_->connect(hello);
+  for (std::uint64_t number = 1; number <= 3; ++number) {
+    v1::ClientMessage camera = s_->camera(static_cast<double>(number));
+    camera.set_command(number);
+    s_->say(*asleep, camera);
+  }
+  EXPECT_EQ(s_->sessions->list().front()->entry().clients(0).last_command(), 0u);
+  s_->open();
+  EXPECT_EQ(s_->sessions->list().front()->entry().clients(0).last_command(), 3u);
+  EXPECT_EQ(eye_x(), 3);
 }
 
 TEST_F(Restart, NoSecretIsOnTheDisk) {

@@ -93,16 +93,17 @@ inline Ended run_to_end(std::vector<std::string> command) {
 /// A real `isostrata serve` of the build. Where no device of this machine can draw, url() is empty.
 class Served {
  public:
-  explicit Served(std::vector<std::string> data) {
-    std::vector<std::string> command{program("isostrata"), "serve", "--port", "0", "--ready-file", (folder_ / "ready").string()};
-    command.insert(command.end(), data.begin(), data.end());
-    server_ = std::make_unique<Process>(std::move(command));
-    for (int i = 0; i < 6000 && !std::filesystem::exists(folder_ / "ready"); ++i) {
-      if (server_->ended()) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    if (!std::filesystem::exists(folder_ / "ready")) return;
-    url_ = std::string(boost::json::parse(read_text(folder_ / "ready")).at("url").as_string());
+  explicit Served(std::vector<std::string> arguments) : arguments_(std::move(arguments)) { start("0"); }
+
+  /// Ends it by the signal, where it runs, and starts it again on the same port. What it is to know again, arguments like
+  /// --token-file and --state-dir say.
+  void restart(int signal = SIGKILL) {
+    stop(signal);
+    start(port_);
+  }
+  int stop(int signal) {
+    server_->signal(signal);
+    return server_->wait();
   }
 
   static std::string program(const std::string& name) { return std::string(ISOSTRATA_BIN_DIR) + "/" + name; }
@@ -115,9 +116,25 @@ class Served {
   }
 
  private:
+  void start(const std::string& port) {
+    std::filesystem::remove(folder_ / "ready");
+    std::vector<std::string> command{program("isostrata"), "serve", "--port", port, "--ready-file", (folder_ / "ready").string()};
+    command.insert(command.end(), arguments_.begin(), arguments_.end());
+    server_ = std::make_unique<Process>(std::move(command));
+    for (int i = 0; i < 6000 && !std::filesystem::exists(folder_ / "ready"); ++i) {
+      if (server_->ended()) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    if (!std::filesystem::exists(folder_ / "ready")) return;
+    const auto ready = boost::json::parse(read_text(folder_ / "ready"));
+    url_ = std::string(ready.at("url").as_string());
+    port_ = std::to_string(ready.at("port").to_number<int>());
+  }
+
+  const std::vector<std::string> arguments_;
   TemporaryFolder folder_;
   std::unique_ptr<Process> server_;
-  std::string url_;
+  std::string url_, port_;
 };
 
 #define SERVED_OR_SKIP(server) \

@@ -10,7 +10,7 @@ import { Session } from '../src/lib/session.svelte';
 type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
 
 function harness(store = new Map<string, string>()) {
-  const sent: { seq: number; body: Command }[] = [];
+  const sent: { seq: number; body: Command; number: number }[] = [];
   const clock = { now: 0 };
   let scheduled: (() => void)[] = [];
   let refused = '';
@@ -24,8 +24,8 @@ function harness(store = new Map<string, string>()) {
         retryNow() {},
         checkAlive() {},
         refuse: (reason: string) => (refused = reason),
-        send: (body: Command) => {
-          sent.push({ seq: sent.length + 1, body });
+        send: (body: Command, number = 0) => {
+          sent.push({ seq: sent.length + 1, body, number });
           return sent.length;
         },
       } as unknown as Connection;
@@ -46,7 +46,9 @@ function harness(store = new Map<string, string>()) {
   };
   const cases = () => sent.map(({ body }) => body.case);
   const find = <C extends Command['case']>(name: C) =>
-    [...sent].reverse().find(({ body }) => body.case === name) as { seq: number; body: Extract<Command, { case: C }> } | undefined;
+    [...sent].reverse().find(({ body }) => body.case === name) as
+      | { seq: number; body: Extract<Command, { case: C }>; number: number }
+      | undefined;
   return { session, sent, says, frame, clock, cases, find, store, handlers: handlers as NonNullable<typeof handlers>, refused: () => refused };
 }
 
@@ -62,9 +64,11 @@ const state = (revision: number, ...intervals: ReturnType<typeof interval>[]) =>
   intervals,
 });
 const info = { id: 'fin', name: 'fin.bin', arrays: [{ name: 'Density', lower: 0, upper: 5 }], lower: {}, upper: { x: 1, y: 1, z: 1 } };
-const welcome = (session: string, ...intervals: ReturnType<typeof interval>[]): Body => ({
+const welcome = (session: string, ...intervals: ReturnType<typeof interval>[]): Body => back(session, 0, ...intervals);
+const back = (session: string, lastCommand: number, ...intervals: ReturnType<typeof interval>[]): Body => ({
   case: 'welcome',
   value: {
+    lastCommand: BigInt(lastCommand),
     protocolMajor: 1,
     session,
     resumeToken: `token of ${session}`,
@@ -210,15 +214,142 @@ describe('the store', () => {
   });
 
   test('opens the first dataset of a session that has just begun, and leaves a resumed one as it is', () => {
-    const empty = (session: string): Body => ({
+    const empty = (session: string, lastCommand = 0n): Body => ({
       case: 'welcome',
-      value: { protocolMajor: 1, session, resumeToken: session, datasets: [{ id: 'fin', name: 'fin.bin' }], state: {} },
+      value: { protocolMajor: 1, session, resumeToken: session, datasets: [{ id: 'fin', name: 'fin.bin' }], state: {}, lastCommand },
     });
     const first = harness();
     first.says(empty('s'));
     expect(first.find('openDataset')?.body.value.id).toBe('fin');
-    first.says(empty('s'));
+    first.says(empty('s', 1n));
     expect(first.cases().filter((c) => c === 'openDataset')).toHaveLength(1);
+  });
+
+  test('says who it is, the same over all connections and another in each page', () => {
+    const [one, two] = [harness(), harness()];
+    const id = ({ handlers }: typeof one) => {
+      const hello = handlers.hello();
+      return hello.case === 'hello' ? hello.value.clientId : '';
+    };
+    expect(id(one)).toMatch(/^[0-9a-f]{32}$/);
+    expect(id(one)).toBe(id(one));
+    expect(id(one)).not.toBe(id(two));
+  });
+
+  const lost = { kind: 'waiting', attempt: 1, retryAtMs: 0, reason: '' } as const;
+
+  test('sends again what the session has not judged, by the same numbers and before anything new', () => {
+    const { session, says, handlers, frame, sent } = harness();
+    says(welcome('s', interval(1, 0, 1), interval(2, 2, 3)));
+    session.setView('+z');
+    session.patchInterval(1, { upper: 1.5 });
+    frame();
+    session.removeInterval(2);
+    const numbers = sent.flatMap(({ number }) => (number ? [number] : []));
+    expect(numbers).toEqual([1, 2, 3]);
+    handlers.onStatus(lost);
+    const before = sent.length;
+    says(back('s', 1, interval(1, 0, 1), interval(2, 2, 3)));
+    session.setMode('prioritized');
+    const again = sent.slice(before).filter(({ number }) => number > 0);
+    expect(again.map(({ number, body }) => [number, body.case])).toEqual([[2, 'patchInterval'], [3, 'removeInterval'], [4, 'setAppearance']]);
+    expect(session.view.intervals.map((i) => [i.id, i.upper])).toEqual([[1, 1.5]]);
+  });
+
+  test('keeps a drag under the hand over a loss: it is shown all the time and goes on where the hand is', () => {
+    const { session, says, handlers, frame, sent, clock, find } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    session.beginInteraction();
+    session.patchInterval(1, { upper: 1.25 });
+    frame();
+    handlers.onStatus(lost);
+    const before = sent.length;
+    for (let i = 1; i <= 50; i++) {
+      session.patchInterval(1, { upper: 1.25 + i / 100 });
+      frame();
+      clock.now += 200;
+      session.heartbeat();
+      expect(session.view.intervals[0]?.upper).toBe(1.25 + i / 100);
+    }
+    expect(sent.slice(before).filter(({ body }) => body.case !== 'ping')).toEqual([]);
+    says(back('s', 0, interval(1, 0, 1)));
+    const cases = sent.slice(before).map(({ body }) => body.case);
+    expect(cases.filter((c) => c === 'patchInterval')).toHaveLength(1);
+    expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 1.75 });
+    expect(find('interaction')?.body.value.active).toBe(true);
+    expect(cases.indexOf('interaction')).toBeLessThan(cases.indexOf('patchInterval'));
+    expect(session.view.intervals[0]?.upper).toBe(1.75);
+    session.patchInterval(1, { upper: 1.8 });
+    session.endInteraction();
+    expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 1.8 });
+    expect(find('interaction')?.body.value.active).toBe(false);
+    expect(session.notices.list).toEqual([]);
+  });
+
+  test('keeps the plot and the edits while a restarted server opens the dataset again', () => {
+    const { session, says, handlers, clock } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    says({ case: 'histogram', value: { dataset: 'fin', array: 'Density', lower: 0, upper: 5, counts: [1n] } });
+    session.patchInterval(1, { upper: 2 });
+    handlers.onStatus(lost);
+    const asleep = back('s', 0, interval(1, 0, 1));
+    if (asleep.case === 'welcome') delete asleep.value.datasetInfo;
+    says(asleep);
+    for (let i = 0; i < 10; i++) {
+      clock.now += 1000;
+      session.heartbeat();
+    }
+    expect(session.info?.id).toBe('fin');
+    expect(session.histogram?.counts).toEqual([1]);
+    expect(session.view.intervals[0]?.upper).toBe(2);
+    says({ case: 'datasetInfo', value: info });
+    clock.now += 4000;
+    session.heartbeat();
+    expect(session.view.intervals[0]?.upper).toBe(1);
+  });
+
+  test('does not try again what was refused', () => {
+    const { session, says, handlers, frame, sent, find } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    session.patchInterval(1, { upper: -4 });
+    frame();
+    says({ case: 'error', value: { inReplyTo: BigInt(find('patchInterval')?.seq ?? 0), code: 'invalid_argument', message: 'no' } });
+    handlers.onStatus(lost);
+    const before = sent.length;
+    says(back('s', 0, interval(1, 0, 1)));
+    expect(sent.slice(before).some(({ body }) => body.case === 'patchInterval')).toBe(false);
+  });
+
+  test('sends nothing of an old session to a new one', () => {
+    const { session, says, handlers, frame, sent } = harness();
+    says(welcome('s', interval(5, 0, 1)));
+    session.beginInteraction();
+    session.patchInterval(5, { upper: 0.9 });
+    handlers.onStatus(lost);
+    const before = sent.length;
+    says(welcome('another', interval(1, 0, 5)));
+    session.patchInterval(5, { upper: 0.95 }); // the hand is still down
+    frame();
+    session.endInteraction();
+    expect(sent.slice(before).some(({ body }) => body.case === 'patchInterval' || body.case === 'interaction')).toBe(false);
+    expect(session.interacting).toBe(false);
+  });
+
+  test('tells of a cancellation that somebody asked for, and not of work that a newer edit overtook', () => {
+    const { session, says } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    const told = () => session.notices.list.some(({ text }) => text.startsWith('Cancelled'));
+    says({ case: 'done', value: { operation: 3n, cancelled: true, superseded: true } });
+    expect(told()).toBe(false);
+    session.openDataset('big');
+    says({ case: 'done', value: { operation: 4n, cancelled: true, superseded: true } });
+    expect(session.view.dataset).toBe('big');
+    says({ case: 'done', value: { operation: 5n, cancelled: true } }); // by another participant
+    expect(told()).toBe(true);
+    session.notices.dismiss(session.notices.list[0]?.id ?? 0);
+    session.cancel(6n);
+    says({ case: 'done', value: { operation: 6n, cancelled: true, superseded: true } });
+    expect(told()).toBe(true);
   });
 
   test('refuses a server of another major version in words', () => {

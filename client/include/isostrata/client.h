@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "isostrata/frames.h"
 #include "isostrata/image.h"
 #include "isostrata/options.h"
 #include "isostrata/rest.h"
@@ -22,9 +23,19 @@
 
 namespace isostrata::client {
 
+/// A frame and its pixels.
+struct ShownFrame {
+  v1::Frame frame;
+  Picture picture;
+};
+
 /// One connection to one session, which others may look at and change too: state() follows them while something here waits for
 /// the server. Commands return when the server has done them and state() shows it; they throw ClientError with the server's code
 /// where it refused, and then nothing has changed. Not thread-safe: everything happens on the caller's thread, inside the calls.
+///
+/// A connection that is lost is made again inside the next call, to the same session, for Options.reconnect_for: what a call
+/// waits for it goes on to wait for, commands are done once, and the numbers that send() gives and frames name go on. What cannot
+/// be had after that is a ClientError: "closed", "session_lost", "interrupted".
 class Client {
  public:
   /// Connects, says Hello and waits for Welcome. Throws ClientError.
@@ -75,8 +86,10 @@ class Client {
   void reorder_priorities(const std::vector<std::uint32_t>& ids);
   /// Ranges of other arrays, combined with the intervals from left to right; none: the intervals alone.
   void set_combination(const std::vector<v1::RangeTerm>& terms);
-  /// Replaces all intervals by touching ones between neighbouring points.
+  /// Replaces all intervals by one that looks as the points say, from the first one's value to the last one's.
   void set_transfer_function(const std::vector<v1::TransferPoint>& points);
+  /// The same for one interval, whose ends become those of the points; none: it looks as it did without.
+  void set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points);
   void set_triangulation(v1::Triangulation triangulation);
 
   // ---- how it looks
@@ -107,7 +120,13 @@ class Client {
   void set_interaction(bool active);
   /// The next frame, or nothing after the timeout. Errors that the server reports meanwhile are thrown.
   std::optional<v1::Frame> next_frame(std::chrono::milliseconds timeout);
-  /// The next lossless frame (PNG) of at least the newest revision known here, in the viewport's size.
+  /// The next frame as pixels, or nothing after the timeout. The frame's payload has been taken. Streams of video whose beginning
+  /// was missed, and whose decoder fails, are begun anew.
+  std::optional<ShownFrame> next_picture(FrameDecoder& decoder, std::chrono::milliseconds timeout);
+  /// The same for a frame that receive() or next_frame() gave; nothing where it completes no picture.
+  std::optional<Picture> decode_frame(FrameDecoder& decoder, const v1::Frame& frame);
+  /// The next lossless frame (PNG) of at least the newest revision known here, in the viewport's size. Not with
+  /// Options.lossless_bands.
   v1::Frame lossless_frame();
   /// A picture of any size as a file's bytes; format "png", "jpeg" and what else the server knows. The viewport is as it was.
   std::string still(int width, int height, const std::string& format = "png");

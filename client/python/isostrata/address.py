@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ssl
 from dataclasses import dataclass
 from urllib.parse import parse_qs, urlsplit
 
@@ -23,7 +24,7 @@ class Address:
         except ValueError as wrong:
             raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address: {wrong}") from None
         if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address; expected http://HOST:PORT/?token=TOKEN")
+            raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address; expected http://HOST:PORT/?token=TOKEN, or https://")
         given = parse_qs(parts.query).get("token", [token])[0]
         path = parts.path if parts.path.endswith("/") else parts.path + "/"
         return cls(parts.scheme, parts.netloc.rpartition("@")[2], path, given)
@@ -39,3 +40,17 @@ class Address:
     @property
     def headers(self) -> dict[str, str]:
         return {"Authorization": f"Bearer {self.token}"} if self.token else {}
+
+
+def tls_context(address: Address, given: ssl.SSLContext | None, ca_file: str, insecure: bool) -> ssl.SSLContext | None:
+    """What https judges certificates by: ``given``, or one that trusts ``ca_file`` in place of the system's, or anybody."""
+    if address.scheme != "https" or given is not None:
+        return given if address.scheme == "https" else None
+    try:
+        context = ssl.create_default_context(cafile=ca_file or None)
+    except (OSError, ssl.SSLError) as wrong:
+        raise IsostrataError("invalid_argument", f"{ca_file}: no certificates in PEM: {wrong}", "ca_file") from None
+    if insecure:
+        context.check_hostname = False
+        context.verify_mode = ssl.CERT_NONE
+    return context

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Iterator, Sequence, Union
 
 from .errors import IsostrataError
-from .scene import Interval, Surface, rgb
+from .scene import Interval, Surface, rgb, to_points
 from .v1 import isostrata_pb2 as v1
 
 if TYPE_CHECKING:
@@ -59,13 +59,16 @@ class Intervals(Sequence[Interval]):
         return self.patch(which, lower=lower, upper=upper)
 
     def patch(self, which: Which, **changes: Any) -> Interval:
-        """Changes the fields that are named; ``opacity_upper=None`` and ``surface=None`` take them away."""
+        """Changes the fields that are named; ``opacity_upper=None``, ``surface=None`` and ``transfer=()`` take them
+        away. ``transfer`` brings its own ends."""
         patch = v1.PatchInterval(id=_id(which))
         for name, value in changes.items():
             if name == "color":
                 patch.color.CopyFrom(rgb(value))
             elif name == "surface":
                 patch.surface.CopyFrom((value or Surface(lower=False, upper=False)).to_wire())
+            elif name == "transfer":
+                patch.transfer_function.CopyFrom(v1.TransferFunction(points=to_points(value or ())))
             elif name == "opacity_upper" and value is None:
                 patch.clear_opacity_upper = True
             elif name in ("lower", "upper", "color_map", "opacity", "opacity_upper", "visible", "own_range", "name"):

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import json
+import ssl
+from http.client import HTTPException
 from typing import Any
 from urllib.error import HTTPError, URLError
 from urllib.parse import quote, urlencode
-from urllib.request import ProxyHandler, Request, build_opener
+from urllib.request import HTTPSHandler, ProxyHandler, Request, build_opener
 
 from .address import Address
 from .errors import IsostrataError
-
-# The server is on this machine or behind a tunnel that ends here: a proxy of the environment is for other things.
-_open = build_opener(ProxyHandler({})).open
 
 
 class Rest:
     """``api/v1`` below a server's address. Errors are IsostrataError with the problem document's code, detail and field."""
 
-    def __init__(self, address: Address, timeout: float) -> None:
+    def __init__(self, address: Address, timeout: float, context: ssl.SSLContext | None = None) -> None:
         self._address = address
         self._timeout = timeout
+        # The server is on this machine or behind a tunnel that ends here: a proxy of the environment is for other things.
+        handlers = [ProxyHandler({}), *([HTTPSHandler(context=context)] if context else [])]
+        self._open = build_opener(*handlers).open
 
     def request(
         self, method: str, path: str, body: Any = None, *, query: dict[str, Any] | None = None, headers: dict[str, str] | None = None
@@ -32,19 +34,26 @@ class Rest:
         data = None if body is None else json.dumps(body).encode()
         given = {**self._address.headers, **({"Content-Type": "application/json"} if data is not None else {}), **(headers or {})}
         try:
-            with _open(Request(url, data=data, headers=given, method=method), timeout=self._timeout) as answer:
+            with self._open(Request(url, data=data, headers=given, method=method), timeout=self._timeout) as answer:
                 return answer.read(), {name.lower(): value for name, value in answer.headers.items()}
         except HTTPError as refused:
             raise _problem(refused) from None
         except TimeoutError:
             raise IsostrataError("timeout", f"no answer to {method} {path} in {self._timeout} s") from None
-        except (URLError, OSError) as wrong:
-            raise IsostrataError("connection", f"{self._address.host}: {getattr(wrong, 'reason', wrong)}") from None
+        except (URLError, OSError, HTTPException) as wrong:
+            reason = getattr(wrong, "reason", wrong)
+            if isinstance(reason, ssl.SSLCertVerificationError):
+                raise untrusted(self._address, reason) from None
+            raise IsostrataError("connection", f"{self._address.host}: {reason}") from None
 
     def json(self, method: str, path: str, body: Any = None, **more: Any) -> Any:
         """The same, where the answer is JSON."""
         content, _ = self.request(method, path, body, **more)
         return json.loads(content) if content else None
+
+
+def untrusted(address: Address, why: ssl.SSLCertVerificationError) -> IsostrataError:
+    return IsostrataError("tls", f"{address.host}: its certificate is not trusted: {why.verify_message}; ca_file may say whom to trust")
 
 
 def _problem(refused: HTTPError) -> IsostrataError:

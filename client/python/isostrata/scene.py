@@ -13,6 +13,7 @@ from .v1 import isostrata_pb2 as v1
 
 Color = Union[str, Sequence[float]]  # "#rrggbb", or three numbers in [0, 1]
 Vector = Tuple[float, float, float]
+Point = Tuple[float, Color, float]  # of a transfer function: value, colour, opacity
 
 
 def rgb(color: Color) -> v1.Rgb:
@@ -39,6 +40,10 @@ def hex_of(color: v1.Rgb) -> str:
 def vec3(xyz: Sequence[float]) -> v1.Vec3:
     x, y, z = (float(c) for c in xyz)
     return v1.Vec3(x=x, y=y, z=z)
+
+
+def to_points(points: Sequence[Point]) -> list[v1.TransferPoint]:
+    return [v1.TransferPoint(value=value, color=rgb(color), opacity=opacity) for value, color, opacity in points]
 
 
 def _only_given(**fields: Any) -> dict[str, Any]:
@@ -90,9 +95,12 @@ class Interval:
     name: str = ""
     surface: Surface | None = None
     id: int = 0
+    transfer: Sequence[Point] = ()  # (value, colour, opacity) each: in place of all looks above, from the first value to the last
 
     def to_wire(self) -> v1.Interval:
-        given = {name: value for name, value in self.__dict__.items() if name not in ("color", "surface")}
+        given = {name: value for name, value in self.__dict__.items() if name not in ("color", "surface", "transfer")}
+        if self.transfer:
+            given["transfer_function"] = v1.TransferFunction(points=to_points(self.transfer))
         color = None if self.color is None else rgb(self.color)
         surface = None if self.surface is None else self.surface.to_wire()
         return v1.Interval(**_only_given(**given, color=color, surface=surface))
@@ -112,6 +120,7 @@ class Interval:
             wire.name,
             Surface.from_wire(wire.surface) if wire.HasField("surface") else None,
             wire.id,
+            tuple((point.value, hex_of(point.color), point.opacity) for point in wire.transfer_function.points),
         )
 
     @classmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import ssl
 import time
 from dataclasses import dataclass
 from os import PathLike
@@ -11,13 +12,13 @@ from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Uni
 import numpy as np
 from google.protobuf import json_format
 
-from .address import Address
-from .connection import Connection
+from .address import Address, tls_context
+from .connection import Connection, ConnectionEvent
 from .errors import IsostrataError
 from .intervals import Intervals
 from .png import decode_png
 from .rest import Rest
-from .scene import Camera, Color, Term, rgb, vec3
+from .scene import Camera, Color, Point, Term, rgb, to_points, vec3
 from .show import View
 from .v1 import isostrata_pb2 as v1
 
@@ -68,6 +69,15 @@ class Frame:
             return np.asarray(picture.convert("RGB"))
 
 
+@dataclass(frozen=True)
+class Change:
+    """What a session shows is no longer what it was."""
+
+    revision: int
+    fields: frozenset[str]  # of v1.State: "intervals", "camera", "array", ... that differ from the change before
+    state: v1.State
+
+
 def connect(
     url: str,
     dataset: str = "",
@@ -78,12 +88,21 @@ def connect(
     size: Tuple[int, int] = (800, 600),
     frames: bool = False,
     timeout: float = 60.0,
+    reconnect: float = 30.0,
+    on_connection: Optional[Callable[[ConnectionEvent], None]] = None,
+    ca_file: str = "",
+    insecure: bool = False,
+    ssl_context: ssl.SSLContext | None = None,
 ) -> Session:
     """Connects to the address that the server printed. A session of its own, or one that others look at (``session``, its id, as
-    ``sessions()`` lists them). ``size`` is that of frames and of ``image()``; frames are sent only where ``frames`` is set. Raises
-    IsostrataError."""
+    ``sessions()`` lists them). ``size`` is that of frames and of ``image()``; frames are sent only where ``frames`` is set.
+
+    A connection that is lost is tried again for ``reconnect`` seconds, and calls go on as if nothing had been; ``on_connection`` hears
+    of it, from another thread. Of https certificates, those of ``ca_file`` (PEM) are trusted in place of the system's, or with
+    ``insecure`` all; ``ssl_context`` says all of that and more. Raises IsostrataError."""
     address = Address.parse(url, token)
-    rest = Rest(address, timeout)
+    context = tls_context(address, ssl_context, ca_file, insecure)
+    rest = Rest(address, timeout, context)
     if session:
         resume_token = rest.json("GET", f"sessions/{session}")["resumeToken"]
     hello = v1.Hello(
@@ -94,7 +113,21 @@ def connect(
         moving_formats=["jpeg"],
         resume_token=resume_token,
     )
-    made = Session(Connection(address, hello, timeout), rest, size)
+
+    def bring_back(session: str, state: v1.State) -> None:
+        rest.json("PUT", f"sessions/{session}/state", json_format.MessageToDict(state, including_default_value_fields=True))
+
+    connection = Connection(
+        address,
+        hello,
+        timeout,
+        context=context,
+        reconnect=reconnect,
+        joined=bool(resume_token),
+        bring_back=bring_back,
+        on_event=on_connection,
+    )
+    made = Session(connection, rest, size)
     if resume_token and made._connection.welcome.resume_token != resume_token:
         made.close()
         raise IsostrataError("not_found", "the session to join is not there any more")
@@ -107,9 +140,18 @@ def connect(
     return made
 
 
-def sessions(url: str, *, token: str = "", timeout: float = 60.0) -> List[dict]:
+def sessions(
+    url: str,
+    *,
+    token: str = "",
+    timeout: float = 60.0,
+    ca_file: str = "",
+    insecure: bool = False,
+    ssl_context: ssl.SSLContext | None = None,
+) -> List[dict]:
     """Those that live on the server: id, dataset, revision, viewers, resumeToken of each."""
-    return Rest(Address.parse(url, token), timeout).json("GET", "sessions")["sessions"]
+    address = Address.parse(url, token)
+    return Rest(address, timeout, tls_context(address, ssl_context, ca_file, insecure)).json("GET", "sessions")["sessions"]
 
 
 class Session:
@@ -196,11 +238,13 @@ class Session:
         before = self.revision
         if self.message.dataset == wanted and self.info.id == wanted:
             return
+        session = self.id
         seq = self._connection.send(v1.ClientMessage(open_dataset=v1.OpenDataset(id=wanted)))
 
         def is_open() -> bool:
             self._connection._refuse(seq)
-            return self.info.id == wanted and self.message.dataset == wanted and self.revision > before
+            newer = self.revision > before or self.id != session
+            return self.info.id == wanted and self.message.dataset == wanted and newer
 
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
 
@@ -257,17 +301,16 @@ class Session:
     def histogram(self, array: str = "", bins: int = 256) -> Histogram:
         """Of one array at the state's step; by default of the one that intervals are cut from."""
         wanted = array or self.array
-        seq = self._connection.send(v1.ClientMessage(request_histogram=v1.RequestHistogram(array=wanted, bins=bins)))
         found: List[v1.ServerMessage] = []
 
         def counted() -> bool:
-            self._connection._refuse(seq)
             answer = self._connection.take_answer("histogram", lambda a: a.histogram.array == wanted and len(a.histogram.counts) == bins)
             if answer:
                 found.append(answer)
             return bool(found)
 
-        self._connection.wait(counted, "no histogram came in time")
+        question = v1.ClientMessage(request_histogram=v1.RequestHistogram(array=wanted, bins=bins))
+        self._connection.ask(question, counted, "no histogram came in time")
         histogram = found[0].histogram
         edges = np.linspace(histogram.lower, histogram.upper, len(histogram.counts) + 1)
         return Histogram(wanted, np.array(histogram.counts, np.uint64), edges)
@@ -280,10 +323,20 @@ class Session:
         wires = [(term if isinstance(term, Term) else Term(*term)).to_wire() for term in terms]
         self.command(set_combination=v1.SetCombination(terms=wires))
 
-    def set_transfer_function(self, points: Sequence[Tuple[float, Color, float]]) -> None:
-        """Replaces all intervals by touching ones between neighbouring (value, colour, opacity)."""
-        wires = [v1.TransferPoint(value=value, color=rgb(color), opacity=opacity) for value, color, opacity in points]
-        self.command(set_transfer_function=v1.SetTransferFunction(points=wires))
+    def set_transfer_function(self, points: Sequence[Point]) -> None:
+        """Replaces all intervals by one that looks as these (value, colour, opacity) say, straight between them."""
+        self.command(set_transfer_function=v1.SetTransferFunction(points=to_points(points)))
+
+    def transfer_from_matplotlib(self, color_map: Any, opacity: float = 0.3, count: int = 33) -> None:
+        """A transfer function over the whole array, in the colours of a matplotlib colour map: its name, or anything that makes
+        (red, green, blue, ...) of a number in [0, 1]."""
+        if isinstance(color_map, str):
+            import matplotlib
+
+            color_map = matplotlib.colormaps[color_map]
+        lower, upper = self.arrays[self.array]
+        places = [i / (count - 1) for i in range(count)]
+        self.set_transfer_function([(lower * (1 - t) + upper * t, tuple(color_map(t))[:3], opacity) for t in places])
 
     def appearance(
         self,
@@ -346,7 +399,7 @@ class Session:
     def still(self, format: str, width: int = 0, height: int = 0) -> bytes:
         """A picture as a file's bytes: "png", "jpeg" and what else the server knows."""
         query = {"width": width or self.size[0], "height": height or self.size[1], "format": format}
-        return self.rest.request("GET", f"sessions/{self.id}/image", query=query)[0]
+        return self._patiently(lambda: self.rest.request("GET", f"sessions/{self.id}/image", query=query)[0])
 
     def image(self, width: int = 0, height: int = 0) -> np.ndarray:
         """The lossless picture of the newest state: uint8 [height, width, 3], or 4 where the background is transparent."""
@@ -389,26 +442,50 @@ class Session:
         """Until ``holds(session)``, whoever changes it: ``s.wait(lambda s: s.revision > 7)``."""
         self._connection.wait(lambda: holds(self), "the session did not come to be so in time", timeout)
 
+    def changes(self, count: int | None = None, timeout: float | None = None) -> Iterator[Change]:
+        """Each change of the state from now on, whoever makes it: ``for change in s.changes(): ...``. Several that come while the loop
+        is busy are one. Ends after ``count``; raises "timeout" where none comes for so long."""
+        connection = self._connection
+        shown, given = connection.state, 0
+        while count is None or given < count:
+            connection.wait(lambda: connection.state is not shown, "the session did not change in time", timeout)
+            before, shown = shown, connection.state
+            old, new = ({field.name: value for field, value in state.ListFields()} for state in (before, shown))
+            fields = frozenset(name for name in old.keys() | new.keys() if old.get(name) != new.get(name))
+            if fields:
+                given += 1
+                yield Change(shown.revision, fields - {"revision"}, shown)
+
+    def on_change(self, listener: Optional[Callable[[Session], None]]) -> None:
+        """Called with this session after each change of its state, from another thread, which may not wait for the server: no calls that
+        change or fetch anything. None: no more."""
+        self._connection.on_state = listener and (lambda: listener(self))
+
     def export(self, path: str | PathLike[str], facets: Sequence[str] = ()) -> None:
         """The layers as a mesh file: .vtu (tetrahedra), .ply or .stl (their boundary, or of it what ``facets`` names: "lower", "upper",
         "domain"). ``on_progress`` hears of it; Ctrl-C takes the server's work with it."""
         wanted = {"format": str(path).rpartition(".")[2].lower(), **({"facets": list(facets)} if facets else {})}
-        operation = self.rest.json("POST", f"sessions/{self.id}/exports", wanted)
-        where = f"sessions/{self.id}/operations/{operation['id']}"
+        session, made = self.id, self._connection.made
+        operation = self._patiently(lambda: self.rest.json("POST", f"sessions/{self.id}/exports", wanted))
+        where = f"sessions/{session}/operations/{operation['id']}"
         try:
             pause = 0.02
             while operation["status"] == "running":
                 time.sleep(pause)
                 pause = min(2 * pause, 0.5)
-                operation = self.rest.json("GET", where)
+                operation = self._patiently(lambda: self.rest.json("GET", where))
                 if self._connection.on_progress:
                     self._connection.on_progress(v1.Progress(stage=operation["stage"], fraction=operation["fraction"]))
             if operation["status"] != "done":
                 error = operation.get("error", {})
                 raise IsostrataError(error.get("code", "internal"), error.get("detail", "the export failed"), error.get("field", ""))
-            data = self.rest.request("GET", f"sessions/{self.id}/exports/{operation['id']}")[0]
+            data = self.rest.request("GET", f"sessions/{session}/exports/{operation['id']}")[0]
             with open(path, "wb") as file:
                 file.write(data)
+        except IsostrataError as lost:
+            if lost.code == "not_found" and self._connection.made != made:
+                raise IsostrataError("interrupted", "the server that wrote the export is gone; ask again") from None
+            raise
         finally:
             try:
                 self.rest.request("DELETE", where)  # cancels it, or forgets it and its file
@@ -417,7 +494,8 @@ class Session:
 
     def statistics(self, array: str = "") -> dict[str, float]:
         """lower, upper, mean, standardDeviation and the like of an array at the state's step."""
-        return self.rest.json("GET", f"sessions/{self.id}/statistics", query={"array": array or self.array})
+        query = {"array": array or self.array}
+        return self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/statistics", query=query))
 
     # ---- long work ----------------------------------------------------------------------------------------------------------------
 
@@ -446,11 +524,25 @@ class Session:
         if not isinstance(state, dict):
             with open(state, encoding="utf-8") as file:
                 state = json.load(file)
-        answer = self.rest.json("PUT", f"sessions/{self.id}/state", state)
+        answer = self._patiently(lambda: self.rest.json("PUT", f"sessions/{self.id}/state", state))
         wanted = int(answer["revision"])
         self._connection.wait(lambda: self.revision >= wanted, "the server did not tell the new state")
 
     # ---- the wire -----------------------------------------------------------------------------------------------------------------
+
+    def _patiently(self, request: Callable[[], Any]) -> Any:
+        """A request has a connection of its own; it is tried as long as the session's would be."""
+        end, pause = time.monotonic() + self._connection.reconnect, 0.05
+        while True:
+            try:
+                return request()
+            except IsostrataError as lost:
+                # A server that came back without the session does not have it under its old name.
+                passing = lost.code == "connection" or (lost.code == "not_found" and not self._connection._up)
+                if not passing or time.monotonic() >= end or self._connection._failure:
+                    raise
+            time.sleep(pause)
+            pause = min(2 * pause, 1.0)
 
     def command(self, **body: Any) -> None:
         """One message of the protocol: ``command(set_view=v1.SetView(view="+x"))``."""

@@ -1,4 +1,6 @@
 // Previews of the server's colour maps: a few stops each, for a swatch. The picture itself is coloured by the server.
+import { hexOf, rgbOfHex } from './colors';
+import type { Rgb, TransferPoint } from './model';
 
 const stops: Record<string, string> = {
   viridis: '#440154 #472d7b #3b528b #2c728e #21918c #28ae80 #5ec962 #addc30 #fde725',
@@ -13,10 +15,26 @@ const stops: Record<string, string> = {
   coolwarm: '#3b4cc0 #7b9ff9 #c0d4f5 #dddcdc #f2cbb7 #ee8468 #b40426',
 };
 
+function stopsOf(name: string): string[] | null {
+  // A ramp is named by its colours: #rrggbb-#rrggbb.
+  const ramp = /^#[0-9a-f]{6}(-#[0-9a-f]{6})+$/i.test(name) ? name.replaceAll('-', ' ') : undefined;
+  return (stops[name] ?? ramp)?.split(' ') ?? null;
+}
+
 /** A CSS background for the named map; null for a map that has no preview here. */
 export function colorMapGradient(name: string): string | null {
-  // A ramp is named by its colours: #rrggbb-#rrggbb.
-  const ramp = /^#[0-9a-f]{3,6}(-#[0-9a-f]{3,6})+$/i.test(name) ? name.replaceAll('-', ' ') : undefined;
-  const colors = stops[name] ?? ramp;
-  return colors ? `linear-gradient(to right, ${colors.split(' ').join(', ')})` : null;
+  const colors = stopsOf(name);
+  return colors ? `linear-gradient(to right, ${colors.join(', ')})` : null;
+}
+
+/** Colours at equal distances, from the map's lower end to its upper one; null as above. */
+export function colorMapColors(name: string): Rgb[] | null {
+  return stopsOf(name)?.map((hex) => rgbOfHex(hex) as Rgb) ?? null;
+}
+
+/** A CSS background in the colours of a transfer function's points. */
+export function transferGradient(points: readonly TransferPoint[]): string {
+  const [first, last] = [points[0]?.value ?? 0, points[points.length - 1]?.value ?? 1];
+  const stop = (p: TransferPoint) => `${hexOf(p.color)} ${(((p.value - first) / (last - first)) * 100).toFixed(1)}%`;
+  return `linear-gradient(to right, ${points.map(stop).join(', ')})`;
 }

@@ -71,11 +71,11 @@ export class Connection {
     this.refusal = reason;
   }
 
-  /** The message's seq, or 0 where there is nobody to send it to. */
-  send(body: Command): number {
+  /** The message's seq, or 0 where there is nobody to send it to. number: of a command that may be sent again. */
+  send(body: Command, number = 0): number {
     if (!this.socket || this.socket.readyState !== 1) return 0;
     this.seq += 1;
-    this.socket.send(encodeCommand(this.seq, body));
+    this.socket.send(encodeCommand(this.seq, body, number));
     return this.seq;
   }
 

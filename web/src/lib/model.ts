@@ -69,6 +69,13 @@ export const noSurface: Surface = {
   textureRepeat: 1,
 };
 
+/** A control point of a transfer function. */
+export interface TransferPoint {
+  value: number;
+  color: Rgb;
+  opacity: number; // of a layer one unit distance thick
+}
+
 /** One layer: the solid region lower <= f <= upper. */
 export interface Interval {
   id: number;
@@ -83,6 +90,8 @@ export interface Interval {
   ownRange?: boolean; // colour and opacity run over the layer's own range
   surface?: Surface | null;
   name?: string; // for the legend
+  // How it looks, in place of colour, map and opacities, from its first point at `lower` to its last one at `upper`; null: it has none.
+  transfer?: TransferPoint[] | null;
 }
 
 /** What PatchInterval can change. */
@@ -188,9 +197,10 @@ export interface Welcome {
   deviceIsSoftware: boolean;
   colorMaps: string[];
   movingFormats: string[]; // the best first
-  limits: { maxIntervals: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
+  limits: { maxIntervals: number; maxTransferPoints?: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
   role?: Role; // of this page; absent: controller
   participant?: bigint; // which of the participants this page is
+  lastCommand?: number; // the newest of this page's commands that the session has judged
   endsUnixMs?: number; // when the server is known to end; 0: not known
 }
 
@@ -286,7 +296,7 @@ export type ServerEvent =
   | { kind: 'histogram'; histogram: Histogram }
   | { kind: 'frame'; frame: Frame }
   | { kind: 'progress'; progress: Progress }
-  | { kind: 'done'; operation: bigint; cancelled: boolean }
+  | { kind: 'done'; operation: bigint; cancelled: boolean; superseded: boolean }
   | { kind: 'error'; error: ServerError }
   | { kind: 'pong'; clientTimeMs: number }
   | ({ kind: 'shutdown' } & Ending)

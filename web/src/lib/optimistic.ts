@@ -55,6 +55,14 @@ export class OptimisticState {
     this.order = null;
   }
 
+  /** Nobody could answer so far: all of it has its whole patience again. */
+  renew(nowMs: number): void {
+    for (const fields of this.fields.values()) for (const pending of fields.values()) pending.sinceMs = nowMs;
+    for (const pending of this.whole.values()) pending.sinceMs = nowMs;
+    for (const id of this.removed.keys()) this.removed.set(id, nowMs);
+    if (this.order) this.order.sinceMs = nowMs;
+  }
+
   /** Compares with a new State and forgets what it has caught up with, or what has been waiting too long. */
   settle(state: SceneState, nowMs: number): void {
     const over = (p: Pending<unknown>) => nowMs - p.sinceMs > this.patienceMs;

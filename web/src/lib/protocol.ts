@@ -43,6 +43,7 @@ import type {
   Smear,
   Surface,
   TimeMode,
+  TransferPoint,
   Triangulation,
   Vec3,
   Welcome,
@@ -100,11 +101,15 @@ const triangulations = byWire<Triangulation, WireTriangulation>([
 ]);
 
 const wireSurface = ({ color, ...rest }: Surface) => ({ ...rest, ...(color ? { color: wireRgb(color) } : {}) });
-const wireInterval = ({ color, surface, opacityUpper, ...rest }: Interval) => ({
+const wireTransfer = (points: readonly TransferPoint[]) => ({
+  points: points.map(({ value, color, opacity }) => ({ value, color: wireRgb(color), opacity })),
+});
+const wireInterval = ({ color, surface, opacityUpper, transfer, ...rest }: Interval) => ({
   ...rest,
   color: wireRgb(color),
   ...(surface ? { surface: wireSurface(surface) } : {}),
   ...(typeof opacityUpper === 'number' ? { opacityUpper } : {}),
+  ...(transfer ? { transferFunction: wireTransfer(transfer) } : {}),
 });
 const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
   ...rest,
@@ -115,7 +120,7 @@ const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
 });
 
 export const command = {
-  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg']): Command => ({
+  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg'], clientId = ''): Command => ({
     case: 'hello',
     value: {
       protocolMajor,
@@ -125,6 +130,7 @@ export const command = {
       stillFormats: ['png', 'png-bands'],
       movingFormats: [...movingFormats],
       resumeToken,
+      clientId,
     },
   }),
   openDataset: (id: string): Command => ({ case: 'openDataset', value: { id } }),
@@ -138,7 +144,7 @@ export const command = {
     value: { intervals: intervals.map(wireInterval) },
   }),
   patchInterval: (id: number, patch: IntervalPatch): Command => {
-    const { color, surface, opacityUpper, ...rest } = patch;
+    const { color, surface, opacityUpper, transfer, ...rest } = patch;
     const value = {
       id,
       ...rest,
@@ -146,6 +152,7 @@ export const command = {
       ...(surface !== undefined ? { surface: surface ? wireSurface(surface) : {} } : {}),
       ...(typeof opacityUpper === 'number' ? { opacityUpper } : {}),
       ...(opacityUpper === null ? { clearOpacityUpper: true } : {}),
+      ...(transfer !== undefined ? { transferFunction: wireTransfer(transfer ?? []) } : {}),
     };
     return { case: 'patchInterval', value };
   },
@@ -208,8 +215,9 @@ export const command = {
   ping: (clientTimeMs: number): Command => ({ case: 'ping', value: { clientTimeMs } }),
 };
 
-export function encodeCommand(seq: number, body: Command): Uint8Array<ArrayBuffer> {
-  const bytes = toBinary(ClientMessageSchema, create(ClientMessageSchema, { seq: BigInt(seq), body }));
+/** number: of a command that may be sent again, over all connections; 0: none. */
+export function encodeCommand(seq: number, body: Command, number = 0): Uint8Array<ArrayBuffer> {
+  const bytes = toBinary(ClientMessageSchema, create(ClientMessageSchema, { seq: BigInt(seq), body, command: BigInt(number) }));
   return bytes as Uint8Array<ArrayBuffer>;
 }
 
@@ -234,7 +242,7 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
       return { kind: 'progress', progress: { operation, stage, fraction } };
     }
     case 'done':
-      return { kind: 'done', operation: body.value.operation, cancelled: body.value.cancelled };
+      return { kind: 'done', operation: body.value.operation, cancelled: body.value.cancelled, superseded: body.value.superseded };
     case 'error': {
       const { inReplyTo, code, message, field } = body.value;
       return { kind: 'error', error: { inReplyTo: Number(inReplyTo), code, message, field } };
@@ -300,6 +308,9 @@ const intervalOf = (i: WireInterval): Interval => ({
   opacityUpper: i.opacityUpper ?? null,
   ownRange: i.ownRange,
   surface: i.surface ? surfaceOf(i.surface) : null,
+  transfer: i.transferFunction?.points.length
+    ? i.transferFunction.points.map((p) => ({ value: p.value, color: rgbOf(p.color), opacity: p.opacity }))
+    : null,
 });
 
 const invitationOf = ({ id, role, expiresUnixMs, name, token, present }: WireInvitation): Invitation => ({
@@ -396,10 +407,12 @@ function welcomeOf(w: WireWelcome): Welcome {
     colorMaps: w.colorMaps,
     role: roles.name(w.role),
     participant: w.participant,
+    lastCommand: Number(w.lastCommand),
     endsUnixMs: w.endsUnixMs,
     movingFormats: w.movingFormats,
     limits: {
       maxIntervals: w.limits?.maxIntervals || 256,
+      maxTransferPoints: w.limits?.maxTransferPoints || 512,
       maxClipPlanes: w.limits?.maxClipPlanes || 32,
       maxWidth: w.limits?.maxWidth || 4096,
       maxHeight: w.limits?.maxHeight || 4096,

@@ -1,4 +1,5 @@
 // The page's one store: what the server says, what the person does, and the way between them.
+import { CommandLog, randomClientId, type LoggedCommand } from './command-log';
 import { Connection, type ConnectionStatus } from './connection';
 import { FrameDecoder, FramePlayer, type Picture } from './frames';
 import { priorityOrder } from './intervals';
@@ -25,6 +26,7 @@ import { CameraCredits, Outbox } from './pacing';
 import { command, protocolMajor, type Command, type ViewportSize } from './protocol';
 import { restoreStep } from './restore';
 import type { SavedTab } from './saved';
+import { stretched } from './transfer';
 import { StreamLost } from './video-decoder';
 
 /** A frame without its bytes, and what this side measured of it. */
@@ -65,6 +67,10 @@ export class Session {
   ending = $state.raw<{ atMs: number; reason: string; comesBack: boolean } | null>(null);
   /** The layer that keys and new edits go to. */
   selected = $state.raw<number | null>(null);
+  /** Of its transfer function, where it has one: the point that the swatch and the fields go to. */
+  selectedPoint = $state.raw(0);
+  /** A hand is at something: it is not taken away from under it, whatever the connection does. */
+  interacting = $state.raw(false);
   readonly notices = new Notices();
 
   /** Set by the viewport. */
@@ -80,7 +86,12 @@ export class Session {
   private readonly decoder = new FrameDecoder();
   private readonly rate = new RateMeter();
   private trip = new Smoothed();
-  private sentAbout = new Map<number, { place: Place; interval: number | null }>();
+  private readonly clientId = randomClientId();
+  private readonly log = new CommandLog();
+  private live = false; // welcomed on a connection that still is
+  private waking = false; // the server opens the session's dataset again, and commands wait for it
+  private sentAbout = new Map<number, { place: Place; interval: number | null; command: number }>();
+  private cancelled = new Set<bigint>(); // operations, by this page
   private askedHistogram = '';
   private interactions = 0;
   private restoring: { saved: SceneState; opened: boolean; quiet: boolean } | null = null;
@@ -92,7 +103,7 @@ export class Session {
 
   constructor(private readonly doors: SessionDoors) {
     this.connection = doors.connection({
-      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats),
+      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats, this.clientId),
       onStatus: (status) => this.onStatus(status),
       onEvent: (event) => this.onEvent(event),
     });
@@ -134,10 +145,10 @@ export class Session {
   }
   /** To be called every two seconds or so. */
   heartbeat(): void {
-    this.connection.send(command.ping(this.doors.now()));
+    this.ping();
     this.connection.checkAlive();
     // States that come quickly after each other are merged by the server, so the one that an edit waits for may never come.
-    this.optimistic.settle(this.server, this.doors.now());
+    if (this.live) this.settle();
     this.refresh();
   }
 
@@ -210,11 +221,24 @@ export class Session {
     this.outbox.put('unitDistance', command.setAppearance({ unitDistance }));
   }
 
-  patchInterval(id: number, patch: IntervalPatch): void {
+  patchInterval(id: number, change: IntervalPatch): void {
+    if (!this.view.intervals.some((interval) => interval.id === id)) return; // somebody has deleted it under the hand
+    const patch = this.withTransfer(id, change);
     this.optimistic.patch(id, patch, this.doors.now());
     this.refresh();
     this.notices.clear('layers', id);
     this.outbox.putPatch(id, patch);
+  }
+  // A transfer function and the layer's ends belong together: whichever is moved, the other goes along, at once and not only when the server says so.
+  private withTransfer(id: number, patch: IntervalPatch): IntervalPatch {
+    const before = this.view.intervals.find((interval) => interval.id === id);
+    const points = patch.transfer === undefined ? before?.transfer : patch.transfer;
+    const [first, last] = [points?.[0], points?.[points.length - 1]];
+    if (!before || !points || !first || !last) return patch;
+    if (patch.transfer) return { ...patch, lower: first.value, upper: last.value };
+    if (patch.lower === undefined && patch.upper === undefined) return patch;
+    const { lower, upper } = { ...before, ...patch };
+    return { ...patch, lower, upper, transfer: stretched(points, lower, upper) };
   }
   addInterval(interval: Omit<Interval, 'id' | 'priority'>): void {
     const most = this.welcome?.limits.maxIntervals ?? 256;
@@ -260,11 +284,13 @@ export class Session {
   }
   beginInteraction(): void {
     this.interactions += 1;
+    this.interacting = true;
     if (this.interactions === 1) this.send(command.interaction(true));
   }
   endInteraction(): void {
     if (this.interactions === 0) return;
     this.interactions -= 1;
+    this.interacting = this.interactions > 0;
     this.outbox.flush();
     if (this.interactions === 0) this.send(command.interaction(false));
   }
@@ -302,6 +328,7 @@ export class Session {
   }
 
   cancel(operation: bigint): void {
+    this.cancelled.add(operation);
     this.send(command.cancel(operation));
   }
 
@@ -334,7 +361,9 @@ export class Session {
   private onStatus(status: ConnectionStatus): void {
     this.status = status;
     if (status.kind === 'connected') return;
+    this.live = false;
     this.progress = [];
+    this.cancelled.clear();
     this.sentAbout.clear();
     this.credits.reset();
     this.player.reset();
@@ -351,6 +380,7 @@ export class Session {
         return this.onState(event.state);
       case 'datasetInfo':
         this.info = event.info;
+        this.waking = false;
         this.continueRestore();
         return this.askHistogram();
       case 'histogram':
@@ -363,18 +393,22 @@ export class Session {
         this.progress = [...others, event.progress];
         return;
       }
-      case 'done':
+      case 'done': {
         this.progress = this.progress.filter((p) => p.operation !== event.operation);
-        if (event.cancelled) {
+        const asked = this.cancelled.delete(event.operation);
+        // What a newer choice has overtaken is nothing to tell: the newer one is being worked on.
+        if (event.cancelled && (asked || !event.superseded)) {
           this.optimistic.forget('dataset');
           this.refresh();
           this.say('Cancelled. The picture shows the last finished state.', 'note');
         }
         return;
+      }
       case 'error':
         return this.onError(event.error);
       case 'pong':
         this.roundTripMs = this.trip.add(this.doors.now() - event.clientTimeMs);
+        this.log.heard(event.clientTimeMs, (body) => body.case === 'openDataset' && body.value.id !== this.server.dataset);
         return;
       case 'shutdown':
         if (event.notice) this.ending = { atMs: this.doors.now() + event.seconds * 1000, reason: event.reason, comesBack: event.comesBack };
@@ -420,19 +454,34 @@ export class Session {
     this.ending = null;
     // A guest finds the session as it is and brings nothing of their own.
     const guest = this.invited;
-    if (!resumed) this.optimistic.clear();
-    this.restoring = !resumed && !guest && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
-    this.welcomed = true;
+    const state = welcome.state ?? emptyState;
     this.askedHistogram = '';
-    if (!resumed) this.histogram = null;
-    this.info = welcome.datasetInfo;
     this.frame = null;
     this.lossless = null;
-    this.interactions = 0;
-    this.outbox.drop();
+    this.live = true;
+    this.waking = state.dataset !== '' && !welcome.datasetInfo;
+    if (resumed) {
+      // A restarted server describes the dataset once it has opened it again; it is the same one.
+      this.info = welcome.datasetInfo ?? (this.info?.id === state.dataset ? this.info : null);
+      this.optimistic.renew(this.doors.now());
+    } else {
+      // Ids of the old session's layers mean nothing to this one; what can be had again comes as a whole.
+      this.info = welcome.datasetInfo;
+      this.histogram = null;
+      this.interactions = 0; // what the hand held is gone
+      this.interacting = false;
+      this.optimistic.clear();
+      this.outbox.drop();
+      this.log.clear();
+      this.restoring = !guest && saved ? { saved, opened: false, quiet: !this.welcomed } : null;
+    }
+    this.welcomed = true;
     this.send(command.viewport(this.viewport));
-    this.send(command.ping(this.doors.now()));
-    this.onState(welcome.state ?? emptyState);
+    // A drag goes on under the hand that has not let go.
+    if (this.interactions > 0) this.send(command.interaction(true));
+    for (const logged of this.log.missing(welcome.lastCommand ?? 0)) this.transmit(logged);
+    this.ping();
+    this.onState(state);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
     if (!resumed && !guest) this.openFirst();
   }
@@ -442,7 +491,7 @@ export class Session {
     const changedData = state.dataset !== this.server.dataset;
     this.server = state;
     if (changedData && this.info?.id !== state.dataset) this.info = null;
-    this.optimistic.settle(state, this.doors.now());
+    this.settle();
     this.refresh();
     if (this.selectNewest) {
       const added = state.intervals.find((interval) => !known.has(interval.id));
@@ -483,7 +532,9 @@ export class Session {
     // The link that this page came by is over: another try would be refused alike.
     if (error.code === 'forbidden' && !error.inReplyTo) this.connection.refuse(error.message);
     if (error.code === 'unsupported_version') this.connection.refuse(error.message);
-    const about = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null };
+    const { command: number, ...about } = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null, command: 0 };
+    if (number) this.log.refused(number);
+    if (!error.inReplyTo) this.waking = false; // its dataset may have failed to open
     if (error.inReplyTo) this.optimistic.refuse(about.interval ?? undefined);
     // Of what was cancelled, Done speaks.
     if (error.code !== 'cancelled') this.notices.add({ text: error.message || error.code, ...about, field: error.field, tone: 'error' });
@@ -497,17 +548,34 @@ export class Session {
     this.optimistic.set(overlay, this.doors.now());
     this.refresh();
   }
+  private settle(): void {
+    if (this.waking) this.optimistic.renew(this.doors.now());
+    this.optimistic.settle(this.server, this.doors.now());
+  }
   private refresh(): void {
     this.view = this.optimistic.view(this.server);
   }
 
+  /** The message's seq, or 0 where it cannot go out now; what changes the session then goes out when it can. */
   private send(body: Command): number {
-    const seq = this.connection.send(body);
+    if (CommandLog.keeps(body)) return this.transmit(this.log.add(body), body);
+    return this.live ? this.note(this.connection.send(body), body, 0) : 0;
+  }
+  private transmit(logged: LoggedCommand, body = logged.body): number {
+    if (!this.live) return 0;
+    const seq = this.connection.send(body, logged.number);
+    if (seq) logged.sentMs = this.doors.now();
+    return this.note(seq, body, logged.number);
+  }
+  private note(seq: number, body: Command, number: number): number {
     if (seq) {
-      this.sentAbout.set(seq, placeOf(body));
+      this.sentAbout.set(seq, { ...placeOf(body), command: number });
       this.sentAbout.delete(seq - 1000);
     }
     return seq;
+  }
+  private ping(): void {
+    this.connection.send(command.ping(this.doors.now()));
   }
   /** After everything that waits in the outbox, so that the server sees things in the order in which they were done. */
   private sendInOrder(body: Command): number {

@@ -1,9 +1,10 @@
-#include "frame_decoder.h"
-
 #include <vpx/vp8dx.h>
 #include <vpx/vpx_decoder.h>
 
 #include <algorithm>
+
+#include "isostrata/options.h"
+#include "isostrata/video.h"
 
 namespace isostrata::client {
 namespace {
@@ -22,18 +23,16 @@ void convert_row(const std::uint8_t* y, const std::uint8_t* cb, const std::uint8
   }
 }
 
-}  // namespace
-
-class FrameDecoder::Vp9 {
+class Vp9 final : public VideoDecoder {
  public:
   Vp9() {
     if (vpx_codec_dec_init(&context_, vpx_codec_vp9_dx(), nullptr, 0) != VPX_CODEC_OK) refuse("no VP9 decoder");
   }
-  ~Vp9() { vpx_codec_destroy(&context_); }
+  ~Vp9() override { vpx_codec_destroy(&context_); }
   Vp9(const Vp9&) = delete;
   Vp9& operator=(const Vp9&) = delete;
 
-  Picture decode(const std::string& bytes) {
+  Picture decode(const std::string& bytes) override {
     if (vpx_codec_decode(&context_, reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<unsigned>(bytes.size()),
                          nullptr, 0) != VPX_CODEC_OK)
       refuse(std::string("VP9: ") + vpx_codec_error(&context_));
@@ -53,20 +52,12 @@ class FrameDecoder::Vp9 {
   vpx_codec_ctx_t context_{};
 };
 
-std::vector<std::string> decodable_formats() { return {"vp9-444", "jpeg"}; }
+}  // namespace
 
-FrameDecoder::FrameDecoder() = default;
-FrameDecoder::~FrameDecoder() = default;
+std::vector<std::string> video_formats() { return {"vp9-444", "jpeg"}; }
 
-std::optional<Picture> FrameDecoder::decode(const v1::Frame& frame) {
-  if (frame.stream_id() == 0) return client::decode(frame.payload());
-  if (frame.format() != "vp9-444") refuse("a stream of " + frame.format());
-  if (frame.stream_id() != stream_) {
-    if (!frame.key()) return std::nullopt;
-    vp9_ = std::make_unique<Vp9>();
-    stream_ = frame.stream_id();
-  }
-  return vp9_->decode(frame.payload());
+std::unique_ptr<VideoDecoder> video_decoder(const std::string& format) {
+  return format == "vp9-444" ? std::make_unique<Vp9>() : nullptr;
 }
 
 }  // namespace isostrata::client

@@ -1,0 +1,83 @@
+import { expect, test } from 'vitest';
+import type { Interval, Range, TransferPoint } from '../src/lib/model';
+import { command } from '../src/lib/protocol';
+import { addBeside, addPoint, curve, keyToPoint, lookAt, movePoint, removePoint, startPoints, stretched } from '../src/lib/transfer';
+import { seeded } from './random';
+
+const axis: Range = { lower: 0, upper: 10 };
+const layer: Interval = { id: 1, lower: 2, upper: 6, color: [1, 0, 0], colorMap: '', opacity: 0.5, priority: 0, visible: true };
+const points: TransferPoint[] = [
+  { value: 2, color: [1, 0, 0], opacity: 0 },
+  { value: 4, color: [0, 0, 1], opacity: 0.75 },
+  { value: 6, color: [0, 0, 1], opacity: 0.75 },
+];
+
+test('a function begins as the layer looks', () => {
+  expect(startPoints(layer, axis).map(({ value, opacity }) => [value, opacity])).toEqual([
+    [2, 0.5],
+    [4, 0.5],
+    [6, 0.5],
+  ]);
+  const mapped = startPoints({ ...layer, colorMap: '#000000-#ffffff', ownRange: true, opacityUpper: 0.75 }, axis);
+  expect(mapped.map((p) => p.color[0])).toEqual([0, 0.25, 0.5, 0.75, 1]);
+  expect(mapped[0]?.opacity).toBeCloseTo(0.5);
+  expect(mapped[2]?.opacity).toBeCloseTo(1 - Math.sqrt(0.5 * 0.25)); // straight in extinction
+  expect(startPoints({ ...layer, colorMap: '#000000-#ffffff' }, axis)[0]?.color[0]).toBeCloseTo(0.2); // over the array's range
+});
+
+test('between points colour and extinction are straight', () => {
+  const look = lookAt(points, 3);
+  expect(look.color).toEqual([0.5, 0, 0.5]);
+  expect(look.opacity).toBeCloseTo(0.5); // half of -ln(1/4) is -ln(1/2)
+  const drawn = curve(points, (v) => v, (o) => o);
+  expect(drawn[0]).toEqual([2, 0]);
+  expect(drawn.find(([x]) => x === 3)?.[1]).toBeCloseTo(0.5);
+  expect(drawn[drawn.length - 1]).toEqual([6, 0.75]);
+});
+
+test('points stop at their neighbours and at the axis, and leave the layer some width', () => {
+  expect(movePoint(points, 1, 99, 2, axis)[1]).toMatchObject({ value: 6, opacity: 1 });
+  expect(movePoint(points, 1, -99, -1, axis)[1]).toMatchObject({ value: 2, opacity: 0 });
+  expect(movePoint(points, 0, -99, 0, axis)[0]?.value).toBe(0);
+  const [first, last] = [movePoint(points.slice(0, 2), 0, 99, 0, axis)[0], points[1]];
+  expect(first?.value).toBeLessThan(last?.value ?? 0);
+});
+
+test('whatever is done to a function, its values never fall and its ends differ', () => {
+  const random = seeded(7);
+  let now = points;
+  for (let i = 0; i < 2000; i++) {
+    const index = Math.floor(random() * now.length);
+    const what = random();
+    if (what < 0.6) now = movePoint(now, index, random() * 14 - 2, random() * 1.4 - 0.2, axis);
+    else if (what < 0.75) now = addBeside(now, index)?.points ?? now;
+    else if (what < 0.9) now = removePoint(now, index) ?? now;
+    else now = stretched(now, random() * 4, 5 + random() * 5);
+    expect(now.every((p, k) => k === 0 || p.value >= (now[k - 1] as TransferPoint).value)).toBe(true);
+    expect((now[0] as TransferPoint).value).toBeLessThan((now[now.length - 1] as TransferPoint).value);
+    expect(now.every((p) => p.opacity >= 0 && p.opacity <= 1)).toBe(true);
+    if (now.length > 40) now = points;
+  }
+});
+
+test('points are added where they were meant, and the last two stay', () => {
+  expect(addPoint(points, 3, 0.9)?.points[1]).toMatchObject({ value: 3, opacity: 0.9, color: [0.5, 0, 0.5] });
+  expect(addPoint(points, 7)).toBeNull();
+  expect(addBeside(points, 2)?.index).toBe(2);
+  expect(removePoint(points.slice(0, 2), 0)).toBeNull();
+});
+
+test('keys move a point along values and opacities', () => {
+  const point = points[1] as TransferPoint;
+  expect(keyToPoint('ArrowRight', false, point, axis)?.value).toBeGreaterThan(4);
+  expect(keyToPoint('ArrowUp', false, point, axis)?.opacity).toBeCloseTo(0.77);
+  expect(keyToPoint('End', false, point, axis)).toEqual({ value: 4, opacity: 1 });
+  expect(keyToPoint('x', false, point, axis)).toBeNull();
+});
+
+test('a patch carries the whole function, and null ends it', () => {
+  const body = command.patchInterval(3, { transfer: points });
+  expect(body).toMatchObject({ value: { transferFunction: { points: [{ value: 2 }, { value: 4 }, { value: 6, opacity: 0.75 }] } } });
+  expect(command.patchInterval(3, { transfer: null })).toMatchObject({ value: { transferFunction: { points: [] } } });
+  expect(command.patchInterval(3, { opacity: 1 }).value).not.toHaveProperty('transferFunction');
+});
