@@ -78,6 +78,10 @@ bool FrameScheduler::may_order(TimePoint now) const {
   return link_.bytes_per_second(now) > 0 && link_free_at(now) <= now + production_ + kQueue;
 }
 
+double FrameScheduler::allowance(TimePoint now) const {
+  return std::min(kBurst, allowance_ + seconds(now - allowed_at_) * kMostFps);
+}
+
 Duration FrameScheduler::lossless_time(TimePoint now) const {
   const double rate = link_.bytes_per_second(now);
   if (rate <= 0) return {};
@@ -102,6 +106,10 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
     order = order_of(FramePhase::lossless);
     dirty_ = wants_lossless_ = reduced_ = false;
   } else if (dirty_) {
+    const double allowed = allowance(now);
+    if (allowed < 1 - 1e-6) return std::nullopt;
+    allowance_ = allowed - 1;
+    allowed_at_ = now;
     order = order_of(FramePhase::moving);
     dirty_ = false;
     reduced_ = ladder_.video() || order.quality < kFullQuality || order.width < width_ || order.height < height_;
@@ -116,8 +124,10 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
 std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {
   if (!drawable_ || hidden_ || ordered_ || width_ <= 0 || in_flight() >= window() || stalled(now)) return std::nullopt;
   std::optional<TimePoint> at;
-  if (still_ || dirty_)
+  if (still_)
     at = now;
+  else if (dirty_)
+    at = now + duration(std::max(0.0, 1 - allowance(now)) / kMostFps);
   else if (reduced_ || (wants_lossless_ && !interacting_))
     at = last_change_ + kSettle;
   if (!at || in_flight() == 0) return at;

@@ -41,7 +41,8 @@ class FrameScheduler {
   static constexpr Duration kStall = std::chrono::seconds(4);          // without an acknowledgement: nothing more is drawn
   static constexpr int kMaxWindow = 6;
   static constexpr double kTargetFps = 30;
-  static constexpr int kMaxBands = 12;                                             // of a lossless picture, on their way
+  static constexpr double kMostFps = 90, kBurst = 10;  // of moving frames, whatever comes in: no hand moves faster
+  static constexpr int kMaxBands = 12;                 // of a lossless picture, on their way
   static constexpr Duration kBandQueue = std::chrono::milliseconds(60);            // that new input may wait behind them
   static constexpr std::size_t kMinBandBytes = 8 << 10, kMaxBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
   static constexpr Duration kQueue = std::chrono::milliseconds(15);  // that a frame may wait on the way behind others
@@ -96,6 +97,7 @@ class FrameScheduler {
  private:
   FrameOrder order_of(FramePhase phase) const;
   bool may_order(TimePoint now) const;
+  double allowance(TimePoint now) const;
   Duration lossless_time(TimePoint now) const;
   TimePoint link_free_at(TimePoint now) const;
 
@@ -114,6 +116,8 @@ class FrameScheduler {
 
   std::optional<FrameOrder> ordered_;  // not started
   TimePoint ordered_at_{};
+  double allowance_ = kBurst;  // moving frames that may be ordered at once, as of allowed_at_
+  TimePoint allowed_at_{};
   int started_ = 0;  // not sent
   std::uint64_t last_frame_id_ = 0;
   Duration production_{};         // from order to sending, smoothed

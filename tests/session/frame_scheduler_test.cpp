@@ -40,6 +40,29 @@ class Scheduler : public ::testing::Test {
   std::uint64_t revision_ = 0;
 };
 
+TEST_F(Scheduler, AFloodGetsNoMoreFramesThanAHandAndTheLastChangeIsShown) {
+  int frames = 0;
+  std::uint64_t shown = 0;
+  for (int i = 0; i < 10000; ++i) {
+    tick(std::chrono::microseconds(100));
+    change();
+    if (const auto order = frames_.next(now_)) {
+      ++frames;
+      shown = revision_;
+      deliver_and_acknowledge(*order);
+    }
+  }
+  EXPECT_LE(frames, static_cast<int>(FrameScheduler::kMostFps + FrameScheduler::kBurst) + 1);
+  EXPECT_GE(frames, static_cast<int>(FrameScheduler::kMostFps) - 1);
+  for (int i = 0; shown < revision_ && i < 3; ++i) {
+    const auto wake = frames_.wake_at(now_);
+    ASSERT_TRUE(wake);
+    now_ = *wake;
+    if (frames_.next(now_)) shown = revision_;
+  }
+  EXPECT_EQ(shown, revision_);
+}
+
 TEST_F(Scheduler, AChangeGivesAMovingFrameAndRestALosslessOneOfTheSameState) {
   auto order = frames_.next(now_);
   ASSERT_TRUE(order);

@@ -143,6 +143,7 @@ TEST_F(SharedPictures, WhoeverDoesNotAcknowledgeMissesFramesAndHoldsNobody) {
   begin(2);
   const std::size_t had = clients_[1]->outbox.frames.size();
   for (int move = 0; move < 40; ++move) {
+    s_.now += std::chrono::milliseconds(12);
     s_.say(*clients_[0], s_.camera(move));
     for (const auto& request : s_.take<FrameRequest>()) {
       s_.start(request);
