@@ -151,34 +151,41 @@ std::vector<EngineEvent> RequestLedger::end_life(const std::vector<ActivityFacts
   for (const auto& [session, operation] : operations_) events.emplace_back(OperationDone{session, operation, true, 0, true});
   operations_.clear();
 
-  std::set<SessionKey> blamed;  // their scenes
+  std::map<SessionKey, bool> blamed;  // their scenes; whether one was being drawn
   std::set<RequestId> counted;
   for (const ActivityFacts& of : at) {
     if (of.stage == Stage::idle || of.stage == Stage::starting) continue;
     const auto it = requests_.find(of.request);
     const bool about_scene = of.request == 0 || it == requests_.end() || is_frame(it->second.request);
     if (about_scene)
-      blamed.insert(of.session);
+      blamed[of.session] = blamed[of.session] || of.stage == Stage::drawing;
     else if (counted.insert(of.request).second && ++it->second.deaths >= kMostDeaths) {
       events.emplace_back(failure(it->second.session, of.request, cause + "; it is not tried again"));
       requests_.erase(it);
     }
   }
-  for (const SessionKey key : blamed) {
+  // One at a time: whoever was busy by chance whenever another's scene killed a worker has died as often.
+  SessionKey worst = 0;
+  std::pair<int, bool> most{};
+  for (const auto& [key, drawing] : blamed) {
     const auto it = sessions_.find(key);
-    if (it == sessions_.end()) continue;
-    Session& session = it->second;
-    if (++session.deaths < kMostSceneDeaths || !may_withhold || !session.scene) continue;
-    session.withheld = cause + ", for the " + std::to_string(session.deaths) +
-                       "th time in a row over this scene; it is drawn again once more of it changes than the view";
-    events.emplace_back(failure(key, 0, session.withheld));
-    for (auto of = requests_.begin(); of != requests_.end();) {
-      if (of->second.session == key && is_frame(of->second.request)) {
-        events.emplace_back(failure(key, of->first, session.withheld));
-        of = requests_.erase(of);
-      } else {
-        ++of;
-      }
+    if (it == sessions_.end() || !it->second.scene) continue;
+    const std::pair<int, bool> deaths{++it->second.deaths, drawing};
+    if (deaths > most) most = deaths, worst = key;
+  }
+  if (most.first < kMostSceneDeaths || !may_withhold) return events;
+  for (const auto& [key, drawing] : blamed)
+    if (const auto it = sessions_.find(key); it != sessions_.end() && key != worst) it->second.deaths = 0;
+  Session& session = sessions_[worst];
+  session.withheld = cause + ", for the " + std::to_string(session.deaths) +
+                     "th time in a row over this scene; it is drawn again once more of it changes than the view";
+  events.emplace_back(failure(worst, 0, session.withheld));
+  for (auto of = requests_.begin(); of != requests_.end();) {
+    if (of->second.session == worst && is_frame(of->second.request)) {
+      events.emplace_back(failure(worst, of->first, session.withheld));
+      of = requests_.erase(of);
+    } else {
+      ++of;
     }
   }
   return events;

@@ -126,6 +126,19 @@ TEST_F(RequestLedgerTest, ASceneThatKillsAgainAndAgainIsWithheldUntilMoreOfItCha
   EXPECT_TRUE(ledger.ask(frame(1, 12)).request);
 }
 
+TEST_F(RequestLedgerTest, WhoWasBusyByChanceIsNotWithheldWithIt) {
+  const std::vector<ActivityFacts> both{{0, Stage::extracting, 2, 0, 10}, {1, Stage::drawing, 1, 1, 10}};
+  ledger.ask(SceneUpdate{1, scene(1)});
+  ledger.ask(SceneUpdate{2, scene(1)});
+  ledger.ask(frame(1, 1));
+  for (int i = 1; i < RequestLedger::kMostSceneDeaths; ++i)
+    EXPECT_EQ(count<RequestFailed>(ledger.end_life(both, "killed", true)), 0);
+  for (const EngineEvent& event : ledger.end_life(both, "killed", true)) EXPECT_EQ(session_of(event), 1u);
+  EXPECT_TRUE(ledger.ask(frame(1, 2)).event);
+  EXPECT_FALSE(ledger.ask(frame(2, 3)).event);
+  EXPECT_EQ(count<RequestFailed>(ledger.end_life({both[0]}, "killed", true)), 0) << "it begins anew";
+}
+
 TEST_F(RequestLedgerTest, AFrameInBetweenClearsAScene) {
   ledger.ask(SceneUpdate{1, scene(1)});
   for (RequestId request = 1; request <= 10; ++request) {
