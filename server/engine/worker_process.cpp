@@ -1,7 +1,6 @@
 #include "engine/worker_process.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
@@ -14,6 +13,8 @@
 #include <cstring>
 #include <fstream>
 #include <thread>
+
+#include "base/spawn.h"
 
 extern char** environ;
 
@@ -60,18 +61,8 @@ pid_t spawn(const std::filesystem::path& program, const std::vector<std::string>
   posix_spawn_file_actions_adddup2(&actions, socket_copy.get(), kSocket);
   posix_spawn_file_actions_adddup2(&actions, board_copy.get(), kBoard);
   posix_spawn_file_actions_addclosefrom_np(&actions, kBoard + 1);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none, defaults;
-  sigemptyset(&none);
-  sigfillset(&defaults);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &defaults);
   pid_t id = 0;
-  const int error = posix_spawn(&id, program.c_str(), &actions, &attributes, argv.data(), envp.data());
-  posix_spawnattr_destroy(&attributes);
+  const int error = spawn_in_group(id, program, actions, argv.data(), envp.data());
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) fail(program.string() + ": the worker process cannot be started", error);
   return id;

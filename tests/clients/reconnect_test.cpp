@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "clients/code_of.h"
 #include "isostrata/client.h"
 #include "support/cutting_proxy.h"
 #include "support/served.h"
@@ -12,18 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using client::Client;
-using client::ClientError;
 using client::ConnectionEvent;
-
-template <class Call>
-std::string code_of(const Call& call) {
-  try {
-    call();
-  } catch (const ClientError& error) {
-    return error.code();
-  }
-  return "";
-}
 
 class Reconnect : public ::testing::Test {
  protected:

@@ -3,6 +3,7 @@
 
 #include <thread>
 
+#include "clients/code_of.h"
 #include "isostrata/client.h"
 #include "support/served.h"
 
@@ -11,16 +12,6 @@ namespace {
 
 using client::Client;
 using client::ClientError;
-
-template <class Call>
-std::string code_of(const Call& call) {
-  try {
-    call();
-  } catch (const ClientError& error) {
-    return error.code();
-  }
-  return "";
-}
 
 class Tls : public ::testing::Test {
  protected:

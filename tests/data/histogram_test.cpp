@@ -8,17 +8,10 @@
 #include <random>
 
 #include "base/error.h"
+#include "data/array_of.h"
 
 namespace isostrata {
 namespace {
-
-template <class T>
-PointArray array_of(const std::vector<T>& values) {
-  PointArray array;
-  array.values = std::span<const T>(values);
-  measure_range(array);
-  return array;
-}
 
 using Counts = std::vector<std::uint64_t>;
 

@@ -8,17 +8,10 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "data/array_of.h"
 
 namespace isostrata {
 namespace {
-
-template <class T>
-PointArray array_of(const std::vector<T>& values) {
-  PointArray array;
-  array.values = std::span<const T>(values);
-  measure_range(array);
-  return array;
-}
 
 TEST(Statistics, AgreeWithTwoPassesInLongDouble) {
   for (const double offset : {0.0, 1e9, -3.5e12}) {

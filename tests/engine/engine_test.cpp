@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <future>
 #include <mutex>
@@ -11,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "engine/heard_events.h"
 #include "support/plain_renderer.h"
 
 namespace isostrata {
@@ -19,62 +19,17 @@ namespace {
 using namespace std::chrono_literals;
 
 /// An engine with a renderer that needs no OpenGL, and everything it has said.
-class EngineTest : public ::testing::Test {
+class EngineTest : public ::testing::Test, protected HeardEvents {
  protected:
   EngineTest() {
     EngineOptions options;
     options.catalogue = Catalogue::from_sources({"torus:12", "torus:24", "torus:96"});
     options.renderer = [control = control_] { return std::make_unique<PlainRenderer>(control); };
     options.fallback_renderer = [control = fallback_control_] { return std::make_unique<PlainRenderer>(control); };
-    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) {
-      std::lock_guard lock(mutex_);
-      events_.push_back(std::move(event));
-      changed_.notify_all();
-    });
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
   }
   ~EngineTest() override { engine_.reset(); }
 
-  Scene scene(std::uint64_t revision, double upper = 0.5) {
-    Scene scene;
-    scene.revision = revision;
-    scene.dataset = "torus-12";
-    scene.array = "distance";
-    scene.camera = Camera{{3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 30};
-    scene.intervals.push_back({1, 0.2, upper, {1, 0, 0}, "", 0.5, 0, true});
-    return scene;
-  }
-  FrameRequest frame(SessionKey session, RequestId request, bool lossless = false) {
-    FrameRequest wanted;
-    wanted.session = session;
-    wanted.request = request;
-    wanted.width = 16;
-    wanted.height = 12;
-    wanted.lossless = lossless;
-    wanted.jpeg = !lossless;
-    return wanted;
-  }
-  /// The first event that fits; fails the test where none comes in ten seconds.
-  template <class Event>
-  Event wait_for(const std::function<bool(const Event&)>& fits) {
-    std::unique_lock lock(mutex_);
-    std::optional<Event> found;
-    changed_.wait_for(lock, 10s, [&] {
-      for (const EngineEvent& event : events_)
-        if (const auto* e = std::get_if<Event>(&event); e && fits(*e)) {
-          found = *e;
-          return true;
-        }
-      return false;
-    });
-    EXPECT_TRUE(found) << "no such event among " << events_.size();
-    return found.value_or(Event{});
-  }
-  FrameReady frame_of(RequestId request) {
-    return wait_for<FrameReady>([=](const FrameReady& f) { return f.request == request; });
-  }
-  RequestFailed failure_of(RequestId request) {
-    return wait_for<RequestFailed>([=](const RequestFailed& f) { return f.request == request; });
-  }
   std::vector<SessionKey> order_of_frames() {
     std::lock_guard lock(mutex_);
     std::vector<SessionKey> order;
@@ -85,9 +40,6 @@ class EngineTest : public ::testing::Test {
 
   std::shared_ptr<PlainRendererControl> control_ = std::make_shared<PlainRendererControl>();
   std::shared_ptr<PlainRendererControl> fallback_control_ = std::make_shared<PlainRendererControl>();
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<EngineEvent> events_;
   std::unique_ptr<Engine> engine_;
 };
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <condition_variable>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "engine/heard_events.h"
 #include "engine/message_channel.h"
 #include "support/plain_renderer.h"
 
@@ -41,7 +41,7 @@ std::set<pid_t> children() {
 }
 
 /// A worker of a process of its own that draws plain colours, and everything it has said.
-class WorkerEngineTest : public ::testing::Test {
+class WorkerEngineTest : public ::testing::Test, protected HeardEvents {
  protected:
   void start(WorkerOptions worker = {}, RendererChoice choice = {}) {
     EngineOptions options;
@@ -51,55 +51,11 @@ class WorkerEngineTest : public ::testing::Test {
       worker.program = ISOSTRATA_BIN_DIR "/isostrata-faulty-worker";
       worker.arguments = {};
     }
-    engine_ = std::make_unique<WorkerEngine>(std::move(options), std::move(worker), [this](EngineEvent event) { note(event); });
+    engine_ = std::make_unique<WorkerEngine>(std::move(options), std::move(worker),
+                                             [this](EngineEvent event) { note(std::move(event)); });
   }
   ~WorkerEngineTest() override { engine_.reset(); }
 
-  void note(const EngineEvent& event) {
-    std::lock_guard lock(mutex_);
-    events_.push_back(event);
-    changed_.notify_all();
-  }
-  static Scene scene(std::uint64_t revision, double upper = 0.5, const std::string& dataset = "torus-12") {
-    Scene scene;
-    scene.revision = revision;
-    scene.dataset = dataset;
-    scene.array = "distance";
-    scene.camera = Camera{{3, 2, 4}, {0, 0, 0}, {0, 1, 0}, 30};
-    scene.intervals.push_back({1, 0.2, upper, {1, 0, 0}, "", 0.5, 0, true});
-    return scene;
-  }
-  static FrameRequest frame(SessionKey session, RequestId request, bool lossless = false) {
-    FrameRequest wanted;
-    wanted.session = session;
-    wanted.request = request;
-    wanted.width = 16;
-    wanted.height = 12;
-    wanted.lossless = lossless;
-    wanted.jpeg = !lossless;
-    return wanted;
-  }
-  template <class Event>
-  Event wait_for(const std::function<bool(const Event&)>& fits) {
-    std::unique_lock lock(mutex_);
-    std::optional<Event> found;
-    changed_.wait_for(lock, 60s, [&] {
-      for (const EngineEvent& event : events_)
-        if (const auto* e = std::get_if<Event>(&event); e && fits(*e)) {
-          found = *e;
-          return true;
-        }
-      return false;
-    });
-    EXPECT_TRUE(found) << "no such event among " << events_.size();
-    return found.value_or(Event{});
-  }
-  FrameReady frame_of(RequestId request) {
-    return wait_for<FrameReady>([=](const FrameReady& f) { return f.request == request; });
-  }
-  RequestFailed failure_of(RequestId request) {
-    return wait_for<RequestFailed>([=](const RequestFailed& f) { return f.request == request; });
-  }
   template <class Event>
   int count(const std::function<bool(const Event&)>& fits) {
     std::lock_guard lock(mutex_);
@@ -128,9 +84,6 @@ class WorkerEngineTest : public ::testing::Test {
       for (int i = 0; i < 6000 && engine_->facts().deaths == before; ++i) std::this_thread::sleep_for(10ms);
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<EngineEvent> events_;
   std::unique_ptr<WorkerEngine> engine_;
 };
 
@@ -151,7 +104,7 @@ TEST_F(WorkerEngineTest, DrawsWhatAnEngineInThisProcessDraws) {
   EngineOptions options;
   options.catalogue = Catalogue::from_sources({"torus:12"});
   options.renderer = [] { return std::make_unique<PlainRenderer>(std::make_shared<PlainRendererControl>()); };
-  Engine here(std::move(options), [this](EngineEvent event) { note(event); });
+  Engine here(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
   here.post(OpenRequest{1, 101, "torus-12"});
   EXPECT_EQ(wait_for<DatasetReady>([](const auto& r) { return r.request == 101; }).facts.first_layers, ready.facts.first_layers);
   here.post(SceneUpdate{1, scene(7)});

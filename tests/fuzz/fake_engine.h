@@ -11,25 +11,11 @@
 
 #include "session/protobuf_log.h"
 #include "session/sessions.h"
+#include "support/fin_facts.h"
 
 namespace isostrata::fuzz {
 
 inline const bool quiet = (silence_protobuf(), true);  // it would write a line for every other input
-
-inline DatasetFacts facts() {
-  DatasetFacts facts;
-  facts.id = "fin";
-  facts.name = "fin";
-  facts.grid = "curvilinear";
-  facts.bounds.include({-1, -1, -1});
-  facts.bounds.include({1, 2, 3});
-  facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5},
-                  {"Density", "point", "float32", 1, 0, 8, 0},
-                  {"Energy", "point", "float64", 1, -100, 300, 0}};
-  facts.first_layers = {{0, 2}, {2, 4}, {4, 6}, {6, 8}};
-  facts.times = {0, 1, 2};
-  return facts;
-}
 
 /// What was asked waits until run(), as on the io thread.
 class FakeEngine {
@@ -66,7 +52,7 @@ class FakeEngine {
 
   void answer(const OpenRequest& r) {
     if (r.dataset == "fin")
-      send(DatasetReady{r.session, r.request, facts()});
+      send(DatasetReady{r.session, r.request, fin_facts()});
     else
       fail(r);
   }

@@ -21,7 +21,7 @@ struct Listener final : Outbox {
 // A state that the server has is one that it takes back.
 void check(const Session& session) {
   SceneState again;
-  const DatasetFacts facts = fuzz::facts();
+  const DatasetFacts facts = fin_facts();
   if (!session.dataset()) return;
   open_in_scene(again, facts);
   const v1::State state = session.wire_state();

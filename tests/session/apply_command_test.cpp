@@ -10,23 +10,10 @@
 
 #include "session/limits.h"
 #include "session/wire.h"
+#include "support/fin_facts.h"
 
 namespace isostrata {
 namespace {
-
-DatasetFacts facts() {
-  DatasetFacts facts;
-  facts.id = "fin";
-  facts.name = "fin";
-  facts.bounds.include({-1, -1, -1});
-  facts.bounds.include({1, 2, 3});
-  facts.arrays = {{"Empty", "point", "float32", 1, 1, -1, 5},
-                  {"Density", "point", "float32", 1, 0, 8, 0},
-                  {"Energy", "point", "float64", 1, -100, 300, 0}};
-  facts.first_layers = {{0, 2}, {2, 4}, {4, 6}, {6, 8}};
-  facts.times = {0, 1, 2};
-  return facts;
-}
 
 class ApplyCommand : public ::testing::Test {
  protected:
@@ -40,7 +27,7 @@ class ApplyCommand : public ::testing::Test {
   }
   CommandOutcome apply(const std::string& json) { return apply_command(state_, from_json(json), {&facts_}); }
 
-  DatasetFacts facts_ = facts();
+  DatasetFacts facts_ = fin_facts();
   SceneState state_;
 };
 
@@ -418,7 +405,7 @@ void expect_drawable(const Scene& scene, const DatasetFacts& dataset, const std:
 TEST(ApplyCommandRandom, NoMessageLeavesASceneThatCannotBeDrawn) {
   const auto seed = static_cast<std::uint64_t>(::testing::UnitTest::GetInstance()->random_seed()) + 20040101;
   std::mt19937_64 random(seed);
-  const DatasetFacts dataset = facts();
+  const DatasetFacts dataset = fin_facts();
   SceneState state;
   open_in_scene(state, dataset);
   int accepted = 0;

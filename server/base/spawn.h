@@ -1,0 +1,16 @@
+// A child process that no signal of its parent's reaches.
+#pragma once
+
+#include <spawn.h>
+#include <sys/types.h>
+
+#include <filesystem>
+
+namespace isostrata {
+
+/// posix_spawn into a process group of its own, with no signal blocked or ignored. arguments, environment: as of execve. Returns
+/// what posix_spawn does: 0, or an errno. Any thread.
+int spawn_in_group(pid_t& id, const std::filesystem::path& program, const posix_spawn_file_actions_t& actions,
+                   char* const* arguments, char* const* environment);
+
+}  // namespace isostrata
