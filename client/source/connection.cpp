@@ -17,6 +17,7 @@ namespace {
 constexpr auto kStopPeriod = std::chrono::milliseconds(50);
 constexpr auto kLongestPause = std::chrono::milliseconds(2000);  // between two tries
 constexpr std::size_t kMostLogged = 4096, kMostNumbers = 16384, kMarkEvery = 64;
+constexpr std::size_t kMostJudgedBytes = 4 << 20, kMostLoggedBytes = 64 << 20, kMostUnsentBytes = 1 << 20;
 constexpr auto kKeepJudged = std::chrono::seconds(10);  // a server that is killed may lose the last moments of what it kept
 constexpr std::size_t kMostFramesWaiting = 32;          // that nobody takes: then the server is not told that they came
 constexpr unsigned kProtocolError = 1002, kPolicy = 1008;
@@ -197,8 +198,9 @@ std::uint64_t Connection::send(v1::ClientMessage message) {
     message.set_command(++last_command_);
     // A hand goes on turning while nobody is there; the server would read no more than a thousand of its cameras at once.
     if (lost() && message.has_set_camera() && !log_.empty() && !log_.back().judged && log_.back().message.has_set_camera())
-      log_.pop_back();
-    log_.push_back({number, last_command_, message, Steady::now()});
+      log_bytes_ -= log_.back().bytes, log_.pop_back();
+    log_.push_back({number, last_command_, message, Steady::now(), message.ByteSizeLong()});
+    log_bytes_ += log_.back().bytes;
     forget_old();
     ++since_mark_;
   }
@@ -215,13 +217,26 @@ std::uint64_t Connection::send(v1::ClientMessage message) {
     write(ping);
   }
   socket_->poll();
+  // Whoever says more than the server takes waits for it, and does not fill the memory.
+  const auto give_up = Steady::now() + options_.timeout;
+  while (!lost() && socket_->waiting_bytes() > kMostUnsentBytes) {
+    if (Steady::now() >= give_up)
+      throw ClientError("timeout", "the server has taken nothing for a while; what was sent waits still");
+    run(give_up);
+  }
   return number;
 }
 
 void Connection::forget_old() {
   const auto now = Steady::now();
-  while (!log_.empty() && ((log_.front().judged && now - log_.front().at > kKeepJudged) || log_.size() > kMostLogged))
+  const auto is_old = [&](const Sent& sent) {
+    if (log_.size() > kMostLogged || log_bytes_ > kMostLoggedBytes) return true;
+    return sent.judged && (log_bytes_ > kMostJudgedBytes || now - sent.at > kKeepJudged);
+  };
+  while (!log_.empty() && is_old(log_.front())) {
+    log_bytes_ -= log_.front().bytes;
     log_.pop_front();
+  }
 }
 
 // ---- receiving

@@ -41,6 +41,7 @@ class Connection {
     std::uint64_t number, command;
     v1::ClientMessage message;
     Steady::time_point at;
+    std::size_t bytes;
     bool judged = false;
   };
   struct Mark {
@@ -81,6 +82,7 @@ class Connection {
   std::optional<std::pair<std::string, std::string>> ended_;  // code and why, once it has been given up
 
   std::uint64_t last_number_ = 0, last_command_ = 0;
+  std::size_t log_bytes_ = 0;
   std::deque<Sent> log_;    // commands, oldest first: those not judged, and for a while those that were
   std::deque<Mark> marks_;  // pings without an answer
   std::size_t since_mark_ = 0;

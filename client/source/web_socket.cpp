@@ -71,9 +71,11 @@ class WebSocket::Impl {
   }
 
   void send(std::string bytes) {
+    waiting_bytes_ += bytes.size();
     outgoing_.push_back(std::move(bytes));
     if (outgoing_.size() == 1) write();
   }
+  std::size_t waiting_bytes() const { return waiting_bytes_; }
 
   asio::io_context io_{1};
   beast::error_code failure_;
@@ -99,6 +101,7 @@ class WebSocket::Impl {
   void write() {
     socket_.async_write(asio::buffer(outgoing_.front()), [this](beast::error_code error, std::size_t) {
       if (error) return;
+      waiting_bytes_ -= outgoing_.front().size();
       outgoing_.pop_front();
       if (!outgoing_.empty()) write();
     });
@@ -106,6 +109,7 @@ class WebSocket::Impl {
 
   beast::flat_buffer buffer_;
   std::deque<std::string> outgoing_;
+  std::size_t waiting_bytes_ = 0;
 };
 
 WebSocket::WebSocket(const ServerAddress& address, const Options& options, Steady::time_point deadline, Receiver receiver)
@@ -120,6 +124,7 @@ void WebSocket::poll() {
   impl_->io_.restart();
   impl_->io_.poll();
 }
+std::size_t WebSocket::waiting_bytes() const { return impl_->waiting_bytes(); }
 bool WebSocket::failed() const { return static_cast<bool>(impl_->failure_); }
 std::string WebSocket::why() const {
   if (impl_->failure_ == websocket::error::closed && !impl_->socket_.reason().reason.empty())

@@ -24,6 +24,8 @@ class WebSocket {
 
   /// Queued; written while this runs.
   void send(std::string bytes);
+  /// That were queued and are not written.
+  std::size_t waiting_bytes() const;
   /// Until something has happened, or the time is over.
   void run_for(Steady::duration time);
   /// What can be done without waiting.
