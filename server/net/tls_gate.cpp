@@ -37,7 +37,7 @@ struct Relay {
 };
 
 template <class From, class To>
-asio::awaitable<void> pump(std::shared_ptr<Relay> relay, From& from, To& to) {
+asio::awaitable<void> pump([[maybe_unused]] std::shared_ptr<Relay> alive, From& from, To& to) {
   std::vector<char> piece(kPieceBytes);
   boost::system::error_code error;
   while (!error) {

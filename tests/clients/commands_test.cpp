@@ -149,7 +149,7 @@ TEST_F(ClientCommand, SetTakesTheTransferFunctionThatRenderTakes) {
 }
 
 TEST_F(ClientCommand, ExportsAreTheFilesThatExtractWrites) {
-  for (const std::string& name : {"a.vtu", "a.ply", "a.stl"}) {
+  for (const std::string name : {"a.vtu", "a.ply", "a.stl"}) {
     const Ended ended = server_.client({"export", "--dataset", "torus:12", "--interval", "0.1:0.3", "--out", path(name)});
     ASSERT_EQ(ended.status, 0) << ended.err;
     const Ended extract = run_to_end(

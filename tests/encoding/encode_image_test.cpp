@@ -118,8 +118,12 @@ std::vector<Bytes> frames_of(const Bytes& bytes) {
     const auto data = bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8;
     const Bytes content(data, data + static_cast<std::ptrdiff_t>(size));
     if (type == "IHDR") header = content;
-    if (type == "acTL") EXPECT_EQ(u32(at + 12), 0u) << "again and again";
-    if (type == "fcTL" || type == "fdAT") EXPECT_EQ(u32(at + 8), expected++);
+    if (type == "acTL") {
+      EXPECT_EQ(u32(at + 12), 0u) << "again and again";
+    }
+    if (type == "fcTL" || type == "fdAT") {
+      EXPECT_EQ(u32(at + 8), expected++);
+    }
     if (type == "fcTL") {
       frames.push_back(Bytes(bytes.begin(), bytes.begin() + 8));
       append_chunk(frames.back(), "IHDR", header);

@@ -58,7 +58,7 @@ TEST(Annotations, NumbersAndNamesNeverOverlapAndStayInThePicture) {
     AnnotationInput input = some_input(width, height);
     const double scale = std::pow(10, trial % 13 - 6);
     input.bounds = {Vec3d{number(random), number(random), number(random)} * scale, {}};
-    input.bounds.upper = input.bounds.lower + Vec3d{1, 1 + trial % 3, 0.3} * scale;
+    input.bounds.upper = input.bounds.lower + Vec3d{1, 1.0 + trial % 3, 0.3} * scale;
     input.camera = view_of(input.bounds, "reset", static_cast<double>(width) / height);
     const double away = length(input.camera.eye - input.camera.at);
     input.camera.eye = input.camera.at + normalized(Vec3d{number(random), number(random), number(random)}) * away;
