@@ -152,7 +152,8 @@ class Client {
   // ---- the wire
   // ----------------------------------------------------------------------------------------------------------------
 
-  /// Sends a message; its seq is filled in and returned. Does not wait for an answer.
+  /// Sends a message; its seq is filled in and returned. Does not wait for an answer, but while more than 1 MiB waits to be written,
+  /// for Options.timeout at most (ClientError "timeout").
   std::uint64_t send(v1::ClientMessage message);
   /// The next message of the server, or nothing after the timeout. Frames have been acknowledged. Throws ClientError "closed".
   std::optional<v1::ServerMessage> receive(std::chrono::milliseconds timeout);
