@@ -228,4 +228,22 @@ struct RequestFailed {
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
                                  RequestFailed, StatisticsReady, ExportReady>;
 
+/// The session that a request or an event is about.
+template <class... Messages>
+SessionKey session_of(const std::variant<Messages...>& message) {
+  return std::visit([](const auto& of) { return of.session; }, message);
+}
+/// The number of the request; 0 where it is about none.
+template <class... Messages>
+RequestId request_of(const std::variant<Messages...>& message) {
+  return std::visit(
+      [](const auto& of) -> RequestId {
+        if constexpr (requires { of.request; })
+          return of.request;
+        else
+          return 0;
+      },
+      message);
+}
+
 }  // namespace isostrata

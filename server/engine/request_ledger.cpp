@@ -22,35 +22,9 @@ bool is_frame(const EngineRequest& request) { return std::holds_alternative<Fram
 
 }  // namespace
 
-SessionKey session_of(const EngineRequest& request) {
-  return std::visit([](const auto& of) { return of.session; }, request);
-}
-
 RequestId answered_request_of(const EngineRequest& request) {
   if (std::holds_alternative<CancelRequest>(request) || std::holds_alternative<ForgetFrame>(request)) return 0;
-  return std::visit(
-      [](const auto& of) -> RequestId {
-        if constexpr (requires { of.request; })
-          return of.request;
-        else
-          return 0;
-      },
-      request);
-}
-
-SessionKey session_of(const EngineEvent& event) {
-  return std::visit([](const auto& of) { return of.session; }, event);
-}
-
-RequestId request_of(const EngineEvent& event) {
-  return std::visit(
-      [](const auto& of) -> RequestId {
-        if constexpr (requires { of.request; })
-          return of.request;
-        else
-          return 0;
-      },
-      event);
+  return request_of(request);
 }
 
 RequestFailed RequestLedger::failure(SessionKey session, RequestId request, const std::string& why) const {

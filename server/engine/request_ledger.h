@@ -82,10 +82,7 @@ class RequestLedger {
   std::uint64_t orders_ = 0;
 };
 
-/// The session and the request that a message is about; 0 where it is about none.
-SessionKey session_of(const EngineRequest& request);
-RequestId answered_request_of(const EngineRequest& request);  // of those that are answered once
-SessionKey session_of(const EngineEvent& event);
-RequestId request_of(const EngineEvent& event);
+/// request_of those requests that are answered once; 0 for others.
+RequestId answered_request_of(const EngineRequest& request);
 
 }  // namespace isostrata

@@ -17,19 +17,6 @@ constexpr std::size_t kMaxDeferred = 256;
 constexpr int kMaxHistograms = 16;
 constexpr Duration kAnnounce = std::chrono::milliseconds(4);  // between cameras that are told on, where more come than that
 
-void send_error(Viewer& viewer, std::uint64_t seq, v1::Error error) {
-  v1::ServerMessage message;
-  error.set_in_reply_to(seq);
-  *message.mutable_error() = std::move(error);
-  viewer.outbox->send(std::move(message));
-}
-
-v1::ServerMessage dataset_message(const DatasetFacts& facts) {
-  v1::ServerMessage message;
-  *message.mutable_dataset_info() = to_wire(facts);
-  return message;
-}
-
 }  // namespace
 
 v1::Error wire_error(const RequestFailed& failed) { return wire_error(to_string(failed.code), failed.message); }
@@ -110,15 +97,14 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   const std::uint64_t seq = message.seq();
   // An answer never overtakes the change that it answers.
   if (!message.has_set_camera() && !message.has_frame_ack()) announce(now);
-  const Reply reply = [this, key, seq, client = viewer.client_id,
-                       command = message.command()](std::optional<v1::Error> error) {
+  const Reply reply = [this, key, seq, client = viewer.client_id, command = message.command()](std::optional<v1::Error> error) {
     if (!error) return;
     if (command != 0) note_refused(client, command, *error);
     // An answer that was long in coming follows its client to a newer connection, where the number means nothing.
     if (Viewer* to = living(key))
-      send_error(*to, seq, std::move(*error));
+      to->outbox->send(error_message(std::move(*error), seq));
     else if (Viewer* again = back_again(client))
-      send_error(*again, 0, std::move(*error));
+      again->outbox->send(error_message(std::move(*error)));
   };
   if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message))
     return;  // a picture may be asked for again
@@ -197,24 +183,23 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
   if (opening_) {
     // It means the dataset that the viewer has asked for.
     if (deferred_.size() >= kMaxDeferred)
-      return send_error(viewer, seq, wire_error("unavailable", "too many commands wait for the dataset"));
+      return viewer.outbox->send(error_message(wire_error("unavailable", "too many commands wait for the dataset"), seq));
     deferred_.push_back({[this, key = viewer.key, message](TimePoint) {
       if (Viewer* to = living(key)) send_histogram(*to, message);
     }});
     return;
   }
-  if (auto error = check_histogram(wanted, context())) return send_error(viewer, seq, std::move(*error));
+  if (auto error = check_histogram(wanted, context())) return viewer.outbox->send(error_message(std::move(*error), seq));
   if (histograms_ >= kMaxHistograms)
-    return send_error(
-        viewer, seq,
-        wire_error("unavailable", std::to_string(kMaxHistograms) + " histograms are being counted; ask again later"));
+    return viewer.outbox->send(error_message(
+        wire_error("unavailable", std::to_string(kMaxHistograms) + " histograms are being counted; ask again later"), seq));
   ++histograms_;
   HistogramRequest request{key_, 0, state_.scene.dataset, state_.scene.step, wanted.array(), static_cast<int>(wanted.bins())};
   engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
     --histograms_;
     Viewer* to = living(key);
     if (!to) return;
-    if (const auto* failed = std::get_if<RequestFailed>(&event)) return send_error(*to, seq, wire_error(*failed));
+    if (const auto* failed = std::get_if<RequestFailed>(&event)) return to->outbox->send(error_message(wire_error(*failed), seq));
     if (const auto* ready = std::get_if<HistogramReady>(&event)) {
       v1::ServerMessage answer;
       *answer.mutable_histogram() = to_wire(*ready);
@@ -358,7 +343,7 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
     message.mutable_done()->set_cancelled(done->cancelled);
     message.mutable_done()->set_superseded(done->superseded);
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
-    *message.mutable_error() = wire_error(*failed);
+    message = error_message(wire_error(*failed));
   } else {
     return;
   }

@@ -1,7 +1,6 @@
 // Of a session: which pictures are asked for, and who gets them. Whoever looks at the same size gets the same bytes, drawn and
 // encoded once, also those whose credits come back a little later than the others'.
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -12,12 +11,6 @@ namespace isostrata {
 namespace {
 
 constexpr std::size_t kMostMade = 4;  // pictures of the newest scene that are kept for whoever comes later
-
-void send_error(Viewer& viewer, v1::Error error) {
-  v1::ServerMessage message;
-  *message.mutable_error() = std::move(error);
-  viewer.outbox->send(std::move(message));
-}
 
 bool same_picture(const FrameRequest& a, const FrameRequest& b) {
   if (a.video.has_value() != b.video.has_value()) return false;
@@ -199,7 +192,7 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
       viewer.frames.failed(picture.started);
       // One that had begun failed in drawing; the others failed with their extraction, which everyone has been told of.
       if (picture.started && !failed->encoder_failed && failed->code != ErrorCode::cancelled)
-        send_error(viewer, wire_error(*failed));
+        viewer.outbox->send(error_message(wire_error(*failed)));
     });
     if (failed->encoder_failed && picture.request.video)
       for (const ViewerKey key : streams_.members(picture.request.video->stream))

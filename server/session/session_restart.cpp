@@ -80,28 +80,22 @@ void Session::wake(TimePoint now) {
   open(asleep_->dataset(), nullptr, now, [this](std::optional<v1::Error> error) {
     if (!error) return;
     // It stays as it was kept, and the next who comes tries again.
-    v1::ServerMessage message;
     error->set_message("the session's dataset cannot be opened again: " + error->message());
-    *message.mutable_error() = std::move(*error);
-    broadcast(message);
+    broadcast(error_message(std::move(*error)));
   });
 }
 
 void Session::woken(const DatasetFacts& facts, TimePoint now) {
   const v1::State saved = *std::exchange(asleep_, std::nullopt);
   auto error = restore_state(state_, saved, state_.last_interval_id, context());
-  v1::ServerMessage described;
-  *described.mutable_dataset_info() = to_wire(facts);
-  broadcast(described);
+  broadcast(dataset_message(facts));
   if (error) {
     // Another file under the same name.
     open_in_scene(state_, facts);
     changed(now);
-    v1::ServerMessage message;
-    *message.mutable_error() =
-        wire_error("bad_data", "dataset '" + facts.id + "' is not what it was when this session was kept (" + error->message() +
-                                   "); it is shown as if opened for the first time");
-    return broadcast(message);
+    return broadcast(
+        error_message(wire_error("bad_data", "dataset '" + facts.id + "' is not what it was when this session was kept (" +
+                                                 error->message() + "); it is shown as if opened for the first time")));
   }
   // Nothing has changed: everyone has been told this state already.
   engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});

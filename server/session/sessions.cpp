@@ -16,27 +16,9 @@ constexpr std::uint16_t kClosePolicy = 1008;
 constexpr std::uint16_t kCloseTryAgainLater = 1013;
 
 void refuse(Viewer& viewer, std::uint64_t seq, v1::Error error, std::uint16_t code) {
-  v1::ServerMessage message;
   const std::string reason = error.code();
-  error.set_in_reply_to(seq);
-  *message.mutable_error() = std::move(error);
-  viewer.outbox->send(std::move(message));
+  viewer.outbox->send(error_message(std::move(error), seq));
   viewer.outbox->close(code, reason);
-}
-
-SessionKey session_of(const EngineEvent& event) {
-  return std::visit([](const auto& e) { return e.session; }, event);
-}
-
-RequestId request_of(const EngineEvent& event) {
-  return std::visit(
-      [](const auto& e) -> RequestId {
-        if constexpr (requires { e.request; })
-          return e.request;
-        else
-          return 0;
-      },
-      event);
 }
 
 template <class Format>
@@ -190,10 +172,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   // their own to bring back.
   if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && !options_.datasets.empty())
     session->open(options_.datasets.front().id(), nullptr, now, [session](std::optional<v1::Error> error) {
-      if (!error || error->code() == "cancelled") return;
-      v1::ServerMessage message;
-      *message.mutable_error() = std::move(*error);
-      session->broadcast(message);
+      if (error && error->code() != "cancelled") session->broadcast(error_message(std::move(*error)));
     });
   session->pump(now);
 }

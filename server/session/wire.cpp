@@ -226,4 +226,17 @@ v1::Error wire_error(std::string_view code, std::string message, std::string fie
   return error;
 }
 
+v1::ServerMessage error_message(v1::Error error, std::uint64_t in_reply_to) {
+  v1::ServerMessage message;
+  error.set_in_reply_to(in_reply_to);
+  *message.mutable_error() = std::move(error);
+  return message;
+}
+
+v1::ServerMessage dataset_message(const DatasetFacts& facts) {
+  v1::ServerMessage message;
+  *message.mutable_dataset_info() = to_wire(facts);
+  return message;
+}
+
 }  // namespace isostrata

@@ -1,6 +1,7 @@
 // Our types as Protobuf, and the way back where no rule is involved. The other direction, with its rules, is apply_command.h.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,5 +24,9 @@ v1::Histogram to_wire(const HistogramReady& histogram);
 v1::Frame to_wire(const FrameReady& frame);
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field = {});
+
+/// in_reply_to: the seq of the client's message that it answers; 0: none.
+v1::ServerMessage error_message(v1::Error error, std::uint64_t in_reply_to = 0);
+v1::ServerMessage dataset_message(const DatasetFacts& facts);
 
 }  // namespace isostrata
