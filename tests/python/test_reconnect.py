@@ -139,6 +139,23 @@ class Lost(WithState):
         s.close()
         self.assertRefused("closed", s.view, "+x")
 
+    def test_a_session_can_be_closed_at_each_moment_of_a_try_to_connect(self):
+        sessions = []
+
+        def close(turn, turns):
+            """So many turns of its loop after the loss: among the first are all the steps of a try that is refused."""
+            loop = sessions[turn]._connection._loop
+            loop.call_soon(close, turn, turns - 1) if turns else sessions[turn].close()
+
+        for turn in range(24):
+            lost = lambda event, turn=turn: event.kind == "lost" and close(turn, turn)  # noqa: E731
+            sessions.append(isostrata.connect(self.server.url, "torus:12", size=(8, 8), reconnect=3600, on_connection=lost))
+        self.server.stop(signal.SIGKILL)
+        for s in sessions:
+            s._connection._thread.join(10)
+            self.assertFalse(s._connection._thread.is_alive())
+            self.assertRefused("closed", s.view, "+x")
+
 
 class Tls(WithState):
     def more_arguments(self):

@@ -254,8 +254,7 @@ class Connection:
                 if not self.made:
                     raise IsostrataError("connection", str(lost)) from None
                 why = str(lost)
-            if self._closing:
-                raise IsostrataError("closed", "the connection has been closed")
+            self._check_closing()
             with self._changed:
                 self._up = False
             if self.reconnect <= 0 or self._for_good:
@@ -263,11 +262,17 @@ class Connection:
             self._tell(ConnectionEvent("lost", why))
             await self._come_back(why)
 
+    def _check_closing(self) -> None:
+        """After whatever may take a cancellation for its own: asyncio.wait_for forgets one that meets the end of what it waits for."""
+        if self._closing:
+            raise IsostrataError("closed", "the connection has been closed")
+
     async def _come_back(self, why: str) -> None:
         made, pause, last = self.made, 0.0, why
         end = time.monotonic() + self.reconnect
         try:
             while True:
+                self._check_closing()
                 await asyncio.sleep(min(pause, max(0.0, end - time.monotonic())))
                 if time.monotonic() >= end:
                     raise IsostrataError(
@@ -318,6 +323,7 @@ class Connection:
         except (OSError, EOFError, websockets.WebSocketException, asyncio.TimeoutError) as wrong:
             raise _Lost(f"{host}: {wrong or type(wrong).__name__}") from None
         try:
+            self._check_closing()
             with self._changed:
                 self._socket = socket
                 self._sent.new_connection()
