@@ -14,7 +14,6 @@
 namespace isostrata::client {
 namespace {
 
-constexpr auto kStopPeriod = std::chrono::milliseconds(50);
 constexpr auto kLongestPause = std::chrono::milliseconds(2000);  // between two tries
 constexpr std::size_t kMostLogged = 4096, kMostNumbers = 16384, kMarkEvery = 64;
 constexpr std::size_t kMostJudgedBytes = 4 << 20, kMostLoggedBytes = 64 << 20, kMostUnsentBytes = 1 << 20;

@@ -12,8 +12,6 @@ namespace asio = boost::asio;
 namespace ssl = asio::ssl;
 using Error = boost::system::error_code;
 
-constexpr auto kStopPeriod = std::chrono::milliseconds(50);  // how late a request to stop is seen at most
-
 std::string where(const ServerAddress& address) { return address.host + ":" + address.port; }
 
 }  // namespace
@@ -29,6 +27,17 @@ void run_until(asio::io_context& io, const bool& done, const Options& options, S
   }
 }
 
+void Transport::finish(const bool& done, const Options& options, Steady::time_point deadline, const std::string& late) {
+  try {
+    run_until(io_, done, options, deadline, late);
+  } catch (...) {
+    close();
+    while (!done && io_.run_one() > 0) {
+    }
+    throw;
+  }
+}
+
 void Transport::connect(const ServerAddress& address, const Options& options, Steady::time_point deadline) {
   Error error;
   asio::ip::tcp::resolver resolver(io_);
@@ -36,14 +45,7 @@ void Transport::connect(const ServerAddress& address, const Options& options, St
   if (error) throw ClientError("connection", where(address) + ": " + error.message());
   bool done = false;
   asio::async_connect(socket_, found, [&](Error e, const auto&) { error = e, done = true; });
-  try {
-    run_until(io_, done, options, deadline, where(address) + ": no connection in time");
-  } catch (...) {
-    close();
-    while (!done && io_.run_one() > 0) {
-    }
-    throw;
-  }
+  finish(done, options, deadline, where(address) + ": no connection in time");
   if (error) throw ClientError("connection", where(address) + ": " + error.message());
   socket_.set_option(asio::ip::tcp::no_delay(true), error);
   if (address.tls) shake_hands(address, options, deadline);
@@ -75,14 +77,7 @@ void Transport::shake_hands(const ServerAddress& address, const Options& options
   }
   bool done = false;
   tls_->async_handshake(ssl::stream_base::client, [&](Error e) { error = e, done = true; });
-  try {
-    run_until(io_, done, options, deadline, where(address) + ": no TLS handshake in time");
-  } catch (...) {
-    close();
-    while (!done && io_.run_one() > 0) {
-    }
-    throw;
-  }
+  finish(done, options, deadline, where(address) + ": no TLS handshake in time");
   if (!error) return;
   if (const long verdict = SSL_get_verify_result(handle); verdict != X509_V_OK && !options.insecure)
     throw ClientError("tls", where(address) + ": its certificate is not trusted: " + X509_verify_cert_error_string(verdict) +

@@ -19,6 +19,8 @@ namespace isostrata::client {
 
 using Steady = std::chrono::steady_clock;
 
+constexpr auto kStopPeriod = std::chrono::milliseconds(50);  // how late a request to stop is seen at most
+
 /// Runs handlers until one has set `done`. Throws ClientError "timeout" with `late` at the deadline, "cancelled" soon after
 /// options.stop was set.
 void run_until(boost::asio::io_context& io, const bool& done, const Options& options, Steady::time_point deadline,
@@ -37,6 +39,8 @@ class Transport {
     boost::system::error_code ignored;
     socket_.close(ignored);
   }
+  /// run_until for an operation on this: where it throws, this is closed and the operation has ended.
+  void finish(const bool& done, const Options& options, Steady::time_point deadline, const std::string& late);
 
   executor_type get_executor() { return socket_.get_executor(); }
 

@@ -38,14 +38,7 @@ class WebSocket::Impl {
     beast::error_code error;
     bool done = false;
     socket_.async_handshake(response, where, address.base_path + "ws", [&](beast::error_code e) { error = e, done = true; });
-    try {
-      run_until(io_, done, options, deadline, where + ": the server did not answer in time");
-    } catch (...) {
-      socket_.next_layer().close();
-      while (!done && io_.run_one() > 0) {
-      }
-      throw;
-    }
+    socket_.next_layer().finish(done, options, deadline, where + ": the server did not answer in time");
     if (error == websocket::error::upgrade_declined) {
       const auto status = response.result_int();
       throw ClientError(status == 401 ? "unauthorized" : "connection",
