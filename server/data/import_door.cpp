@@ -14,44 +14,13 @@
 #include <system_error>
 #include <utility>
 
+#include "base/temporary_directory.h"
 #include "data/child_process.h"
 
 namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A directory of our own that is gone when this is.
-class TemporaryDirectory {
- public:
-  /// Takes one over.
-  explicit TemporaryDirectory(fs::path path) : path_(std::move(path)) {}
-  TemporaryDirectory() {
-    const char* base = std::getenv("TMPDIR");
-    std::string pattern = (fs::path(base && *base ? base : "/tmp") / "isostrata-import-XXXXXX").string();
-    if (!mkdtemp(pattern.data()))
-      throw Error(ErrorCode::unavailable, "cannot make a temporary directory " + pattern + ": " + std::strerror(errno));
-    path_ = pattern;
-  }
-  ~TemporaryDirectory() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  const fs::path& path() const { return path_; }
-  /// Becomes a directory of that name; false where it cannot, and stays what it is.
-  bool move_to(const fs::path& other) {
-    std::error_code error;
-    fs::rename(path_, other, error);
-    if (error) return false;
-    path_ = other;
-    return true;
-  }
-
- private:
-  fs::path path_;
-};
 
 ErrorCode code_of(std::string_view word) {
   for (const ErrorCode code : {ErrorCode::invalid_argument, ErrorCode::not_found, ErrorCode::bad_data, ErrorCode::unsupported,
@@ -163,7 +132,7 @@ bool is_kept(const fs::path& directory, const std::string& origin) {
 
 std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
   check_file(file, options);
-  const TemporaryDirectory directory;
+  const TemporaryDirectory directory(temporary_base(), "isostrata-import-");
   run_import(file, directory.path(), options, task);
   auto dataset = map_checked(directory.path(), file, options, ImportFiles::unlinked);
   task.report(1, "reading");
@@ -186,7 +155,7 @@ std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const O
     }
   }
   if (!kept->dataset) {
-    kept->files.emplace();
+    kept->files.emplace(temporary_base(), "isostrata-import-");
     run_import(file, kept->files->path(), options, task);
     kept->dataset = map_checked(kept->files->path(), file, options, ImportFiles::left);
     std::ofstream(kept->files->path() / kOrigin, std::ios::binary) << origin;

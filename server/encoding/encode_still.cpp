@@ -1,12 +1,10 @@
 #include "encoding/encode_still.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
-#include "base/error.h"
+#include "base/temporary_directory.h"
 #include "encoding/image_file.h"
 
 namespace isostrata {
@@ -17,16 +15,8 @@ constexpr int kStillJpegQuality = 95;
 // OpenImageIO's writers are reached by name of file; the picture is in memory a moment later.
 template <class AnyImage>
 Bytes by_file(const AnyImage& image, const char* extension, bool depth) {
-  std::string folder = (std::filesystem::temp_directory_path() / "isostrata-still-XXXXXX").string();
-  if (!mkdtemp(folder.data())) throw Error(ErrorCode::unavailable, "no temporary folder can be made for the picture");
-  struct Remove {
-    std::string folder;
-    ~Remove() {
-      std::error_code ignored;
-      std::filesystem::remove_all(folder, ignored);
-    }
-  } remove{folder};
-  const std::filesystem::path path = std::filesystem::path(folder) / (std::string("picture") + extension);
+  const TemporaryDirectory folder(temporary_base(), "isostrata-still-");
+  const std::filesystem::path path = folder.path() / (std::string("picture") + extension);
   ImageFile file(path, image.width, image.height, {.alpha = true, .depth = depth});
   file.put(image);
   file.finish();

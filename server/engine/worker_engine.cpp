@@ -292,8 +292,8 @@ class WorkerEngine::Impl {
       std::vector<ActivityFacts> at;
       std::exception_ptr error;
       try {
-        const WorkerFolder::Part temporary(folder.make("worker"));  // what a dead worker leaves behind goes with it
-        WorkerProcess process(worker_.program, worker_.arguments, temporary.path);
+        const TemporaryDirectory temporary(folder.make("worker"));  // what a dead worker leaves behind goes with it
+        WorkerProcess process(worker_.program, worker_.arguments, temporary.path());
         cause = live(process, at, error);
       } catch (const std::exception& failure) {
         cause = std::string("not started: ") + failure.what();

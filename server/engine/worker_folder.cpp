@@ -1,16 +1,13 @@
 #include "engine/worker_folder.h"
 
 #include <fcntl.h>
-#include <stdlib.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <system_error>
-#include <vector>
 
 #include "base/error.h"
 
@@ -20,46 +17,26 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kPrefix = "isostrata-worker-";
 
-fs::path base() {
-  const char* set = std::getenv("TMPDIR");
-  return set && *set ? set : "/tmp";
-}
-
 Descriptor open_folder(const fs::path& path) {
   return Descriptor(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
 }
 
 }  // namespace
 
-WorkerFolder::WorkerFolder() {
-  std::string pattern = (base() / (std::string(kPrefix) + "XXXXXX")).string();
-  if (!mkdtemp(pattern.data()))
-    throw Error(ErrorCode::unavailable, "cannot make a temporary directory " + pattern + ": " + std::strerror(errno));
-  path_ = pattern;
-  lock_ = open_folder(path_);
+WorkerFolder::WorkerFolder() : directory_(temporary_base(), kPrefix), lock_(open_folder(path())) {
   if (lock_) flock(lock_.get(), LOCK_EX | LOCK_NB);
 }
 
-WorkerFolder::~WorkerFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
 fs::path WorkerFolder::make(const char* name) const {
-  const fs::path folder = path_ / name;
+  const fs::path folder = path() / name;
   if (mkdir(folder.c_str(), 0700) != 0)
     throw Error(ErrorCode::unavailable, "cannot make the directory " + folder.string() + ": " + std::strerror(errno));
   return folder;
 }
 
-WorkerFolder::Part::~Part() {
-  std::error_code ignored;
-  fs::remove_all(path, ignored);
-}
-
 void WorkerFolder::sweep() {
   std::error_code error;
-  fs::directory_iterator it(base(), fs::directory_options::skip_permission_denied, error);
+  fs::directory_iterator it(temporary_base(), fs::directory_options::skip_permission_denied, error);
   for (; !error && it != fs::directory_iterator(); it.increment(error)) {
     const fs::directory_entry& entry = *it;
     if (!entry.path().filename().string().starts_with(kPrefix)) continue;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "base/temporary_directory.h"
 #include "engine/message_channel.h"
 
 namespace isostrata {
@@ -11,27 +12,16 @@ namespace isostrata {
 class WorkerFolder {
  public:
   WorkerFolder();  // throws unavailable
-  ~WorkerFolder();
-  WorkerFolder(const WorkerFolder&) = delete;
-  WorkerFolder& operator=(const WorkerFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return directory_.path(); }
 
   /// A new folder of that name in it. Throws unavailable.
   std::filesystem::path make(const char* name) const;
-  /// Is removed when it goes out of scope.
-  struct Part {
-    explicit Part(std::filesystem::path path) : path(std::move(path)) {}
-    ~Part();
-    Part(const Part&) = delete;
-    Part& operator=(const Part&) = delete;
-    const std::filesystem::path path;
-  };
 
   /// Removes this user's folders whose servers were killed.
   static void sweep();
 
  private:
-  std::filesystem::path path_;
+  TemporaryDirectory directory_;
   Descriptor lock_;
 };
 

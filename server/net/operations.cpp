@@ -1,11 +1,7 @@
 #include "net/operations.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <boost/json/serialize.hpp>
-
-#include "base/error.h"
 
 namespace isostrata {
 namespace {
@@ -48,11 +44,6 @@ boost::json::object to_json(const OperationRecord& record) {
 }
 
 Operations::Operations(Sessions& sessions) : sessions_(sessions) { sessions.observe(*this); }
-
-Operations::~Operations() {
-  std::error_code ignored;
-  if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
-}
 
 OperationRecord& Operations::add(const Session& session, const std::string& id, const std::string& kind) {
   make_room(session.key());
@@ -144,14 +135,8 @@ std::shared_ptr<EventStream> Operations::listen(OperationRecord& record) {
 }
 
 std::filesystem::path Operations::new_file(const std::string& extension) {
-  if (folder_.empty()) {
-    std::error_code error;
-    std::string name = (std::filesystem::temp_directory_path(error) / "isostrata-exports-XXXXXX").string();
-    if (error || !mkdtemp(name.data()))
-      throw Error(ErrorCode::unavailable, "no temporary folder can be made for exports; set TMPDIR to one that can be written");
-    folder_ = name;
-  }
-  return folder_ / ("export-" + std::to_string(++last_file_) + "." + extension);
+  if (!folder_) folder_.emplace(temporary_base(), "isostrata-exports-");
+  return folder_->path() / ("export-" + std::to_string(++last_file_) + "." + extension);
 }
 
 void Operations::session_ended(const Session& session) {

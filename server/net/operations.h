@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/temporary_directory.h"
 #include "net/event_stream.h"
 #include "session/sessions.h"
 
@@ -43,7 +44,6 @@ class Operations final : public SessionsObserver {
 
   /// Registers itself as an observer of the sessions, which must outlive it.
   explicit Operations(Sessions& sessions);
-  ~Operations() override;
   Operations(const Operations&) = delete;
   Operations& operator=(const Operations&) = delete;
 
@@ -81,7 +81,7 @@ class Operations final : public SessionsObserver {
   Sessions& sessions_;
   std::function<void(const OperationRecord&)> changed_ = [](const OperationRecord&) {};
   std::list<OperationRecord> records_;  // in the order they began
-  std::filesystem::path folder_;        // empty: not made yet
+  std::optional<TemporaryDirectory> folder_;
   std::uint64_t last_file_ = 0;
 };
 
