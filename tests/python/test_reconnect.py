@@ -14,6 +14,7 @@ import numpy as np
 
 import isostrata
 from isostrata import Interval, IsostrataError, v1
+from isostrata.sent import Sent
 
 from served import Served
 
@@ -155,6 +156,28 @@ class Lost(WithState):
             s._connection._thread.join(10)
             self.assertFalse(s._connection._thread.is_alive())
             self.assertRefused("closed", s.view, "+x")
+
+
+class Kept(unittest.TestCase):
+    """What a client keeps of its commands for the case of a loss."""
+
+    def commands(self, sent, count):
+        return [sent.note(v1.ClientMessage(patch_interval=v1.PatchInterval(name="x" * 100_000))) for _ in range(count)]
+
+    def test_of_those_that_were_done_only_so_many_bytes(self):
+        sent = Sent()
+        for number in self.commands(sent, 200):
+            sent.judged(number)
+        self.commands(sent, 1)
+        again, _ = sent.again(0, True, True)
+        self.assertTrue(3 << 20 < sum(map(len, again)) <= (4 << 20) + 200_000, len(again))
+
+    def test_of_those_that_were_not_all(self):
+        sent = Sent()
+        numbers = self.commands(sent, 60)
+        sent.judged(numbers[9])
+        again, _ = sent.again(10, True, False)
+        self.assertEqual([v1.ClientMessage.FromString(data).command for data in again], numbers[10:])
 
 
 class Tls(WithState):

@@ -17,6 +17,7 @@ from .v1 import isostrata_pb2 as v1
 
 _KEPT = 10.0  # seconds that judged commands are kept: a server that is killed may lose the last moments of what it kept
 _MOST = 4096
+_MOST_BYTES = 4 << 20  # of judged ones
 
 # What is about one connection, or a question that can be put again; everything else must be done once, and not be lost.
 _NO_COMMANDS = {
@@ -30,6 +31,7 @@ class _Command:
     number: int
     message: v1.ClientMessage
     at: float
+    size: int
     judged: bool = False
 
 
@@ -40,6 +42,7 @@ class Sent:
         self.number = 0  # of the newest message, towards the caller
         self._command = 0
         self._log: Deque[_Command] = deque()
+        self._bytes = 0  # of the log
         self._wire = 0
         self._wires: List[int] = []  # of this connection, with the numbers of _numbers
         self._numbers: List[int] = []
@@ -53,10 +56,16 @@ class Sent:
             message.command = self._command
             kept = v1.ClientMessage()
             kept.CopyFrom(message)
-            self._log.append(_Command(self.number, kept, time.monotonic()))
-            while self._log and (len(self._log) > _MOST or (self._log[0].judged and time.monotonic() - self._log[0].at > _KEPT)):
-                self._log.popleft()
+            self._log.append(_Command(self.number, kept, time.monotonic(), kept.ByteSize()))
+            self._bytes += self._log[-1].size
+            while self._is_old(self._log[0]):
+                self._bytes -= self._log.popleft().size
         return self.number
+
+    def _is_old(self, command: _Command) -> bool:
+        if len(self._log) > _MOST:
+            return True
+        return command.judged and (self._bytes > _MOST_BYTES or time.monotonic() - command.at > _KEPT)
 
     def put(self, message: v1.ClientMessage, number: int = 0) -> bytes:
         """Its bytes for this connection. ``number``: what note gave; 0: it is nobody's."""
