@@ -378,10 +378,11 @@ class Troubles(unittest.TestCase):
         heard = []
         s.on_change(lambda session: heard.append(session.intervals[0].lower))
         changes = s.changes(count=2, timeout=30)
-        waiting = threading.Thread(target=lambda: (time.sleep(0.2), other.intervals.set([(0.1, 0.2)]), other.view("+x")))
-        waiting.start()
+        other.intervals.set([(0.1, 0.2)])
         first = next(changes)
         self.assertEqual((first.fields, first.state.intervals[0].lower), ({"intervals"}, 0.1))
+        waiting = threading.Thread(target=lambda: (time.sleep(0.2), other.view("+x")))
+        waiting.start()
         self.assertEqual(next(changes).fields, {"camera"})
         self.assertEqual(list(changes), [])
         waiting.join()

@@ -94,6 +94,7 @@ class Connection:
         self._closing = False
         self._loop = asyncio.new_event_loop()
         self._socket: Optional[websockets.WebSocketClientProtocol] = None
+        self._serving = self._loop.create_task(self._serve())
         self._thread = threading.Thread(target=self._run, name="isostrata", daemon=True)
         self._thread.start()
         try:
@@ -179,15 +180,8 @@ class Connection:
         if not self._thread.is_alive():
             return
 
-        async def end() -> None:
-            if self._socket is not None and self._socket.open:
-                await self._socket.close()
-            for task in asyncio.all_tasks(self._loop):
-                if task is not asyncio.current_task():
-                    task.cancel()
-
         try:
-            asyncio.run_coroutine_threadsafe(end(), self._loop)
+            self._loop.call_soon_threadsafe(lambda: self._loop.create_task(self._end()))
         except RuntimeError:
             return  # it has ended meanwhile
         if threading.current_thread() is not self._thread:
@@ -231,7 +225,7 @@ class Connection:
         asyncio.set_event_loop(self._loop)
         failure = IsostrataError("closed", "the connection has been closed")
         try:
-            self._loop.run_until_complete(self._serve())
+            self._loop.run_until_complete(self._serving)
         except IsostrataError as wrong:
             failure = wrong
         except asyncio.CancelledError:
@@ -241,8 +235,20 @@ class Connection:
                 self._up = False
                 self._failure = self._failure or failure
                 self._changed.notify_all()
-            self._loop.run_until_complete(self._loop.shutdown_asyncgens())
+            self._loop.run_until_complete(self._tidy())
             self._loop.close()
+
+    async def _end(self) -> None:
+        if self._socket is not None and self._socket.open:
+            await self._socket.close()
+        self._serving.cancel()
+
+    async def _tidy(self) -> None:
+        rest = asyncio.all_tasks() - {asyncio.current_task()}  # what was to be sent
+        for task in rest:
+            task.cancel()
+        await asyncio.gather(*rest, return_exceptions=True)
+        await self._loop.shutdown_asyncgens()
 
     async def _serve(self) -> None:
         """Connects, and again after each loss, until there is nothing more to hope for."""

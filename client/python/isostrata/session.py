@@ -445,8 +445,10 @@ class Session:
     def changes(self, count: int | None = None, timeout: float | None = None) -> Iterator[Change]:
         """Each change of the state from now on, whoever makes it: ``for change in s.changes(): ...``. Several that come while the loop
         is busy are one. Ends after ``count``; raises "timeout" where none comes for so long."""
-        connection = self._connection
-        shown, given = connection.state, 0
+        return self._changes(self._connection.state, count, timeout)
+
+    def _changes(self, shown: v1.State, count: int | None, timeout: float | None) -> Iterator[Change]:
+        connection, given = self._connection, 0
         while count is None or given < count:
             connection.wait(lambda: connection.state is not shown, "the session did not change in time", timeout)
             before, shown = shown, connection.state
