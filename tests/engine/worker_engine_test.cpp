@@ -14,6 +14,7 @@
 #include "engine/heard_events.h"
 #include "engine/message_channel.h"
 #include "support/plain_renderer.h"
+#include "support/temporary_folder.h"
 
 namespace isostrata {
 namespace {
@@ -23,12 +24,6 @@ namespace fs = std::filesystem;
 
 std::size_t open_descriptors() {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
-}
-std::set<std::string> worker_folders() {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(fs::temp_directory_path()))
-    if (entry.path().filename().string().starts_with("isostrata-worker-")) names.insert(entry.path().string());
-  return names;
 }
 /// Living and dead children of this process.
 std::set<pid_t> children() {
@@ -246,12 +241,13 @@ TEST_F(WorkerEngineTest, ASceneThatKillsEveryWorkerIsRefusedAndTheOthersGoOn) {
 
 TEST_F(WorkerEngineTest, NothingIsLeftBehind) {
   const std::size_t descriptors = open_descriptors();
-  const auto folders = worker_folders();
+  const testing::OwnTemporaryPlace temporary;
   start();
   engine_->post(SceneUpdate{1, scene(1)});
   engine_->post(frame(1, 1));
   frame_of(1);
   const std::size_t with_one = open_descriptors();
+  EXPECT_FALSE(fs::is_empty(temporary.path()));
   std::set<pid_t> dead;
   for (int i = 0; i < 2; ++i) {
     dead.insert(worker());
@@ -265,7 +261,7 @@ TEST_F(WorkerEngineTest, NothingIsLeftBehind) {
   engine_.reset();
   EXPECT_EQ(children(), std::set<pid_t>{});
   EXPECT_EQ(open_descriptors(), descriptors);
-  for (const std::string& folder : worker_folders()) EXPECT_TRUE(folders.contains(folder)) << folder;
+  EXPECT_TRUE(fs::is_empty(temporary.path()));
 }
 
 TEST_F(WorkerEngineTest, LargePicturesPass) {

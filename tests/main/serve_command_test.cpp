@@ -98,6 +98,16 @@ class ServeCommand : public ::testing::Test {
     return status;
   }
 
+  /// What the server keeps is written by a thread of its own; a kill before that would be another test.
+  void wait_until_kept(const std::string& text) const {
+    for (int i = 0; i < 3000; ++i) {
+      for (const auto& file : fs::recursive_directory_iterator(directory_.path()))
+        if (file.path().extension() == ".journal" && contents(file.path()).find(text) != std::string::npos) return;
+      std::this_thread::sleep_for(10ms);
+    }
+    ADD_FAILURE() << "the journal does not have " << text;
+  }
+
   fs::path ready() const { return directory_ / "ready.json"; }
   fs::path out() const { return directory_ / "out.txt"; }
   fs::path errors() const { return directory_ / "errors.txt"; }
@@ -194,6 +204,7 @@ TEST_F(ServeCommand, AKilledServerIsReplacedOnTheSamePortWithTheSameToken) {
   const std::string url = url_;
   ASSERT_EQ(run("isostrata-client", {url, "info", "--json"}), 0);
   const std::string old = std::string(json::parse(contents(out())).at("resumeToken").as_string());
+  wait_until_kept("ISOR");  // a whole record
   EXPECT_EQ(stop(SIGKILL), 128 + SIGKILL);
   EXPECT_EQ(run("isostrata-client", {url, "info"}), 1) << "nobody is there";
   ASSERT_TRUE(serve({"torus:12", "--token", token}, port));

@@ -35,4 +35,21 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// While it lives, whatever this process and those that it starts keep in $TMPDIR is here.
+class OwnTemporaryPlace {
+ public:
+  OwnTemporaryPlace() {
+    if (const char* set = std::getenv("TMPDIR")) before_ = set;
+    setenv("TMPDIR", folder_.path().c_str(), 1);
+  }
+  ~OwnTemporaryPlace() { before_.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", before_.c_str(), 1); }
+  OwnTemporaryPlace(const OwnTemporaryPlace&) = delete;
+  OwnTemporaryPlace& operator=(const OwnTemporaryPlace&) = delete;
+  const std::filesystem::path& path() const { return folder_.path(); }
+
+ private:
+  TemporaryFolder folder_;
+  std::string before_;
+};
+
 }  // namespace isostrata::testing
