@@ -1,20 +1,20 @@
-// Pictures as files, through OpenImageIO. It only writes here: reading foreign pictures is not this process's business.
 #include "encoding/image_file.h"
-
-#include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "encoding/check_image.h"
 #include "encoding/encode_image.h"
+#include "encoding/picture_module.h"
 #include "encoding/png_stream.h"
 
 namespace isostrata {
@@ -69,7 +69,7 @@ struct ImageFile::Writer {
   std::optional<PngStream> png;
   std::optional<Image> webp;  // the rows so far: its encoder wants them all
   std::ofstream file;
-  std::unique_ptr<OIIO::ImageOutput> output;
+  std::unique_ptr<PictureWriter> output;
 
   Writer(const std::filesystem::path& name, int w, int h, ImageChannels wanted)
       : path(name), part(name.string() + ".part"), extension(extension_of(name)), width(w), height(h) {
@@ -89,26 +89,12 @@ struct ImageFile::Writer {
       return;
     }
     channels = floats ? (wanted.depth ? 5 : 4) : is_jpeg(extension) ? 3 : 4;
-    OIIO::ImageSpec spec(w, h, channels, floats ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
-    if (floats) {
-      spec.channelnames = {"R", "G", "B", "A"};
-      spec.alpha_channel = 3;
-      if (wanted.depth) spec.channelnames.emplace_back("Z"), spec.z_channel = 4;
-      spec.attribute("oiio:ColorSpace", "Linear");
-      spec.attribute("compression", "zip");
-    } else {
-      spec.attribute("oiio:ColorSpace", "sRGB");
-      if (channels == 4) spec.attribute("oiio:UnassociatedAlpha", 1);
-      if (is_jpeg(extension)) {
-        spec.attribute("compression", "jpeg:" + std::to_string(kStillQuality));
-        spec.attribute("jpeg:subsampling", "4:4:4");
-      } else {
-        spec.attribute("compression", "zip");
-      }
+    const char* format = floats ? "openexr" : is_jpeg(extension) ? "jpeg" : "tiff";
+    try {
+      output = picture_module().open({part.string(), format, w, h, channels, floats, kStillQuality});
+    } catch (const std::runtime_error& error) {
+      cannot_write(path, error.what());
     }
-    output = OIIO::ImageOutput::create(extension.substr(1));
-    if (!output) cannot_write(path, OIIO::geterror());
-    if (!output->open(part.string(), spec)) cannot_write(path, output->geterror());
   }
 
   ~Writer() {
@@ -138,7 +124,7 @@ struct ImageFile::Writer {
       webp->rgba.insert(webp->rgba.end(), image.rgba.begin(), image.rgba.end());
       webp->height += image.height;
     } else {
-      write(image.height, OIIO::TypeDesc::UINT8, image.rgba.data(), 4);  // JPEG takes three bytes of each four
+      write(image.height, image.rgba.data(), 4);  // JPEG takes three bytes of each four
     }
     rows += image.height;
   }
@@ -157,13 +143,14 @@ struct ImageFile::Writer {
         if (n == 5) linear[p * n + 4] = image.depth.empty() ? std::numeric_limits<float>::infinity() : image.depth[p];
       }
     });
-    write(image.height, OIIO::TypeDesc::FLOAT, linear.data(), n * sizeof(float));
+    write(image.height, linear.data(), n * sizeof(float));
     rows += image.height;
   }
 
-  void write(int count, OIIO::TypeDesc type, const void* pixels, std::size_t pixel_bytes) {
-    if (!output->write_scanlines(rows, rows + count, 0, type, pixels, static_cast<OIIO::stride_t>(pixel_bytes)))
-      cannot_write(path, output->geterror());
+  void write(int count, const void* pixels, std::size_t pixel_bytes) try {
+    output->write(count, pixels, pixel_bytes);
+  } catch (const std::runtime_error& error) {
+    cannot_write(path, error.what());
   }
 
   void finish() {
@@ -179,8 +166,12 @@ struct ImageFile::Writer {
     if (png || webp) {
       file.close();
       if (!file) cannot_write(path, "the folder is missing, not writable or full");
-    } else if (!output->close()) {
-      cannot_write(path, output->geterror());
+    } else {
+      try {
+        output->finish();
+      } catch (const std::runtime_error& error) {
+        cannot_write(path, error.what());
+      }
     }
     std::error_code failed;
     std::filesystem::rename(part, path, failed);

@@ -1,4 +1,3 @@
-#include <OpenImageIO/imageio.h>
 #include <libdeflate.h>
 #include <zlib.h>
 
@@ -11,6 +10,7 @@
 #include "encoding/encode_image.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"
+#include "encoding/picture_module.h"
 
 namespace isostrata {
 namespace {
@@ -76,12 +76,14 @@ std::vector<CodecProbe> probe_codecs() {
                                  probe("png-bands", std::string("libdeflate ") + LIBDEFLATE_VERSION_STRING,
                                        [&] { return encode_png_bands(image, 65536).at(0).bytes.size(); }),
                                  probe("webp", "libwebp, lossless", [&] { return encode_webp(image).size(); })};
-  const int version = OIIO::openimageio_version();  // 20413 is 2.4.13
-  const std::string library = "OpenImageIO " + std::to_string(version / 10000) + "." + std::to_string(version / 100 % 100) + "." +
-                              std::to_string(version % 100);
   for (const char* format : {"tiff", "openexr"}) {  // to files only, so that it is asked for, not run
-    const auto output = OIIO::ImageOutput::create(format);
-    probes.push_back({format, output != nullptr, output ? library : library + ": " + OIIO::geterror()});
+    try {
+      const PictureModule& module = picture_module();
+      const std::string missing = module.missing(format);
+      probes.push_back({format, missing.empty(), missing.empty() ? module.library() : module.library() + ": " + missing});
+    } catch (const Error& error) {
+      probes.push_back({format, false, error.what()});
+    }
   }
   return probes;
 }

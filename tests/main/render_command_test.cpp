@@ -93,6 +93,23 @@ struct Refusal {
   const char* says;
 };
 
+TEST(RenderCommand, PicturesOfOwnEncodersDoWithoutOpenImageIO) {
+  const TemporaryFolder folder;
+  const auto render = [&](const std::string& name, const std::string& environment) {
+    return run_isostrata("render tets:6 --size 32x24 --device native --out '" + (folder / name).string() + "'", environment);
+  };
+  for (const char* name : {"a.png", "a.webp"}) EXPECT_EQ(render(name, "ISOSTRATA_OIIO=").status, 0) << name;
+  for (const char* name : {"a.exr", "a.tif", "a.jpg"}) {
+    EXPECT_EQ(render(name, "").status, 0) << name;
+    std::filesystem::remove(folder / name);
+    const CommandResult refused = render(name, "ISOSTRATA_OIIO=");
+    EXPECT_EQ(refused.status, 1) << name;
+    EXPECT_NE(refused.err.find("cannot be written: OpenImageIO"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("libisostrata_oiio.so"), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / name));
+  }
+}
+
 TEST(RenderCommand, RefusesWithOneClearLine) {
   const Refusal refusals[] = {
       {"--out a.bmp", "a.bmp: extension '.bmp' is not a picture"},

@@ -1,0 +1,45 @@
+#include "encoding/load_module.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> places(const char* file, const char* variable) {
+  // An empty one means: none, please. The environment is the operator's own, as the program is.
+  if (const char* given = std::getenv(variable)) return *given ? std::vector<fs::path>{given} : std::vector<fs::path>{};
+  std::error_code error;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (error) return {};
+  return {folder / file, folder.parent_path() / "lib" / file};
+}
+
+}  // namespace
+
+LoadedModule load_module(const char* file, const char* variable, const char* function) {
+  LoadedModule found;
+  found.problem = std::string("no ") + file;
+  for (const fs::path& path : places(file, variable)) {
+    std::error_code error;
+    if (!fs::exists(path, error)) continue;
+    found.path = path.string();
+    // Never closed: what it returns points into it.
+    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library) {
+      const char* why = dlerror();
+      found.problem = why ? why : found.path + " cannot be loaded";
+      continue;
+    }
+    if (const auto entry = reinterpret_cast<const void* (*)()>(dlsym(library, function))) return {entry(), found.path, {}};
+    found.problem = found.path + " is of another version than the program";
+  }
+  return found;
+}
+
+}  // namespace isostrata

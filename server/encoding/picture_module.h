@@ -1,0 +1,12 @@
+// The module with OpenImageIO.
+#pragma once
+
+#include "encoding/oiio/picture_writer.h"
+
+namespace isostrata {
+
+/// Loaded by the first call: beside the program, in lib/ beside the program's folder, or where $ISOSTRATA_OIIO says. Throws
+/// unavailable where it cannot be. Any thread.
+const PictureModule& picture_module();
+
+}  // namespace isostrata
