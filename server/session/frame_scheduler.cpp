@@ -55,6 +55,8 @@ void FrameScheduler::request_still(int width, int height) {
 FrameOrder FrameScheduler::order_of(FramePhase phase) const {
   FrameOrder order{width_, height_, phase == FramePhase::lossless, phase, kFullQuality};
   order.bitrate_kbps = ladder_.bitrate_kbps();
+  order.viewport_width = width_;
+  order.viewport_height = height_;
   if (phase != FramePhase::moving) return order;
   order.step = ladder_.step();
   order.quality = ladder_.picture().quality;

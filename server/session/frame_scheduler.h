@@ -27,6 +27,7 @@ struct FrameOrder {
   int bitrate_kbps = 0;  // that video is told, so that a frame has the size that the link carries: at 30 frames a second
   int step = 0;          // of the picture ladder
   bool whole = false;    // asked for by name: in one piece
+  int viewport_width = 0, viewport_height = 0;
 };
 
 /// One viewer's frames. Not thread-safe: lives on the io thread.

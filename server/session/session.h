@@ -130,7 +130,7 @@ class Session {
   /// A picture that is being made, for everyone who asked for the same one.
   struct Picture {
     FrameRequest request;
-    int step = 0;                // of the picture ladder
+    FrameOrder order;            // of whoever asked first
     std::uint64_t revision = 0;  // of the scene when it was asked for: it shows this one or a newer one
     bool started = false;
     std::map<ViewerKey, FrameOrder> takers;
@@ -139,7 +139,7 @@ class Session {
   /// One of the newest scene that is there already.
   struct Made {
     FrameRequest request;
-    int step = 0;
+    FrameOrder order;
     FrameReady ready;
   };
 

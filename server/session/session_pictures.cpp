@@ -20,18 +20,19 @@ bool same_picture(const FrameRequest& a, const FrameRequest& b) {
          a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes;
 }
 
-/// Whether who ordered `wanted` can do with the picture of another's request, made at that step of the ladder. Moving pictures
-/// that are less than the viewport deserves need not be of one's own step: else many who look over ways that differ a little
-/// would have a drawing each, and all would wait for all of them.
-bool does_for(const FrameRequest& made, int step, const FrameRequest& wanted, const FrameOrder& order) {
+/// Whether who ordered `wanted` can do with the picture that is made for another's order. Moving pictures that are less than the
+/// viewport deserves need not be of one's own step, nor size: else many who look over ways that differ a little would have a
+/// drawing each, and all would wait for all of them.
+bool does_for(const FrameRequest& made, const FrameOrder& other, const FrameRequest& wanted, const FrameOrder& order) {
   if (same_picture(made, wanted)) return true;
-  const bool moving = order.phase == FramePhase::moving && !made.lossless && made.jpeg && !made.video && !wanted.video;
-  return moving && made.width == wanted.width && made.height == wanted.height && step > 0 && order.step > 0 &&
-         step >= order.step - 1 && step <= order.step + 2;
+  const bool moving =
+      order.phase == FramePhase::moving && other.phase == FramePhase::moving && made.jpeg && !made.video && !wanted.video;
+  return moving && order.viewport_width == other.viewport_width && order.viewport_height == other.viewport_height &&
+         other.step > 0 && order.step > 0 && other.step >= order.step - 1 && other.step <= order.step + 2;
 }
 
-FrameOrder as_made(FrameOrder order, int step) {
-  if (order.phase == FramePhase::moving) order.step = step;
+FrameOrder as_made(FrameOrder order, const FrameOrder& made) {
+  if (order.phase == FramePhase::moving) order.step = made.step;
   return order;
 }
 
@@ -97,16 +98,16 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   }
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)
-    if (made.ready.revision == state_.scene.revision && does_for(made.request, made.step, request, *order)) {
+    if (made.ready.revision == state_.scene.revision && does_for(made.request, made.order, request, *order)) {
       viewer.frames.started();
-      return give(viewer, as_made(*order, made.step), made.ready, now);
+      return give(viewer, as_made(*order, made.order), made.ready, now);
     }
   // One that is not being drawn yet will show the newest scene, and so will one that was asked for after the newest change.
   for (auto& [id, picture] : pictures_) {
     if ((picture.started && picture.revision != state_.scene.revision) ||
-        !does_for(picture.request, picture.step, request, *order) || picture.takers.contains(viewer.key))
+        !does_for(picture.request, picture.order, request, *order) || picture.takers.contains(viewer.key))
       continue;
-    picture.takers[viewer.key] = as_made(*order, picture.step);
+    picture.takers[viewer.key] = as_made(*order, picture.order);
     if (picture.started)
       viewer.frames.started();
     else
@@ -117,7 +118,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   auto number = std::make_shared<RequestId>(0);
   *number =
       engine_.ask(request, [this, number](const EngineEvent& event, TimePoint then) { on_picture_event(*number, event, then); });
-  pictures_[*number] = {request, order->step, state_.scene.revision, false, {{viewer.key, *order}}};
+  pictures_[*number] = {request, *order, state_.scene.revision, false, {{viewer.key, *order}}};
   viewer.ordered_request = *number;
 }
 
@@ -166,7 +167,7 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
   if (!picture.started) each_taker(picture, [](Viewer& viewer, const FrameOrder&) { viewer.ordered_request = 0; });
   if (const auto* ready = std::get_if<FrameReady>(&event)) {
     if (!ready->video && ready->revision == state_.scene.revision) {
-      made_.push_front({picture.request, picture.step, *ready});
+      made_.push_front({picture.request, picture.order, *ready});
       if (made_.size() > kMostMade) made_.pop_back();
     }
     std::vector<ViewerKey> of_stream;

@@ -115,7 +115,7 @@ class SessionsOnAClock {
       sessions->on_event(DatasetReady{request.session, request.request, facts(array)}, now);
   }
   void start(const FrameRequest& request) { sessions->on_event(FrameStarted{request.session, request.request}, now); }
-  void finish(const FrameRequest& request, std::uint64_t revision, bool key = false) {
+  void finish(const FrameRequest& request, std::uint64_t revision, bool key = false, std::size_t bytes = 200000) {
     FrameReady ready;
     ready.session = request.session;
     ready.request = request.request;
@@ -125,7 +125,7 @@ class SessionsOnAClock {
     ready.width = request.width;
     ready.height = request.height;
     if (request.video) ready.video = VideoFacts{request.video->codec, request.video->stream, key || request.video->key};
-    ready.bytes = std::make_shared<const Bytes>(200000, 7);
+    ready.bytes = std::make_shared<const Bytes>(bytes, 7);
     sessions->on_event(ready, now);
   }
   void acknowledge(FakeClient& client) {

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <deque>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "session/fake_engine.h"
 
@@ -211,6 +213,46 @@ TEST_F(SharedPictures, WhoJoinsAVideoStreamBeginsWithItsKeyFrame) {
   EXPECT_TRUE(key);
   ASSERT_FALSE(clients_[1]->outbox.frames.empty());
   EXPECT_TRUE(clients_[1]->outbox.frames.front().key());
+}
+
+// Rates from 1 to 8 MB/s deserve pictures of seven steps and five sizes.
+TEST_F(SharedPictures, ManyOverWaysThatDifferALittleHaveFewDrawings) {
+  constexpr int kMany = 32, kMoves = 150;
+  for (int i = 0; i < kMany; ++i)
+    clients_.push_back(s_.connect(i ? s_.resuming(*clients_[0], s_.looking(1280, 720)) : s_.looking(1280, 720)));
+  s_.open();
+  std::vector<std::deque<std::pair<TimePoint, std::uint64_t>>> on_the_way(kMany);
+  std::vector<TimePoint> free(kMany, s_.now);
+  std::vector<FrameRequest> drawing;
+  std::set<int> widths;
+  std::size_t orders = 0;
+  for (int tick = 0; tick < 3 * kMoves; ++tick) {
+    s_.now += std::chrono::milliseconds(11);
+    if (tick % 3 == 0) s_.say(*clients_[0], s_.camera(tick));
+    for (const FrameRequest& request : std::exchange(drawing, {}))
+      s_.finish(request, revision(), false,
+                static_cast<std::size_t>(request.width * request.height * request.jpeg_quality / 500));
+    for (std::size_t i = 0; i < kMany; ++i) {
+      auto& outbox = clients_[i]->outbox;
+      for (std::size_t f = 0; f < outbox.frames.size(); ++f) {
+        const double seconds =
+            static_cast<double>(outbox.payloads[f]->size()) / (1e6 + 7e6 * static_cast<double>(i) / (kMany - 1));
+        free[i] = std::max(free[i], s_.now) + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+        on_the_way[i].emplace_back(free[i], outbox.frames[f].frame_id());
+      }
+      outbox.frames.clear();
+      outbox.payloads.clear();
+      for (; !on_the_way[i].empty() && on_the_way[i].front().first <= s_.now; on_the_way[i].pop_front())
+        acknowledge(*clients_[i], on_the_way[i].front().second);
+    }
+    for (const FrameRequest& request : s_.take<FrameRequest>()) {
+      if (tick > kMoves) ++orders, widths.insert(request.width);  // once their rates are known
+      s_.start(request);
+      drawing.push_back(request);
+    }
+  }
+  EXPECT_GT(widths.size(), 1u) << "all ways deserve the same: the test shows nothing";
+  EXPECT_LT(static_cast<double>(orders) / (kMoves * 2 / 3), 3.5) << "drawings of each scene";
 }
 
 // The law that a predictive codec lives by: between two key frames of a stream, a viewer gets every frame of it.
