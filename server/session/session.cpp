@@ -377,8 +377,9 @@ std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   std::optional<TimePoint> earliest;
   if (watched()) earliest = next_phase_;
   if (unannounced_) earliest = earliest ? std::min(*earliest, announced_ + kAnnounce) : announced_ + kAnnounce;
+  const bool wait = crowded();  // until a picture is ready
   for (const auto& [key, viewer] : viewers_) {
-    if (const auto at = viewer->frames.wake_at(now); at && (!earliest || *at < *earliest)) earliest = at;
+    if (const auto at = viewer->frames.wake_at(now); at && !wait && (!earliest || *at < *earliest)) earliest = at;
     if (viewer->bands.empty()) continue;
     if (const TimePoint at = viewer->frames.next_band_at(now); at != TimePoint::max() && (!earliest || at < *earliest))
       earliest = at;

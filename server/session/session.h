@@ -174,6 +174,7 @@ class Session {
   void opened(const EngineEvent& event, TimePoint now);
   void run_deferred(TimePoint now);
   void pump(Viewer& viewer, TimePoint now);
+  bool crowded() const;
   void play_cycle(TimePoint now);
   void on_picture_event(RequestId request, const EngineEvent& event, TimePoint now);
   void give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now);

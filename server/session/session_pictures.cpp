@@ -10,6 +10,7 @@
 namespace isostrata {
 namespace {
 
+constexpr int kMostMaking = 3;        // pictures: one that is drawn, one that is encoded, one that waits for that
 constexpr std::size_t kMostMade = 4;  // pictures of the newest scene that are kept for whoever comes later
 
 bool same_picture(const FrameRequest& a, const FrameRequest& b) {
@@ -80,11 +81,17 @@ void Session::leave_picture(Viewer& viewer) {
   pictures_.erase(it);
 }
 
+// What would be drawn now would only wait for the encoder, and be older when it is sent than what is drawn later.
+bool Session::crowded() const {
+  return std::count_if(pictures_.begin(), pictures_.end(), [](const auto& p) { return p.second.started; }) >= kMostMaking;
+}
+
 void Session::pump(Viewer& viewer, TimePoint now) {
   send_bands(viewer, now);
   if (viewer.frames.withdraw_order()) leave_picture(viewer);
   if (viewer.stream != 0 && (!viewer.frames.visible() || viewer.frames.stalled(now))) leave_stream(viewer, now);
   viewer.frames.set_video(is_video(viewer.ladder.front()) && streams_.has_room(viewer.key, now));
+  if (crowded()) return;
   const auto order = viewer.frames.next(now);
   if (!order) return;
   announce(now);

@@ -157,6 +157,51 @@ TEST_F(SharedPictures, WhoeverDoesNotAcknowledgeMissesFramesAndHoldsNobody) {
   EXPECT_LE(clients_[1]->outbox.frames.size() - had, static_cast<std::size_t>(FrameScheduler::kMaxWindow));
 }
 
+// Pictures that wait for the encoder are older when they are sent than those that are drawn later.
+TEST_F(SharedPictures, NoneIsAskedForWhileThreeAreBeingMade) {
+  begin(1);
+  for (int i = 1; i < 4; ++i) clients_.push_back(s_.connect(s_.resuming(*clients_[0], s_.looking(64 + 16 * i, 48))));
+  settle();
+  s_.say(*clients_[0], s_.camera(5));
+  const auto requests = s_.take<FrameRequest>();
+  ASSERT_EQ(requests.size(), 4u);
+  for (std::size_t i = 0; i < 3; ++i) s_.start(requests[i]);
+  EXPECT_TRUE(s_.take<FrameRequest>().empty());
+  s_.now += std::chrono::milliseconds(30);
+  s_.say(*clients_[0], s_.camera(6));
+  EXPECT_TRUE(s_.take<FrameRequest>().empty());
+  s_.finish(requests[1], revision() - 1);
+  const auto next = s_.take<FrameRequest>();
+  ASSERT_EQ(next.size(), 3u) << "each of them, of the newest scene; the fourth viewer's shows that anyway";
+}
+
+// With one slow drawing after the other, those who come last in the list are served, too.
+TEST_F(SharedPictures, WhereThereIsNoRoomForAllTheyTakeTurns) {
+  begin(1);
+  for (int i = 1; i < 8; ++i) clients_.push_back(s_.connect(s_.resuming(*clients_[0], s_.looking(64 + 16 * i, 48))));
+  settle();
+  std::map<int, int> drawn;  // pictures by their width
+  std::deque<FrameRequest> waiting, making;
+  for (int move = 0; move < 200; ++move) {
+    s_.now += std::chrono::milliseconds(10);
+    s_.say(*clients_[0], s_.camera(move));
+    for (const FrameRequest& request : s_.take<FrameRequest>()) waiting.push_back(request);
+    if (!waiting.empty()) {
+      s_.start(waiting.front());
+      making.push_back(waiting.front());
+      waiting.pop_front();
+    }
+    if (making.size() < 3) continue;
+    ++drawn[making.front().width];
+    s_.finish(making.front(), revision() - 3);
+    making.pop_front();
+    for (auto& client : clients_)
+      if (!client->outbox.frames.empty()) s_.acknowledge(*client);
+  }
+  EXPECT_EQ(drawn.size(), clients_.size());
+  for (const auto& [width, count] : drawn) EXPECT_GT(count, 200 / 8 / 2) << width;
+}
+
 TEST_F(SharedPictures, WhoLeavesTakesNobodysPictureAway) {
   begin(2);
   s_.say(*clients_[0], s_.camera(5));
