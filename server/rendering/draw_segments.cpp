@@ -30,10 +30,10 @@ struct TileMemory {
   Buffer<float> q_in;
   FragmentStore store;
   PixelLists lists;
-  TilePixels pixels;
+  SegmentPixels pixels;
   CoverBatch batch;
   CoverScratch scratch;
-  std::vector<TileEntry> nearest_first, sorted;
+  std::vector<SegmentEntry> nearest_first, sorted;
   std::vector<std::uint32_t> surfaces;
   float q_low[kTilePixels], q_high[kTilePixels];
   float planes[5][kTilePixels];
@@ -53,24 +53,25 @@ struct TileMemory {
 };
 
 /// The nearest first, nearly: by counting into steps of equal size. Enough for lists that are sorted exactly later.
-void sort_by_nearness(std::vector<TileEntry>& entries, std::vector<TileEntry>& sorted) {
+void sort_by_nearness(std::vector<SegmentEntry>& entries, std::vector<SegmentEntry>& sorted) {
   constexpr std::size_t kSteps = 1024;
   if (entries.size() < 64) {
-    std::sort(entries.begin(), entries.end(), [](const TileEntry& a, const TileEntry& b) { return a.nearness > b.nearness; });
+    std::sort(entries.begin(), entries.end(),
+              [](const SegmentEntry& a, const SegmentEntry& b) { return a.nearness > b.nearness; });
     return;
   }
   float least = std::numeric_limits<float>::infinity(), most = -least;
-  for (const TileEntry& e : entries) least = std::min(least, e.nearness), most = std::max(most, e.nearness);
+  for (const SegmentEntry& e : entries) least = std::min(least, e.nearness), most = std::max(most, e.nearness);
   const float per_step = most > least ? (kSteps - 1) / (most - least) : 0.0f;
   std::array<std::uint32_t, kSteps> at{};
-  const auto step = [&](const TileEntry& e) {
+  const auto step = [&](const SegmentEntry& e) {
     return std::min(static_cast<std::size_t>((most - e.nearness) * per_step), kSteps - 1);
   };
-  for (const TileEntry& e : entries) ++at[step(e)];
+  for (const SegmentEntry& e : entries) ++at[step(e)];
   std::uint32_t sum = 0;
   for (std::uint32_t& count : at) sum += std::exchange(count, sum);
   sorted.resize(entries.size());
-  for (const TileEntry& e : entries) sorted[at[step(e)]++] = e;
+  for (const SegmentEntry& e : entries) sorted[at[step(e)]++] = e;
   entries.swap(sorted);
 }
 
@@ -161,16 +162,16 @@ class TilePainter {
     return optics_.cut ? placed_.reached[id].points : input_.mesh->tetrahedra[id];
   }
 
-  void paint_group(int group, std::span<const TileEntry> entries, std::span<const TileEntry> surfaces, const CoverInput& part,
-                   TileMemory& memory) {
+  void paint_group(int group, std::span<const SegmentEntry> entries, std::span<const SegmentEntry> surfaces,
+                   const CoverInput& part, TileMemory& memory) {
     memory.nearest_first.clear();
     if (optics_.groups == 1)
       memory.nearest_first.assign(entries.begin(), entries.end());
     else
-      for (const TileEntry& e : entries)
+      for (const SegmentEntry& e : entries)
         if (optics_.group[interval_of(e.id)] == group) memory.nearest_first.push_back(e);
     memory.surfaces.clear();
-    for (const TileEntry& e : surfaces)
+    for (const SegmentEntry& e : surfaces)
       if (optics_.surface_group[surfaces_.interval(e.id)] == group) memory.surfaces.push_back(e.id);
     if (memory.nearest_first.empty() && memory.surfaces.empty()) return;
     sort_by_nearness(memory.nearest_first, memory.sorted);
@@ -178,7 +179,7 @@ class TilePainter {
   }
 
   /// The corners of the entries from `begin` on. They lie about in memory, so they are asked for some time before.
-  void gather(const std::vector<TileEntry>& entries, std::size_t begin, CoverBatch& batch) const {
+  void gather(const std::vector<SegmentEntry>& entries, std::size_t begin, CoverBatch& batch) const {
     constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
     const std::size_t count = placed_.first_piece;
     for (std::size_t i = 0; i < batch.count; ++i) {

@@ -12,7 +12,7 @@
 
 namespace isostrata {
 
-struct TileEntry {
+struct SegmentEntry {
   std::uint32_t id;
   float nearness;  // as in PlacedTetrahedron
 };
@@ -20,10 +20,11 @@ struct TileEntry {
 /// The entries of tile t (row by row) are [first[t], first[t + 1]), in the order in which they were placed.
 struct TileBins {
   std::vector<std::uint32_t> first;
-  Buffer<TileEntry> entries;
+  Buffer<SegmentEntry> entries;
 
-  std::span<const TileEntry> of(std::size_t tile) const {
-    return first.empty() ? std::span<const TileEntry>{} : std::span(entries).subspan(first[tile], first[tile + 1] - first[tile]);
+  std::span<const SegmentEntry> of(std::size_t tile) const {
+    return first.empty() ? std::span<const SegmentEntry>{}
+                         : std::span(entries).subspan(first[tile], first[tile + 1] - first[tile]);
   }
 };
 
@@ -32,7 +33,7 @@ void fill_bins(const std::vector<std::span<const PlacedTetrahedron>>& chunks, in
 
 /// A piece of a tetrahedron that was cut at the eye or far outside the picture.
 struct CutTetrahedron {
-  std::array<ScreenVertex, 4> vertex;
+  std::array<SegmentVertex, 4> vertex;
   std::uint32_t interval;
 };
 
@@ -44,7 +45,7 @@ struct ReachedTetrahedron {
 
 /// The drawn tetrahedra on the screen. ids from first_piece on are pieces. Memory is kept from frame to frame.
 struct PlacedMesh {
-  Buffer<ScreenVertex> points;         // [np]; where intervals are cut, only blocks of points that anything reached uses
+  Buffer<SegmentVertex> points;        // [np]; where intervals are cut, only blocks of points that anything reached uses
   Buffer<ReachedTetrahedron> reached;  // ids are of these where intervals are cut, else of the mesh's tetrahedra
   Buffer<CutTetrahedron> pieces;
   std::size_t first_piece = 0;

@@ -8,8 +8,8 @@
 // extinction constant, with a = 1 - exp(-tau) and b = a / tau - (1 - a),
 //   (a - b) c_in + b c_out
 // exactly. Where the colour map bends over an interval, its antiderivatives take the place of the ends' colours
-// (color_integrals.h). Maps that have none, and extinction that runs with the value, are cut into panels of optical depth below 1,
-// each integrated by Gauss and Legendre with three points.
+// (color_integrals.h). Maps that have none, and extinction that runs with the value, are cut into panels of optical depth below
+// 1, each integrated by Gauss and Legendre with three points.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ struct CoverInput {
 
 struct CoverBatch {
   static constexpr std::size_t kCapacity = 128;
-  alignas(64) ScreenVertex vertex[4][kCapacity];
+  alignas(64) SegmentVertex vertex[4][kCapacity];
   alignas(64) std::int32_t interval[kCapacity];
   std::size_t count = 0;
 };

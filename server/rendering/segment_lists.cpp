@@ -89,7 +89,7 @@ HWY_INLINE void blend_lists(const std::uint64_t* items, std::size_t length, cons
 #endif
 }
 
-void BlendFragments(FragmentStore& store, PixelLists& lists, TilePixels& pixels) {
+void BlendFragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels) {
   // A fragment of no light fills the shorter lists.
   std::memset(store.light + 4 * store.count, 0, 4 * sizeof(float));
   const std::uint64_t nothing = std::uint64_t{0xffffffff} << 32 | store.count;
@@ -136,12 +136,12 @@ namespace isostrata {
 
 HWY_EXPORT(BlendFragments);
 
-void blend_fragments(FragmentStore& store, PixelLists& lists, TilePixels& pixels) {
+void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels) {
   if (store.count == 0) return;
   HWY_DYNAMIC_DISPATCH(BlendFragments)(store, lists, pixels);
 }
 
-void TilePixels::clear() {
+void SegmentPixels::clear() {
   for (int p = 0; p < kTilePixels; ++p) {
     light[p][0] = light[p][1] = light[p][2] = 0;
     light[p][3] = 1;

@@ -16,7 +16,7 @@ inline constexpr int kTilePixels = kTileSize * kTileSize;
 inline constexpr std::size_t kListLanes = 8;
 
 /// What has been blended of a tile, front to back: premultiplied colour, and how much is seen through it.
-struct TilePixels {
+struct SegmentPixels {
   alignas(64) float light[kTilePixels][4];
   alignas(64) float nearest_q[kTilePixels];
   void clear();
@@ -30,6 +30,6 @@ struct PixelLists {
 };
 
 /// Blends the fragments behind what `pixels` holds. The store has room for one fragment more.
-void blend_fragments(FragmentStore& store, PixelLists& lists, TilePixels& pixels);
+void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels);
 
 }  // namespace isostrata

@@ -13,7 +13,7 @@ namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 void ProjectVertices(const SegmentView& view, const Vec3d* positions, const float* values, std::size_t begin, std::size_t end,
-                     ScreenVertex* points) {
+                     SegmentVertex* points) {
   const hn::ScalableTag<double> dd;
   const hn::Rebind<float, decltype(dd)> df;
   const std::size_t lanes = hn::Lanes(dd);
@@ -132,7 +132,7 @@ HWY_EXPORT(ProjectVertices);
 HWY_EXPORT(PlaceTetrahedra);
 
 void project_vertices(const SegmentView& view, const Vec3d* positions, const float* values, std::size_t begin, std::size_t end,
-                      ScreenVertex* points) {
+                      SegmentVertex* points) {
   HWY_DYNAMIC_DISPATCH(ProjectVertices)(view, positions, values, begin, end, points);
 }
 

@@ -13,7 +13,7 @@ inline constexpr int kTileSize = 32;  // pixels
 
 /// points[begin, end) = the positions on the screen. values may be null. Any thread.
 void project_vertices(const SegmentView& view, const Vec3d* positions, const float* values, std::size_t begin, std::size_t end,
-                      ScreenVertex* points);
+                      SegmentVertex* points);
 
 /// A tetrahedron that covers pixels' middles (or may), and the tiles where they are.
 struct PlacedTetrahedron {
@@ -29,7 +29,7 @@ inline constexpr float kDepthRatio = 8;
 struct PlacementBatch {
   static constexpr std::size_t kCapacity = 128;
   alignas(64) std::uint32_t id[kCapacity];
-  alignas(64) ScreenVertex vertex[4][kCapacity];
+  alignas(64) SegmentVertex vertex[4][kCapacity];
   std::size_t count = 0;
 };
 std::size_t place_tetrahedra(const SegmentView& view, PlacementBatch& batch, PlacedTetrahedron* placed, std::uint32_t* to_cut,

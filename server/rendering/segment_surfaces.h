@@ -24,7 +24,7 @@ class SegmentSurfaces {
   SegmentSurfaces(const DrawInput& input, const SegmentView& view, const SegmentOptics& optics, int tiles_x, int tiles_y);
 
   bool any() const { return !triangles_.empty(); }
-  std::span<const TileEntry> in_tile(std::size_t tile) const { return bins_.of(tile); }
+  std::span<const SegmentEntry> in_tile(std::size_t tile) const { return bins_.of(tile); }
   std::uint16_t interval(std::uint32_t triangle) const;
   /// How many fragments the triangle can add at most within the part.
   std::size_t room(std::uint32_t triangle, const CoverInput& part) const;

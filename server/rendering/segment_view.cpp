@@ -35,8 +35,8 @@ SegmentView make_segment_view(const DrawInput& input) {
   return view;
 }
 
-ScreenVertex SegmentView::screen(Vec3d p, double value) const {
-  ScreenVertex v;
+SegmentVertex SegmentView::screen(Vec3d p, double value) const {
+  SegmentVertex v;
   v.value = static_cast<float>(value);
   const double w = orthographic ? 1.0 : 1 / p.z;
   const double x = focal * p.x * w, y = -focal * p.y * w;

@@ -16,7 +16,7 @@
 namespace isostrata {
 
 /// A point of the mesh on the screen. Of a point that is nearer than near_depth or beyond the guard x is NaN and y says why.
-struct ScreenVertex {
+struct SegmentVertex {
   float x = 0, y = 0, q = 0;
   float value = 0;  // of the color-by array
 };
@@ -43,7 +43,7 @@ struct SegmentView {
     const Vec3d p = world - eye;
     return Vec3d{dot(right, p), dot(up, p), dot(forward, p)} / scale;
   }
-  ScreenVertex screen(Vec3d seen_from_eye, double value) const;
+  SegmentVertex screen(Vec3d seen_from_eye, double value) const;
   /// World units.
   double depth_of(double q) const { return scale * (orthographic ? zero_q_depth - q : 1 / q); }
 };
