@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <regex>
 #include <set>
 #include <stdexcept>
@@ -61,6 +63,10 @@ class Checker {
       if (fs::is_directory(root_ / top))
         for (const auto& entry : fs::recursive_directory_iterator(root_ / top))
           if (entry.is_regular_file()) check_file(entry.path(), top);
+    for (const auto& [name, places] : types_)
+      for (auto it = std::next(places.begin()); it != places.end(); ++it)
+        complain(it->first, it->second,
+                 name + " has this name in " + places.begin()->first.lexically_relative(root_).generic_string() + ", too");
     std::sort(broken_.begin(), broken_.end());
     return broken_;
   }
@@ -79,6 +85,20 @@ class Checker {
     if (!is_source(file)) return;
     const std::string room = top == "server" ? first_folder(file.lexically_relative(root_ / "server").generic_string()) : top;
     for (const Include& include : includes_of(file)) check_include(file, room, include);
+    if (file.extension() == ".h") note_types(file);
+  }
+
+  // Two types of one name that differ are no error to a linker, which keeps the code of one for both.
+  void note_types(const fs::path& file) {
+    static const std::regex scope(R"re(^namespace ([\w:]+) \{)re"),
+        type(R"re(^(?:struct|class) (\w+)(?: final)?(?: : [^;]+)? \{)re");
+    std::ifstream in(file);
+    std::string text, within;
+    for (int line = 1; std::getline(in, text); ++line) {
+      std::smatch match;
+      if (std::regex_search(text, match, scope)) within = match[1].str() + "::";
+      if (std::regex_search(text, match, type)) types_[within + match[1].str()].emplace(file, line);
+    }
   }
 
   void check_include(const fs::path& file, const std::string& room, const Include& include) {
@@ -111,6 +131,7 @@ class Checker {
 
   fs::path root_;
   std::vector<std::string> broken_;
+  std::map<std::string, std::map<fs::path, int>> types_;  // where each is defined
 };
 
 }  // namespace

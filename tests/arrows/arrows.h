@@ -17,7 +17,8 @@ const std::vector<std::string>& rooms();
 ///   - an include of a server room in client/, or of protobuf's generated header to the left of session;
 ///   - a file named for nothing (util, utils, common, helper, helpers, manager, misc);
 ///   - a .proto file that is not proto3;
-///   - a folder in server/ that is no room.
+///   - a folder in server/ that is no room;
+///   - two headers that define a type of the same name.
 /// Throws std::runtime_error where root has no server folder.
 std::vector<std::string> broken_arrows(const std::filesystem::path& root);
 

@@ -108,6 +108,13 @@ TEST_F(Arrows, NamesThatSayNothingAreRefused) {
   EXPECT_EQ(broken_arrows(root_).size(), 6u);
 }
 
+TEST_F(Arrows, ATypeHasItsNameForItself) {
+  write("server/net/a.h", "namespace isostrata {\nstruct Tile;\nstruct Tile {\n  struct Entry {};\n};\n}\n");
+  write("server/net/b.h", "namespace isostrata {\nclass Tile final : public Base {\n};\n}\n");
+  write("client/c.h", "namespace isostrata::client {\nclass Tile {\n};\nstruct Entry {};\n}\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/net/b.h:2: isostrata::Tile has this name in server/net/a.h, too"));
+}
+
 TEST_F(Arrows, TheWireFormatIsProto3) {
   write("protocol/new.proto", "syntax = \"proto3\";\n");
   write("protocol/old.proto", "// syntax = \"proto3\" would be better\nsyntax = \"proto2\";\n");
