@@ -6,10 +6,10 @@ namespace isostrata {
 namespace {
 
 AvcodecModule find_module() {
-  const LoadedModule found = load_module("libisostrata_avcodec.so", "ISOSTRATA_AVCODEC", "isostrata_avcodec_module");
+  const LoadedModule found =
+      load_module("libisostrata_avcodec.so", "ISOSTRATA_AVCODEC", "isostrata_avcodec_module", ISOSTRATA_AVCODEC_ABI);
   const auto* functions = static_cast<const isostrata_avcodec*>(found.entry);
   if (!functions) return {nullptr, {}, found.problem + (found.path.empty() ? " (built with -DISOSTRATA_AVCODEC=ON)" : "")};
-  if (functions->abi != ISOSTRATA_AVCODEC_ABI) return {nullptr, {}, found.path + " is of another version than the program"};
   return {functions, found.path, {}};
 }
 

@@ -22,7 +22,7 @@ std::vector<fs::path> places(const char* file, const char* variable) {
 
 }  // namespace
 
-LoadedModule load_module(const char* file, const char* variable, const char* function) {
+LoadedModule load_module(const char* file, const char* variable, const char* function, int version) {
   LoadedModule found;
   found.problem = std::string("no ") + file;
   for (const fs::path& path : places(file, variable)) {
@@ -36,7 +36,9 @@ LoadedModule load_module(const char* file, const char* variable, const char* fun
       found.problem = why ? why : found.path + " cannot be loaded";
       continue;
     }
-    if (const auto entry = reinterpret_cast<const void* (*)()>(dlsym(library, function))) return {entry(), found.path, {}};
+    const auto function_of_it = reinterpret_cast<const void* (*)()>(dlsym(library, function));
+    const void* entry = function_of_it ? function_of_it() : nullptr;
+    if (entry && *static_cast<const int*>(entry) == version) return {entry, found.path, {}};
     found.problem = found.path + " is of another version than the program";
   }
   return found;

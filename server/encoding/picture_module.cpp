@@ -6,12 +6,11 @@
 namespace isostrata {
 
 const PictureModule& picture_module() {
-  static const LoadedModule found = load_module("libisostrata_oiio.so", "ISOSTRATA_OIIO", "isostrata_picture_module");
+  static const LoadedModule found =
+      load_module("libisostrata_oiio.so", "ISOSTRATA_OIIO", "isostrata_picture_module", kPictureWriterAbi);
   const auto* module = static_cast<const PictureModule*>(found.entry);
   if (!module)
     throw Error(ErrorCode::unavailable, "OpenImageIO, which writes .tif, .exr and .jpg, cannot be loaded: " + found.problem);
-  if (module->abi != kPictureWriterAbi)
-    throw Error(ErrorCode::unavailable, found.path + " is of another version than the program");
   return *module;
 }
 
