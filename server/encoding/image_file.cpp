@@ -90,11 +90,7 @@ struct ImageFile::Writer {
     }
     channels = floats ? (wanted.depth ? 5 : 4) : is_jpeg(extension) ? 3 : 4;
     const char* format = floats ? "openexr" : is_jpeg(extension) ? "jpeg" : "tiff";
-    try {
-      output = picture_module().open({part.string(), format, w, h, channels, floats, kStillQuality});
-    } catch (const std::runtime_error& error) {
-      cannot_write(path, error.what());
-    }
+    by_module([&] { output = picture_module().open({part.string(), format, w, h, channels, floats, kStillQuality}); });
   }
 
   ~Writer() {
@@ -124,7 +120,7 @@ struct ImageFile::Writer {
       webp->rgba.insert(webp->rgba.end(), image.rgba.begin(), image.rgba.end());
       webp->height += image.height;
     } else {
-      write(image.height, image.rgba.data(), 4);  // JPEG takes three bytes of each four
+      by_module([&] { output->write(image.height, image.rgba.data(), 4); });  // JPEG takes three bytes of each four
     }
     rows += image.height;
   }
@@ -143,12 +139,13 @@ struct ImageFile::Writer {
         if (n == 5) linear[p * n + 4] = image.depth.empty() ? std::numeric_limits<float>::infinity() : image.depth[p];
       }
     });
-    write(image.height, linear.data(), n * sizeof(float));
+    by_module([&] { output->write(image.height, linear.data(), n * sizeof(float)); });
     rows += image.height;
   }
 
-  void write(int count, const void* pixels, std::size_t pixel_bytes) try {
-    output->write(count, pixels, pixel_bytes);
+  template <class Act>
+  void by_module(const Act& act) const try {
+    act();
   } catch (const std::runtime_error& error) {
     cannot_write(path, error.what());
   }
@@ -167,11 +164,7 @@ struct ImageFile::Writer {
       file.close();
       if (!file) cannot_write(path, "the folder is missing, not writable or full");
     } else {
-      try {
-        output->finish();
-      } catch (const std::runtime_error& error) {
-        cannot_write(path, error.what());
-      }
+      by_module([&] { output->finish(); });
     }
     std::error_code failed;
     std::filesystem::rename(part, path, failed);
