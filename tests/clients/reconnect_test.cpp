@@ -6,6 +6,7 @@
 #include "clients/code_of.h"
 #include "isostrata/client.h"
 #include "support/cutting_proxy.h"
+#include "support/kept.h"
 #include "support/served.h"
 
 namespace isostrata::testing {
@@ -21,15 +22,6 @@ class Reconnect : public ::testing::Test {
     client::Options out{.url = server_.url(), .width = width, .height = 48};
     out.on_connection = [this](const ConnectionEvent& event) { events_.push_back(event); };
     return out;
-  }
-  /// What the server keeps is written by a thread of its own; a kill before that would be another test.
-  void wait_until_kept(const std::string& text) const {
-    for (int i = 0; i < 3000; ++i) {
-      for (const auto& file : std::filesystem::recursive_directory_iterator(folder_ / "state"))
-        if (file.path().extension() == ".journal" && read_text(file.path()).find(text) != std::string::npos) return;
-      std::this_thread::sleep_for(10ms);
-    }
-    ADD_FAILURE() << "the journal does not have " << text;
   }
   std::size_t restored() const {
     std::size_t count = 0;
@@ -55,7 +47,7 @@ TEST_F(Reconnect, AClientGoesOnWhileTheServerIsKilledAndStartedAgain) {
   const std::string session = client.welcome().session();
   const auto id = client.state().intervals(0).id();
   std::thread killer([&] {
-    wait_until_kept("the-second");
+    wait_until_kept(folder_ / "state", "the-second");
     server_.restart();
   });
   // Every call returns when it is done, whichever server did it.
@@ -83,7 +75,7 @@ TEST_F(Reconnect, WhatTheServerDidNotHearIsSentAgainInItsOrder) {
   Client client(options());
   client.open_dataset("torus:12");
   const auto id = client.state().intervals(0).id();
-  wait_until_kept("torus-12");
+  wait_until_kept(folder_ / "state", "torus-12");
   server_.stop(SIGKILL);
   std::uint64_t last = 0;
   for (int i = 1; i <= 30; ++i) {
@@ -213,7 +205,7 @@ TEST_F(Reconnect, AStopIsHeardWhileNobodyIsThere) {
   forever.stop = &stop;
   Client client(forever);
   client.open_dataset("torus:12");
-  wait_until_kept("torus-12");
+  wait_until_kept(folder_ / "state", "torus-12");
   server_.stop(SIGKILL);
   std::thread stopping([&] {
     std::this_thread::sleep_for(200ms);

@@ -180,7 +180,7 @@ TEST(ImportDamage, ACrashOfTheReaderIsAnErrorOfItsFile) {
 
 TEST(ImportDamage, LeavesNothingInTheTemporaryDirectory) {
   const Scratch scratch;
-  setenv("TMPDIR", scratch.path().c_str(), 1);
+  const testing::OwnTemporaryPlace place;
   const auto file = scratch.write("x.vti", kImageHeader);
   const auto data = test::open(file);
   EXPECT_TRUE(left_behind().empty());
@@ -190,7 +190,6 @@ TEST(ImportDamage, LeavesNothingInTheTemporaryDirectory) {
   cancelled.cancel();
   EXPECT_THROW(open_import(file, {}, cancelled), Error);
   EXPECT_TRUE(left_behind().empty());
-  unsetenv("TMPDIR");
 }
 
 /// Flips, cuts, repeats and overwrites, most of the time in the first kilobyte, where headers are.

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "net/raw_socket.h"
+#include "support/kept.h"
 #include "support/temporary_folder.h"
 
 extern char** environ;
@@ -28,13 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 namespace json = boost::json;
 using namespace std::chrono_literals;
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using isostrata::testing::read_text;
 
 class ServeCommand : public ::testing::Test {
  protected:
@@ -86,7 +81,7 @@ class ServeCommand : public ::testing::Test {
       }
       std::this_thread::sleep_for(10ms);
     }
-    ready_ = json::parse(contents(ready()));
+    ready_ = json::parse(read_text(ready()));
     url_ = std::string(ready_.at("url").as_string());
     return true;
   }
@@ -96,16 +91,6 @@ class ServeCommand : public ::testing::Test {
     const int status = end_of(server_);
     server_ = -1;
     return status;
-  }
-
-  /// What the server keeps is written by a thread of its own; a kill before that would be another test.
-  void wait_until_kept(const std::string& text) const {
-    for (int i = 0; i < 3000; ++i) {
-      for (const auto& file : fs::recursive_directory_iterator(directory_.path()))
-        if (file.path().extension() == ".journal" && contents(file.path()).find(text) != std::string::npos) return;
-      std::this_thread::sleep_for(10ms);
-    }
-    ADD_FAILURE() << "the journal does not have " << text;
   }
 
   fs::path ready() const { return directory_ / "ready.json"; }
@@ -119,7 +104,7 @@ class ServeCommand : public ::testing::Test {
 };
 
 #define SERVE_OR_SKIP(...) \
-  if (!serve(__VA_ARGS__)) GTEST_SKIP() << "isostrata serve does not start here: " << contents(errors())
+  if (!serve(__VA_ARGS__)) GTEST_SKIP() << "isostrata serve does not start here: " << read_text(errors())
 
 TEST_F(ServeCommand, AnnouncesItselfOnceItAnswersAndEndsWhenAsked) {
   SERVE_OR_SKIP({"torus:12"});
@@ -129,12 +114,12 @@ TEST_F(ServeCommand, AnnouncesItselfOnceItAnswersAndEndsWhenAsked) {
   EXPECT_NE(url_.find("http://127.0.0.1:" + port + "/?token="), std::string::npos) << url_;
   EXPECT_GE(url_.size() - url_.find('=') - 1, 48u) << "at least 192 bits of token";
   EXPECT_EQ(fs::status(ready()).permissions() & fs::perms::others_read, fs::perms::none);
-  const std::string printed = contents(out());
+  const std::string printed = read_text(out());
   EXPECT_NE(printed.find(url_), std::string::npos) << printed;
   EXPECT_NE(printed.find("ssh -L " + port + ":127.0.0.1:" + port), std::string::npos) << printed;
-  EXPECT_EQ(contents(errors()).find(url_.substr(url_.find('=') + 1)), std::string::npos) << "the token is in the log";
+  EXPECT_EQ(read_text(errors()).find(url_.substr(url_.find('=') + 1)), std::string::npos) << "the token is in the log";
   const fs::path log = errors();
-  EXPECT_EQ(stop(SIGTERM), 0) << contents(log);
+  EXPECT_EQ(stop(SIGTERM), 0) << read_text(log);
   EXPECT_FALSE(fs::exists(ready()));
 }
 
@@ -142,7 +127,7 @@ TEST_F(ServeCommand, ReadsOptionsFromAFileAndTheCommandLineComesFirst) {
   const auto options = directory_.write("options.toml", "# a comment\nno-auth = true\nmax-sessions = 3\nlog-format = \"json\"\n");
   SERVE_OR_SKIP({"torus:12", "--config", options.string(), "--log-format", "text"});
   EXPECT_EQ(url_.find("token="), std::string::npos) << url_;
-  EXPECT_EQ(contents(errors()).find('{'), std::string::npos) << contents(errors());
+  EXPECT_EQ(read_text(errors()).find('{'), std::string::npos) << read_text(errors());
 }
 
 TEST_F(ServeCommand, AFileWithAWrongOptionIsAUsageErrorThatNamesIt) {
@@ -150,7 +135,7 @@ TEST_F(ServeCommand, AFileWithAWrongOptionIsAUsageErrorThatNamesIt) {
                                    std::pair{"[serve]\nport = 0\n", "no option 'serve.port'"}}) {
     const auto options = directory_.write("wrong.toml", text);
     EXPECT_EQ(run("isostrata", {"serve", "torus:12", "--config", options.string()}), 2) << text;
-    const std::string printed = contents(errors());
+    const std::string printed = read_text(errors());
     EXPECT_NE(printed.find("wrong.toml"), std::string::npos) << printed;
     EXPECT_NE(printed.find(part), std::string::npos) << printed;
   }
@@ -159,22 +144,22 @@ TEST_F(ServeCommand, AFileWithAWrongOptionIsAUsageErrorThatNamesIt) {
 
 TEST_F(ServeCommand, TheClientTakesAPictureAndMeasures) {
   SERVE_OR_SKIP({"torus:12", "tets:6"});
-  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0) << contents(errors());
-  const auto welcome = json::parse(contents(out()));
+  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0) << read_text(errors());
+  const auto welcome = json::parse(read_text(out()));
   EXPECT_EQ(welcome.at("datasets").as_array().size(), 2u);
 
   const std::string picture = (directory_ / "a.png").string();
   ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--dataset", "tets-6", "--interval", "0.2:0.5,color=#ff0000,opacity=0.9",
                                      "--size", "120x90", "--camera", "+x", "--out", picture}),
             0)
-      << contents(errors());
-  EXPECT_TRUE(contents(picture).starts_with("\x89PNG"));
+      << read_text(errors());
+  EXPECT_TRUE(read_text(picture).starts_with("\x89PNG"));
 
   ASSERT_EQ(run("isostrata-client", {url_, "latency", "--seconds", "1", "--size", "120x90", "--dataset", "torus-12", "--interval",
                                      "0.2:0.4", "--json"}),
             0)
-      << contents(errors());
-  const auto measured = json::parse(contents(out()));
+      << read_text(errors());
+  const auto measured = json::parse(read_text(out()));
   EXPECT_GT(measured.at("fps").to_number<double>(), 0);
   EXPECT_GT(measured.at("bytes_per_frame").to_number<double>(), 0);
   const auto& latency = measured.at("input_to_decoded_ms");
@@ -188,13 +173,13 @@ TEST_F(ServeCommand, TwoPicturesOfOneStateAreTheSameBytes) {
   for (const char* name : {"one.png", "two.png"}) {
     const std::string path = (directory_ / name).string();
     ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.3", "--size", "160x120", "--out", path}), 0)
-        << contents(errors());
-    pictures.push_back(contents(path));
+        << read_text(errors());
+    pictures.push_back(read_text(path));
   }
   EXPECT_EQ(pictures[0], pictures[1]);
   const std::string other = (directory_ / "three.png").string();
   ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.5", "--size", "160x120", "--out", other}), 0);
-  EXPECT_NE(contents(other), pictures[0]) << "the picture does not show the interval";
+  EXPECT_NE(read_text(other), pictures[0]) << "the picture does not show the interval";
 }
 
 TEST_F(ServeCommand, AKilledServerIsReplacedOnTheSamePortWithTheSameToken) {
@@ -203,14 +188,14 @@ TEST_F(ServeCommand, AKilledServerIsReplacedOnTheSamePortWithTheSameToken) {
   const std::string port = std::to_string(ready_.at("port").to_number<int>());
   const std::string url = url_;
   ASSERT_EQ(run("isostrata-client", {url, "info", "--json"}), 0);
-  const std::string old = std::string(json::parse(contents(out())).at("resumeToken").as_string());
-  wait_until_kept("ISOR");  // a whole record
+  const std::string old = std::string(json::parse(read_text(out())).at("resumeToken").as_string());
+  isostrata::testing::wait_until_kept(directory_.path(), "ISOR");  // a whole record
   EXPECT_EQ(stop(SIGKILL), 128 + SIGKILL);
   EXPECT_EQ(run("isostrata-client", {url, "info"}), 1) << "nobody is there";
   ASSERT_TRUE(serve({"torus:12", "--token", token}, port));
   EXPECT_EQ(url_, url);
-  EXPECT_EQ(run("isostrata-client", {url, "info"}), 0) << contents(errors());
-  EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 0) << "the session was kept: " << contents(errors());
+  EXPECT_EQ(run("isostrata-client", {url, "info"}), 0) << read_text(errors());
+  EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 0) << "the session was kept: " << read_text(errors());
   EXPECT_EQ(stop(SIGKILL), 128 + SIGKILL);
   ASSERT_TRUE(serve({"torus:12", "--token", token, "--state-dir", "none"}, port));
   EXPECT_EQ(run("isostrata-client", {url, "info", "--session", old}), 1) << "nothing was kept, and that is said";
@@ -218,7 +203,7 @@ TEST_F(ServeCommand, AKilledServerIsReplacedOnTheSamePortWithTheSameToken) {
 
 /// Whether a process runs: neither gone nor waiting to be waited for.
 bool runs(pid_t pid) {
-  const std::string stat = contents("/proc/" + std::to_string(pid) + "/stat");
+  const std::string stat = read_text("/proc/" + std::to_string(pid) + "/stat");
   const auto name_end = stat.rfind(") ");
   return name_end != std::string::npos && stat[name_end + 2] != 'Z' && stat[name_end + 2] != 'X';
 }
@@ -235,7 +220,7 @@ TEST_F(ServeCommand, AWorkerEndsWithItsServerHoweverThatEnds) {
     EXPECT_NE(worker, server_);
     EXPECT_TRUE(runs(worker));
     for (const int meant_for_the_server : {SIGINT, SIGTERM, SIGHUP}) kill(worker, meant_for_the_server);
-    ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << contents(errors());
+    ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << read_text(errors());
     EXPECT_TRUE(runs(worker)) << "a job's signals reach all of its processes; the server ends the worker";
     stop(signal);
     EXPECT_TRUE(soon_gone(worker)) << "after signal " << signal;
@@ -250,8 +235,8 @@ TEST_F(ServeCommand, AKilledWorkerIsReplaced) {
   EXPECT_TRUE(soon_gone(worker));
   const std::string picture = (directory_ / "a.png").string();
   ASSERT_EQ(run("isostrata-client", {url_, "snapshot", "--interval", "0.2:0.5", "--size", "120x90", "--out", picture}), 0)
-      << contents(errors());
-  EXPECT_TRUE(contents(picture).starts_with("\x89PNG"));
+      << read_text(errors());
+  EXPECT_TRUE(read_text(picture).starts_with("\x89PNG"));
   EXPECT_EQ(stop(SIGTERM), 0);
 }
 
@@ -261,7 +246,7 @@ TEST_F(ServeCommand, TheEngineCanStayInTheServersProcess) {
   EXPECT_EQ(run("isostrata-client",
                 {url_, "snapshot", "--interval", "0.2:0.5", "--size", "120x90", "--out", (directory_ / "a.png").string()}),
             0)
-      << contents(errors());
+      << read_text(errors());
 }
 
 TEST_F(ServeCommand, TextThatIsNoUtf8IsRefusedAndFillsNoLog) {
@@ -276,7 +261,7 @@ TEST_F(ServeCommand, TextThatIsNoUtf8IsRefusedAndFillsNoLog) {
     EXPECT_NE(socket.read_all().find("malformed"), std::string::npos);
   }
   EXPECT_EQ(stop(SIGTERM), 0);
-  const std::string log = contents(errors());
+  const std::string log = read_text(errors());
   EXPECT_EQ(log.find("libprotobuf"), std::string::npos) << log;
   int lines = 0;
   for (std::size_t at = log.find("UTF-8"); at != std::string::npos; at = log.find("UTF-8", at + 1)) ++lines;
@@ -287,15 +272,15 @@ TEST_F(ServeCommand, TextThatIsNoUtf8IsRefusedAndFillsNoLog) {
 TEST_F(ServeCommand, SessionsAreJoinedByIdAndSeeTheSame) {
   SERVE_OR_SKIP({"torus:12"});
   ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0);
-  const std::string id(json::parse(contents(out())).at("session").as_string());
+  const std::string id(json::parse(read_text(out())).at("session").as_string());
   ASSERT_EQ(run("isostrata-client",
                 {url_, "snapshot", "--session", id, "--interval", "0.2:0.3", "--out", (directory_ / "a.png").string()}),
             0)
-      << contents(errors());
-  ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << contents(errors());
-  EXPECT_NE(contents(out()).find("living   " + id), std::string::npos) << contents(out());
-  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json", "--session", id}), 0) << contents(errors());
-  const auto state = json::parse(contents(out())).at("state");
+      << read_text(errors());
+  ASSERT_EQ(run("isostrata-client", {url_, "info"}), 0) << read_text(errors());
+  EXPECT_NE(read_text(out()).find("living   " + id), std::string::npos) << read_text(out());
+  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json", "--session", id}), 0) << read_text(errors());
+  const auto state = json::parse(read_text(out())).at("state");
   EXPECT_EQ(state.at("intervals").as_array().size(), 1u);
 }
 
@@ -303,7 +288,7 @@ TEST_F(ServeCommand, WrongTokensAndWrongUsageAreSaid) {
   SERVE_OR_SKIP({"torus:12"});
   const std::string base = url_.substr(0, url_.find('?'));
   EXPECT_EQ(run("isostrata-client", {base + "?token=wrong", "info"}), 1);
-  EXPECT_NE(contents(errors()).find("401"), std::string::npos) << contents(errors());
+  EXPECT_NE(read_text(errors()).find("401"), std::string::npos) << read_text(errors());
   EXPECT_EQ(run("isostrata-client", {"not-a-url", "info"}), 2);
   EXPECT_EQ(run("isostrata-client", {url_}), 2);
   EXPECT_EQ(run("isostrata-client", {url_, "snapshot"}), 2);
@@ -329,8 +314,8 @@ TEST_F(ServeCommand, WhatCannotBeServedIsRefusedInOneLine) {
       {{"serve", "--nonsense"}, 2, ""},
   };
   for (const Case& wrong : cases) {
-    EXPECT_EQ(run("isostrata", wrong.arguments), wrong.status) << wrong.arguments[1] << ": " << contents(errors());
-    EXPECT_NE(contents(errors()).find(wrong.says), std::string::npos) << contents(errors());
+    EXPECT_EQ(run("isostrata", wrong.arguments), wrong.status) << wrong.arguments[1] << ": " << read_text(errors());
+    EXPECT_NE(read_text(errors()).find(wrong.says), std::string::npos) << read_text(errors());
   }
 }
 
