@@ -1,4 +1,5 @@
 #include "arrows/arrows.h"
+#include "support/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -30,7 +31,7 @@ class Arrows : public testing::Test {
   const fs::path root_ = fs::temp_directory_path() / ("isostrata-arrows-" + std::to_string(getpid()));
 };
 
-TEST(ArrowsOfThisRepository, AllPointOneWay) { EXPECT_THAT(broken_arrows(ISOSTRATA_SOURCE_DIR), IsEmpty()); }
+TEST(ArrowsOfThisRepository, AllPointOneWay) { EXPECT_THAT(broken_arrows(isostrata::places::source()), IsEmpty()); }
 
 TEST_F(Arrows, EveryPairOfRoomsIsAllowedOneWayOnly) {
   const auto& order = rooms();

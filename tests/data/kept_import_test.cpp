@@ -3,6 +3,7 @@
 
 #include "data/files.h"
 #include "data/import_door.h"
+#include "support/places.h"
 
 namespace isostrata {
 namespace {
@@ -16,7 +17,7 @@ struct KeptImport : ::testing::Test {
   OpenOptions options;
   KeptImport() {
     write(4);
-    options.importer = fs::path(ISOSTRATA_BIN_DIR) / "isostrata-import";
+    options.importer = fs::path(isostrata::places::binaries()) / "isostrata-import";
   }
   void write(int points) {
     std::string text = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 " + std::to_string(points) + "\nencoding: raw\n\n";

@@ -9,6 +9,7 @@
 
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
+#include "support/places.h"
 
 namespace isostrata {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 constexpr int kSide = 64, kBlock = kSide / 4;  // edges at 17, 33 and 49
 
 std::string source() {
-  std::ifstream file(std::string(ISOSTRATA_SOURCE_DIR) + "/web/src/lib/probe-streams.ts");
+  std::ifstream file(isostrata::places::source() + "/web/src/lib/probe-streams.ts");
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

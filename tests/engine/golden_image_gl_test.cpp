@@ -9,6 +9,7 @@
 #include "data/analytic.h"
 #include "encoding/encode_image.h"
 #include "engine/draw_scene.h"
+#include "support/places.h"
 
 namespace isostrata {
 namespace {
@@ -42,7 +43,7 @@ TEST(GoldenImage, FourIntervalsAroundATorus) {
   const Image image =
       std::get<Image>(make_renderer({"raster", "surfaceless"})->draw(draw_input(*extracted, scene, 192, 144)).image);
 
-  const Image golden = read_golden(ISOSTRATA_SOURCE_DIR "/tests/engine/golden/torus_four_intervals.png");
+  const Image golden = read_golden(isostrata::places::source() + "/tests/engine/golden/torus_four_intervals.png");
   int worst = 256;
   double mean = 256;
   if (golden.rgba.size() == image.rgba.size()) {

@@ -13,6 +13,7 @@
 
 #include "engine/heard_events.h"
 #include "engine/message_channel.h"
+#include "support/places.h"
 #include "support/plain_renderer.h"
 #include "support/temporary_folder.h"
 
@@ -43,7 +44,7 @@ class WorkerEngineTest : public ::testing::Test, protected HeardEvents {
     options.catalogue = Catalogue::from_sources({"torus:12", "torus:24", "torus:160"});
     options.renderer_choice = choice;
     if (worker.program.empty()) {
-      worker.program = ISOSTRATA_BIN_DIR "/isostrata-faulty-worker";
+      worker.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
       worker.arguments = {};
     }
     engine_ = std::make_unique<WorkerEngine>(std::move(options), std::move(worker),
@@ -164,7 +165,7 @@ TEST_F(WorkerEngineTest, ADragGoesOnOverADeath) {
 
 TEST_F(WorkerEngineTest, AWorkerThatStandsStillIsSaidToAndReplaced) {
   WorkerOptions options;
-  options.program = ISOSTRATA_BIN_DIR "/isostrata-faulty-worker";
+  options.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
   options.arguments = {};
   options.soft_limit = 800ms;
   options.hard_limit = 3000ms;
@@ -191,7 +192,7 @@ TEST_F(WorkerEngineTest, AWorkerThatStandsStillIsSaidToAndReplaced) {
 
 TEST_F(WorkerEngineTest, ADrawingThatHangsCanBeGivenUpByItsViewer) {
   WorkerOptions options;
-  options.program = ISOSTRATA_BIN_DIR "/isostrata-faulty-worker";
+  options.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
   options.arguments = {};
   options.soft_limit = 500ms;
   options.hard_limit = 600000ms;

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <string>
 
+#include "support/places.h"
+
 extern "C" {
 int fuzz_commands(const std::uint8_t* data, std::size_t size);
 int fuzz_request(const std::uint8_t* data, std::size_t size);
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 
 void replay(const char* name, int (*target)(const std::uint8_t*, std::size_t)) {
   int inputs = 0;
-  for (const auto& file : fs::directory_iterator(fs::path(ISOSTRATA_SOURCE_DIR) / "tests/fuzz/corpus" / name)) {
+  for (const auto& file : fs::directory_iterator(fs::path(isostrata::places::source()) / "tests/fuzz/corpus" / name)) {
     std::ifstream in(file.path(), std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(in), {});
     const auto run = [&](const std::string& input) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "support/places.h"
 #include "support/shared_data.h"
 
 namespace {
@@ -22,7 +23,7 @@ struct Ran {
 
 /// Standard error goes to standard output where `both`.
 Ran info(const std::string& arguments, bool both = false) {
-  const std::string command = std::string(ISOSTRATA_BIN_DIR) + "/isostrata info " + arguments + (both ? " 2>&1" : " 2>/dev/null");
+  const std::string command = isostrata::places::binaries() + "/isostrata info " + arguments + (both ? " 2>&1" : " 2>/dev/null");
   Ran ran;
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return ran;

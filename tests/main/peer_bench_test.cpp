@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "support/places.h"
 #include "support/run_isostrata.h"
 
 namespace {
@@ -19,7 +20,7 @@ double number(const json::value& value) { return value.to_number<double>(); }
 class PeerBench : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(ISOSTRATA_BIN_DIR "/isostrata-peer-bench")) GTEST_SKIP() << "built without VTK: no peer bench";
+    if (!std::filesystem::exists(isostrata::places::binaries() + "/isostrata-peer-bench")) GTEST_SKIP() << "built without VTK: no peer bench";
   }
 
   static json::value extract(const std::string& arguments) {

@@ -20,6 +20,7 @@
 
 #include "net/raw_socket.h"
 #include "support/kept.h"
+#include "support/places.h"
 #include "support/temporary_folder.h"
 
 extern char** environ;
@@ -42,7 +43,7 @@ class ServeCommand : public ::testing::Test {
   }
 
   pid_t start(const std::string& program, std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), std::string(ISOSTRATA_BIN_DIR) + "/" + program);
+    arguments.insert(arguments.begin(), isostrata::places::binaries() + "/" + program);
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

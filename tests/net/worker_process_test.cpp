@@ -4,6 +4,7 @@
 #include <csignal>
 
 #include "net/running_server.h"
+#include "support/places.h"
 
 namespace isostrata {
 namespace {
@@ -14,7 +15,7 @@ using namespace std::chrono_literals;
 ServerOptions options_with_worker() {
   ServerOptions options;
   options.worker.emplace();
-  options.worker->program = ISOSTRATA_BIN_DIR "/isostrata-faulty-worker";
+  options.worker->program = isostrata::places::binaries() + "/isostrata-faulty-worker";
   options.worker->arguments.clear();
   return options;
 }

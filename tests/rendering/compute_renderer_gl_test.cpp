@@ -17,6 +17,7 @@
 #include "rendering/shaders/tile_layout.h"
 #include "support/oracle.h"
 #include "support/pictures.h"
+#include "support/places.h"
 
 namespace isostrata {
 namespace {
@@ -87,7 +88,7 @@ TEST(Compute, TheFramesUniformBlockIsTheSameInBothLanguages) {
   const auto context = open_context("surfaceless");
   context->make_current();
   const GlFunctions& gl = context->gl();
-  std::ifstream file(ISOSTRATA_SOURCE_DIR "/server/rendering/shaders/tile_layout.h");
+  std::ifstream file(isostrata::places::source() + "/server/rendering/shaders/tile_layout.h");
   const std::string layout{std::istreambuf_iterator<char>(file), {}};
   const GlObject program = make_compute_program(gl, layout.c_str(),
                                                 "layout(local_size_x = 1) in;\n"

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "support/places.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata::testing {
@@ -30,7 +31,7 @@ inline CommandResult run_program(const std::string& program, const std::string& 
   const TemporaryFolder folder;
   const auto out = folder / "out", err = folder / "err";
   const std::string command =
-      environment + " '" ISOSTRATA_BIN_DIR "/" + program + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
+      environment + " '" + isostrata::places::binaries() + "/" + program + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
   const int state = std::system(command.c_str());
   return {WIFEXITED(state) ? WEXITSTATUS(state) : -1, read_text(out), read_text(err)};
 }

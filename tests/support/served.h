@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "support/places.h"
 #include "support/run_isostrata.h"
 #include "support/temporary_folder.h"
 
@@ -106,7 +107,7 @@ class Served {
     return server_->wait();
   }
 
-  static std::string program(const std::string& name) { return std::string(ISOSTRATA_BIN_DIR) + "/" + name; }
+  static std::string program(const std::string& name) { return isostrata::places::binaries() + "/" + name; }
   const std::string& url() const { return url_; }
   Process& process() { return *server_; }
   /// `isostrata-client URL ARGUMENTS`.

@@ -6,12 +6,14 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "support/places.h"
+
 namespace isostrata::testing {
 
 /// $ISOSTRATA_TEST_DATA, or ../shared/data beside the project.
 inline std::filesystem::path shared_data() {
   const char* given = std::getenv("ISOSTRATA_TEST_DATA");
-  return given && *given ? std::filesystem::path(given) : std::filesystem::path(ISOSTRATA_SOURCE_DIR) / ".." / "shared" / "data";
+  return given && *given ? std::filesystem::path(given) : std::filesystem::path(isostrata::places::source()) / ".." / "shared" / "data";
 }
 
 #define ISOSTRATA_NEEDS_SHARED_DATA()                                              \

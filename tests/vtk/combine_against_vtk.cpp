@@ -24,6 +24,7 @@
 #include "data/analytic.h"
 #include "data/dataset.h"
 #include "extraction/extract_layers.h"
+#include "support/places.h"
 #include "support/shared_data.h"
 
 namespace isostrata {
@@ -201,7 +202,7 @@ void compare(const std::shared_ptr<const Dataset>& dataset, const std::string& f
 
 std::shared_ptr<const Dataset> open(const std::filesystem::path& path) {
   OpenOptions options;
-  options.importer = std::filesystem::path(ISOSTRATA_BIN_DIR) / "isostrata-import";
+  options.importer = std::filesystem::path(isostrata::places::binaries()) / "isostrata-import";
   const Task task;
   return open_dataset(path.string(), options, task);
 }
