@@ -1,4 +1,5 @@
 // Generates src/gen from the protocol's one schema. protoc comes from the system (Debian: protobuf-compiler).
+import './node-version.js';
 import { spawnSync } from 'node:child_process';
 import { mkdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
