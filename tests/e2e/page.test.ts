@@ -339,6 +339,24 @@ describe('the rest of the page', () => {
     await viewer.exactPicture();
   });
 
+  for (const colorScheme of ['dark', 'light'] as const)
+    test(`stays where it is under a wheel over the histogram, ${colorScheme}`, async () => {
+      await open({ width: 1100, height: 620, colorScheme });
+      const top = () => viewer.page.locator('header.top').evaluate((element) => element.getBoundingClientRect().top);
+      const plot = (await viewer.page.locator('.plot').boundingBox()) as { x: number; y: number; width: number; height: number };
+      for (const [x, y] of [[plot.x + plot.width / 2, plot.y + 40], [1000, 300]] as const) {
+        await viewer.page.mouse.move(x, y);
+        for (let i = 0; i < 20; i++) await viewer.page.mouse.wheel(0, 200);
+        await viewer.page.waitForTimeout(300);
+        expect(await top()).toBe(0);
+      }
+      const { scroll, room } = await viewer.page.evaluate(() => ({ scroll: document.documentElement.scrollHeight, room: window.innerHeight }));
+      expect(scroll).toBe(room);
+      await viewer.photograph(`wheel-${colorScheme}.png`);
+      // The settings did scroll, under their own wheel.
+      expect(await viewer.page.locator('aside.panel').evaluate((element) => element.scrollTop)).toBeGreaterThan(50);
+    });
+
   test('fits a narrow window, in light colours, without a sideways scroll', async () => {
     await open({ width: 390, height: 800, colorScheme: 'light' });
     const overflow = await viewer.page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);

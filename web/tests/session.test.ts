@@ -3,6 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
 import type { Connection, ConnectionStatus } from '../src/lib/connection';
 import type { ServerEvent } from '../src/lib/model';
+import { badgeOf } from '../src/lib/picture-words';
 import { decodeEvent, type Command } from '../src/lib/protocol';
 import { SavedTab } from '../src/lib/saved';
 import { Session } from '../src/lib/session.svelte';
@@ -189,6 +190,22 @@ describe('the store', () => {
     expect(find('cancel')?.body.value.operation).toBe(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
     expect(session.progress).toEqual([]);
+  });
+
+  test('after Cancel the picture is called older than the controls until a newer one comes', () => {
+    const { session, says } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    const frame = (revision: bigint): Body => ({ case: 'frame', value: { revision, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
+    const word = () => session.frame && badgeOf(session.frame, session.view.revision, false, 600).word;
+    says(frame(1n));
+    expect(word()).toBe('exact');
+    says({ case: 'state', value: state(2, interval(1, 0, 3)) });
+    says({ case: 'progress', value: { operation: 4n, stage: 'extracting', fraction: 0.2 } });
+    session.cancel(4n);
+    says({ case: 'done', value: { operation: 4n, cancelled: true } });
+    expect(word()).toBe('older');
+    says(frame(2n));
+    expect(word()).toBe('exact');
   });
 
   test('after a reconnect to the same session keeps the server’s state', () => {

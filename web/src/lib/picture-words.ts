@@ -1,0 +1,45 @@
+// What a person is told about the picture: why there is nothing in it, and how far it can be trusted.
+import type { DatasetInfo, Frame, SceneState } from './model';
+
+type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'>;
+
+/** Why the picture has to be empty; null where something is to be seen, or nobody knows yet. */
+export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Pick<Frame, 'tetrahedra'> | null): string | null {
+  if (!view.dataset || info?.id !== view.dataset) return null;
+  if (info.cells === 0)
+    return `Nothing to show: ${info.name} has ${info.points.toLocaleString('en')} points and no cells. Layers are cut out of cells.`;
+  if (info.arrays.length === 0) return `Nothing to show: ${info.name} has no array of numbers, so there are no values to cut at.`;
+  if (view.intervals.length === 0) return 'No layers yet. Drag across the histogram below to make one.';
+  const seen = view.intervals.filter((interval) => interval.visible);
+  if (seen.length === 0 && !view.terms.some((term) => !term.hidden)) return 'Nothing to show: all layers are hidden.';
+  if (frame?.tetrahedra !== 0) return null;
+  const array = info.arrays.find((a) => a.name === view.array);
+  if (array && !(array.lower <= array.upper)) return `Nothing to show: ${view.array} has no finite value.`;
+  const step = info.times.length > 1 ? ' at this time' : '';
+  return `Nothing to show: no cell${step} has values of ${view.array} in any layer${view.terms.length ? ', as they are combined' : ''}.`;
+}
+
+export interface Badge {
+  word: string;
+  kind: 'moving' | 'settled' | 'exact' | 'empty' | 'older';
+  title: string;
+}
+
+/** "exact" only where the newest state is in the picture, losslessly, and something to be exact about. */
+export function badgeOf(frame: Shown, revision: number, empty: boolean, viewportHeight: number): Badge {
+  if (frame.phase === 'moving') {
+    // Of the viewport's height, where the connection is too slow for all of it.
+    const share = frame.height / viewportHeight;
+    return {
+      word: share < 0.98 ? `moving at ${Math.round(share * 100)} %` : 'moving',
+      kind: 'moving',
+      title: 'A quick picture while something changes, as good as the connection carries: its colours are not exact.',
+    };
+  }
+  if (frame.phase === 'settled')
+    return { word: 'settled', kind: 'settled', title: 'Of full size and good quality; the exact picture is on its way.' };
+  if (frame.revision < revision)
+    return { word: 'older', kind: 'older', title: 'The picture shows an earlier state than the controls. Any change draws the newest one.' };
+  if (empty) return { word: 'nothing to show', kind: 'empty', title: 'The words on the picture say why.' };
+  return { word: 'exact', kind: 'exact', title: 'Lossless: the colours are exact.' };
+}

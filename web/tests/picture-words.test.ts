@@ -1,0 +1,56 @@
+import { expect, test } from 'vitest';
+import { emptyState, type DatasetInfo, type Interval, type SceneState } from '../src/lib/model';
+import { badgeOf, emptyReason } from '../src/lib/picture-words';
+
+const interval = (id: number, more: Partial<Interval> = {}): Interval => ({
+  id,
+  lower: 0,
+  upper: 1,
+  color: [1, 0, 0],
+  colorMap: '',
+  opacity: 0.5,
+  priority: 0,
+  visible: true,
+  ...more,
+});
+const info: DatasetInfo = {
+  id: 'fin',
+  name: 'fin.vtu',
+  grid: 'unstructured',
+  points: 8750,
+  cells: 12,
+  cellTypes: [],
+  bounds: null,
+  arrays: [{ name: 'p', association: 'point', type: 'float32', components: 1, nanCount: 0, lower: 0, upper: 9 }],
+  times: [0],
+  notes: [],
+};
+const view: SceneState = { ...emptyState, dataset: 'fin', array: 'p', revision: 5, intervals: [interval(1)] };
+const full = { tetrahedra: 40 };
+const none = { tetrahedra: 0 };
+
+test('an empty picture is explained by what is missing, and a full one is not', () => {
+  expect(emptyReason(view, info, full)).toBeNull();
+  expect(emptyReason(view, info, null)).toBeNull();
+  expect(emptyReason(view, { ...info, cells: 0 }, none)).toContain('8,750 points and no cells');
+  expect(emptyReason(view, { ...info, arrays: [] }, none)).toContain('no array of numbers');
+  expect(emptyReason({ ...view, intervals: [] }, info, none)).toContain('No layers yet');
+  expect(emptyReason({ ...view, intervals: [interval(1, { visible: false })] }, info, full)).toContain('hidden');
+  expect(emptyReason(view, info, none)).toContain('no cell has values of p in any layer');
+  expect(emptyReason(view, { ...info, times: [0, 1] }, none)).toContain('at this time');
+  expect(emptyReason(view, { ...info, arrays: [{ ...info.arrays[0]!, lower: 1, upper: -1 }] }, none)).toContain('no finite value');
+  // Of another dataset than the one that is chosen nobody knows yet.
+  expect(emptyReason({ ...view, dataset: 'other' }, { ...info, cells: 0 }, none)).toBeNull();
+});
+
+test('the badge says exact only of the newest state, losslessly, where there is something', () => {
+  const frame = { phase: 'exact' as const, revision: 5, tetrahedra: 40, height: 600 };
+  const word = (change: object, revision = 5, empty = false) => badgeOf({ ...frame, ...change }, revision, empty, 600).word;
+  expect(word({})).toBe('exact');
+  expect(word({}, 6)).toBe('older');
+  expect(word({}, 5, true)).toBe('nothing to show');
+  expect(word({}, 6, true)).toBe('older');
+  expect(word({ phase: 'settled' }, 5)).toBe('settled');
+  expect(word({ phase: 'moving', height: 300 }, 6)).toBe('moving at 50 %');
+  expect(word({ phase: 'moving' })).toBe('moving');
+});
