@@ -5,6 +5,7 @@
 #include "data/analytic.h"
 #include "extraction/small_grids.h"
 #include "laws/partition_law.h"
+#include "support/sample_files.h"
 #include "support/shared_data.h"
 
 namespace isostrata {
@@ -20,12 +21,30 @@ void expect_laws(const Dataset& data, const PointArray& array, int parts) {
   EXPECT_LE(law.unexplained(), kRounding) << data.name << " " << array.name << ", partition error " << law.error();
 }
 
+TEST(Laws, HoldOnEveryKindOfGridAndCell) {
+  const testing::TemporaryFolder folder;
+  for (const testing::SampleFile& sample : testing::write_sample_files(folder))
+    for (int step = 0; step < sample.steps; ++step) {
+      OpenOptions options;
+      options.step = step;
+      const auto data = open_dataset(sample.path.string(), options, Task());
+      const std::string where = sample.path.filename().string() + " step " + std::to_string(step);
+      for (const PointArray& array : data->arrays) {
+        SCOPED_TRACE(where + " " + array.name);
+        const laws::Solid all = laws::measure_solid(*data, array, {{-1e6, 1e6}}, nullptr);
+        EXPECT_NEAR(std::abs(all.signed_volume), sample.volume, 1e-12 * sample.volume) << "the volume of the cells";
+        EXPECT_EQ(all.unmatched, 0);
+        expect_laws(*data, array, 5);
+      }
+    }
+}
+
 struct Sample {
   const char* file;
   std::vector<const char*> arrays;
 };
 
-TEST(Laws, HoldOnEveryKindOfGridOfTheSharedData) {
+TEST(SharedDataLaws, HoldOnEveryKindOfGrid) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   const std::vector<Sample> samples{
       {"exo_can/can.vtu", {"EQPS", "DISPL_y"}},                   // badly shaped hexahedra

@@ -1,4 +1,6 @@
-// Real datasets that others made; not part of the project and may be absent.
+// Real datasets that others made; not part of the project and may be absent. Only suites whose names begin with SharedData read them:
+// ctest knows these only while the data is there (tests/CMakeLists.txt). The law that a file is an example of is tested elsewhere by a
+// file that the test writes itself.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,6 +18,7 @@ inline std::filesystem::path shared_data() {
   return given && *given ? std::filesystem::path(given) : std::filesystem::path(isostrata::places::source()) / ".." / "shared" / "data";
 }
 
+/// For who runs the executable by hand.
 #define ISOSTRATA_NEEDS_SHARED_DATA()                                              \
   if (!std::filesystem::exists(::isostrata::testing::shared_data() / "README.md")) \
   GTEST_SKIP() << "no test data at " << ::isostrata::testing::shared_data() << "; set ISOSTRATA_TEST_DATA"

@@ -94,18 +94,47 @@ inline std::string vti_text(std::array<int, 3> first, std::array<int, 3> points,
                                    "</CellData></Piece></ImageData>\n");
 }
 
-/// The same as explicit points, in a .vts file.
-inline std::string vts_text(std::array<int, 3> points, const std::string& point_arrays, const std::string& cell_arrays = "") {
+/// A rectilinear grid that becomes a .vtr file.
+inline std::string vtr_text(const std::array<std::vector<double>, 3>& axes, const std::string& point_arrays,
+                            const std::string& cell_arrays = "") {
+  std::string extent, coordinates;
+  for (std::size_t a = 0; a < 3; ++a) {
+    extent += "0 " + std::to_string(axes[a].size() - 1) + " ";
+    coordinates += data_array(std::string(1, "xyz"[a]), "Float64", axes[a]);
+  }
+  return vtk_file("RectilinearGrid", "<RectilinearGrid WholeExtent=\"" + extent + "\">\n<Piece Extent=\"" + extent +
+                                         "\"><PointData>" + point_arrays + "</PointData><CellData>" + cell_arrays +
+                                         "</CellData><Coordinates>" + coordinates + "</Coordinates></Piece></RectilinearGrid>\n");
+}
+
+/// A structured grid over these points that becomes a .vts file.
+inline std::string vts_text(std::array<int, 3> dims, const std::vector<Vec3d>& points, const std::string& point_arrays,
+                            const std::string& cell_arrays = "") {
   std::string extent;
   std::vector<double> flat;
-  for (std::size_t a = 0; a < 3; ++a) extent += "0 " + std::to_string(points[a] - 1) + " ";
-  for (int k = 0; k < points[2]; ++k)
-    for (int j = 0; j < points[1]; ++j)
-      for (int i = 0; i < points[0]; ++i) flat.insert(flat.end(), {double(i), double(j), double(k)});
+  for (std::size_t a = 0; a < 3; ++a) extent += "0 " + std::to_string(dims[a] - 1) + " ";
+  for (const Vec3d& p : points) flat.insert(flat.end(), {p.x, p.y, p.z});
   return vtk_file("StructuredGrid", "<StructuredGrid WholeExtent=\"" + extent + "\">\n<Piece Extent=\"" + extent +
                                         "\"><PointData>" + point_arrays + "</PointData><CellData>" + cell_arrays +
                                         "</CellData><Points>" + data_array("Points", "Float64", flat, 3) +
                                         "</Points></Piece></StructuredGrid>\n");
+}
+
+/// Points at whole numbers.
+inline std::string vts_text(std::array<int, 3> dims, const std::string& point_arrays, const std::string& cell_arrays = "") {
+  std::vector<Vec3d> points;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i) points.push_back({double(i), double(j), double(k)});
+  return vts_text(dims, points, point_arrays, cell_arrays);
+}
+
+/// A list of files, each with its time, that becomes a .pvd file.
+inline std::string pvd_text(const std::vector<std::pair<double, std::string>>& steps) {
+  std::ostringstream list;
+  list.precision(17);
+  for (const auto& [time, file] : steps) list << "<DataSet timestep=\"" << time << "\" file=\"" << file << "\"/>\n";
+  return vtk_file("Collection", "<Collection>\n" + list.str() + "</Collection>\n");
 }
 
 }  // namespace isostrata::testing
