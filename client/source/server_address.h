@@ -1,8 +1,6 @@
 // A server's printed URL, taken apart.
 #pragma once
 
-#include <boost/url/parse.hpp>
-#include <boost/url/url_view.hpp>
 #include <string>
 
 #include "isostrata/options.h"
@@ -18,22 +16,8 @@ struct ServerAddress {
   std::string token;
 };
 
-inline ServerAddress parse_address(const Options& options) {
-  const auto url = boost::urls::parse_uri(options.url);
-  if (!url || (url->scheme() != "http" && url->scheme() != "https") || url->host().empty())
-    throw ClientError("bad_url", "'" + options.url.substr(0, options.url.find('?')) +
-                                     "' is not a server's address; expected http://HOST:PORT/ or https://HOST:PORT/");
-  ServerAddress address;
-  address.tls = url->scheme() == "https";
-  address.host = url->encoded_host();
-  address.connect_to = url->host_address();
-  address.port = url->has_port() ? std::string(url->port()) : address.tls ? "443" : "80";
-  address.base_path = url->encoded_path();
-  if (!address.base_path.ends_with('/')) address.base_path += '/';
-  address.token = options.token;
-  for (const auto& parameter : url->params())
-    if (parameter.key == "token") address.token = parameter.value;
-  return address;
-}
+/// options.url is http://HOST:PORT/ or https://HOST:PORT/, with a prefix to the path and a query where there are some; a token in
+/// the query comes before options.token. Throws ClientError "bad_url".
+ServerAddress parse_address(const Options& options);
 
 }  // namespace isostrata::client

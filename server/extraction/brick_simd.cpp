@@ -88,6 +88,10 @@ ISOSTRATA_FOR_EACH_SCALAR(ISOSTRATA_DEFINE)
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#ifndef HWY_DYNAMIC_POINTER  // Highway before 1.1
+#define HWY_DYNAMIC_POINTER(NAME) &HWY_DYNAMIC_DISPATCH(NAME)
+#endif
+
 namespace isostrata {
 namespace {
 
@@ -108,7 +112,7 @@ ISOSTRATA_FOR_EACH_SCALAR(ISOSTRATA_EXPORT)
   template <>                                                                                \
   BrickSimd<T> brick_simd<T>() {                                                             \
     choose_target();                                                                         \
-    return {&HWY_DYNAMIC_DISPATCH(IncludeRow##NAME), &HWY_DYNAMIC_DISPATCH(TestRows##NAME)}; \
+    return {HWY_DYNAMIC_POINTER(IncludeRow##NAME), HWY_DYNAMIC_POINTER(TestRows##NAME)};     \
   }
 ISOSTRATA_FOR_EACH_SCALAR(ISOSTRATA_CHOOSE)
 

@@ -3,12 +3,14 @@
 #include <vtkCellArray.h>
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
+#include <vtkDataArray.h>
 #include <vtkIdList.h>
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkVersionMacros.h>
 
 #include <array>
 #include <map>
@@ -83,7 +85,11 @@ class CellKeeper {
     const vtkIdType count = cells_->GetNumberOfCells();
     if (types->GetNumberOfValues() != count)
       broken(std::to_string(types->GetNumberOfValues()) + " cell types for " + std::to_string(count) + " cells");
-    check_offsets(count);
+    check_offsets(cells_, "cell");
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 4, 0)
+    if (vtkCellArray* faces = grid_->GetPolyhedronFaces()) check_offsets(faces, "face");
+    if (vtkCellArray* of_cells = grid_->GetPolyhedronFaceLocations()) check_offsets(of_cells, "polyhedron");
+#endif
     kept_.types.reserve(static_cast<std::size_t>(count));
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
     for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
@@ -97,15 +103,15 @@ class CellKeeper {
   [[noreturn]] void broken(const std::string& what) const { throw Error(ErrorCode::bad_data, name_ + ": " + what); }
 
   /// Offsets are checked here, because IsValid and GetCellAtId trust them.
-  void check_offsets(vtkIdType count) const {
-    const vtkIdType ids = cells_->GetNumberOfConnectivityIds();
-    const bool wide = cells_->IsStorage64Bit();
+  void check_offsets(vtkCellArray* cells, const std::string& what) const {
+    const vtkIdType ids = cells->GetNumberOfConnectivityIds(), count = cells->GetNumberOfCells();
+    vtkDataArray* const offsets = cells->GetOffsetsArray();  // of 32 or of 64 bits
     vtkIdType previous = 0;
     for (vtkIdType c = 0; c <= count && count > 0; ++c) {
-      const vtkIdType offset = wide ? cells_->GetOffsetsArray64()->GetValue(c) : cells_->GetOffsetsArray32()->GetValue(c);
+      const auto offset = static_cast<vtkIdType>(offsets->GetComponent(c, 0));
       if (offset < previous || offset > ids || (c == 0 && offset != 0))
-        broken("offset " + std::to_string(offset) + " of cell " + std::to_string(c) + " is out of order (" + std::to_string(ids) +
-               " connectivity entries)");
+        broken("offset " + std::to_string(offset) + " of " + what + " " + std::to_string(c) + " is out of order (" +
+               std::to_string(ids) + " connectivity entries)");
       previous = offset;
     }
   }
@@ -169,6 +175,27 @@ class CellKeeper {
     kept_.source.push_back(c);
   }
 
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 4, 0)
+  /// A cell array of faces, and another that says which faces a cell has; offsets were checked.
+  void read_face_stream(vtkIdType c) {
+    vtkCellArray* const faces = grid_->GetPolyhedronFaces();
+    vtkCellArray* const of_cells = grid_->GetPolyhedronFaceLocations();
+    const vtkIdType count = faces ? faces->GetNumberOfCells() : 0;
+    faces_.clear();
+    if (!of_cells || c >= of_cells->GetNumberOfCells()) broken("there are no faces of polyhedron " + std::to_string(c));
+    of_cells->GetCellAtId(c, face_ids_);
+    for (vtkIdType f = 0; f < face_ids_->GetNumberOfIds(); ++f) {
+      const vtkIdType face = face_ids_->GetId(f);
+      if (face < 0 || face >= count)
+        broken("face " + std::to_string(f) + " of polyhedron " + std::to_string(c) + " is number " + std::to_string(face) +
+               " of " + std::to_string(count));
+      faces->GetCellAtId(face, corners_);
+      cycle_.clear();
+      for (vtkIdType v = 0; v < corners_->GetNumberOfIds(); ++v) cycle_.push_back(checked(c, corners_->GetId(v)));
+      faces_.add(cycle_);
+    }
+  }
+#else
   /// GetFaceStream trusts the locations and counts in the file, so they are read here.
   void read_face_stream(vtkIdType c) {
     vtkIdTypeArray* stream = grid_->GetFaces();
@@ -192,6 +219,7 @@ class CellKeeper {
       faces_.add(cycle_);
     }
   }
+#endif
 
   /// The hull of the cell's points, which are in corners_.
   void read_point_set(vtkIdType c) {
@@ -279,7 +307,7 @@ class CellKeeper {
   std::map<int, std::int64_t> skipped_, open_, linearised_, whole_;
   std::map<int, Split> split_;
   std::int64_t overlapping_ = 0;
-  vtkNew<vtkIdList> corners_;
+  vtkNew<vtkIdList> corners_, face_ids_;
   std::vector<std::int64_t> cycle_;
   PolyhedronFaces faces_;
   PolyhedronSplit pieces_;

@@ -16,6 +16,7 @@ namespace isostrata {
 namespace {
 
 namespace json = boost::json;
+using boost::system::error_code;
 
 // Listens to a JSON parser for members that stand twice: which of them counts is a question that two parsers answer differently.
 class DuplicateFinder {
@@ -27,38 +28,38 @@ class DuplicateFinder {
 
   std::string twice;  // the first such member
 
-  bool on_object_begin(json::error_code&) {
+  bool on_object_begin(error_code&) {
     members_.emplace_back();
     return true;
   }
-  bool on_object_end(std::size_t, json::error_code&) {
+  bool on_object_end(std::size_t, error_code&) {
     members_.pop_back();
     return true;
   }
-  bool on_key_part(json::string_view part, std::size_t, json::error_code&) {
+  bool on_key_part(json::string_view part, std::size_t, error_code&) {
     key_.append(part.data(), part.size());
     return true;
   }
-  bool on_key(json::string_view part, std::size_t, json::error_code&) {
+  bool on_key(json::string_view part, std::size_t, error_code&) {
     key_.append(part.data(), part.size());
     if (!members_.back().insert(key_).second && twice.empty()) twice = key_;
     key_.clear();
     return true;
   }
-  bool on_document_begin(json::error_code&) { return true; }
-  bool on_document_end(json::error_code&) { return true; }
-  bool on_array_begin(json::error_code&) { return true; }
-  bool on_array_end(std::size_t, json::error_code&) { return true; }
-  bool on_string_part(json::string_view, std::size_t, json::error_code&) { return true; }
-  bool on_string(json::string_view, std::size_t, json::error_code&) { return true; }
-  bool on_number_part(json::string_view, json::error_code&) { return true; }
-  bool on_int64(std::int64_t, json::string_view, json::error_code&) { return true; }
-  bool on_uint64(std::uint64_t, json::string_view, json::error_code&) { return true; }
-  bool on_double(double, json::string_view, json::error_code&) { return true; }
-  bool on_bool(bool, json::error_code&) { return true; }
-  bool on_null(json::error_code&) { return true; }
-  bool on_comment_part(json::string_view, json::error_code&) { return true; }
-  bool on_comment(json::string_view, json::error_code&) { return true; }
+  bool on_document_begin(error_code&) { return true; }
+  bool on_document_end(error_code&) { return true; }
+  bool on_array_begin(error_code&) { return true; }
+  bool on_array_end(std::size_t, error_code&) { return true; }
+  bool on_string_part(json::string_view, std::size_t, error_code&) { return true; }
+  bool on_string(json::string_view, std::size_t, error_code&) { return true; }
+  bool on_number_part(json::string_view, error_code&) { return true; }
+  bool on_int64(std::int64_t, json::string_view, error_code&) { return true; }
+  bool on_uint64(std::uint64_t, json::string_view, error_code&) { return true; }
+  bool on_double(double, json::string_view, error_code&) { return true; }
+  bool on_bool(bool, error_code&) { return true; }
+  bool on_null(error_code&) { return true; }
+  bool on_comment_part(json::string_view, error_code&) { return true; }
+  bool on_comment(json::string_view, error_code&) { return true; }
 
  private:
   std::vector<std::set<std::string>> members_;
@@ -101,7 +102,7 @@ HttpResponse message_response(int status, const google::protobuf::Message& messa
 
 std::optional<v1::Error> parse_object(const std::string& body, json::object& object) {
   json::basic_parser<DuplicateFinder> finder(json::parse_options{});
-  json::error_code error;
+  error_code error;
   const std::size_t used = finder.write_some(false, body.data(), body.size(), error);
   const bool more = !error && body.find_first_not_of(" \t\r\n", used) != std::string::npos;
   if (error || more)
