@@ -1,23 +1,48 @@
 # shellcheck shell=bash
-# Bare Debian 12 root folders for prove-bare and prove-dockerfile, which source this file. Needs root, debootstrap and a Debian machine.
-# A folder gets nothing of this machine but the way to the network: its mirror, its name servers, the certificates added to it.
+# Bare Debian root folders for prove-bare, prove-dockerfile and tests/bench/peers, which source this file. Needs root, debootstrap and a
+# Debian machine, of whatever release. A folder gets nothing of this machine but the way to the network: its mirror, its name servers, the
+# certificates added to it.
 
-# make_bare_root DIR: what debootstrap calls minbase, with /proc and /dev mounted.
+# make_bare_root DIR [SUITE]: what debootstrap calls minbase of bookworm, trixie or forky, with /proc and /dev mounted.
 make_bare_root() {
-  local dir=$1 mirror
+  local dir=$1 suite=${2:-bookworm} own from mirror script=/usr/share/debootstrap/scripts/${2:-bookworm}
   ((EUID == 0)) || { echo "making a root folder needs root" >&2; return 1; }
   command -v debootstrap >/dev/null || { echo "debootstrap is not installed" >&2; return 1; }
+  [[ -e $script ]] || script=${script%/*}/sid  # debootstrap is older than the suite
   # shellcheck disable=SC2016  # apt-get's own variables
-  local from='$(REPO_URI) $(RELEASE)'
-  mirror=$(apt-get indextargets --format "$from" 'Created-By: Packages' | awk '$2 == "bookworm" { print $1; exit }')
-  debootstrap --variant=minbase bookworm "$dir" ${mirror:+"$mirror"} >/dev/null
-  apt-get indextargets --format "$from" 'Created-By: Packages' | awk '$2 ~ /^bookworm/ { print "deb", $1, $2, "main" }' |
-    sort -u >"$dir/etc/apt/sources.list"
+  from=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages')
+  own=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
+  mirror=$(awk -v own="$own" '$2 == own { print $1; exit }' <<<"$from")
+  debootstrap --variant=minbase "$suite" "$dir" "${mirror:-http://deb.debian.org/debian}" "$script" >/dev/null
+  # This machine's sources with the other suite's name; what is not released yet has neither updates nor security's.
+  awk -v own="$own" -v suite="$suite" 'index($2, own) == 1 {
+      part = substr($2, length(own) + 1)
+      if (part == "" || suite ~ /^(bookworm|trixie)$/) print "deb", $1, suite part, "main"
+    }' <<<"$from" | sort -u >"$dir/etc/apt/sources.list"
   apt-config dump | grep -E '^Acquire::(Check|http|Retries)' >"$dir/etc/apt/apt.conf.d/90network" || true
   cp -L /etc/resolv.conf /etc/hosts "$dir/etc/"
   mkdir -p "$dir/usr/local/share/ca-certificates"
   cp -L /usr/local/share/ca-certificates/*.crt "$dir/usr/local/share/ca-certificates/" 2>/dev/null || true
   mount_bare_root "$dir"
+}
+
+# keep_cache DIR FOLDER: what is compiled in the root is kept in FOLDER for another root of the same suite; says what is there already.
+keep_cache() {
+  mkdir -p "$1/root/.cache/ccache" "$2"
+  mount --bind "$2" "$1/root/.cache/ccache"
+  if [[ $(ls -A "$2") ]]; then
+    echo "== compiler cache: warm, $(du -smx "$2" | cut -f1) MB in $2"
+  else
+    echo "== compiler cache: cold, kept in $2"
+  fi
+}
+
+# clone_into_bare_root DIR REPOSITORY: what is committed, at /srv/isostrata; a clone that is there already is brought up to it.
+clone_into_bare_root() {
+  local clone=$1/srv/isostrata
+  [[ -e $clone ]] || git clone --quiet --no-hardlinks "$2" "$clone"
+  git -C "$clone" fetch --quiet "$2" HEAD
+  git -C "$clone" reset --quiet --hard FETCH_HEAD
 }
 
 mount_bare_root() {
@@ -26,7 +51,25 @@ mount_bare_root() {
 }
 
 # Unmounts everything below DIR, deepest first.
-unmount_bare_root() {
+un# keep_cache DIR FOLDER: what is compiled in the root is kept in FOLDER for another root of the same suite; says what is there already.
+keep_cache() {
+  mkdir -p "$1/root/.cache/ccache" "$2"
+  mount --bind "$2" "$1/root/.cache/ccache"
+  if [[ $(ls -A "$2") ]]; then
+    echo "== compiler cache: warm, $(du -smx "$2" | cut -f1) MB in $2"
+  else
+    echo "== compiler cache: cold, kept in $2"
+  fi
+}
+
+# clone_into_bare_root DIR REPOSITORY: what is committed, at /srv/isostrata, with nothing beside it.
+clone_into_bare_root() {
+  rm -rf "$1/srv/isostrata"
+  git clone --quiet --no-hardlinks "$2" "$1/srv/isostrata"
+  [[ $(ls -A "$1/srv") == isostrata ]] || { echo "$1/srv: expected nothing beside the clone" >&2; return 1; }
+}
+
+mount_bare_root() {
   awk -v dir="$1/" 'index($2, dir) == 1 { print $2 }' /proc/self/mounts | sort -r | while read -r at; do umount "$at"; done
 }
 
