@@ -31,19 +31,6 @@ TimePlace place_of(const LayerRequest& request, const Dataset& any, LayerTime& o
   return {request.step, request.step, 0};
 }
 
-bool moves(const Grid& a, const Grid& b, const Task& task) {
-  if (const auto* own = std::get_if<UniformGrid>(&a.shape)) {
-    const auto& other = std::get<UniformGrid>(b.shape);
-    return !(own->origin == other.origin && own->spacing == other.spacing);
-  }
-  if (const auto* own = std::get_if<RectilinearGrid>(&a.shape)) return own->axes != std::get<RectilinearGrid>(b.shape).axes;
-  for (std::int64_t i = 0; i < a.point_count(); ++i) {
-    if (i % 65536 == 0) task.check();
-    if (!(a.point(i) == b.point(i))) return true;
-  }
-  return false;
-}
-
 /// Cuts the terms' ranges out of a slice, whose tetrahedra are those of any mesh. carry(name) brings an array to the slice's
 /// points.
 template <class Carry>
@@ -170,7 +157,7 @@ std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSo
   }
 
   layers.dataset = place.weight == 1 ? second : first;
-  if (place.weight > 0 && place.weight < 1 && moves(first->grid, second->grid, task)) {
+  if (place.weight > 0 && place.weight < 1 && volume.moves()) {
     std::vector<std::string> names{name};
     for (const std::string& other : request.carry)
       if (std::find(names.begin(), names.end(), other) == names.end()) names.push_back(other);

@@ -14,6 +14,7 @@
 #include "extraction/space_time_cells.h"
 #include "extraction/space_time_volume.h"
 #include "extraction/structured_points.h"
+#include "extraction/time_steps.h"
 #include "tables/simplex_table.h"
 
 namespace isostrata {
@@ -433,6 +434,7 @@ SpaceTimeVolume::SpaceTimeVolume(std::shared_ptr<const Dataset> first, std::shar
   const IsoRules rules(intervals, complement);
   for (const IsoRule& rule : rules.rules()) intervals_.push_back({rule.lower, rule.upper});
   SpaceTimeBuilder(*this, find_space_time_cells(first_, second_, array, rules, max_bytes, task), rules, max_bytes, task).run();
+  moves_ = points_move(first_->grid, second_->grid, task);
   task.check();
 }
 

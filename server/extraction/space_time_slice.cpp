@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "base/parallel.h"
 #include "extraction/active_cells.h"
 #include "extraction/boundary_facets.h"
+#include "extraction/cell_geometry.h"
 #include "extraction/memory_budget.h"
 #include "extraction/space_time_volume.h"
 #include "tables/simplex_table.h"
@@ -110,11 +112,35 @@ class SpaceTimeSlicer {
     if (options_.values) out_.mesh.values.resize(count);
   }
 
+  /// Where a grid point is at the time. As between_steps() has it, to the last bit.
+  Vec3d grid_point(std::int64_t p) const {
+    const Vec3d at_first = volume_.first_->grid.point(p);
+    if (cut_ == first) return at_first;
+    const Vec3d at_second = volume_.second_->grid.point(p);
+    return cut_ == second ? at_second : at_first + (at_second - at_first) * time_;
+  }
+  /// Where a point of the volume's is in its cell, at the time of the cut instead of its own.
+  Vec3d moved(const SpaceTimeVolume::Point& point) const {
+    const std::int64_t np = volume_.grid_points_;
+    const Vec3d a = grid_point(point.a % np);
+    return point.a % np == point.b % np ? a : a + (grid_point(point.b % np) - a) * point.weight;
+  }
+  double tolerance_of(const SpaceTimeVolume::Run& run) const {
+    if (!volume_.moves_) return run.tolerance;
+    const Grid& grid = volume_.first_->grid;
+    std::array<std::int64_t, kMaxCellVertices> ids;
+    std::array<Vec3d, kMaxCellVertices> p;
+    const int n = grid.cell_points(run.cell, ids);
+    for (int v = 0; v < n; ++v) p[v] = grid_point(ids[v]);
+    return cell_handedness(topology(grid.cell_type(run.cell)), std::span(p).first(static_cast<std::size_t>(n))).tolerance;
+  }
+
   void set_point(std::uint32_t to, std::uint32_t a, std::uint32_t b, double weight) {
     const SpaceTimeVolume::Point& at_a = volume_.points_[a];
     const SpaceTimeVolume::Point& at_b = volume_.points_[b];
     out_.points[to] = {a, b, weight};
-    out_.mesh.positions[to] = at_a.position + (at_b.position - at_a.position) * weight;
+    const Vec3d from = volume_.moves_ ? moved(at_a) : at_a.position;
+    out_.mesh.positions[to] = from + ((volume_.moves_ ? moved(at_b) : at_b.position) - from) * weight;
     if (options_.values) out_.mesh.values[to] = at_a.value + (at_b.value - at_a.value) * weight;
   }
 
@@ -262,6 +288,7 @@ class SpaceTimeSlicer {
     const SliceTable& table = slice_table(4);
     IntervalMesh& mesh = out_.mesh;
     const SpaceTimeVolume::Run& run = volume_.runs_[r];
+    const double tolerance = options_.measure ? tolerance_of(run) : 0;
     std::uint64_t to = tetrahedra_before_[r], facet_to = options_.facets ? facets_before_[r] : 0;
     int summed = -1;
     Sums* own = nullptr;
@@ -291,7 +318,7 @@ class SpaceTimeSlicer {
           const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
           own->volume += std::abs(volume);
           own->signed_volume += volume;
-          own->inverted += volume < -run.tolerance;
+          own->inverted += volume < -tolerance;
         }
         if (options_.facets)
           for (int i = 0; i < 4; ++i) {

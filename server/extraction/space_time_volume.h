@@ -43,7 +43,9 @@ struct SpaceTimeSlice {
 ///
 /// The field is linear in each 4-simplex: on meshes of tetrahedra a slice at a step's time is that step's own interval volume,
 /// with the same points; other cells are taken as split into tetrahedra (space_time_cells.h). A point that moves between
-/// the steps moves along a straight line. A cell that is hidden, or not finite, at one of the steps is in no slice.
+/// the steps moves along a straight line, and its cells with it: the split is one of the cells' own coordinates and time, where
+/// a cell is a straight prism however its points move, and a slice is put where the grid is at that time. So slices fill the cells
+/// of that time just so, and turn over only where the split cell is turned over then. A cell that is hidden, or not finite, at one of the steps is in no slice.
 ///
 /// Memory: 50 bytes a 4-simplex, 8 an edge, 72 a point: about 3 kB for each active hexahedron.
 class SpaceTimeVolume {
@@ -66,6 +68,7 @@ class SpaceTimeVolume {
   const std::string& array() const { return array_; }
   const std::vector<Interval>& intervals() const { return intervals_; }  // the complement's, if any, last
   bool complement() const { return complement_; }
+  bool moves() const { return moves_; }  // whether any point has another position at the second step
   std::size_t simplices() const { return simplices_.size(); }
   std::size_t points() const { return points_.size(); }
   std::size_t edges() const { return edges_.size(); }
@@ -102,7 +105,7 @@ class SpaceTimeVolume {
   std::shared_ptr<const Dataset> first_, second_;
   std::string array_;
   std::vector<Interval> intervals_;
-  bool complement_;
+  bool complement_, moves_ = false;
   std::int64_t grid_points_ = 0, grid_cells_ = 0;
   Buffer<Point> points_;
   Buffer<double> times_;            // [points] in [0, 1]

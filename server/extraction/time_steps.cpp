@@ -102,15 +102,13 @@ bool exact_in_float(const PointArray& array) {
       array.values);
 }
 
-template <class V>
-std::shared_ptr<std::vector<V>> points_between(const Grid& first, const Grid& second, double weight, const Task& task) {
-  using T = decltype(V{}.x);
-  const auto points = owned<V>(first.point_count());
+std::shared_ptr<std::vector<Vec3d>> points_between(const Grid& first, const Grid& second, double weight, const Task& task) {
+  const auto points = owned<Vec3d>(first.point_count());
   parallel_for(first.point_count(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
     task.check();
     for (std::int64_t i = begin; i < end; ++i) {
-      const Vec3d a = first.point(i), at = a + (second.point(i) - a) * weight;
-      (*points)[i] = {static_cast<T>(at.x), static_cast<T>(at.y), static_cast<T>(at.z)};
+      const Vec3d a = first.point(i);
+      (*points)[i] = a + (second.point(i) - a) * weight;
     }
   });
   return points;
@@ -134,11 +132,7 @@ struct MovedPoints {
 MovedPoints move_points(const PointSpan& a, const PointSpan& b, const Grid& first, const Grid& second, double weight,
                         const Task& task) {
   if (same_points(a, b, task)) return {a, nullptr};
-  if (std::holds_alternative<std::span<const Vec3f>>(a) && std::holds_alternative<std::span<const Vec3f>>(b)) {
-    const auto points = points_between<Vec3f>(first, second, weight, task);
-    return {std::span<const Vec3f>(*points), points};
-  }
-  const auto points = points_between<Vec3d>(first, second, weight, task);
+  const auto points = points_between(first, second, weight, task);
   return {std::span<const Vec3d>(*points), points};
 }
 
@@ -244,6 +238,19 @@ void check_same_cells(const Dataset& first, const Dataset& second, const Task& t
            "cell " + std::to_string(after - at_a.offsets.begin() - 1) + " joins other points (" +
                std::to_string(at_a.connectivity[id]) + " and " + std::to_string(at_b.connectivity[id]) + ")");
   }
+}
+
+bool points_move(const Grid& a, const Grid& b, const Task& task) {
+  if (const auto* own = std::get_if<UniformGrid>(&a.shape)) {
+    const auto& other = std::get<UniformGrid>(b.shape);
+    return !(own->origin == other.origin && own->spacing == other.spacing);
+  }
+  if (const auto* own = std::get_if<RectilinearGrid>(&a.shape)) return own->axes != std::get<RectilinearGrid>(b.shape).axes;
+  for (std::int64_t i = 0; i < a.point_count(); ++i) {
+    if (i % 65536 == 0) task.check();
+    if (!(a.point(i) == b.point(i))) return true;
+  }
+  return false;
 }
 
 const PointArray& array_at_step(const Dataset& dataset, const std::string& name) {

@@ -28,6 +28,9 @@ int nearest_step(const std::string& dataset, std::span<const double> times, doub
 /// order. Positions, values and what is hidden may differ. O(cells), nothing where both steps share their memory.
 void check_same_cells(const Dataset& first, const Dataset& second, const Task& task);
 
+/// Whether any point of two steps of the same cells has another position. Throws cancelled. O(points).
+bool points_move(const Grid& first, const Grid& second, const Task& task);
+
 /// The named array of a step. Throws not_found, naming the step and the arrays that are there.
 const PointArray& array_at_step(const Dataset& dataset, const std::string& name);
 
