@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 
 #include "support/run_isostrata.h"
 #include "support/truncated_cubes.h"
@@ -204,6 +205,26 @@ TEST(BadInput, PolyhedraOfAllSortsConformAndTile) {
   expect_volume(file, "--interval 0:9", 27);
   expect_volume(file, "--interval 0:2.5 --interval 2.5:4 --interval 4:9", 27);
   expect_volume(file, "--interval 0:4.5", 13.5);  // half of the cube: the field is linear and stays so at added points
+}
+
+TEST(BadInput, ConvexPointSetsConformAndTileHoweverSmallTheirFacesAre) {
+  const TemporaryFolder folder;
+  for (const double depth : {0.3, 5e-5}) {
+    const auto mesh = isostrata::test::truncated_cubes({2, 3, 2}, 33, depth);
+    VtuText vtu;
+    vtu.points = mesh.points;
+    for (const auto& cell : mesh.cells) {
+      std::set<std::int64_t> ids;
+      for (const auto& face : cell) ids.insert(face.begin(), face.end());
+      vtu.add(41, {ids.begin(), ids.end()});
+    }
+    std::vector<double> values;
+    for (const Vec3d& p : mesh.points) values.push_back(p.x + p.y + p.z);
+    vtu.point_array("f", "Float64", values);
+    const auto file = folder.write("set.vtu", vtu.text());
+    expect_volume(file, "--interval 0:9", 12);
+    expect_volume(file, "--interval 0:2.5 --interval 2.5:4 --interval 4:9 --verify", 12);
+  }
 }
 
 TEST(BadInput, HiddenCellsAreNoPartOfAnything) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <numeric>
@@ -21,10 +22,10 @@ struct PolyhedralMesh {
   double volume = 0;
 };
 
-/// Unit cubes (i,j,k) below `cubes`: where one has a corner cut off, all that meet there have, in the middle third of their
-/// edges; the corners are octahedra inside, and less of them on the boundary. Octagons, triangles, and at random whole
+/// Unit cubes (i,j,k) below `cubes`: where one has a corner cut off, all that meet there have, at `depth` of their edges; the
+/// corners are octahedra inside, and less of them on the boundary. Octagons, triangles, and at random whole
 /// quadrilaterals too: only some corners are cut. Points are numbered at random.
-inline PolyhedralMesh truncated_cubes(std::array<std::int64_t, 3> cubes, std::uint64_t seed) {
+inline PolyhedralMesh truncated_cubes(std::array<std::int64_t, 3> cubes, std::uint64_t seed, double depth = 1.0 / 3) {
   using Corner = std::array<std::int64_t, 3>;
   std::mt19937_64 random(seed);
   PolyhedralMesh mesh;
@@ -35,12 +36,16 @@ inline PolyhedralMesh truncated_cubes(std::array<std::int64_t, 3> cubes, std::ui
         const bool inside = i > 0 && j > 0 && k > 0 && i < cubes[0] && j < cubes[1] && k < cubes[2];
         cut[{i, j, k}] = inside && random() % 4 != 0;
       }
-  // Points are named by six times their position.
+  // Points are named by six times their position where the depth is a third.
+  const auto place = [&](std::int64_t six) {
+    const double corner = std::round(static_cast<double>(six) / 6);
+    return corner + (static_cast<double>(six) - 6 * corner) / 2 * depth;
+  };
   std::map<Corner, std::int64_t> number;
   const auto point = [&](const Corner& six) {
     const auto [entry, fresh] = number.try_emplace(six, static_cast<std::int64_t>(mesh.points.size()));
     if (fresh)
-      mesh.points.push_back({static_cast<double>(six[0]) / 6, static_cast<double>(six[1]) / 6, static_cast<double>(six[2]) / 6});
+      mesh.points.push_back({place(six[0]), place(six[1]), place(six[2])});
     return entry->second;
   };
   const auto towards = [](const Corner& from, const Corner& to) {
