@@ -539,7 +539,7 @@ class Engine::Impl {
       const auto summaries = interval_summaries(*order.extracted, order.scene);
       for (std::size_t i = 0; i < summaries.size(); ++i) {
         const IntervalFacts part{order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra,
-                                 summaries[i].volume};
+                                 summaries[i].signed_volume};
         if (i == 0 || part.id != frame.intervals.back().id) {
           frame.intervals.push_back(part);
           continue;

@@ -1,5 +1,6 @@
 #include <boost/json.hpp>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "extraction/check_laws.h"
 #include "extraction/extract_intervals.h"
 #include "extraction/extract_layers.h"
+#include "extraction/volume_error.h"
 #include "extraction/write_mesh.h"
 #include "main/arguments.h"
 #include "main/commands.h"
@@ -36,9 +38,10 @@ struct Timing {
   double proof = 0;                                                          // apart: not part of total
 };
 
-/// What --json and --verify find out beyond counting.
+/// What --verify finds out beyond counting.
 struct Proof {
   std::optional<Partition> partition;  // of plain ranges of one step's array
+  std::vector<double> volume_errors;   // of each interval, likewise; also between two steps, but not in space-time
   std::vector<BrokenLaw> broken;
 };
 constexpr double kPartitionTolerance = 1e-9;
@@ -80,7 +83,7 @@ boost::json::object to_json(const StrictSummary& strict) {
           {"added_points", strict.added_points}};
 }
 
-boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Proof& proof, const Timing& ms,
+boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms,
                             const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries) {
@@ -88,8 +91,9 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                             {"upper", row.interval.upper},
                                             {"active_cells", row.active_cells},
                                             {"tetrahedra", row.tetrahedra},
-                                            {"volume", row.volume},
+                                            {"volume", row.signed_volume},
                                             {"signed_volume", row.signed_volume},
+                                            {"absolute_volume", row.volume},
                                             {"inverted", row.inverted}});
     if (row.term >= 0) intervals.back().as_object().emplace("term", row.term);
   }
@@ -101,7 +105,6 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
           {"boundary_facets", boost::json::object{{"lower", facets.lower}, {"upper", facets.upper}, {"domain", facets.domain}}},
           {"intervals", std::move(intervals)},
           {"strict", to_json(mesh.strict)},
-          {"partition_error", proof.partition ? boost::json::value(proof.partition->error) : boost::json::value(nullptr)},
           {"ms", boost::json::object{{"load", ms.load},
                                      {"index", ms.index},
                                      {"extract", ms.extract},
@@ -117,11 +120,12 @@ void print_text(const IntervalMesh& mesh, const std::string& array, const FacetC
   std::printf("%s: %lld of %lld cells active, %zu tetrahedra, %zu points\n", array.c_str(),
               static_cast<long long>(mesh.active_cells), static_cast<long long>(mesh.cells), mesh.tetrahedra.size(),
               mesh.positions.size());
-  std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "signed volume",
+  std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "absolute volume",
               "inverted");
   for (const IntervalSummary& row : mesh.summaries)
     std::printf("%14.8g %14.8g %10lld %10lld %16.10g %16.10g %8lld%s\n", row.interval.lower, row.interval.upper,
-                static_cast<long long>(row.active_cells), static_cast<long long>(row.tetrahedra), row.volume, row.signed_volume,
+                static_cast<long long>(row.active_cells), static_cast<long long>(row.tetrahedra), row.signed_volume,
+                row.volume,
                 static_cast<long long>(row.inverted), row.term < 0 ? "" : "  what a term adds");
   std::printf("boundary facets: %lld lower, %lld upper, %lld domain; %lld unmatched\n", static_cast<long long>(facets.lower),
               static_cast<long long>(facets.upper), static_cast<long long>(facets.domain),
@@ -150,6 +154,18 @@ void print_time(const LayerTime& time) {
                 static_cast<double>(time.bytes) / 1e6, time.build_ms, time.slice_ms);
 }
 
+void print_errors(const IntervalMesh& mesh, const Proof& proof) {
+  for (std::size_t i = 0; i < proof.volume_errors.size(); ++i) {
+    const IntervalSummary& row = mesh.summaries[i];
+    if (proof.volume_errors[i] == 0)
+      std::printf("volume %.8g to %.8g: exactly that of the interpolated field\n", row.interval.lower, row.interval.upper);
+    else
+      std::printf("volume %.8g to %.8g: estimated to be within %.3g (%.2g %%) of that of the interpolated field\n",
+                  row.interval.lower, row.interval.upper, proof.volume_errors[i],
+                  100 * proof.volume_errors[i] / std::abs(row.signed_volume));
+  }
+}
+
 /// "lower", or "lower@2" for that of interval 2.
 FacetChoice parse_facet_choice(const std::string& text, std::size_t intervals) {
   const std::size_t at = text.find('@');
@@ -174,7 +190,7 @@ FacetChoice parse_facet_choice(const std::string& text, std::size_t intervals) {
   return choice;
 }
 
-Proof prove(const ExtractArguments& arguments, const LayerRequest& request, const Layers& layers) {
+Proof prove(const LayerRequest& request, const Layers& layers) {
   Proof proof;
   const bool plain = request.terms.empty() && !request.time;
   if (plain) {
@@ -184,7 +200,9 @@ Proof prove(const ExtractArguments& arguments, const LayerRequest& request, cons
     proof.partition =
         partition_error(layers.dataset->grid, layers.dataset->array(request.array), layers.mesh, options, command_task());
   }
-  if (!arguments.verify) return proof;
+  if (request.terms.empty() && layers.time.mode != TimeMode::spacetime)
+    proof.volume_errors =
+        volume_errors(layers.dataset->grid, layers.dataset->array(request.array), layers.mesh, command_task());
   LawOptions laws;
   laws.one_range = request.terms.empty();
   laws.strict = request.triangulation == Triangulation::strict;
@@ -250,14 +268,17 @@ void run(ExtractArguments& arguments) {
   ms.total = total.elapsed_ms();
 
   Proof proof;
-  if (arguments.json || arguments.verify) {
+  if (arguments.verify) {
     stage.lap_ms();
-    proof = prove(arguments, request, layers);
+    proof = prove(request, layers);
     ms.proof = stage.lap_ms();
   }
   if (arguments.json) {
-    boost::json::object document = to_json(mesh, facets, proof, ms, arguments.device.used);
+    boost::json::object document = to_json(mesh, facets, ms, arguments.device.used);
     document["time"] = to_json(layers.time);
+    for (std::size_t i = 0; i < proof.volume_errors.size(); ++i)
+      document["intervals"].as_array()[i].as_object()["volume_error"] = proof.volume_errors[i];
+    if (arguments.verify) document["partition_error"] = proof.partition ? boost::json::value(proof.partition->error) : nullptr;
     if (layers.time.mode == TimeMode::spacetime) {
       document["ms"].as_object()["build"] = layers.time.build_ms;
       document["ms"].as_object()["slice"] = layers.time.slice_ms;
@@ -266,6 +287,7 @@ void run(ExtractArguments& arguments) {
   } else {
     print_text(mesh, request.array, facets, ms);
     print_time(layers.time);
+    print_errors(mesh, proof);
   }
   if (arguments.verify) {
     judge(proof);
@@ -294,7 +316,8 @@ void add_extract_command(CLI::App& app) {
       ->check(CLI::Range(0, 9))
       ->capture_default_str();
   command->add_flag("--verify", arguments->verify,
-                    "Check every law that the mesh must keep; exit status 1 and a line for each broken one");
+                    "Check every law that the mesh must keep; exit status 1 and a line for each broken one. Also estimates how far the "
+                    "volumes are from those of the interpolated field, which hexahedra, wedges and pyramids are cut straight in");
   command
       ->add_option("--max-memory", arguments->max_memory,
                    "The most bytes that extraction may need (suffixes KB, MB, GB): more is refused before it is taken")

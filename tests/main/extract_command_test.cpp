@@ -109,12 +109,61 @@ TEST(ExtractCommand, VerifiesAndReportsThePartition) {
     EXPECT_EQ(result.status, 0) << more << result.err;
     EXPECT_THAT(result.err, HasSubstr("all laws hold"));
   }
-  const json::value document = extract_json("marschner-lobb:40 --interval 0.3:0.5 --triangulation strict");
+  const json::value document = extract_json("marschner-lobb:40 --interval 0.3:0.5 --triangulation strict --verify");
   EXPECT_GE(number(document.at("partition_error")), 0);
   EXPECT_LE(number(document.at("partition_error")), 1e-12);
   EXPECT_GT(number(document.at("ms").at("proof")), 0);
   EXPECT_EQ(number(document.at("intervals").at(0).at("inverted")), 0);
   EXPECT_EQ(number(document.at("strict").at("tangled_cells")), 0);
+}
+
+TEST(ExtractCommand, VerifyEstimatesWhatStraightCutsMiss) {
+  const json::value hexahedra = extract_json("marschner-lobb:24 --interval 0.4:0.5 --verify");
+  const auto& layer = hexahedra.at("intervals").at(0);
+  EXPECT_GT(number(layer.at("volume_error")), 0);
+  EXPECT_LT(number(layer.at("volume_error")), 0.2 * number(layer.at("volume")));
+  const json::value tetrahedra = extract_json("tets:8 --interval 0.1:0.2 --verify");
+  EXPECT_EQ(number(tetrahedra.at("intervals").at(0).at("volume_error")), 0);
+  EXPECT_FALSE(extract_json("tets:8 --interval 0.1:0.2").at("intervals").at(0).as_object().contains("volume_error"));
+  const CommandResult text = run_isostrata("extract marschner-lobb:24 --interval 0.4:0.5 --verify");
+  EXPECT_THAT(text.out, HasSubstr("estimated"));
+}
+
+TEST(ExtractCommand, ProvesNothingUnasked) {
+  const json::value document = extract_json("torus:24 --interval 0.1:0.2");
+  EXPECT_FALSE(document.as_object().contains("partition_error"));
+  EXPECT_EQ(number(document.at("ms").at("proof")), 0);
+}
+
+TEST(ExtractCommand, VolumeIsTheSolids) {
+  // Tables turn some tetrahedra of coarse hexahedra over: their absolute volumes add up to more than there is.
+  const json::value document =
+      extract_json("marschner-lobb:12 --interval -9:0.3 --interval 0.3:0.5 --interval 0.5:0.7 --interval 0.7:9");
+  double volume = 0, absolute = 0, inverted = 0;
+  for (const auto& interval : document.at("intervals").as_array()) {
+    EXPECT_EQ(number(interval.at("volume")), number(interval.at("signed_volume")));
+    volume += number(interval.at("volume"));
+    absolute += number(interval.at("absolute_volume"));
+    inverted += number(interval.at("inverted"));
+  }
+  EXPECT_GT(inverted, 0);
+  EXPECT_NEAR(volume, 8, 1e-9);
+  EXPECT_GT(absolute, 8 + 1e-6);
+}
+
+TEST(ExtractCommand, VolumeIsPositiveInLeftHandedCells) {
+  const TemporaryFolder folder;
+  const auto grid = [&](const std::string& name, double sign) {
+    std::ofstream out(folder / name);
+    out << "# vtk DataFile Version 3.0\nhand\nASCII\nDATASET STRUCTURED_GRID\nDIMENSIONS 3 3 3\nPOINTS 27 double\n";
+    for (int p = 0; p < 27; ++p) out << sign * (p % 3) << ' ' << p / 3 % 3 << ' ' << p / 9 << '\n';
+    out << "POINT_DATA 27\nSCALARS f double 1\nLOOKUP_TABLE default\n";
+    for (int p = 0; p < 27; ++p) out << (p * 7) % 11 << '\n';
+    return "'" + (folder / name).string() + "'";
+  };
+  const json::value right = extract_json(grid("right.vtk", 1) + " --interval 2:5"), left = extract_json(grid("left.vtk", -1) + " --interval 2:5");
+  EXPECT_GT(signed_volume(right), 0);
+  EXPECT_NEAR(number(left.at("intervals").at(0).at("volume")), number(right.at("intervals").at(0).at("volume")), 1e-12);
 }
 
 TEST(ExtractCommand, VerifyFailsWhereCellsFoldOver) {

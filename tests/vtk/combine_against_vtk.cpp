@@ -181,7 +181,7 @@ void compare(const std::shared_ptr<const Dataset>& dataset, const std::string& f
     const double theirs = vtk_volume(whole, request);
     const auto end = Clock::now();
     double ours = 0;
-    for (const IntervalSummary& summary : layers.mesh.summaries) ours += summary.volume;
+    for (const IntervalSummary& summary : layers.mesh.summaries) ours += summary.signed_volume;
     const auto ms = [](auto duration) { return std::chrono::duration<double, std::milli>(duration).count(); };
     std::printf("%-14s %-16s ours %.12g, VTK %.12g, difference %.1e of the mesh; %.0f ms and %.0f ms\n",
                 dataset->name.c_str() + dataset->name.rfind('/') + 1, what.c_str(), ours, theirs, std::abs(ours - theirs) / all,
