@@ -51,25 +51,7 @@ mount_bare_root() {
 }
 
 # Unmounts everything below DIR, deepest first.
-un# keep_cache DIR FOLDER: what is compiled in the root is kept in FOLDER for another root of the same suite; says what is there already.
-keep_cache() {
-  mkdir -p "$1/root/.cache/ccache" "$2"
-  mount --bind "$2" "$1/root/.cache/ccache"
-  if [[ $(ls -A "$2") ]]; then
-    echo "== compiler cache: warm, $(du -smx "$2" | cut -f1) MB in $2"
-  else
-    echo "== compiler cache: cold, kept in $2"
-  fi
-}
-
-# clone_into_bare_root DIR REPOSITORY: what is committed, at /srv/isostrata, with nothing beside it.
-clone_into_bare_root() {
-  rm -rf "$1/srv/isostrata"
-  git clone --quiet --no-hardlinks "$2" "$1/srv/isostrata"
-  [[ $(ls -A "$1/srv") == isostrata ]] || { echo "$1/srv: expected nothing beside the clone" >&2; return 1; }
-}
-
-mount_bare_root() {
+unmount_bare_root() {
   awk -v dir="$1/" 'index($2, dir) == 1 { print $2 }' /proc/self/mounts | sort -r | while read -r at; do umount "$at"; done
 }
 
