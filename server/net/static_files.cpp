@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -44,6 +46,38 @@ std::string etag_of(const fs::path& path, std::uintmax_t size) {
   std::snprintf(text.data(), text.size(), "\"%llx-%llx\"", static_cast<unsigned long long>(time),
                 static_cast<unsigned long long>(size));
   return text.data();
+}
+
+/// What the client takes, by RFC 9110: each coding once, with a weight; "*" stands for those that are not named. 0: not at all.
+double weight_of(std::string_view coding, std::string_view accepted) {
+  double named = -1, others = 0;
+  while (!accepted.empty()) {
+    const auto comma = accepted.find(',');
+    std::string entry(accepted.substr(0, comma));
+    accepted.remove_prefix(comma == std::string_view::npos ? accepted.size() : comma + 1);
+    std::erase_if(entry, [](char c) { return c == ' ' || c == '\t'; });
+    std::transform(entry.begin(), entry.end(), entry.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto semicolon = entry.find(';');
+    double weight = 1;
+    if (semicolon != std::string::npos && entry.compare(semicolon + 1, 2, "q=") == 0) {
+      const char* const begin = entry.c_str() + semicolon + 3;
+      const auto [end, error] = std::from_chars(begin, entry.c_str() + entry.size(), weight);
+      if (error != std::errc{} || !(weight >= 0 && weight <= 1)) weight = 0;
+    }
+    const std::string_view name = std::string_view(entry).substr(0, semicolon);
+    if (name == coding) named = weight;
+    if (name == "*") others = weight;
+  }
+  return named >= 0 ? named : others;
+}
+
+/// If-None-Match: a list of tags, weak or not, or "*".
+bool matches(std::string_view wanted, const std::string& etag) {
+  for (std::size_t at = wanted.find(etag); at != std::string_view::npos; at = wanted.find(etag, at + 1)) {
+    const auto end = at + etag.size();
+    if (end == wanted.size() || wanted[end] == ',' || wanted[end] == ' ') return true;
+  }
+  return wanted == "*";
 }
 
 bool inside(const fs::path& path, const fs::path& directory) {
@@ -90,15 +124,30 @@ HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std:
   std::error_code error;
   path = fs::canonical(path, error);
   if (error || !inside(path, root_) || !fs::is_regular_file(path, error)) return missing;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMaxFileBytes) return missing;
+  const char* const type = type_of(path);
 
   HttpResponse response;
+  // The build leaves smaller copies beside what can be packed; the client's favourite, and of equals the smaller one, is sent.
+  const std::string_view accepted = request.header("accept-encoding");
+  double best = 0;
+  std::string_view coding;
+  for (const auto& [name, extension] : {std::pair{"br", ".br"}, std::pair{"gzip", ".gz"}}) {
+    const fs::path packed = path.string() + extension;
+    if (!fs::is_regular_file(fs::symlink_status(packed, error))) continue;
+    if (response.headers.empty()) response.headers.emplace_back("Vary", "Accept-Encoding");
+    if (const double weight = weight_of(name, accepted); weight > best) best = weight, coding = name;
+  }
+  if (!coding.empty()) {
+    response.headers.emplace_back("Content-Encoding", coding);
+    path += coding == "br" ? ".br" : ".gz";
+  }
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size > kMaxFileBytes) return missing;
   const std::string etag = etag_of(path, size);
   response.headers.emplace_back("ETag", etag);
   const bool hashed_name = segments.size() > 1 && segments.front() == "assets";
   response.headers.emplace_back("Cache-Control", hashed_name ? "private, max-age=31536000, immutable" : "no-cache");
-  if (request.header("if-none-match") == etag) {
+  if (matches(request.header("if-none-match"), etag)) {
     response.status = 304;
     return response;
   }
@@ -107,7 +156,7 @@ HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std:
   content << file.rdbuf();
   if (!file) return missing;
   response.body = std::move(content).str();
-  response.content_type = type_of(path);
+  response.content_type = type;
   return response;
 }
 

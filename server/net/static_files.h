@@ -8,8 +8,9 @@
 
 namespace isostrata {
 
-/// Files with an ETag; those under assets/ carry their content's hash in their names and are cached for good. Nothing outside the
-/// directory is served, links that lead out of it included. Files over 64 MiB are not served.
+/// Files with an ETag; those under assets/ carry their content's hash in their names and are cached for good. Where NAME.br or
+/// NAME.gz lies beside NAME, a client that takes that coding gets it in NAME's place. Nothing outside the directory is served,
+/// links that lead out of it included. Files over 64 MiB are not served.
 class StaticFiles {
  public:
   /// A root that has no index.html serves a page that says how to build it.
