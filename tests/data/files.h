@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <span>
@@ -14,25 +13,19 @@
 #include <vector>
 
 #include "data/dataset.h"
+#include "support/plot3d_file.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata::test {
 
+using testing::put;
 using testing::shared_data;
 using Scratch = testing::TemporaryFolder;
 
 inline std::string read_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// Appends a value's bytes, last byte first where `reversed`.
-template <class T>
-void put(std::string& to, T value, bool reversed = false) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  to += reversed ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
 }
 
 inline std::shared_ptr<const Dataset> open(const std::filesystem::path& file, int step = 0) {

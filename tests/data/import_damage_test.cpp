@@ -1,11 +1,9 @@
 // Broken and hostile files: one clear error each; the parent never crashes, hangs or leaves anything behind.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <random>
-
 #include "data/files.h"
 #include "data/import_door.h"
+#include "support/mutated_files.h"
 
 namespace isostrata {
 namespace {
@@ -192,81 +190,23 @@ TEST(ImportDamage, LeavesNothingInTheTemporaryDirectory) {
   EXPECT_TRUE(left_behind().empty());
 }
 
-/// Flips, cuts, repeats and overwrites, most of the time in the first kilobyte, where headers are.
-std::string mutated(std::string bytes, std::mt19937& random) {
-  const auto pick = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  const int changes = 1 + static_cast<int>(pick(4));
-  for (int c = 0; c < changes && !bytes.empty(); ++c) {
-    const std::size_t at = pick(2) ? pick(std::min<std::size_t>(bytes.size(), 1024)) : pick(bytes.size());
-    switch (pick(6)) {
-      case 0:
-        bytes[at] = static_cast<char>(pick(256));
-        break;
-      case 1:
-        bytes[at] = static_cast<char>(bytes[at] ^ (1 << pick(8)));
-        break;
-      case 2:
-        bytes.resize(at);
-        break;
-      case 3:
-        bytes.insert(at, bytes.substr(at, 1 + pick(16)));
-        break;
-      case 4:
-        bytes.erase(at, 1 + pick(16));
-        break;
-      default:
-        bytes[at] = "0123456789-9"[pick(12)];
-        break;
-    }
-  }
-  return bytes;
+TEST(ImportDamage, MutatedFilesEndInADatasetOrAnError) {
+  testing::expect_datasets_or_errors({{"m.vti", kImageHeader}, {"m.vtk", kUnstructured}, {"s.vtk", kStructured}}, 60);
 }
 
-TEST(ImportDamage, MutatedFilesEndInADatasetOrAnError) {
-  const char* wished = std::getenv("ISOSTRATA_MUTATIONS");
-  const int rounds = wished ? std::atoi(wished) : 100;
-  const char* wished_seed = std::getenv("ISOSTRATA_MUTATION_SEED");
-  const unsigned seed = wished_seed ? static_cast<unsigned>(std::atoi(wished_seed)) : 20040717;
-  std::vector<std::pair<std::string, std::string>> files{
-      {"m.vti", kImageHeader}, {"m.vtk", kUnstructured}, {"s.vtk", kStructured}};
-  if (std::filesystem::is_directory(test::shared_data()))
-    for (const char* name :
-         {"fmt_vtk_variants/hexahedron_inline_binary.vtu", "fmt_vtk_variants/hexahedron_zlib.vtu",
-          "fmt_vtk_variants/hexahedron_binary.vtu", "fmt_vtk_variants/hexahedron_lz4.vtu",
-          "fmt_vtk_variants/hexahedron_lzma_inline_binary.vtu", "fmt_vtk_variants/RectilinearGridRawBinary.vtr",
-          "fmt_vtk_variants/RectilinearGridCompressed.vtr", "fmt_vtk_variants/volume_complex.vti",
-          "fmt_vtk_variants/para_test.vtk", "fmt_vtk_variants/unstructured_grid_complex.vtk",
-          "fmt_nrrd_variants/BallBinary30x30x30_gz.nrrd", "fmt_nrrd_variants/io/small_time.nrrd", "vtk_cells/Wedge.vtu",
-          "vtk_cells/tensors.vtk", "vtk_cells/polyhedron2pieces.vtu", "vtk_rectgrid/HeadMRVolume.mhd", "ts_tornado/tornado.pvd"})
-      files.emplace_back(std::filesystem::path(name).filename().string(), test::read_bytes(test::shared_data() / name));
-  int opened = 0, refused = 0, crashed = 0;
-  for (int round = 0; round < rounds; ++round) {
-    std::mt19937 random(seed + static_cast<unsigned>(round));
-    const auto& [name, bytes] = files[static_cast<std::size_t>(round) % files.size()];
-    const Scratch scratch;
-    OpenOptions options;
-    options.max_bytes = 256u << 20;
-    options.timeout_s = 20;
-    try {
-      const auto data = open_dataset(scratch.write(name, mutated(bytes, random)).string(), options, Task());
-      // Everything that other rooms will touch can be touched.
-      std::array<std::int64_t, kMaxCellVertices> ids{};
-      for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell) {
-        const int n = data->grid.cell_points(cell, ids);
-        for (int v = 0; v < n; ++v) data->grid.point(ids[static_cast<std::size_t>(v)]);
-      }
-      ++opened;
-    } catch (const Error& error) {
-      EXPECT_NE(error.code(), ErrorCode::internal) << name << ", seed " << seed << ", round " << round << ": " << error.what();
-      EXPECT_EQ(std::string(error.what()).find("ended after"), std::string::npos)
-          << name << ", seed " << seed << ", round " << round << ": " << error.what();
-      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-      ++refused;
-      crashed += std::string(error.what()).find("crashed") != std::string::npos;
-    }
-  }
-  std::printf("  %d mutated files: %d opened, %d refused, in %d of these the reader crashed\n", rounds, opened, refused, crashed);
-  EXPECT_EQ(opened + refused, rounds);
+TEST(SharedDataImportDamage, MutatedFilesEndInADatasetOrAnError) {
+  ISOSTRATA_NEEDS_SHARED_DATA();
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const char* name :
+       {"fmt_vtk_variants/hexahedron_inline_binary.vtu", "fmt_vtk_variants/hexahedron_zlib.vtu",
+        "fmt_vtk_variants/hexahedron_binary.vtu", "fmt_vtk_variants/hexahedron_lz4.vtu",
+        "fmt_vtk_variants/hexahedron_lzma_inline_binary.vtu", "fmt_vtk_variants/RectilinearGridRawBinary.vtr",
+        "fmt_vtk_variants/RectilinearGridCompressed.vtr", "fmt_vtk_variants/volume_complex.vti",
+        "fmt_vtk_variants/para_test.vtk", "fmt_vtk_variants/unstructured_grid_complex.vtk",
+        "fmt_nrrd_variants/BallBinary30x30x30_gz.nrrd", "fmt_nrrd_variants/io/small_time.nrrd", "vtk_cells/Wedge.vtu",
+        "vtk_cells/tensors.vtk", "vtk_cells/polyhedron2pieces.vtu", "vtk_rectgrid/HeadMRVolume.mhd", "ts_tornado/tornado.pvd"})
+    files.emplace_back(std::filesystem::path(name).filename().string(), test::read_bytes(test::shared_data() / name));
+  testing::expect_datasets_or_errors(files, 60);
 }
 
 }  // namespace

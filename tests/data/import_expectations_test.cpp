@@ -234,7 +234,7 @@ std::string test_name(const ::testing::TestParamInfo<Expected>& info) {
 
 INSTANTIATE_TEST_SUITE_P(SharedData, Expectation, ::testing::ValuesIn(expectations()), test_name);
 
-TEST(Import, EncodingsOfOneMeshAgree) {
+TEST(SharedDataImport, EncodingsOfOneMeshAgree) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   for (const auto& [pattern, cells] : std::map<std::string, std::string>{{"RectilinearGrid", ".vtr"}, {"hexahedron", ".vtu"}}) {
     std::optional<Box3d> bounds;
@@ -252,7 +252,7 @@ TEST(Import, EncodingsOfOneMeshAgree) {
   }
 }
 
-TEST(Import, VectorsBecomeMagnitudeAndComponents) {
+TEST(SharedDataImport, VectorsBecomeMagnitudeAndComponents) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   const auto data = test::open(test::shared_data() / "plot3d_bluntfin" / "bluntfinxyz.bin");
   const PointArray& magnitude = data->array("Momentum");
@@ -266,7 +266,7 @@ TEST(Import, VectorsBecomeMagnitudeAndComponents) {
   }
 }
 
-TEST(Import, CellsOfBothOrientationsKeepVtksOrder) {
+TEST(SharedDataImport, CellsOfBothOrientationsKeepVtksOrder) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   const auto sign = [](const char* file) {
     const auto data = test::open(test::shared_data() / file);
@@ -282,7 +282,7 @@ TEST(Import, CellsOfBothOrientationsKeepVtksOrder) {
   EXPECT_LT(sign("ug_fire/fire_ug.vtu"), 0);
 }
 
-TEST(Import, StepsOfATimeSeriesAreThoseOfItsFiles) {
+TEST(SharedDataImport, StepsOfATimeSeriesAreThoseOfItsFiles) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   const auto folder = test::shared_data() / "ts_tornado";
   const auto series = test::open(folder / "tornado.pvd", 9), last = test::open(folder / "tornado_10.vti");
@@ -299,7 +299,7 @@ TEST(Import, StepsOfATimeSeriesAreThoseOfItsFiles) {
   EXPECT_EQ(test::refusal(folder / "tornado_10.vti", beyond).code(), ErrorCode::not_found);
 }
 
-TEST(Import, SaysWhatItSkippedOrChanged) {
+TEST(SharedDataImport, SaysWhatItSkippedOrChanged) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   const auto notes = test::open(test::shared_data() / "vtk_cells/Cells_Polygon.vtu")->notes;
   ASSERT_EQ(notes.size(), 1u);
@@ -309,12 +309,12 @@ TEST(Import, SaysWhatItSkippedOrChanged) {
   EXPECT_NE(quadratic[0].find("by their corners"), std::string::npos) << quadratic[0];
 }
 
-TEST(Import, HidesNoCellOfPostWhoseBlankingIsNeverZero) {
+TEST(SharedDataImport, HidesNoCellOfPostWhoseBlankingIsNeverZero) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   EXPECT_TRUE(test::open(test::shared_data() / "plot3d_post/postxyz.bin")->grid.hidden_cells.empty());
 }
 
-TEST(Import, RefusesWhatHoldsNoVolume) {
+TEST(SharedDataImport, RefusesWhatHoldsNoVolume) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   const auto folder = test::shared_data() / "fmt_vtk_variants";
   for (const char* name : {"point.vtp", "polyEx0.vtp", "cube.pvtp", "square.vtk", "tri.vtk", "cube_complex.vtk"})

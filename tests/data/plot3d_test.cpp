@@ -12,58 +12,7 @@ using test::open;
 using test::refusal;
 using test::Scratch;
 
-struct Dialect {
-  bool text = false, big = false, doubles = false, multi = false, blanking = false;
-  int marker = 0;
-
-  std::string name() const {
-    return std::string(text  ? "text"
-                       : big ? "big"
-                             : "little") +
-           (doubles ? "_f64" : "_f32") + (multi ? "_multi" : "_single") + (blanking ? "_iblank" : "") +
-           (marker ? "_records" + std::to_string(marker) : "");
-  }
-};
-
-/// Writes Fortran-like output in a dialect.
-class Writer {
- public:
-  explicit Writer(const Dialect& dialect) : dialect_(dialect) {}
-  void integer(int value) {
-    if (dialect_.text)
-      record_ += " " + std::to_string(value);
-    else
-      test::put(record_, static_cast<std::int32_t>(value), dialect_.big);
-  }
-  void real(double value) {
-    if (dialect_.text) {
-      char word[40];
-      std::snprintf(word, sizeof word, " %.17g", value);
-      record_ += word;
-    } else if (dialect_.doubles) {
-      test::put(record_, value, dialect_.big);
-    } else {
-      test::put(record_, static_cast<float>(value), dialect_.big);
-    }
-  }
-  void end_record() {
-    const auto mark = [&] {
-      if (dialect_.text) return;
-      if (dialect_.marker == 4) test::put(bytes, static_cast<std::uint32_t>(record_.size()), dialect_.big);
-      if (dialect_.marker == 8) test::put(bytes, static_cast<std::uint64_t>(record_.size()), dialect_.big);
-    };
-    mark();
-    bytes += record_;
-    mark();
-    if (dialect_.text) bytes += "\n";
-    record_.clear();
-  }
-  std::string bytes;
-
- private:
-  Dialect dialect_;
-  std::string record_;
-};
+using Dialect = testing::Plot3dDialect;
 
 constexpr int kNi = 5, kNj = 4, kNk = 3, kPoints = kNi * kNj * kNk;
 
@@ -74,43 +23,23 @@ double coordinate(int axis, int p, int block) {
 double value(int variable, int p, int block) { return 100 * variable + p + 0.5 + 1000 * block; }
 int blank(int p) { return p == 0 ? 0 : p == 7 ? -1 : 1; }
 
-void header(Writer& writer, const Dialect& dialect, int blocks) {
-  if (dialect.multi) {
-    writer.integer(blocks);
-    writer.end_record();
+std::vector<testing::Plot3dPart> parts(const Dialect& dialect) {
+  std::vector<testing::Plot3dPart> out(dialect.multi ? 2 : 1);
+  for (int b = 0; b < static_cast<int>(out.size()); ++b) {
+    auto& part = out[static_cast<std::size_t>(b)];
+    part.dims = {kNi, kNj, kNk};
+    part.variables.resize(5);
+    for (int p = 0; p < kPoints; ++p) {
+      part.points.push_back({coordinate(0, p, b), coordinate(1, p, b), coordinate(2, p, b)});
+      part.blanking.push_back(blank(p));
+      for (int v = 0; v < 5; ++v) part.variables[static_cast<std::size_t>(v)].push_back(value(v, p, b));
+    }
   }
-  for (int b = 0; b < blocks; ++b)
-    for (const int n : {kNi, kNj, kNk}) writer.integer(n);
-  writer.end_record();
+  return out;
 }
 
-std::string grid_file(const Dialect& dialect) {
-  Writer writer(dialect);
-  const int blocks = dialect.multi ? 2 : 1;
-  header(writer, dialect, blocks);
-  for (int b = 0; b < blocks; ++b) {
-    for (int axis = 0; axis < 3; ++axis)
-      for (int p = 0; p < kPoints; ++p) writer.real(coordinate(axis, p, b));
-    if (dialect.blanking)
-      for (int p = 0; p < kPoints; ++p) writer.integer(blank(p));
-    writer.end_record();
-  }
-  return writer.bytes;
-}
-
-std::string solution_file(const Dialect& dialect) {
-  Writer writer(dialect);
-  const int blocks = dialect.multi ? 2 : 1;
-  header(writer, dialect, blocks);
-  for (int b = 0; b < blocks; ++b) {
-    for (const double constant : {0.8, 1.5, 1e6, 2.25}) writer.real(constant);
-    writer.end_record();
-    for (int variable = 0; variable < 5; ++variable)
-      for (int p = 0; p < kPoints; ++p) writer.real(value(variable, p, b));
-    writer.end_record();
-  }
-  return writer.bytes;
-}
+std::string grid_file(const Dialect& dialect) { return testing::plot3d_grid(dialect, parts(dialect)); }
+std::string solution_file(const Dialect& dialect) { return testing::plot3d_solution(dialect, parts(dialect)); }
 
 std::vector<Dialect> dialects() {
   std::vector<Dialect> all;
@@ -150,6 +79,100 @@ TEST(Plot3d, EveryDialectIsTheSameFlow) {
     // Only the first cell of each block uses point 0, the one whose blanking is 0.
     for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell)
       EXPECT_EQ(data->grid.hidden(cell), dialect.blanking && cell % 24 == 0) << dialect.name() << " " << cell;
+  }
+}
+
+TEST(Plot3d, BlankingWithoutZeroHidesNoCell) {
+  const Scratch scratch;
+  const Dialect dialect{.big = true, .blanking = true};
+  auto with = parts(dialect);
+  for (int& blank : with[0].blanking) blank = blank == 0 ? 1 : blank;  // -1 is a wall or a neighbour's number: part of the volume
+  scratch.write("f.q", solution_file(dialect));
+  const auto data = open(scratch.write("f.xyz", testing::plot3d_grid(dialect, with)));
+  EXPECT_TRUE(data->grid.hidden_cells.empty());
+  EXPECT_EQ(data->array("IBlank").lower, -1);
+}
+
+TEST(Plot3d, TwoDimensionalGridsLieInThePlane) {
+  const Scratch scratch;
+  for (Dialect dialect : dialects()) {
+    dialect.dimensions = 2;
+    auto flat = parts(dialect);
+    for (auto& part : flat) {
+      part.dims[2] = 1;
+      part.points.resize(kNi * kNj);
+      part.blanking.resize(kNi * kNj);
+      part.variables.resize(4);
+      for (auto& variable : part.variables) variable.resize(kNi * kNj);
+    }
+    scratch.write("f.q", testing::plot3d_solution(dialect, flat));
+    const auto data = open(scratch.write("f.xyz", testing::plot3d_grid(dialect, flat)));
+    ASSERT_EQ(data->grid.point_count(), static_cast<std::int64_t>(flat.size()) * kNi * kNj) << dialect.name();
+    for (std::size_t p = 0; p < kNi * kNj; ++p) {
+      const Vec3d& at = flat[0].points[p];
+      ASSERT_EQ(data->grid.point(static_cast<std::int64_t>(p)), (Vec3d{at.x, at.y, 0})) << dialect.name();
+      ASSERT_EQ(data->array("Momentum_y").at(p), value(2, static_cast<int>(p), 0)) << dialect.name();
+      ASSERT_EQ(data->array("StagnationEnergy").at(p), value(3, static_cast<int>(p), 0)) << dialect.name();
+    }
+  }
+}
+
+TEST(Plot3d, OverflowsFurtherVariablesHaveNames) {
+  const Scratch scratch;
+  for (const Dialect& dialect : dialects()) {
+    if (dialect.marker == 0) continue;
+    auto more = parts(dialect);
+    for (int b = 0; b < static_cast<int>(more.size()); ++b)
+      for (int v = 5; v < 9; ++v) {
+        auto& variable = more[static_cast<std::size_t>(b)].variables.emplace_back();
+        for (int p = 0; p < kPoints; ++p) variable.push_back(value(v, p, b));
+      }
+    scratch.write("f.q", testing::plot3d_overflow(dialect, more, 2));
+    const auto data = open(scratch.write("f.xyz", grid_file(dialect)));
+    EXPECT_EQ(data->array("Density").at(3), value(0, 3, 0)) << dialect.name();
+    EXPECT_EQ(data->array("StagnationEnergy").at(3), value(4, 3, 0)) << dialect.name();
+    EXPECT_EQ(data->array("Gamma").at(3), value(5, 3, 0)) << dialect.name();
+    EXPECT_EQ(data->array("Species Density 1").at(3), value(6, 3, 0)) << dialect.name();
+    EXPECT_EQ(data->array("Species Density 2").at(3), value(7, 3, 0)) << dialect.name();
+    EXPECT_EQ(data->array("Turb Field Quantity 1").at(3), value(8, 3, 0)) << dialect.name();
+  }
+}
+
+TEST(Plot3d, FunctionFilesGoWithASolutionOrWithout) {
+  for (const Dialect& dialect : dialects()) {
+    if (dialect.blanking) continue;  // these are in the grid's file
+    const Scratch scratch;
+    const auto grid = scratch.write("f.xyz", grid_file(dialect));
+    auto functions = parts(dialect);
+    for (auto& part : functions) part.variables.erase(part.variables.begin());
+    const auto file = scratch.write("f.f", testing::plot3d_functions(dialect, functions));
+    for (const auto& opened : {grid, file}) {
+      const auto data = open(opened);
+      EXPECT_EQ(data->array("Function 0").at(5), value(1, 5, 0)) << dialect.name();
+      EXPECT_EQ(data->array("Function 3").at(5), value(4, 5, 0)) << dialect.name();
+      if (dialect.multi) {
+        EXPECT_EQ(data->array("Function 3").at(kPoints + 5), value(4, 5, 1)) << dialect.name();
+      }
+    }
+    scratch.write("f.q", solution_file(dialect));
+    const auto both = open(grid);
+    EXPECT_EQ(both->array("Density").at(5), value(0, 5, 0)) << dialect.name();
+    EXPECT_EQ(both->array("Function 3").at(5), value(4, 5, 0)) << dialect.name();
+  }
+}
+
+TEST(Plot3d, MomentumIsAVectorWithAMagnitude) {
+  const Scratch scratch;
+  scratch.write("f.q", solution_file({}));
+  const auto data = open(scratch.write("f.xyz", grid_file({})));
+  const PointArray& magnitude = data->array("Momentum");
+  EXPECT_EQ(magnitude.components, 3);
+  EXPECT_EQ(magnitude.component, "magnitude");
+  EXPECT_EQ(data->array("Momentum_y").component, "y");
+  EXPECT_EQ(data->array("Density").component, "");
+  for (std::size_t p = 0; p < kPoints; ++p) {
+    const Vec3d m{data->array("Momentum_x").at(p), data->array("Momentum_y").at(p), data->array("Momentum_z").at(p)};
+    EXPECT_NEAR(magnitude.at(p), length(m), 1e-6 * (1 + length(m)));
   }
 }
 

@@ -1,0 +1,78 @@
+// What the importer makes of series, of mirrored cells, of formats that nobody writes any more, and of files that hold no grid. What
+// VTK can write itself is in tests/vtk/import_what_vtk_writes.cpp.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "data/files.h"
+#include "support/sample_files.h"
+
+namespace isostrata {
+namespace {
+
+using test::Scratch;
+
+TEST(ImportFormats, CellsOfBothOrientationsKeepVtksOrder) {
+  const Scratch scratch;
+  for (testing::SampleMesh& mesh : testing::sample_meshes(2)) {
+    if (mesh.name != "voxels" && mesh.name != "wedges" && mesh.name != "mixed" && mesh.name != "quadratic_hexahedra" &&
+        mesh.name != "quadratic_tetrahedra")
+      continue;
+    const auto signed_volume = [&] {
+      const auto data = test::open(scratch.write("x.vtu", mesh.vtu.text()));
+      double sum = 0;
+      for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell) sum += test::cell_volume(data->grid, cell);
+      return sum;
+    };
+    const double upright = signed_volume();
+    for (Vec3d& p : mesh.vtu.points) p.z = -p.z;
+    EXPECT_NEAR(signed_volume(), -upright, 1e-12) << mesh.name;
+    if (mesh.name != "mixed") {
+      EXPECT_NEAR(std::abs(upright), mesh.volume, 1e-12) << mesh.name;
+    }
+  }
+}
+
+TEST(ImportFormats, StepsOfASeriesAreThoseOfItsFiles) {
+  const Scratch scratch;
+  testing::write_sample_files(scratch);
+  for (const std::string name : {"still", "moving"})
+    for (int step = 0; step < 3; ++step) {
+      const auto series = test::open(scratch / (name + ".pvd"), step);
+      const auto file = test::open(scratch / (name + "_" + std::to_string(step) + (name == "still" ? ".vti" : ".vtu")));
+      EXPECT_EQ(series->step, step);
+      EXPECT_EQ(series->times, name == "still" ? (std::vector<double>{0, 0.5, 1}) : (std::vector<double>{10, 11, 12}));
+      ASSERT_EQ(series->grid.point_count(), file->grid.point_count());
+      ASSERT_EQ(series->arrays.size(), file->arrays.size());
+      for (std::int64_t p = 0; p < file->grid.point_count(); ++p) {
+        ASSERT_EQ(series->grid.point(p), file->grid.point(p));
+        for (const PointArray& array : file->arrays)
+          ASSERT_EQ(series->array(array.name).at(static_cast<std::size_t>(p)), array.at(static_cast<std::size_t>(p)));
+      }
+    }
+  OpenOptions beyond;
+  beyond.step = 3;
+  EXPECT_EQ(test::refusal(scratch / "still.pvd", beyond).code(), ErrorCode::not_found);
+  beyond.step = 1;
+  EXPECT_EQ(test::refusal(scratch / "still_0.vti", beyond).code(), ErrorCode::not_found);
+}
+
+TEST(ImportFormats, WhatHoldsNoGridIsRefused) {
+  const Scratch scratch;
+  const std::string head = "# vtk DataFile Version 3.0\nmade by a test\nASCII\n";
+  EXPECT_EQ(test::refusal(scratch.write("field.vtk", head + "FIELD data 1\nf 1 2 float\n1 2\n")).code(), ErrorCode::bad_data);
+  EXPECT_EQ(test::refusal(scratch.write("surface.vtk", head + "DATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
+                                                              "POLYGONS 1 4\n3 0 1 2\n"))
+                .code(),
+            ErrorCode::unsupported);
+  EXPECT_EQ(test::refusal(scratch.write("pieces.pvtp", testing::vtk_file("PPolyData", "<PPolyData GhostLevel=\"0\"/>"))).code(),
+            ErrorCode::unsupported);
+  for (const std::string axes : {"dimension: 2\nsizes: 4 5\n", "dimension: 3\nsizes: 3 4 5\nkinds: vector domain domain\n",
+                                 "dimension: 4\nsizes: 4 5 6 2\nkinds: space space space time\n"})
+    EXPECT_EQ(test::refusal(scratch.write("x.nhdr", "NRRD0004\ntype: uchar\n" + axes + "encoding: raw\ndata file: absent.raw\n")).code(),
+              ErrorCode::not_found)
+        << axes;
+}
+
+}  // namespace
+}  // namespace isostrata
