@@ -29,7 +29,7 @@ make_bare_root() {
 # keep_cache DIR FOLDER: what is compiled in the root is kept in FOLDER for another root of the same suite; says what is there already.
 keep_cache() {
   mkdir -p "$1/root/.cache/ccache" "$2"
-  mount --bind "$2" "$1/root/.cache/ccache"
+  mountpoint -q "$1/root/.cache/ccache" || mount --bind "$2" "$1/root/.cache/ccache"
   if [[ $(ls -A "$2") ]]; then
     echo "== compiler cache: warm, $(du -smx "$2" | cut -f1) MB in $2"
   else
