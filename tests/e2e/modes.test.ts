@@ -68,6 +68,21 @@ describe('the modes of the page', () => {
     await viewer.photograph('modes-cycle.png');
   });
 
+  test('for whom motion is too much a cycle waits to be played, and no cycle is faster than three a second', async () => {
+    await open({ calm: true });
+    await paintBy('Cycle');
+    const waiting = await viewer.until('a cycle that waits', (s) => s.mode === 'cycled' && !s.cycle.playing);
+    await viewer.page.waitForTimeout(1300);
+    expect(viewer.state.cycle.phase).toBe(waiting.cycle.phase);
+    const fastest = viewer.page.locator('#cycle-seconds');
+    await fastest.fill((await fastest.getAttribute('min')) as string);
+    const fast = await viewer.until('the fastest', (s) => s.cycle.seconds < 0.5);
+    expect(fast.cycle.seconds).toBeGreaterThanOrEqual(1 / 3);
+    await viewer.page.getByRole('button', { name: 'Play the cycle' }).click();
+    await viewer.until('another phase', (s) => s.cycle.playing && s.cycle.phase !== waiting.cycle.phase);
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('steps are smeared in the order and the colours that were said', async () => {
     await open({ width: 1400, height: 900 });
     const before = await viewer.exactPicture();

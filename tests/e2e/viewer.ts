@@ -58,11 +58,12 @@ export class Viewer {
   static async open(
     browser: Browser,
     url: string,
-    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; before?: (() => void)[] } = {},
+    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; calm?: boolean; before?: (() => void)[] } = {},
   ): Promise<Viewer> {
     const context = await browser.newContext({
       viewport: { width: options.width ?? 1100, height: options.height ?? 760 },
       colorScheme: options.colorScheme ?? 'dark',
+      reducedMotion: options.calm ? 'reduce' : 'no-preference',
       acceptDownloads: true,
     });
     const page = await context.newPage();

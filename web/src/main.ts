@@ -2,6 +2,7 @@
 import { mount } from 'svelte';
 import App from './App.svelte';
 import './style.css';
+import { calm } from './lib/calm';
 import { Connection, type NotOpened, type Socket } from './lib/connection';
 import { browserProbe, probeDecoders } from './lib/probe-decoders';
 import { SavedTab } from './lib/saved';
@@ -57,6 +58,7 @@ const session = new Session({
   now: () => performance.now(),
   schedule: (callback) => void requestAnimationFrame(callback),
   movingFormats,
+  calm,
 });
 
 mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });

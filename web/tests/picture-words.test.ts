@@ -1,4 +1,5 @@
 import { expect, test } from 'vitest';
+import { hexOf, newIntervalColor, usualColor } from '../src/lib/colors';
 import { emptyState, type DatasetInfo, type Interval, type SceneState } from '../src/lib/model';
 import { badgeOf, emptyReason } from '../src/lib/picture-words';
 
@@ -53,4 +54,12 @@ test('the badge says exact only of the newest state, losslessly, where there is 
   expect(word({ phase: 'settled' }, 5)).toBe('settled');
   expect(word({ phase: 'moving', height: 300 }, 6)).toBe('moving at 50 %');
   expect(word({ phase: 'moving' })).toBe('moving');
+});
+
+test('a new layer takes the first of the server’s colours that is free', () => {
+  const used = [0, 1, 2, 3].map(usualColor);
+  expect(hexOf(newIntervalColor(used))).toBe(hexOf(usualColor(4)));
+  expect(hexOf(newIntervalColor(used.slice(1)))).toBe(hexOf(usualColor(0)));
+  // 32-bit floats on the wire do not hide that a colour is taken.
+  expect(hexOf(newIntervalColor([usualColor(0).map(Math.fround) as never]))).toBe(hexOf(usualColor(1)));
 });

@@ -10,7 +10,7 @@ import { Session } from '../src/lib/session.svelte';
 
 type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
 
-function harness(store = new Map<string, string>()) {
+function harness(store = new Map<string, string>(), options: { calm?: boolean } = {}) {
   const sent: { seq: number; body: Command; number: number }[] = [];
   const clock = { now: 0 };
   let scheduled: (() => void)[] = [];
@@ -35,6 +35,7 @@ function harness(store = new Map<string, string>()) {
     now: () => clock.now,
     schedule: (callback) => scheduled.push(callback),
     movingFormats: ['vp9-444', 'jpeg'],
+    calm: () => options.calm ?? false,
   });
   const says = (body: Body) => {
     const bytes = toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));
@@ -190,6 +191,33 @@ describe('the store', () => {
     expect(find('cancel')?.body.value.operation).toBe(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
     expect(session.progress).toEqual([]);
+  });
+
+  test('for whom motion is too much no cycle begins by itself, and for others it does', () => {
+    const playing = (calm: boolean) => {
+      const { session, says, frame, sent } = harness(new Map(), { calm });
+      says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));
+      session.setMode('cycled');
+      frame();
+      return sent.map(({ body }) => body).filter((body) => body.case === 'setCycle' || body.case === 'setAppearance');
+    };
+    expect(playing(true)).toMatchObject([{ case: 'setCycle', value: { playing: false } }, { case: 'setAppearance' }]);
+    expect(playing(false).map((body) => body.case)).toEqual(['setAppearance']);
+  });
+
+  test('for whom motion is too much a cycle that is found playing is stopped, and goes on by hand', () => {
+    const { session, says, frame, find } = harness(new Map(), { calm: true });
+    const playing = { ...state(1, interval(1, 0, 1)), mode: 3, cycle: { seconds: 1, phase: 0, playing: true } };
+    const { value } = welcome('s') as { value: object };
+    says({ case: 'welcome', value: { ...value, state: playing } } as Body);
+    frame();
+    expect(find('setCycle')?.body.value).toMatchObject({ playing: false });
+    session.setCycle({ playing: true });
+    frame();
+    expect(find('setCycle')?.body.value).toMatchObject({ playing: true });
+    says({ case: 'state', value: { ...playing, revision: 4n } });
+    frame();
+    expect(find('setCycle')?.body.value).toMatchObject({ playing: true });
   });
 
   test('after Cancel the picture is called older than the controls until a newer one comes', () => {

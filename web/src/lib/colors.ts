@@ -20,11 +20,13 @@ export function luminance(color: Rgb): number {
   return 0.2126 * linear(color[0]) + 0.7152 * linear(color[1]) + 0.0722 * linear(color[2]);
 }
 
-/** What a new interval is given: red, green, blue, yellow, then further distinct ones. */
-const palette = ['#e6392f', '#2fae4d', '#2f6fe6', '#f2c81f', '#b14fd8', '#1fb8b8', '#f2862a', '#e85fa5'];
+/** What the server gives its layers: red, green, blue, yellow, then further distinct ones. */
+const palette = ['#e61f1f', '#26bf33', '#2659f2', '#f7d91a', '#f2800d', '#1accd9', '#d933bf', '#99e61a', '#804dd9', '#f299a6'];
+export const usualColor = (index: number): Rgb => rgbOfHex(palette[index % palette.length] as string) as Rgb;
 
+/** The first of them that no layer has. */
 export function newIntervalColor(used: readonly Rgb[]): Rgb {
   const taken = new Set(used.map(hexOf));
-  const free = palette.find((hex) => !taken.has(hex)) ?? palette[used.length % palette.length];
-  return rgbOfHex(free as string) as Rgb;
+  const free = palette.findIndex((hex) => !taken.has(hex));
+  return usualColor(free >= 0 ? free : used.length);
 }

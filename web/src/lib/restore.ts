@@ -36,7 +36,7 @@ export function restoreStep(
   const last = info.times.at(-1) ?? 0;
   const timeFits = saved.time == null || (saved.time >= (info.times[0] ?? 0) && saved.time <= last);
   if (saved.timeMode && timeFits && (saved.time ?? null) !== null) commands.push(command.setTime(saved.time, saved.timeMode));
-  if (saved.cycle && saved.mode === 'cycled') commands.push(command.setCycle(saved.cycle));
+  if (saved.cycle && saved.mode === 'cycled') commands.push(command.setCycle({ ...saved.cycle, seconds: Math.max(saved.cycle.seconds, 1 / 3) }));
   if (saved.smear?.steps.length && saved.smear.steps.every((s) => s < info.times.length)) commands.push(command.setSmear(saved.smear));
   commands.push(
     command.setAppearance({

@@ -43,6 +43,8 @@ export interface SessionDoors {
   schedule(callback: () => void): void;
   /** Formats for frames in motion that this browser has decoded rightly. */
   movingFormats: readonly string[];
+  /** Whether the person has asked for little motion: then no cycle begins by itself. */
+  calm(): boolean;
 }
 
 const histogramBins = 256;
@@ -210,6 +212,7 @@ export class Session {
   }
   setMode(mode: SceneState['mode']): void {
     this.edit({ mode });
+    if (mode === 'cycled' && this.doors.calm()) this.setCycle({ playing: false }); // by hand, then
     this.sendInOrder(command.setAppearance({ mode }));
   }
   setBackground(background: SceneState['background']): void {
@@ -447,7 +450,8 @@ export class Session {
       return;
     }
     const resumed = welcome.session !== '' && welcome.session === this.doors.saved.session.id;
-    const saved = this.welcomed && this.server.dataset ? this.optimistic.view(this.server) : this.doors.saved.state;
+    let saved = this.welcomed && this.server.dataset ? this.optimistic.view(this.server) : this.doors.saved.state;
+    if (saved?.cycle && this.doors.calm()) saved = { ...saved, cycle: { ...saved.cycle, playing: false } };
     this.doors.saved.session = { id: welcome.session, resumeToken: welcome.resumeToken };
     this.welcome = welcome;
     this.role = welcome.role ?? 'controller';
@@ -477,6 +481,7 @@ export class Session {
     }
     this.welcomed = true;
     this.send(command.viewport(this.viewport));
+    if (state.mode === 'cycled' && state.cycle.playing && this.doors.calm() && !this.viewOnly) this.setCycle({ playing: false });
     // A drag goes on under the hand that has not let go.
     if (this.interactions > 0) this.send(command.interaction(true));
     for (const logged of this.log.missing(welcome.lastCommand ?? 0)) this.transmit(logged);
