@@ -59,24 +59,24 @@ void check_budget(const Request& request, std::uint64_t bytes, const OpenOptions
                                           std::to_string(options.max_bytes));
 }
 
-/// N^3 points on [-1,1]^3 with one float array.
-void fill_volume(Dataset& dataset, std::int64_t n, const char* array_name, double (*field)(Vec3d), const Task& task) {
+/// N^3 points on [-1,1]^3 with one float array; with one layer N^2 points of the plane z = 0.
+void fill_volume(Dataset& dataset, std::int64_t n, std::int64_t layers, const char* array_name, double (*field)(Vec3d), const Task& task) {
   UniformGrid grid;
   const double step = 2.0 / static_cast<double>(n - 1);
-  grid.dims = {n, n, n};
-  grid.origin = {-1, -1, -1};
+  grid.dims = {n, n, layers};
+  grid.origin = {-1, -1, layers == 1 ? 0.0 : -1.0};
   grid.spacing = {step, step, step};
   dataset.grid.shape = grid;
 
-  const auto count = static_cast<std::size_t>(n * n * n);
+  const auto count = static_cast<std::size_t>(n * n * layers);
   const auto values = std::make_shared_for_overwrite<float[]>(count);
   // Coordinates by -1 + 2i/(n-1): symmetric points get the same value to the last bit, and the last point is exactly 1.
   const auto at = [n](std::int64_t i) { return static_cast<double>(2 * i - (n - 1)) / static_cast<double>(n - 1); };
-  parallel_for(n * n, std::max<std::int64_t>(1, 4096 / n), [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(n * layers, std::max<std::int64_t>(1, 4096 / n), [&](std::int64_t begin, std::int64_t end) {
     task.check();
     for (std::int64_t row = begin; row < end; ++row)
       for (std::int64_t i = 0; i < n; ++i)
-        values[static_cast<std::size_t>(row * n + i)] = static_cast<float>(field({at(i), at(row % n), at(row / n)}));
+        values[static_cast<std::size_t>(row * n + i)] = static_cast<float>(field({at(i), at(row % n), layers == 1 ? 0 : at(row / n)}));
   });
   PointArray array;
   array.name = array_name;
@@ -94,6 +94,8 @@ double torus_distance(Vec3d p) {
 
 double sphere_distance(Vec3d p) { return std::hypot(p.x, p.y, p.z); }
 
+double diamond(Vec3d p) { return std::abs(p.x) + std::abs(p.y); }
+
 double marschner_lobb(Vec3d p) {
   constexpr double kAlpha = 0.25, kFrequency = 6;
   constexpr double pi = std::numbers::pi;
@@ -103,7 +105,7 @@ double marschner_lobb(Vec3d p) {
 
 bool is_analytic(std::string_view name) {
   const auto kind = name.substr(0, name.find(':'));
-  for (const std::string_view known : {"torus", "sphere", "marschner-lobb", "cylinder", "implicit-flow", "tets", "mixed"})
+  for (const std::string_view known : {"torus", "sphere", "marschner-lobb", "cylinder", "implicit-flow", "tets", "mixed", "diamond"})
     if (kind == known) return true;
   return false;
 }
@@ -118,9 +120,9 @@ std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOp
   if (request.kind == "torus" || request.kind == "sphere" || request.kind == "marschner-lobb") {
     const std::int64_t n = side(request, request.kind == "marschner-lobb" ? 64 : 256, 2, kMostVolume);
     check_budget(request, static_cast<std::uint64_t>(n * n * n) * sizeof(float), options);
-    if (request.kind == "torus") fill_volume(*dataset, n, "distance", torus_distance, task);
-    if (request.kind == "sphere") fill_volume(*dataset, n, "distance", sphere_distance, task);
-    if (request.kind == "marschner-lobb") fill_volume(*dataset, n, "rho", marschner_lobb, task);
+    if (request.kind == "torus") fill_volume(*dataset, n, n, "distance", torus_distance, task);
+    if (request.kind == "sphere") fill_volume(*dataset, n, n, "distance", sphere_distance, task);
+    if (request.kind == "marschner-lobb") fill_volume(*dataset, n, n, "rho", marschner_lobb, task);
   } else if (request.kind == "implicit-flow") {
     const std::int64_t n = side(request, 64, 2, kMostLattice);
     check_budget(request, implicit_flow_bytes(n), options);
@@ -133,6 +135,10 @@ std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOp
     const std::int64_t n = side(request, 17, 5, kMostLattice);
     check_budget(request, mixed_bytes(n), options);
     fill_mixed(*dataset, n, torus_distance, task);
+  } else if (request.kind == "diamond") {
+    const std::int64_t n = side(request, 9, 2, 1 << 14);
+    check_budget(request, static_cast<std::uint64_t>(n * n) * sizeof(float), options);
+    fill_volume(*dataset, n, 1, "value", diamond, task);
   } else if (request.kind == "cylinder") {
     CylinderSize size;
     const std::string expected = "cylinder[:NIxNJxNK[xNT]] with NI from 4 to " + std::to_string(kMostAround) +

@@ -17,6 +17,9 @@
 //   wedges,
 //                        pyramids and tetrahedra along x, conforming; "distance" as of torus
 //
+//   diamond[:N]          N^2 points (default 9) of the plane z = 0 on [-1,1]^2: a flat grid; "value" is |x| + |y|, the function of
+//                        Figure 1 of P. Bhaniramka and others, "Volume Interval Segmentation and Rendering", 2004
+//
 // A file whose name looks like one of these is reached with its directory: "./torus".
 #pragma once
 
@@ -39,6 +42,7 @@ std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOp
 /// The fields themselves.
 double torus_distance(Vec3d p);
 double sphere_distance(Vec3d p);
+double diamond(Vec3d p);
 double marschner_lobb(Vec3d p);
 
 }  // namespace isostrata

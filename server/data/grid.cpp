@@ -35,6 +35,11 @@ Box3d bounds_of(const PointSpan& points) {
   return total;
 }
 
+/// The two directions in which a flat structured grid has more than one point.
+std::array<std::size_t, 2> wide_directions(const std::array<std::int64_t, 3>& dims) {
+  return {dims[0] == 1 ? std::size_t{1} : std::size_t{0}, dims[2] == 1 ? std::size_t{1} : std::size_t{2}};
+}
+
 }  // namespace
 
 const char* Grid::kind_name() const {
@@ -57,6 +62,13 @@ std::array<std::int64_t, 3> Grid::dims() const {
   throw Error(ErrorCode::internal, "Grid::dims: an unstructured grid has no dimensions");
 }
 
+bool Grid::flat() const {
+  if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape))
+    return !unstructured->types.empty() && is_flat(static_cast<CellType>(unstructured->types.front()));
+  const auto d = dims();
+  return (d[0] == 1) + (d[1] == 1) + (d[2] == 1) == 1;
+}
+
 std::int64_t Grid::point_count() const {
   if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape)) return size(unstructured->points);
   const auto d = dims();
@@ -67,6 +79,10 @@ std::int64_t Grid::cell_count() const {
   if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape))
     return static_cast<std::int64_t>(unstructured->types.size());
   const auto d = dims();
+  if (flat()) {
+    const auto [u, v] = wide_directions(d);
+    return (d[u] - 1) * (d[v] - 1);
+  }
   if (d[0] < 2 || d[1] < 2 || d[2] < 2) return 0;
   return (d[0] - 1) * (d[1] - 1) * (d[2] - 1);
 }
@@ -89,7 +105,7 @@ Vec3d Grid::point(std::int64_t id) const {
 CellType Grid::cell_type(std::int64_t cell) const {
   if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape))
     return static_cast<CellType>(unstructured->types[static_cast<std::size_t>(cell)]);
-  return CellType::hexahedron;
+  return flat() ? CellType::quadrilateral : CellType::hexahedron;
 }
 
 int Grid::cell_points(std::int64_t cell, std::array<std::int64_t, kMaxCellVertices>& ids) const {
@@ -101,6 +117,15 @@ int Grid::cell_points(std::int64_t cell, std::array<std::int64_t, kMaxCellVertic
     return count;
   }
   const auto d = dims();
+  if (flat()) {
+    const auto [u, v] = wide_directions(d);
+    const std::int64_t j = cell / (d[u] - 1), first = cell - j * (d[u] - 1) + d[u] * j;
+    ids[0] = first;
+    ids[1] = first + 1;
+    ids[2] = first + 1 + d[u];
+    ids[3] = first + d[u];
+    return 4;
+  }
   const std::int64_t row = cell / (d[0] - 1);
   const std::int64_t i = cell - row * (d[0] - 1), k = row / (d[1] - 1), j = row - k * (d[1] - 1);
   const std::int64_t first = i + d[0] * (j + d[1] * k);
@@ -123,26 +148,13 @@ Box3d Grid::bounds() const {
 
 std::map<std::string, std::int64_t> count_cell_types(const Grid& grid) {
   std::map<std::string, std::int64_t> counts;
-  const auto name = [](CellType type) {
-    switch (type) {
-      case CellType::tetrahedron:
-        return "tetrahedron";
-      case CellType::pyramid:
-        return "pyramid";
-      case CellType::wedge:
-        return "wedge";
-      case CellType::hexahedron:
-        return "hexahedron";
-    }
-    return "unknown";
-  };
   if (const auto* unstructured = std::get_if<UnstructuredGrid>(&grid.shape)) {
     std::array<std::int64_t, 256> by_type{};
     for (const std::uint8_t type : unstructured->types) ++by_type[type];
-    for (const CellType type : kCellTypes)
-      if (const std::int64_t count = by_type[static_cast<std::size_t>(type)]) counts[name(type)] = count;
+    for (std::size_t type = 0; type < by_type.size(); ++type)
+      if (by_type[type]) counts[std::string(topology(static_cast<CellType>(type)).name)] = by_type[type];
   } else if (const std::int64_t count = grid.cell_count()) {
-    counts[name(CellType::hexahedron)] = count;
+    counts[std::string(topology(grid.cell_type(0)).name)] = count;
   }
   return counts;
 }

@@ -38,7 +38,7 @@ struct CurvilinearGrid {
   PointSpan points;  // [dims[2]][dims[1]][dims[0]]
 };
 
-/// Only 3-D linear cells; what else was in the file is counted in Dataset::notes.
+/// Linear cells, all of them 3-D or all of them flat; what else was in the file is counted in Dataset::notes.
 struct UnstructuredGrid {
   PointSpan points;                            // [np]
   std::span<const std::uint8_t> types;         // [nc] CellType values
@@ -51,7 +51,8 @@ inline constexpr std::array<std::array<std::int64_t, 3>, 8> kHexahedronCorners{
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
 /// One of the four, with what is common to them. Points of structured grids are numbered i + dims[0] * (j + dims[1] * k), cells
-/// likewise with dims - 1. A structured grid that is one point thick in some direction has no cells.
+/// likewise with dims - 1. A structured grid that is one point thick in just one direction is flat: its cells are quadrilaterals, turned as
+/// the two other directions are. One that is one point thick in more directions has no cells.
 struct Grid {
   std::variant<UniformGrid, RectilinearGrid, CurvilinearGrid, UnstructuredGrid> shape;
   std::span<const std::uint8_t> hidden_cells;  // [nc], 1 = blanked or ghost: not part of the volume; empty = none hidden
@@ -59,6 +60,7 @@ struct Grid {
 
   const char* kind_name() const;  // "uniform", "rectilinear", "curvilinear", "unstructured"
   bool structured() const { return !std::holds_alternative<UnstructuredGrid>(shape); }
+  bool flat() const;  // its cells are triangles and quadrilaterals: they have an area and no volume
   bool rectilinear() const { return shape.index() <= 1; }  // uniform or rectilinear: cells are boxes
   std::array<std::int64_t, 3> dims() const;                // structured grids only
   std::int64_t point_count() const;

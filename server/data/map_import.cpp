@@ -189,11 +189,17 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
   if (grid.offsets.front() != 0 || grid.offsets.back() != ids) manifest.refuse("wrote offsets that do not span the connectivity");
 
   const auto points = std::visit([](auto span) { return static_cast<std::int64_t>(span.size()); }, grid.points);
-  std::atomic<std::int64_t> bad_cell{-1}, bad_id{-1};
+  const bool grid_is_flat = cells > 0 && is_flat(static_cast<CellType>(grid.types.front()));
+  std::atomic<std::int64_t> bad_cell{-1}, bad_id{-1}, mixed{-1};
   parallel_for(cells, 1 << 16, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
       std::int64_t vertices = 0;
+      if (is_flat(static_cast<CellType>(grid.types[c])) != grid_is_flat) mixed = static_cast<std::int64_t>(c);
       switch (static_cast<CellType>(grid.types[c])) {
+        case CellType::triangle:
+          vertices = 3;
+          break;
+        case CellType::quadrilateral:
         case CellType::tetrahedron:
           vertices = 4;
           break;
@@ -215,6 +221,7 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
   if (bad_cell >= 0)
     manifest.refuse("wrote cell " + std::to_string(bad_cell) +
                     " with an unknown type, or a number of points that is not its type's");
+  if (mixed >= 0) manifest.refuse("wrote flat cells beside others: cell " + std::to_string(mixed));
   parallel_for(ids, 1 << 17, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const std::int64_t id = grid.connectivity[static_cast<std::size_t>(i)];

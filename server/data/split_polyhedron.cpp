@@ -96,6 +96,9 @@ void mirror(CellType type, std::int64_t* ids) {
       std::swap(ids[1], ids[3]);
       std::swap(ids[5], ids[7]);
       break;
+    case CellType::triangle:
+    case CellType::quadrilateral:
+      break;  // no piece of a polyhedron
   }
 }
 

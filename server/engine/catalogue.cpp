@@ -101,7 +101,7 @@ Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
     } else {
       throw Error(ErrorCode::not_found, source +
                                             ": no such file or directory, and not the name of analytic data "
-                                            "(torus, sphere, marschner-lobb, cylinder, implicit-flow, tets, mixed)");
+                                            "(torus, sphere, marschner-lobb, cylinder, implicit-flow, tets, mixed, diamond)");
     }
   }
   return catalogue;

@@ -264,6 +264,21 @@ IntervalStyle style_of(const SceneTerm& term, const SceneInterval& first, const 
   return style;
 }
 
+/// An area is drawn as a surface: as opaque as the interval, in its very colours if the grid lies in a plane along two axes, shaded if it
+/// is bent. A surface that was asked for keeps its looks.
+SurfaceStyle area_surface(const IntervalStyle& style, const Box3d& bounds) {
+  SurfaceStyle surface = style.surface;
+  surface.domain = true;
+  if (style.surface.drawn()) return surface;
+  const Vec3d size = bounds.upper - bounds.lower;
+  const bool plane = std::min({size.x, size.y, size.z}) <= 1e-9 * bounds.diagonal();
+  surface.opacity = style.opacity;
+  surface.ambient = plane ? 1 : 0.35;
+  surface.diffuse = plane ? 0 : 0.65;
+  surface.specular = 0;
+  return surface;
+}
+
 /// Of the intervals and of what terms bring in, as one step has them.
 std::vector<IntervalStyle> styles_of(const Scene& scene, const ExtractedScene& extracted, std::span<const IntervalSummary> of) {
   std::vector<IntervalStyle> styles;
@@ -452,7 +467,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (colored) made->color_values = carried.front();
     if (textured) made->texture_values = carried.back();
   }
-  if (surfaces && !made->normals_wanted) add_normals(*made, task);
+  if (surfaces && !made->normals_wanted && !made->dataset->grid.flat()) add_normals(*made, task);
   set_range(made->steps.front()->array(color_by), made->color_lower, made->color_upper);
   set_range(made->steps.front()->array(texture), made->texture_lower, made->texture_upper);
   made->bounds = made->dataset->bounds;
@@ -481,6 +496,8 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.base = extracted.base;
   if (extracted.base) input.cut_intervals = extracted.request.intervals;
   input.styles = extracted.parts.empty() ? styles_of(scene, extracted, extracted.summaries()) : smear_styles(scene, extracted);
+  if (extracted.dataset->grid.flat())
+    for (IntervalStyle& style : input.styles) style.surface = area_surface(style, extracted.dataset->bounds);
   if (scene.mode == SceneMode::cycled) show_phase(scene, input.styles);
   input.mode =
       scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;

@@ -193,6 +193,22 @@ std::vector<CellCase> find_unstructured(const Search& search, std::span<const T>
                      });
 }
 
+template <class T>
+std::vector<CellCase> find_flat(const Search& search, std::span<const T> values) {
+  constexpr std::int64_t kCellsPerBlock = 8192;
+  return join_blocks(search, search.grid.cell_count(), kCellsPerBlock,
+                     [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
+                       std::array<std::int64_t, kMaxCellVertices> ids;
+                       std::array<double, kMaxCellVertices> f;
+                       for (std::int64_t cell = begin; cell < end; ++cell) {
+                         const auto n = static_cast<std::size_t>(search.grid.cell_points(cell, ids));
+                         for (std::size_t v = 0; v < n; ++v) f[v] = static_cast<double>(values[static_cast<std::size_t>(ids[v])]);
+                         classify(search.grid, search.rules, cell, std::span(ids).first(n), f.data(), out);
+                         if (cell % 16 == 0) check(out);
+                       }
+                     });
+}
+
 }  // namespace
 
 std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
@@ -200,7 +216,10 @@ std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& arra
   if (grid.cell_count() == 0) return {};
   const Search search{grid, rules, max_bytes, task};
   return std::visit(
-      [&](auto values) { return grid.structured() ? find_structured(search, values) : find_unstructured(search, values); },
+      [&](auto values) {
+        if (grid.flat()) return find_flat(search, values);
+        return grid.structured() ? find_structured(search, values) : find_unstructured(search, values);
+      },
       array.values);
 }
 

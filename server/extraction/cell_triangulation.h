@@ -6,6 +6,7 @@
 #include <span>
 
 #include "data/grid.h"
+#include "tables/area_table.h"
 #include "tables/interval_complex.h"
 #include "tables/interval_table.h"
 
@@ -15,7 +16,7 @@ namespace isostrata {
 /// polytopes in the order of global point ids, so that any mix of cell types conforms. One object per thread.
 class CellTriangulation {
  public:
-  explicit CellTriangulation(const Grid& grid) : grid_(grid), structured_(grid.structured()) {
+  explicit CellTriangulation(const Grid& grid) : grid_(grid), structured_(grid.structured() && !grid.flat()), flat_(grid.flat()) {
     if (!structured_) return;
     dims_ = grid.dims();
     topology_ = &topology(CellType::hexahedron);
@@ -32,6 +33,11 @@ class CellTriangulation {
     }
     count_ = grid_.cell_points(cell, ids_);
     const CellType type = grid_.cell_type(cell);
+    if (flat_) {
+      topology_ = &topology(type);
+      area_table_ = &area_table(type);
+      return;
+    }
     if (!topology_ || topology_->type != type) {
       topology_ = &topology(type);
       complex_ = &interval_complex(type);
@@ -53,6 +59,7 @@ class CellTriangulation {
   std::span<const FaceMask> masks() const { return masks_; }
   /// The isovertices in use, bit i for isovertex i.
   std::uint32_t isovertices(int case_index) const {
+    if (flat_) return area_table_->isovertices[case_index];
     return structured_ ? table_->isovertices[case_index] : complex_->isovertices[case_index];
   }
   /// Valid until the next call. Positively oriented in a right-handed cell.
@@ -78,7 +85,9 @@ class CellTriangulation {
   const Grid& grid_;
   std::array<std::int64_t, 3> dims_{};
   std::int64_t row_cell_ = -1, row_point_ = 0;  // the first of the row that the last cell was in
-  bool structured_;
+  bool structured_;  // with hexahedra
+  bool flat_;
+  const AreaTable* area_table_ = nullptr;  // of a flat cell, which has neither masks nor tetrahedra
   const CellTopology* topology_ = nullptr;
   const HexahedronTable* table_ = nullptr;
   const IntervalComplex* complex_ = nullptr;

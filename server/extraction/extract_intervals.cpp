@@ -12,6 +12,7 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
+#include "extraction/extract_areas.h"
 #include "extraction/extract_structured.h"
 #include "extraction/extract_unstructured.h"
 #include "extraction/hexahedron_gather.h"
@@ -279,6 +280,10 @@ class Extraction {
 }  // namespace
 
 void prepare_tables(const Grid& grid) {
+  if (grid.flat()) {
+    area_table(CellType::triangle);
+    return;
+  }
   if (grid.structured()) {
     hexahedron_gather();
     return;
@@ -296,6 +301,7 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
     throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
                                                  " values; the grid has " + std::to_string(grid.point_count()) + " points");
   task.check();
+  if (grid.flat()) return extract_areas(grid, array, intervals, options, task);
   if (options.strict) return extract_strict(grid, array, intervals, options, task);
   if (auto mesh = extract_structured(grid, array, intervals, options, task)) return std::move(*mesh);
   if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);

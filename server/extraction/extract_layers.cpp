@@ -28,15 +28,27 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
     layers.carried.push_back({carry[i]->name, {combined.fields[i + 1].begin(), combined.fields[i + 1].end()}});
 }
 
+/// What is not there for areas. Times between the steps of a flat grid are interpolated.
+void check_flat(const LayerRequest& request, const Dataset& dataset) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ErrorCode::unsupported, dataset.name + ": its cells have an area and no volume; " + what);
+  };
+  if (!request.terms.empty()) refuse("ranges of several arrays are combined in cells with a volume only");
+  if (request.time && request.time_mode == TimeMode::spacetime) refuse("expected the time mode step or interpolate, not spacetime");
+}
+
 }  // namespace
 
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids) {
-  if (request.time_mode == TimeMode::spacetime)
+  if (request.time_mode == TimeMode::spacetime) {
+    if (const auto first = steps(request.step, task); first->grid.flat()) check_flat(request, *first);
     if (auto sliced = slice_space_time(request, steps, aids.kept, task)) return std::move(*sliced);
+  }
   Layers layers;
   layers.dataset = dataset_at_time(request, steps, layers.time, task);
   const Dataset& dataset = *layers.dataset;
   const PointArray& array = find_array(dataset, request.array);
+  if (dataset.grid.flat()) check_flat(request, dataset);
   std::vector<const PointArray*> carry;
   for (const std::string& name : request.carry) carry.push_back(&dataset.array(name));
   ExtractOptions options;
@@ -48,7 +60,7 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
     combine_terms(request, dataset, array, carry, layers, task);
     return layers;
   }
-  layers.mesh = aids.extractor && !options.strict ? aids.extractor(dataset.grid, array, request.intervals, options, task)
+  layers.mesh = aids.extractor && !options.strict && !dataset.grid.flat() ? aids.extractor(dataset.grid, array, request.intervals, options, task)
                                                   : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;

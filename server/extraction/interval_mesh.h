@@ -74,6 +74,8 @@ struct IntervalSummary {
   double volume = 0;          // sum of absolute volumes
   double signed_volume = 0;   // sum of signed volumes; positive for the orientation of the cell they lie in
   std::int64_t inverted = 0;  // tetrahedra of the other sign
+  std::int64_t triangles = 0;  // of a flat grid, in place of tetrahedra
+  double area = 0;            // of these
   int term = -1;              // the term of the request that alone brought them in; -1: they lie in an interval
 };
 
@@ -96,7 +98,8 @@ struct StrictSummary {
   std::int64_t added_points = 0;
 };
 
-/// Touching intervals share the points on their common isosurface. Immutable once made.
+/// Touching intervals share the points on their common isosurface. Of a flat grid there are no tetrahedra, and the facets are the areas
+/// themselves (extract_areas.h). Immutable once made.
 struct IntervalMesh {
   Buffer<Vec3d> positions;                          // [np] world space
   Buffer<PointOrigin> origins;                      // [np - inner points]; empty where ranges were combined: they lie on no edge

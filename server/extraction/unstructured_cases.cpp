@@ -134,6 +134,9 @@ void UnstructuredCases::find_in_block(std::int64_t b, std::span<const T> values,
       case CellType::hexahedron:
         find(std::integral_constant<CellType, CellType::hexahedron>(), std::integral_constant<int, 8>());
         break;
+      case CellType::triangle:
+      case CellType::quadrilateral:
+        break;  // a flat grid does not come here
     }
     cell = run_end;
   }

@@ -43,6 +43,11 @@ std::string xml_text(const std::string& text) {
   return out;
 }
 
+/// Of a flat grid the facets are what was cut.
+bool has_areas(const IntervalMesh& mesh) { return mesh.tetrahedra.empty() && !mesh.facets.empty(); }
+
+std::uint64_t simplex_count(const IntervalMesh& mesh) { return has_areas(mesh) ? mesh.facets.size() : mesh.tetrahedra.size(); }
+
 /// value(i) for item i.
 template <class Value>
 VtuArray array_of(std::string type, std::string name, std::uint64_t count, int components, Value value) {
@@ -65,39 +70,44 @@ struct Section {
   std::vector<VtuArray> arrays;
 };
 
-/// Indices in the narrowest type that holds them; both arrays in the same one.
-template <class Index>
-std::vector<VtuArray> cells_of(const IntervalMesh& mesh, const char* type) {
-  const std::uint64_t nt = mesh.tetrahedra.size();
-  constexpr std::uint8_t kVtkTetra = 10;
-  return {array_of(type, "connectivity", nt, 1,
-                   [&mesh](std::uint64_t t) {
-                     std::array<Index, 4> points;
-                     for (std::size_t i = 0; i < 4; ++i) points[i] = static_cast<Index>(mesh.tetrahedra[t][i]);
-                     return points;
+/// Indices in the narrowest type that holds them; both arrays in the same one. points(i) has the kCorners points of simplex i.
+template <class Index, std::size_t kCorners, class Points>
+std::vector<VtuArray> cells_of(std::uint64_t count, const char* type, std::uint8_t vtk_type, const Points& points) {
+  return {array_of(type, "connectivity", count, 1,
+                   [points](std::uint64_t i) {
+                     std::array<Index, kCorners> out;
+                     for (std::size_t v = 0; v < kCorners; ++v) out[v] = static_cast<Index>(points(i)[v]);
+                     return out;
                    }),
-          array_of(type, "offsets", nt, 1, [](std::uint64_t t) { return static_cast<Index>(4 * (t + 1)); }),
-          array_of("UInt8", "types", nt, 1, [](std::uint64_t) { return kVtkTetra; })};
+          array_of(type, "offsets", count, 1, [](std::uint64_t i) { return static_cast<Index>(kCorners * (i + 1)); }),
+          array_of("UInt8", "types", count, 1, [vtk_type](std::uint64_t) { return vtk_type; })};
+}
+
+template <class Index>
+std::vector<VtuArray> simplices_of(const IntervalMesh& mesh, const char* type) {
+  if (has_areas(mesh))
+    return cells_of<Index, 3>(mesh.facets.size(), type, 5, [&mesh](std::uint64_t i) { return mesh.facets[i].points; });
+  return cells_of<Index, 4>(mesh.tetrahedra.size(), type, 10, [&mesh](std::uint64_t i) { return mesh.tetrahedra[i]; });
 }
 
 std::vector<Section> sections_of(const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more) {
-  const std::uint64_t np = mesh.positions.size(), nt = mesh.tetrahedra.size();
+  const std::uint64_t np = mesh.positions.size(), nt = simplex_count(mesh);
   std::vector<Section> sections{{"PointData", {}}, {"CellData", {}}, {"Points", {}}, {"Cells", {}}};
   if (mesh.values.size() == np)
     sections[0].arrays.push_back(array_of("Float64", array_name, np, 1, [&mesh](std::uint64_t i) { return mesh.values[i]; }));
   for (const MeshArray& array : more)
     sections[0].arrays.push_back(array_of("Float32", array.name, np, 1, [&array](std::uint64_t i) { return array.values[i]; }));
-  const auto of_interval = [&mesh](std::uint64_t t) -> const Interval& {
-    return mesh.summaries[mesh.tetrahedron_interval[t]].interval;
-  };
+  const bool areas = has_areas(mesh);
+  const auto number = [&mesh, areas](std::uint64_t t) { return areas ? mesh.facets[t].interval : mesh.tetrahedron_interval[t]; };
+  const auto of_interval = [&mesh, number](std::uint64_t t) -> const Interval& { return mesh.summaries[number(t)].interval; };
   sections[1].arrays.push_back(
-      array_of("Int32", "interval", nt, 1, [&mesh](std::uint64_t t) { return std::int32_t{mesh.tetrahedron_interval[t]}; }));
+      array_of("Int32", "interval", nt, 1, [=](std::uint64_t t) { return std::int32_t{number(t)}; }));
   sections[1].arrays.push_back(array_of("Float64", "lower", nt, 1, [=](std::uint64_t t) { return of_interval(t).lower; }));
   sections[1].arrays.push_back(array_of("Float64", "upper", nt, 1, [=](std::uint64_t t) { return of_interval(t).upper; }));
   sections[2].arrays.push_back(array_of("Float64", "Points", np, 3, [&mesh](std::uint64_t i) { return mesh.positions[i]; }));
   constexpr std::uint64_t kInt32 = std::numeric_limits<std::int32_t>::max();
   sections[3].arrays =
-      np <= kInt32 && 4 * nt <= kInt32 ? cells_of<std::int32_t>(mesh, "Int32") : cells_of<std::int64_t>(mesh, "Int64");
+      np <= kInt32 && 4 * nt <= kInt32 ? simplices_of<std::int32_t>(mesh, "Int32") : simplices_of<std::int64_t>(mesh, "Int64");
   return sections;
 }
 
@@ -155,7 +165,7 @@ void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& arr
       "header_type=\"UInt64\"");
   if (compression != 0) out.text(" compressor=\"vtkZLibDataCompressor\"");
   out.text(">\n  <UnstructuredGrid>\n    <Piece NumberOfPoints=\"" + std::to_string(mesh.positions.size()) +
-           "\" NumberOfCells=\"" + std::to_string(mesh.tetrahedra.size()) + "\">\n");
+           "\" NumberOfCells=\"" + std::to_string(simplex_count(mesh)) + "\">\n");
   std::vector<std::uint64_t> offset_at;  // where each array's offset stands, filled in once it is known
   const std::string room(21, ' ');       // for 20 digits and the closing quote
   for (const Section& section : sections) {

@@ -80,11 +80,23 @@ FileArray concatenate(const std::vector<const FileArray*>& parts) {
   return out;
 }
 
+/// A grid is flat as a whole or not at all: beside cells with a volume, blocks of shells are left out.
+void leave_out_flat(Imported& imported) {
+  const auto has_volume = [](const Block& block) { return block.grid.cell_count() > 0 && !block.grid.flat(); };
+  if (std::none_of(imported.blocks.begin(), imported.blocks.end(), has_volume)) return;
+  std::int64_t cells = 0;
+  const auto flat = std::stable_partition(imported.blocks.begin(), imported.blocks.end(), [](const Block& b) { return !b.grid.flat(); });
+  for (auto block = flat; block != imported.blocks.end(); ++block) cells += block->grid.cell_count();
+  imported.blocks.erase(flat, imported.blocks.end());
+  if (cells > 0) imported.notes.push_back(std::to_string(cells) + " flat cells skipped: other blocks have cells with a volume");
+}
+
 }  // namespace
 
 Block append_blocks(Imported& imported, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   if (imported.blocks.empty()) throw Error(ErrorCode::bad_data, name + ": holds no grid");
+  leave_out_flat(imported);
   if (imported.blocks.size() == 1) return std::move(imported.blocks.front());
 
   std::uint64_t bytes = 0;

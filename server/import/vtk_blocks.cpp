@@ -360,7 +360,7 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, bool joined_pi
   if (block.grid.cell_count() > 0)
     add_arrays(data->GetCellData(), true, block.source.empty() ? block.grid.cell_count() : data->GetNumberOfCells(), to);
   else if (data->GetCellData()->GetNumberOfArrays() > 0)
-    notes.push_back(std::to_string(data->GetCellData()->GetNumberOfArrays()) + " cell arrays skipped: there are no 3-D cells");
+    notes.push_back(std::to_string(data->GetCellData()->GetNumberOfArrays()) + " cell arrays skipped: there are no cells with a volume or an area");
   blocks.push_back(std::move(block));
 }
 

@@ -67,6 +67,35 @@ Kept kept_as(int vtk_type) {
   }
 }
 
+/// Of cells with an area and no volume. VTK's pixel is a quadrilateral with its last two corners exchanged.
+Kept kept_flat(int vtk_type) {
+  switch (vtk_type) {
+    case VTK_TRIANGLE:
+      return {CellType::triangle, 3, false};
+    case VTK_QUAD:
+    case VTK_PIXEL:
+      return {CellType::quadrilateral, 4, false};
+    case VTK_QUADRATIC_TRIANGLE:
+    case VTK_BIQUADRATIC_TRIANGLE:
+    case VTK_LAGRANGE_TRIANGLE:
+    case VTK_BEZIER_TRIANGLE:
+      return {CellType::triangle, 3, true};
+    case VTK_QUADRATIC_QUAD:
+    case VTK_BIQUADRATIC_QUAD:
+    case VTK_QUADRATIC_LINEAR_QUAD:
+    case VTK_LAGRANGE_QUADRILATERAL:
+    case VTK_BEZIER_QUADRILATERAL:
+      return {CellType::quadrilateral, 4, true};
+    default:
+      return {};
+  }
+}
+
+bool is_split(int vtk_type) {
+  return vtk_type == VTK_POLYHEDRON || vtk_type == VTK_PENTAGONAL_PRISM || vtk_type == VTK_HEXAGONAL_PRISM ||
+         vtk_type == VTK_CONVEX_POINT_SET;
+}
+
 /// "VTK_QUADRATIC_TETRA" is what people search for; VTK calls it "vtkQuadraticTetra".
 std::string vtk_name(int type) {
   const char* name = vtkCellTypes::GetClassNameFromTypeId(type);
@@ -92,9 +121,12 @@ class CellKeeper {
 #endif
     kept_.types.reserve(static_cast<std::size_t>(count));
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
+    flat_ = true;
+    for (vtkIdType c = 0; c < count && flat_; ++c)
+      flat_ = kept_as(types->GetValue(c)).corners == 0 && !is_split(types->GetValue(c));
     for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
     note(notes);
-    if (static_cast<vtkIdType>(kept_.types.size()) == count && skipped_.empty() && open_.empty() && split_.empty())
+    if (static_cast<vtkIdType>(kept_.types.size()) == count && skipped_.empty() && open_.empty() && split_.empty() && fans_.empty())
       kept_.source.clear();
     return std::move(kept_);
   }
@@ -154,7 +186,11 @@ class CellKeeper {
       default:
         break;
     }
-    const Kept as = kept_as(vtk_type);
+    if (flat_ && (vtk_type == VTK_POLYGON || vtk_type == VTK_TRIANGLE_STRIP)) {
+      keep_fan(c, vtk_type);
+      return;
+    }
+    const Kept as = flat_ ? kept_flat(vtk_type) : kept_as(vtk_type);
     if (as.corners == 0) {
       ++skipped_[vtk_type];
       return;
@@ -163,10 +199,27 @@ class CellKeeper {
     check_count(c, vtk_type, corners_->GetNumberOfIds(), as.corners, as.linearised);
     if (as.linearised) ++linearised_[vtk_type];
     static constexpr std::array<vtkIdType, 8> kFromVoxel{0, 1, 3, 2, 4, 5, 7, 6};
+    const bool by_axes = vtk_type == VTK_VOXEL || vtk_type == VTK_PIXEL;
     for (vtkIdType v = 0; v < as.corners; ++v)
-      kept_.connectivity.push_back(
-          checked(c, corners_->GetId(vtk_type == VTK_VOXEL ? kFromVoxel[static_cast<std::size_t>(v)] : v)));
+      kept_.connectivity.push_back(checked(c, corners_->GetId(by_axes ? kFromVoxel[static_cast<std::size_t>(v)] : v)));
     end_cell(c, as.type);
+  }
+
+  /// A convex polygon as triangles about its first corner, or a strip as the triangles it is made of.
+  void keep_fan(vtkIdType c, int vtk_type) {
+    cells_->GetCellAtId(c, corners_);
+    const vtkIdType n = corners_->GetNumberOfIds();
+    check_count(c, vtk_type, n, 3, true);
+    const bool strip = vtk_type == VTK_TRIANGLE_STRIP;
+    for (vtkIdType i = 2; i < n; ++i) {
+      const bool odd = strip && i % 2 == 1;
+      const vtkIdType a = strip ? i - 2 : 0, b = i - 1;
+      for (const vtkIdType v : {odd ? b : a, odd ? a : b, i}) kept_.connectivity.push_back(checked(c, corners_->GetId(v)));
+      end_cell(c, CellType::triangle);
+    }
+    Split& row = fans_[vtk_type];
+    ++row.cells;
+    row.pieces += n - 2;
   }
 
   void end_cell(vtkIdType c, CellType type) {
@@ -282,7 +335,11 @@ class CellKeeper {
     for (const auto& [type, n] : skipped_)
       say(n,
           vtk_name(type) +
-              " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are read");
+              (flat_ ? " skipped: only cells with an area or a volume are read"
+                     : " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are "
+                       "read"));
+    for (const auto& [type, row] : fans_)
+      say(row.cells, vtk_name(type) + " read as " + std::to_string(row.pieces) + " triangles");
     for (const auto& [type, n] : open_) say(n, vtk_name(type) + " skipped: their faces do not close up");
     for (const auto& [type, n] : linearised_) say(n, vtk_name(type) + " read as linear cells by their corners");
     for (const auto& [type, n] : whole_)
@@ -305,7 +362,8 @@ class CellKeeper {
   const std::string& name_;
   KeptCells kept_;
   std::map<int, std::int64_t> skipped_, open_, linearised_, whole_;
-  std::map<int, Split> split_;
+  std::map<int, Split> split_, fans_;
+  bool flat_ = false;  // no cell of the file has a volume, so those with an area are kept
   std::int64_t overlapping_ = 0;
   vtkNew<vtkIdList> corners_, face_ids_;
   std::vector<std::int64_t> cycle_;

@@ -1,4 +1,4 @@
-// The 3-D cells of a vtkUnstructuredGrid.
+// The 3-D cells of a vtkUnstructuredGrid; where it has none, its triangles and quadrilaterals.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct KeptCells {
 };
 
 /// Checks every index before it is used, notes what was skipped, split or made linear. Polyhedra, prisms and the
-/// hulls of convex point sets are split as split_polyhedron.h says; quadratic and higher-order cells are kept by their corners.
+/// hulls of convex point sets are split as split_polyhedron.h says; polygons of a flat grid become triangles; quadratic and higher-order cells are kept by their corners.
 /// Throws bad_data.
 KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::vector<std::string>& notes);
 

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -95,6 +96,10 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                             {"signed_volume", row.signed_volume},
                                             {"absolute_volume", row.volume},
                                             {"inverted", row.inverted}});
+    if (row.triangles > 0) {
+      intervals.back().as_object().emplace("triangles", row.triangles);
+      intervals.back().as_object().emplace("area", row.area);
+    }
     if (row.term >= 0) intervals.back().as_object().emplace("term", row.term);
   }
   return {{"cells", mesh.cells},
@@ -114,6 +119,18 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                      {"total", ms.total}}},
           {"threads", thread_count()},
           {"device", device}};
+}
+
+/// Of a flat grid.
+void print_areas(const IntervalMesh& mesh, const std::string& array, const Timing& ms) {
+  std::printf("%s: %lld of %lld cells active, %zu triangles, %zu points\n", array.c_str(), static_cast<long long>(mesh.active_cells),
+              static_cast<long long>(mesh.cells), mesh.facets.size(), mesh.positions.size());
+  std::printf("%14s %14s %10s %10s %16s\n", "lower", "upper", "cells", "triangles", "area");
+  for (const IntervalSummary& row : mesh.summaries)
+    std::printf("%14.8g %14.8g %10lld %10lld %16.10g\n", row.interval.lower, row.interval.upper,
+                static_cast<long long>(row.active_cells), static_cast<long long>(row.triangles), row.area);
+  std::printf("load %.1f ms, extract %.1f ms, write %.1f ms, total %.1f ms on %d threads\n", ms.load, ms.extract, ms.write, ms.total,
+              thread_count());
 }
 
 void print_text(const IntervalMesh& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
@@ -190,7 +207,36 @@ FacetChoice parse_facet_choice(const std::string& text, std::size_t intervals) {
   return choice;
 }
 
+/// The intervals with what is below, between and above them against the whole area, cut as one interval around all values.
+Proof prove_areas(const LayerRequest& request, const Layers& layers) {
+  const Grid& grid = layers.dataset->grid;
+  const PointArray& array = layers.dataset->array(request.array);
+  Proof proof;
+  ExtractOptions options;
+  options.max_bytes = request.max_bytes;
+  const double most = std::numeric_limits<double>::max();
+  const Interval everything{-most, most};
+  const IntervalMesh whole = extract_intervals(grid, array, {&everything, 1}, options, command_task());
+  const double all = whole.summaries.front().area;
+  for (const IntervalSummary& row : layers.mesh.summaries) {
+    options.complement = true;
+    const IntervalMesh tiles = extract_intervals(grid, array, {&row.interval, 1}, options, command_task());
+    double sum = 0;
+    for (const IntervalSummary& tile : tiles.summaries) sum += tile.area;
+    const double error = all > 0 ? std::abs(sum - all) / all : std::abs(sum);
+    if (!proof.partition || error > proof.partition->error) proof.partition = Partition{error, all};
+  }
+  if (proof.partition && !(proof.partition->error <= kPartitionTolerance)) {
+    std::ostringstream text;
+    text << "an interval and what is outside it differ from the area of the cells, " << all << ", by " << proof.partition->error
+         << " of it; expected at most " << kPartitionTolerance;
+    proof.broken.push_back({"partition", 1, text.str()});
+  }
+  return proof;
+}
+
 Proof prove(const LayerRequest& request, const Layers& layers) {
+  if (layers.dataset->grid.flat()) return prove_areas(request, layers);
   Proof proof;
   const bool plain = request.terms.empty() && !request.time;
   if (plain) {
@@ -251,6 +297,9 @@ void run(ExtractArguments& arguments) {
   };
   const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
   request.array = array_argument(*dataset, request.array).name;
+  if (dataset->grid.cell_count() == 0)
+    throw Error(ErrorCode::unsupported, dataset->name + ": it has no cells with a volume or an area, so there is nothing to cut; " +
+                                            "`isostrata info` says what is in it");
   stage.lap_ms();
 
   prepare_tables(dataset->grid);
@@ -285,7 +334,10 @@ void run(ExtractArguments& arguments) {
     }
     print_json(document);
   } else {
-    print_text(mesh, request.array, facets, ms);
+    if (layers.dataset->grid.flat())
+      print_areas(mesh, request.array, ms);
+    else
+      print_text(mesh, request.array, facets, ms);
     print_time(layers.time);
     print_errors(mesh, proof);
   }

@@ -25,7 +25,7 @@ Extractor device_extractor(ExtractDevice& device) {
     try {
       if (!*extraction) *extraction = std::make_unique<GlExtraction>(device.wanted);
       GlExtraction& there = **extraction;
-      if (!choose || (!there.software() && grid.structured())) {
+      if (!choose || (!there.software() && grid.structured() && !grid.flat())) {
         IntervalMesh mesh = extract_intervals_on(there, grid, array, intervals, options, task);
         device.used = there.device();
         return mesh;

@@ -1,10 +1,13 @@
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
 #include <memory>
 #include <optional>
 
+#include "extraction/output_file.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/draw_case.h"
 #include "tables/interval_table.h"
 
 namespace isostrata {
@@ -12,6 +15,7 @@ namespace {
 
 struct TablesArguments {
   std::vector<std::string> cells;
+  std::string one_case, out;
   std::optional<std::int64_t> cases;
   std::uint64_t seed = 1;
   bool json = false;
@@ -44,7 +48,24 @@ void print_text(const std::vector<TableStatistics>& rows) {
                 static_cast<long long>(row.total_simplices), row.average, static_cast<long long>(row.max));
 }
 
+/// One case of one cell: drawn into --out, else told in words.
+void show_case(const TablesArguments& arguments) {
+  if (arguments.cells.size() != 1) throw CLI::ValidationError("--case", "expected just one --cell with it");
+  const LatticeCell cell = lattice_cell_named(arguments.cells.front());
+  const std::int64_t index = parse_case(cell, arguments.one_case);
+  if (!arguments.out.empty()) {
+    OutputFile file(arguments.out);
+    file.text(draw_case(cell, index));
+    file.finish();
+    return;
+  }
+  const std::string simplices = describe_case(cell, index);
+  std::printf("%s, case %lld: %lld simplices\n%s", cell.name.c_str(), static_cast<long long>(index),
+              static_cast<long long>(std::count(simplices.begin(), simplices.end(), '\n')), simplices.c_str());
+}
+
 void run(const TablesArguments& arguments) {
+  if (!arguments.one_case.empty()) return show_case(arguments);
   std::vector<TableStatistics> rows;
   if (arguments.cells.empty()) rows = all_table_statistics();
   for (const std::string& name : arguments.cells) rows.push_back(statistics(name, arguments));
@@ -61,7 +82,7 @@ void add_tables_command(CLI::App& app) {
   auto arguments = std::make_shared<TablesArguments>();
   command
       ->add_option("--cell", arguments->cells,
-                   "Only this cell; may be repeated: tetrahedron, pyramid, wedge, hexahedron, simplex3 to simplex5, cube3 to "
+                   "Only this cell; may be repeated: tetrahedron, pyramid, wedge, hexahedron, triangle, quadrilateral, simplex3 to simplex5, cube3 to "
                    "cube5, prism3 to prism5 (over the triangle, the tetrahedron, the 4-simplex)")
       ->allow_extra_args(false);
   command
@@ -71,6 +92,16 @@ void add_tables_command(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1000000000}))
       ->needs("--cell");
   command->add_option("--seed", arguments->seed, "Of the draw")->capture_default_str();
+  CLI::Option* one_case = command
+                              ->add_option("--case", arguments->one_case,
+                                           "One case of one --cell: a digit 0, 1 or 2 for each vertex (below the interval, inside, "
+                                           "above), or its number")
+                              ->needs("--cell");
+  command->add_option("--out", arguments->out, "Draw that case into an .svg file (default: print its simplices)")
+      ->needs(one_case)
+      ->check([](const std::string& path) {
+        return path.ends_with(".svg") ? std::string() : "expected a file that ends in .svg, not '" + path + "'";
+      });
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });
 }

@@ -81,6 +81,12 @@ Camera view_of(const Box3d& bounds, std::string_view side, double aspect) {
   Camera camera;
   Vec3d direction;
   if (!named_direction(side, direction, camera.up)) refuse(side, "unknown view");
+  if (side == "reset" && !bounds.empty()) {  // a box without depth is seen from its broad side
+    const Vec3d size = bounds.upper - bounds.lower;
+    const double thin = 1e-9 * bounds.diagonal();
+    const bool flat_x = size.x <= thin, flat_y = size.y <= thin, flat_z = size.z <= thin;
+    if (flat_x + flat_y + flat_z == 1) named_direction(flat_x ? "+x" : flat_y ? "-y" : "+z", direction, camera.up);
+  }
   const double radius = bounds.diagonal() > 0 ? bounds.diagonal() / 2 : 1.0;
   camera.at = bounds.empty() ? Vec3d{} : bounds.center();
   // The sphere about the box touches the narrower pair of sides of the pyramid of view.

@@ -8,6 +8,9 @@ namespace {
 
 using Edge = std::array<int, 2>;
 
+constexpr std::array<Edge, 3> kTriangleEdges{{{0, 1}, {0, 2}, {1, 2}}};
+constexpr std::array<Edge, 4> kQuadrilateralEdges{{{0, 1}, {0, 3}, {1, 2}, {2, 3}}};
+
 // Faces as in VTK's cell classes: triangles first or quadrilaterals first as listed there, normals outwards. A right-handed wedge
 // is the one VTK documents (the normal of 0,1,2 points away from 3,4,5).
 constexpr std::array<Edge, 6> kTetrahedronEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
@@ -26,6 +29,8 @@ constexpr std::array<Edge, 12> kHexahedronEdges{
 constexpr std::array<CellFace, 6> kHexahedronFaces{
     {{4, {0, 4, 7, 3}}, {4, {1, 2, 6, 5}}, {4, {0, 1, 5, 4}}, {4, {3, 7, 6, 2}}, {4, {0, 3, 2, 1}}, {4, {4, 5, 6, 7}}}};
 
+const CellTopology kTriangle{CellType::triangle, "triangle", 3, kTriangleEdges, {}};
+const CellTopology kQuadrilateral{CellType::quadrilateral, "quadrilateral", 4, kQuadrilateralEdges, {}};
 const CellTopology kTetrahedron{CellType::tetrahedron, "tetrahedron", 4, kTetrahedronEdges, kTetrahedronFaces};
 const CellTopology kPyramid{CellType::pyramid, "pyramid", 5, kPyramidEdges, kPyramidFaces};
 const CellTopology kWedge{CellType::wedge, "wedge", 6, kWedgeEdges, kWedgeFaces};
@@ -35,6 +40,10 @@ const CellTopology kHexahedron{CellType::hexahedron, "hexahedron", 8, kHexahedro
 
 const CellTopology& topology(CellType type) {
   switch (type) {
+    case CellType::triangle:
+      return kTriangle;
+    case CellType::quadrilateral:
+      return kQuadrilateral;
     case CellType::tetrahedron:
       return kTetrahedron;
     case CellType::pyramid:

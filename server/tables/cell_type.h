@@ -8,9 +8,11 @@
 
 namespace isostrata {
 
-enum class CellType : std::uint8_t { tetrahedron = 10, hexahedron = 12, wedge = 13, pyramid = 14 };
+enum class CellType : std::uint8_t { triangle = 5, quadrilateral = 9, tetrahedron = 10, hexahedron = 12, wedge = 13, pyramid = 14 };
 
 inline constexpr std::array kCellTypes{CellType::tetrahedron, CellType::pyramid, CellType::wedge, CellType::hexahedron};
+inline constexpr std::array kFlatCellTypes{CellType::triangle, CellType::quadrilateral};  // these have an area and no volume
+constexpr bool is_flat(CellType type) { return type == CellType::triangle || type == CellType::quadrilateral; }
 inline constexpr int kMaxCellVertices = 8;
 
 struct CellFace {
@@ -24,7 +26,7 @@ struct CellTopology {
   std::string_view name;  // "tetrahedron", ...
   int vertex_count;
   std::span<const std::array<int, 2>> edges;  // lower local vertex first, in lexicographic order
-  std::span<const CellFace> faces;
+  std::span<const CellFace> faces;            // empty for flat types
 };
 
 const CellTopology& topology(CellType type);

@@ -55,7 +55,7 @@ struct PlacingRule {
 /// The fewest simplices found for the hexahedron: 78336 over all cases, at most 18 (as published: 79344 and 22).
 inline constexpr PlacingRule kTableRule{};
 
-/// Cells of 3, 4 and 5 dimensions. O(hull points * facets of the hull): microseconds in 3-D, up to a second for the 5-cube, whose
+/// Cells of 2, 3, 4 and 5 dimensions. O(hull points * facets of the hull): microseconds in 3-D, up to a second for the 5-cube, whose
 /// lifted hull has up to 192 points. Any thread.
 std::vector<IsoSimplex> interval_case(const LatticeCell& cell, std::int64_t case_index, const PlacingRule& rule = kTableRule);
 

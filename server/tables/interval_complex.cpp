@@ -175,6 +175,9 @@ const IntervalComplex& interval_complex(CellType type) {
       static const IntervalComplex complex = build(CellType::wedge);
       return complex;
     }
+    case CellType::triangle:
+    case CellType::quadrilateral:
+      throw std::logic_error("interval_complex: a flat cell has an area_table");
     case CellType::hexahedron:
       break;
   }

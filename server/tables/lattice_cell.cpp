@@ -11,6 +11,10 @@ namespace {
 
 std::vector<LatticePoint> lattice_vertices(CellType type) {
   switch (type) {
+    case CellType::triangle:
+      return {{0, 0}, {1, 0}, {0, 1}};
+    case CellType::quadrilateral:
+      return {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     case CellType::tetrahedron:
       return {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     case CellType::pyramid:
@@ -29,9 +33,11 @@ LatticeCell lattice_cell(CellType type) {
   const CellTopology& cell = topology(type);
   LatticeCell out;
   out.name = cell.name;
-  out.dimension = 3;
+  out.dimension = is_flat(type) ? 2 : 3;
   out.vertices = lattice_vertices(type);
   out.edges.assign(cell.edges.begin(), cell.edges.end());
+  if (is_flat(type))
+    for (const auto& [a, b] : cell.edges) out.facets.push_back(1u << a | 1u << b);
   for (const CellFace& face : cell.faces) {
     std::uint32_t set = 0;
     for (int i = 0; i < face.size; ++i) set |= 1u << face.vertex[i];
@@ -102,6 +108,8 @@ LatticeCell lattice_prism(const LatticeCell& base) {
 LatticeCell lattice_cell_named(std::string_view name) {
   for (const CellType type : kCellTypes)
     if (name == topology(type).name) return lattice_cell(type);
+  for (const CellType type : kFlatCellTypes)
+    if (name == topology(type).name) return lattice_cell(type);
   for (const int n : {3, 4, 5}) {
     const std::string dimension = std::to_string(n);
     if (name == "simplex" + dimension) return lattice_simplex(n);
@@ -109,7 +117,7 @@ LatticeCell lattice_cell_named(std::string_view name) {
     if (name == "prism" + dimension) return lattice_prism(lattice_simplex(n - 1));
   }
   throw Error(ErrorCode::not_found, "no cell '" + std::string(name) +
-                                        "'; there are tetrahedron, pyramid, wedge, hexahedron, simplex3 to simplex5, cube3 to "
+                                        "'; there are tetrahedron, pyramid, wedge, hexahedron, triangle, quadrilateral, simplex3 to simplex5, cube3 to "
                                         "cube5 and prism3 to prism5");
 }
 

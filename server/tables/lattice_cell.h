@@ -23,7 +23,7 @@ struct LatticeCell {
   int edge_count() const { return static_cast<int>(edges.size()); }
 };
 
-/// A 3-D cell with the vertices, edges and faces of topology(type), right-handed.
+/// A cell with the vertices, edges and faces of topology(type), right-handed; the facets of a flat one are its edges.
 LatticeCell lattice_cell(CellType type);
 
 /// The n-simplex 0, e1, ..., en. 1 <= n <= 5.
@@ -36,7 +36,7 @@ LatticeCell lattice_cube(int n);
 /// triangle the wedge. The base has at most 4 dimensions and 16 vertices.
 LatticeCell lattice_prism(const LatticeCell& base);
 
-/// By name: "tetrahedron", "pyramid", "wedge", "hexahedron"; "simplex3" to "simplex5"; "cube3" to "cube5"; "prism3" to "prism5",
+/// By name: "tetrahedron", "pyramid", "wedge", "hexahedron", "triangle", "quadrilateral"; "simplex3" to "simplex5"; "cube3" to "cube5"; "prism3" to "prism5",
 /// the prisms over the triangle, the tetrahedron and the 4-simplex. Throws Error{not_found} naming those that are there.
 LatticeCell lattice_cell_named(std::string_view name);
 

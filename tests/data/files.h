@@ -63,6 +63,9 @@ inline double cell_volume(const Grid& grid, std::int64_t cell) {
     case CellType::hexahedron:
       return tetrahedron(0, 1, 2, 6) + tetrahedron(0, 2, 3, 6) + tetrahedron(0, 3, 7, 6) + tetrahedron(0, 7, 4, 6) +
              tetrahedron(0, 4, 5, 6) + tetrahedron(0, 5, 1, 6);
+    case CellType::triangle:
+    case CellType::quadrilateral:
+      break;  // no volume
   }
   return 0;
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <map>
 
@@ -46,6 +47,34 @@ TEST(TablesCommand, ShowsCellsOfMoreDimensionsBySample) {
   EXPECT_EQ(rows[1].at("vertices"), 8);
   EXPECT_EQ(rows[1].at("counted"), 700);
   EXPECT_EQ(rows[2].at("counted"), 700);
+}
+
+TEST(TablesCommand, DrawsTheCubeOfThePapersFigure2) {
+  const TemporaryFolder folder;
+  // Vertices above and below the interval in turns: as the paper says, no cube needs more tetrahedra when it is split into five first.
+  const std::string cube = "tables --cell hexahedron --case 02022020 ";
+  const CommandResult words = run_isostrata(cube);
+  ASSERT_EQ(words.status, 0) << words.err;
+  const auto simplices = std::count(words.out.begin(), words.out.end(), '\n') - 1;
+  EXPECT_GT(simplices, 4);
+  const CommandResult drawn = run_isostrata(cube + "--out '" + (folder / "cube.svg").string() + "'");
+  ASSERT_EQ(drawn.status, 0) << drawn.err;
+  const std::string svg = read_text(folder / "cube.svg");
+  const auto count = [&](const std::string& what) {
+    std::ptrdiff_t n = 0;
+    for (auto at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
+    return n;
+  };
+  EXPECT_EQ(count("<line"), 12);
+  EXPECT_EQ(count("fill=\"black\""), 4);
+  EXPECT_EQ(count("<polygon"), 4 * simplices);
+}
+
+TEST(TablesCommand, RefusesCasesThatAreNone) {
+  EXPECT_NE(run_isostrata("tables --cell tetrahedron --case 81").err.find("a number from 0 to 80"), std::string::npos);
+  EXPECT_EQ(run_isostrata("tables --cell tetrahedron --case 0123").status, 1);
+  EXPECT_EQ(run_isostrata("tables --case 4").status, 2);
+  EXPECT_EQ(run_isostrata("tables --cell wedge --case 4 --out case.png").status, 2);
 }
 
 TEST(TablesCommand, RefusesCellsThatItDoesNotKnow) {
