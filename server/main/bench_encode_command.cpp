@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
@@ -169,7 +170,7 @@ void run(const BenchArguments& arguments) {
           print_text(one, data, frames.front(), jpeg);
       }
     }
-  if (arguments.json) print_json(boost::json::object{{"runs", std::move(runs)}, {"threads", thread_count()}});
+  if (arguments.json) print_json(boost::json::object{{"runs", std::move(runs)}, {"threads", thread_count()}, {"simd", simd_level()}});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "data/read_once.h"
 #include "extraction/active_bricks.h"
@@ -225,9 +226,9 @@ void run(const BenchArguments& arguments) {
   }
   const std::string cpu = cpu_name();
   if (arguments.json)
-    print_json(boost::json::object{{"runs", runs}, {"threads", thread_count()}, {"cpu", cpu}});
+    print_json(boost::json::object{{"runs", runs}, {"threads", thread_count()}, {"simd", simd_level()}, {"cpu", cpu}});
   else
-    std::printf("%d threads, %s\n", thread_count(), cpu.c_str());
+    std::printf("%d threads, %s, %s\n", thread_count(), simd_level().c_str(), cpu.c_str());
 }
 
 }  // namespace

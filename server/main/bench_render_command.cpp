@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "engine/draw_scene.h"
 #include "extraction/brick_memory.h"
@@ -301,7 +302,7 @@ void run(const BenchArguments& arguments) {
     }
   }
   if (arguments.json) {
-    print_json(boost::json::object{{"runs", std::move(runs)}, {"threads", thread_count()}});
+    print_json(boost::json::object{{"runs", std::move(runs)}, {"threads", thread_count()}, {"simd", simd_level()}});
     return;
   }
   for (const std::unique_ptr<Renderer>& renderer : renderers) std::printf("%s\n", renderer->device().c_str());

@@ -19,6 +19,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "data/child_process.h"
 #include "engine/catalogue.h"
 #include "main/commands.h"
@@ -338,7 +339,7 @@ void run(BenchArguments arguments) {
       runs.push_back(std::move(one));
     }
   }
-  if (arguments.json) print_json(json::object{{"runs", std::move(runs)}, {"threads", thread_count()}});
+  if (arguments.json) print_json(json::object{{"runs", std::move(runs)}, {"threads", thread_count()}, {"simd", simd_level()}});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "encoding/encode_image.h"
 #include "main/arguments.h"
 #include "main/commands.h"
@@ -110,6 +111,9 @@ boost::json::object to_json(const Findings& findings) {
                                       {"frame_ms", worker.frame_ms},
                                       {"replace_ms", worker.replace_ms}};
   out["codecs"] = std::move(codecs);
+  boost::json::array levels;
+  for (const std::string& level : simd_levels()) levels.push_back(boost::json::string(level));
+  out["simd"] = boost::json::object{{"used", simd_level()}, {"available", std::move(levels)}};
   out["importer"] = boost::json::object{{"found", findings.importer.found}, {"path", findings.importer.path}};
   out["limits"] = boost::json::object{
       {"cores", findings.cores}, {"memory_bytes", findings.memory_bytes}, {"memory_limit_bytes", findings.memory_limit_bytes}};
@@ -135,7 +139,9 @@ void print_text(const Findings& findings) {
                 worker.start_ms, worker.frame_ms, worker.replace_ms);
   else if (!findings.device.empty())
     std::printf("        serve --worker thread draws in the server's own process\n");
-  std::printf("\ncodecs\n");
+  std::printf("\nvector instructions (--simd)\n  used: %s; this machine has", simd_level().c_str());
+  for (const std::string& level : simd_levels()) std::printf(" %s", level.c_str());
+  std::printf("\n\ncodecs\n");
   for (const CodecProbe& codec : findings.codecs)
     std::printf("  %-5s %s: %s\n", codec.ok ? "ok" : "no", codec.name.c_str(), codec.detail.c_str());
   std::printf("\nimporter\n  %-5s %s\n", findings.importer.found ? "ok" : "no", findings.importer.path.c_str());

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "extraction/boundary_facets.h"
 #include "extraction/check_laws.h"
@@ -118,6 +119,7 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                                      {"proof", ms.proof},
                                      {"total", ms.total}}},
           {"threads", thread_count()},
+          {"simd", simd_level()},
           {"device", device}};
 }
 

@@ -5,7 +5,9 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/simd_level.h"
 #include "main/commands.h"
+#include "main/simd_option.h"
 #include "session/protobuf_log.h"
 
 int main(int argc, char** argv) {
@@ -22,8 +24,10 @@ int main(int argc, char** argv) {
   isostrata::add_tables_command(app);
   isostrata::add_doctor_command(app);
   isostrata::add_worker_command(app);
+  for (CLI::App* command : app.get_subcommands({})) isostrata::add_simd_option(*command);
 
   try {
+    isostrata::use_simd_level_of_environment();
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

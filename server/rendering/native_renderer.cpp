@@ -5,12 +5,12 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "extraction/interval_surfaces.h"
 #include "rendering/check_draw_input.h"
 #include "rendering/draw_crossings.h"
 #include "rendering/draw_segments.h"
-#include "rendering/project_vertices.h"
 
 namespace isostrata {
 namespace {
@@ -63,7 +63,7 @@ class NativeRenderer final : public Renderer {
   std::weak_ptr<const BaseTetrahedra> surfaces_of_;
   std::vector<Interval> surfaces_between_;
   std::shared_ptr<const IntervalMesh> surfaces_;  // of those
-  const std::string device_ = std::string("CPU (") + vector_name() + ", " + std::to_string(thread_count()) +
+  const std::string device_ = "CPU (" + simd_level() + ", " + std::to_string(thread_count()) +
                               (thread_count() == 1 ? " thread)" : " threads)");
   CrossingsRenderer crossings_;
   SegmentsRenderer segments_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 #include "base/parallel.h"
 
@@ -53,8 +52,6 @@ std::size_t ProjectWhole(const double* points, std::size_t count, const double* 
   return i;
 }
 
-const char* TargetInUse() { return hwy::TargetName(HWY_TARGET); }
-
 }  // namespace isostrata::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -62,7 +59,6 @@ HWY_AFTER_NAMESPACE();
 namespace isostrata {
 
 HWY_EXPORT(ProjectWhole);
-HWY_EXPORT(TargetInUse);
 
 static_assert(sizeof(ScreenVertex) == 16 && sizeof(Vec3d) == 24);
 
@@ -88,11 +84,6 @@ void project_vertices(std::span<const Vec3d> points, const ScreenTransform& tran
     project(&last[0].x, kLargest, rows.data(), transform, projected.data());
     std::copy_n(projected.begin(), count - done, out.begin() + static_cast<std::ptrdiff_t>(first + done));
   });
-}
-
-const char* vector_name() {
-  const char* const name = HWY_DYNAMIC_DISPATCH(TargetInUse)();
-  return std::string_view(name).starts_with("AVX3") ? "AVX-512" : name;
 }
 
 }  // namespace isostrata

@@ -11,7 +11,4 @@ namespace isostrata {
 /// ScreenTransform::project of each. Parallel, vectors of what the processor has; the same result whatever they are.
 void project_vertices(std::span<const Vec3d> points, const ScreenTransform& transform, Buffer<ScreenVertex>& out);
 
-/// The vectors that the software renderers run with here: "AVX-512", "AVX2", "SSE4", "NEON", ...
-const char* vector_name();
-
 }  // namespace isostrata

@@ -11,6 +11,7 @@
 #include "support/box_mesh.h"
 #include "support/oracle.h"
 #include "support/pictures.h"
+#include "support/simd_levels.h"
 
 namespace isostrata {
 namespace {
@@ -41,8 +42,7 @@ DrawInput extracted(const char* data, const std::vector<Interval>& shares, doubl
   return input;
 }
 
-void expect_like_oracle(const DrawInput& input, const std::string& what, double limit = kHalfStep) {
-  const OracleImage expected = oracle_image(input);
+void expect_like_oracle(const DrawInput& input, const OracleImage& expected, const std::string& what, double limit) {
   const FloatImage drawn = draw_floats(input, native());
   const OracleError error = compare_images(expected, drawn);
   EXPECT_LT(error.max, limit) << what << " at " << error.max_x << "," << error.max_y << ", mean " << error.mean;
@@ -53,6 +53,12 @@ void expect_like_oracle(const DrawInput& input, const std::string& what, double 
     wrong_depths += !(off < 1e-3 * input.bounds.diagonal());
   }
   EXPECT_LE(wrong_depths, expected.depth.size() / 500) << what;
+}
+
+/// With every level of vector instructions.
+void expect_like_oracle(const DrawInput& input, const std::string& what, double limit = kHalfStep) {
+  const OracleImage expected = oracle_image(input);
+  with_each_simd_level([&](const std::string&) { expect_like_oracle(input, expected, what, limit); });
 }
 
 struct Dataset3 {

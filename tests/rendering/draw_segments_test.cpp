@@ -7,6 +7,7 @@
 #include "extraction/extract_intervals.h"
 #include "support/oracle.h"
 #include "support/pictures.h"
+#include "support/simd_levels.h"
 
 namespace isostrata::testing {
 namespace {
@@ -56,15 +57,20 @@ std::string text(const Rgba& rgba) {
   return out;
 }
 
-void expect_oracle(const DrawInput& input, double most, const std::string& what) {
+void expect_oracle(const DrawInput& input, const OracleImage& expected, double most, const std::string& what) {
   const FloatImage image = draw_segments(input);
-  const OracleImage expected = oracle_image(input);
   const OracleError error = compare_images(expected, image);
   EXPECT_GT(error.covered, 0.05) << what;
   EXPECT_LT(error.max, most) << what << " at " << error.max_x << "," << error.max_y << ": "
                              << text(pixel(image, error.max_x, error.max_y)) << ", expected "
                              << text(expected.rgba[static_cast<std::size_t>(error.max_y * input.width + error.max_x)]);
   EXPECT_LT(error.mean, 1e-4) << what;
+}
+
+/// With every level of vector instructions.
+void expect_oracle(const DrawInput& input, double most, const std::string& what) {
+  const OracleImage expected = oracle_image(input);
+  with_each_simd_level([&](const std::string&) { expect_oracle(input, expected, most, what); });
 }
 
 const char* const kGrids[] = {"torus:12", "cylinder:12x10x6", "tets:8", "mixed:7"};

@@ -9,7 +9,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/simd_level.h"
 #include "extract_bench.h"
+#include "main/simd_option.h"
 #include "paraview_peer.h"
 #include "render_bench.h"
 
@@ -43,7 +45,8 @@ template <class Report>
 void finish_report(const Report& report, bool json, boost::json::array runs, const char* included) {
   if (!json) {
     for (const std::string& what : report.left_out) std::printf("left out: %s\n", what.c_str());
-    std::printf("%s; %s; ours: %d threads\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), included);
+    std::printf("%s; %s; ours: %d threads, %s\n%s\n", cpu_name().c_str(), report.vtk.c_str(), thread_count(), simd_level().c_str(),
+                included);
     return;
   }
   boost::json::array left_out;
@@ -51,6 +54,7 @@ void finish_report(const Report& report, bool json, boost::json::array runs, con
   const std::string text = boost::json::serialize(boost::json::object{{"runs", std::move(runs)},
                                                                       {"left_out", std::move(left_out)},
                                                                       {"threads", thread_count()},
+                                                                      {"simd", simd_level()},
                                                                       {"vtk", report.vtk},
                                                                       {"cpu", cpu_name()},
                                                                       {"included", included}});
@@ -172,7 +176,9 @@ int main(int argc, char** argv) {
   add_extract(app);
   add_render(app);
   add_peak_memory(app);
+  for (CLI::App* command : app.get_subcommands({})) add_simd_option(*command);
   try {
+    use_simd_level_of_environment();
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
