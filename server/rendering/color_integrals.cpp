@@ -44,6 +44,45 @@ bool follows(const Cubic& cubic, const ColorMap& map, int piece, int pieces) {
   return true;
 }
 
+/// Of red, green or blue (c) at u: the polynomials of the piece, which go on beyond the map's ends.
+double value(const float (&polynomials)[3][5][ColorIntegrals::kMostPieces], std::size_t c, double p, int pieces, bool slope) {
+  const int piece = std::clamp(static_cast<int>(std::floor(p)), 0, pieces - 1);
+  const double x = p - piece;
+  double sum = 0;
+  for (std::size_t i = 5; i-- > static_cast<std::size_t>(slope);)
+    sum = sum * x + static_cast<double>(polynomials[c][i][piece]) * (slope ? static_cast<double>(i) : 1.0);
+  return sum;
+}
+
+void tabulate(ColorIntegrals& integrals) {
+  const int pieces = static_cast<int>(integrals.pieces);
+  for (int i = -ColorIntegrals::kMargin; i <= ColorIntegrals::kSteps + ColorIntegrals::kMargin; ++i) {
+    float* const node = integrals.nodes[i + ColorIntegrals::kMargin];
+    const double per_step = static_cast<double>(ColorIntegrals::kSteps) / pieces;
+    for (std::size_t c = 0; c < 3; ++c)
+      node[c] = static_cast<float>(per_step * value(integrals.g0, c, i / per_step, pieces, false));
+    node[3] = static_cast<float>(-i);
+  }
+}
+
+/// By trial, at a fine choice of parts.
+float bend_of(const ColorIntegrals& integrals) {
+  const int pieces = static_cast<int>(integrals.pieces);
+  constexpr int kParts = 64, kInside = 24;
+  double most = 0;
+  for (int width = 2; width <= kParts; width *= 2)
+    for (int first = 0; first + width <= kParts; ++first) {
+      const double w = static_cast<double>(width) / kParts, from = static_cast<double>(first) / kParts;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto color = [&](double x) { return value(integrals.g0, c, (from + w * x) * pieces, pieces, true); };
+        double moment = 0;
+        for (int k = 0; k < kInside; ++k) moment += color((k + 0.5) / kInside) * ((k + 0.5) / kInside - 0.5) / kInside;
+        most = std::max(most, std::abs(moment - (color(1) - color(0)) / 12) / w);
+      }
+    }
+  return static_cast<float>(most);
+}
+
 std::shared_ptr<const ColorIntegrals> integrate(const ColorMap& map, int pieces) {
   auto out = std::make_shared<ColorIntegrals>();
   out->pieces = static_cast<float>(pieces);
@@ -66,6 +105,8 @@ std::shared_ptr<const ColorIntegrals> integrate(const ColorMap& map, int pieces)
       }
     }
   }
+  tabulate(*out);
+  out->bend = bend_of(*out);
   return out;
 }
 

@@ -22,6 +22,14 @@ struct ColorIntegrals {
   alignas(64) float g0[3][5][kMostPieces];
   alignas(64) float g1[3][6][kMostPieces];
   float pieces = 1;
+
+  // The same as a table, for vectors whose registers hold no sixteen numbers: the integrals of red, green, blue and -1 up to node
+  // i are nodes[i + kMargin], in steps of 1 / kSteps of the map. Between two nodes a colour is constant.
+  static constexpr int kSteps = 1024, kMargin = 8;
+  alignas(64) float nodes[kSteps + 2 * kMargin + 1][4];
+  // How far, at most, the first moment of the colour over a part of the map, seen from its middle, is from a twelfth of the
+  // difference of the colours at its ends; per width of the part.
+  float bend = 0;
 };
 
 /// How far cubics may be from the map, in display values of [0, 1].

@@ -8,6 +8,8 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
+#include "rendering/packed_lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -61,9 +63,9 @@ HWY_INLINE std::size_t covering_facets(const CrossingFrame& frame, std::uint32_t
     const auto in_columns = first_centers(hn::Min(px, hn::Min(qx, rx)), hn::Max(px, hn::Max(qx, rx)), rect.x0, rect.x1);
     const auto covers = hn::And(in_rows, in_columns);
     const auto numbers = hn::Add(hn::Set(du, f), hn::Iota(du, 0));
-    const auto kept = hn::RebindMask(du, covers);
-    hn::StoreU(hn::Compress(numbers, kept), du, out + count);
-    count += hn::CountTrue(du, kept);
+    const Packer<decltype(du)> packed(du, hn::RebindMask(du, covers));
+    hn::StoreU(packed(numbers), du, out + count);
+    count += packed.count();
   }
   for (; f < end; ++f) {
     const auto& p = frame.set.points[f];
@@ -149,6 +151,7 @@ std::int64_t AddDepths(const CrossingFrame& frame, std::span<const TileEntry> en
 
 bool Gather(const CrossingFrame& frame, std::span<const TileEntry> entries, const PixelRect& part, std::size_t most,
             CrossingRecords& to) {
+  const DF d;
   const DI di;
   HWY_ALIGN std::int32_t ordered[kLanes] = {};
   to.count = 0;
@@ -177,7 +180,7 @@ bool Gather(const CrossingFrame& frame, std::span<const TileEntry> entries, cons
                   const auto bits = hn::BitCast(di, z);
                   const auto turn = hn::Or(hn::ShiftRight<31>(bits), hn::Set(di, static_cast<std::int32_t>(0x80000000u)));
                   hn::Store(hn::Xor(bits, turn), di, ordered);
-                  for (int j = 0; j < kLanes; ++j) {  // what is beyond the span will be written over
+                  for (int j = 0; j < static_cast<int>(hn::Lanes(d)); ++j) {  // what is beyond the span will be written over
                     keys[k + j] = crossing_key(static_cast<std::uint32_t>(ordered[j]), facet, enters);
                     pixels[k + j] = static_cast<std::uint16_t>(pixel + k + j);
                   }

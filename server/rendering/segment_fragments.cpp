@@ -9,6 +9,7 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include "rendering/packed_lanes-inl.h"
 #include "rendering/segment_light-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -287,10 +288,11 @@ HWY_INLINE std::size_t meet_rays(const Group& g, const std::uint16_t* pixels, st
     }
     auto inside = hn::Gt(q_in, q_out);
     if (count - i < lanes) inside = hn::And(inside, hn::FirstN(d, count - i));
-    hn::StoreU(hn::Compress(code, hn::RebindMask(di, inside)), di, code_met + met);
-    hn::StoreU(hn::Compress(q_in, inside), d, in + met);
-    hn::StoreU(hn::Compress(q_out, inside), d, out + met);
-    met += hn::CountTrue(d, inside);
+    const Packer<decltype(d)> packed(d, inside);
+    hn::StoreU(packed(code), di, code_met + met);
+    hn::StoreU(packed(q_in), d, in + met);
+    hn::StoreU(packed(q_out), d, out + met);
+    met += packed.count();
   }
   return met;
 }
@@ -359,8 +361,15 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
     const V tau = hn::Mul(length, of(g.extinction));
     const V mean = mean_transmittance(d, tau);  // over the segment
     V alpha = hn::Mul(tau, mean);
-    V rgb[3];
-    if (g.look) {
+    V rgb[3] = {zero, zero, zero};
+    const bool by_nodes = hn::MaxLanes(d) < 16 && g.look;
+    // Where nothing is left out, what is by nodes lies where it belongs at once.
+    alignas(64) float light_here[kMaxLanes][4];
+    auto* const light = input.optics->cut ? light_here : reinterpret_cast<float(*)[4]>(store.light + 4 * store.count);
+    if (by_nodes) {
+      const V u0 = of(g.u0);
+      light_of_nodes(d, *g.look, hn::Add(u0, u_in), hn::Add(u0, u_out), tau, alpha, light);
+    } else if (g.look) {
       const V u0 = of(g.u0);
       integrated_light(d, *g.look, hn::Add(u0, u_in), hn::Add(u0, u_out), tau, alpha, rgb);
     } else {
@@ -377,24 +386,36 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
       if (!hn::AllFalse(d, own)) {
         const V u0 = of(g.u0);
         const auto interval = hn::TableLookupLanes(hn::Load(di, g.interval), hn::IndicesFromVec(di, index));
-        V light[4];
-        bent_light(d, *input.optics, input.integral, interval, length, hn::Add(u0, u_in), hn::Add(u0, u_out), light);
-        for (int c = 0; c < 3; ++c) rgb[c] = hn::IfThenElse(own, light[c], rgb[c]);
-        alpha = hn::IfThenElse(own, light[3], alpha);
+        V bent[4];
+        bent_light(d, *input.optics, input.integral, interval, length, hn::Add(u0, u_in), hn::Add(u0, u_out), bent);
+        if (by_nodes) {
+          V red, green, blue, minus_alpha;
+          hn::LoadInterleaved4(d, light[0], red, green, blue, minus_alpha);
+          rgb[0] = red, rgb[1] = green, rgb[2] = blue;
+        }
+        for (int c = 0; c < 3; ++c) rgb[c] = hn::IfThenElse(own, bent[c], rgb[c]);
+        alpha = hn::IfThenElse(own, bent[3], alpha);
+        if (by_nodes) hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], hn::Neg(alpha), d, light[0]);
       }
     }
-    V minus_alpha = hn::Neg(alpha);
     V middle = hn::MulAdd(hn::Set(d, 2.0f), q0, hn::Add(q_in, q_out));  // positive: its bits grow with it
     V begin = hn::IfThenElse(hn::Gt(alpha, zero), hn::Add(q0, q_in), hn::Set(d, -1e30f));
     auto where = pixel;
     std::size_t kept = std::min(lanes, count - i);
     if (input.optics->cut) {  // most of a tetrahedron may lie outside its interval
       const auto some = hn::And(hn::Gt(q_in, q_out), hn::FirstN(d, kept));
-      kept = hn::CountTrue(d, some);
-      for (V* const v : {&rgb[0], &rgb[1], &rgb[2], &minus_alpha, &middle, &begin}) *v = hn::Compress(*v, some);
-      where = hn::Compress(where, hn::RebindMask(di, some));
+      if (by_nodes) {
+        V minus_alpha;
+        hn::LoadInterleaved4(d, light[0], rgb[0], rgb[1], rgb[2], minus_alpha);
+        alpha = hn::Neg(minus_alpha);
+      }
+      const Packer<decltype(d)> packed(d, some);
+      kept = packed.count();
+      for (V* const v : {&rgb[0], &rgb[1], &rgb[2], &alpha, &middle, &begin}) *v = packed(*v);
+      where = packed(where);
     }
-    hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], minus_alpha, d, store.light + 4 * store.count);
+    if (!by_nodes || input.optics->cut)
+      hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], hn::Neg(alpha), d, store.light + 4 * store.count);
     hn::StoreU(hn::Not(hn::BitCast(di, middle)), di, reinterpret_cast<std::int32_t*>(store.far_key) + store.count);
     hn::StoreU(hn::DemoteTo(d16, where), d16, store.pixel + store.count);
     if (store.q_in) hn::StoreU(begin, d, store.q_in + store.count);

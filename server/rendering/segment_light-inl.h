@@ -120,6 +120,83 @@ HWY_INLINE void integrated_light(D d, const SegmentOptics::Look& look, V u_in, V
   }
 }
 
+/// integrated_light by the table of nodes, for vectors that are too short to hold the polynomials. light: of each lane,
+/// premultiplied colour and minus alpha.
+template <class D, class V>
+HWY_INLINE void light_of_nodes(D d, const SegmentOptics::Look& look, V u_in, V u_out, V tau, V alpha, float (*light)[4]) {
+  constexpr float kDeepest = 0.5f, kBendError = 5e-4f, kNarrowest = ColorIntegrals::kSteps / 512.0f;
+  constexpr std::size_t kMost = 16;
+  const hn::RebindToSigned<D> di;
+  const std::size_t lanes = hn::Lanes(d);
+  const ColorIntegrals& integrals = *look.integrals;
+  const float per_piece = ColorIntegrals::kSteps / integrals.pieces;
+  const V half = hn::Set(d, 0.5f), rise = hn::Set(d, look.rise * per_piece);
+  const V first = hn::Set(d, look.first * per_piece + ColorIntegrals::kMargin);
+  const V seen_in = hn::MulAdd(rise, u_in, first), seen_out = hn::MulAdd(rise, u_out, first), seen = hn::Sub(seen_out, seen_in);
+  // A segment over next to nothing of the map sees a little more of it, or the differences would be rounding.
+  const V width = hn::CopySign(hn::Max(hn::Abs(seen), hn::Set(d, kNarrowest)), seen);
+  V p = hn::Mul(half, hn::Sub(hn::Add(seen_in, seen_out), width));
+
+  // Parts in which the exponential is nearly a line, and the colour bends little for how deep they are.
+  const V bent = hn::Mul(hn::Abs(width), hn::Set(d, integrals.bend / (kBendError * ColorIntegrals::kSteps)));
+  const V wanted = hn::Mul(hn::Min(tau, hn::Set(d, 64.0f)), hn::Max(hn::Set(d, 1 / kDeepest), hn::Sqrt(bent)));
+  float parts = 1;
+  if (HWY_UNLIKELY(!hn::AllTrue(d, hn::Le(wanted, hn::Set(d, 1.0f))))) parts = std::ceil(hn::GetLane(hn::MaxOfLanes(d, wanted)));
+  V depth = tau, opacity = alpha, step = width;
+  if (parts > 1) {
+    const V share = hn::Set(d, 1 / parts);
+    depth = hn::Mul(tau, share);
+    opacity = hn::Mul(depth, mean_transmittance(d, depth));
+    step = hn::Mul(width, share);
+  }
+  depth = hn::Min(depth, hn::Set(d, kDeepest));
+  // The weight exp(-depth s) as a line: its slope is 12 times its centre of gravity, seen from the middle.
+  const V lean = hn::Mul(depth, hn::MulAdd(hn::Mul(depth, depth), hn::Set(d, 1.0f / 60), hn::Set(d, -1.0f)));
+  const V over = hn::Div(opacity, step), turn = hn::Mul(hn::Mul(opacity, lean), hn::Set(d, 1.0f / 12));
+  const V end = hn::Set(d, ColorIntegrals::kSteps + 2 * ColorIntegrals::kMargin);
+  const auto last = hn::Set(di, ColorIntegrals::kSteps + 2 * ColorIntegrals::kMargin - 1);
+  alignas(64) std::int32_t at[2][kMost];
+  alignas(64) float place[2][kMost], weight[kMost], slope[kMost];
+  const auto put = [&](V where, std::size_t which) {
+    const V held = hn::Min(hn::Max(where, hn::Zero(d)), end);
+    const auto node = hn::Min(hn::ConvertTo(di, held), last);
+    hn::Store(hn::ShiftLeft<2>(node), di, at[which]);
+    hn::Store(hn::Sub(held, hn::ConvertTo(d, node)), d, place[which]);
+  };
+  const float* const nodes = integrals.nodes[0];
+  put(p, 0);
+  V through = hn::Set(d, 1.0f);
+  for (float i = 0; i < parts; ++i) {
+    const std::size_t in = static_cast<std::size_t>(i) % 2, out = 1 - in;
+    p = hn::Add(p, step);
+    put(p, out);
+    hn::Store(hn::Mul(through, over), d, weight);
+    hn::Store(hn::Mul(through, turn), d, slope);
+    through = hn::NegMulAdd(through, opacity, through);
+    for (std::size_t k = 0; k < lanes; ++k) {
+#if HWY_TARGET == HWY_SCALAR
+      for (std::size_t c = 0; c < 4; ++c) {
+        const float* const a = nodes + at[in][k] + c;
+        const float* const b = nodes + at[out][k] + c;
+        const float color_in = a[4] - a[0], color_out = b[4] - b[0];
+        const float sum = (b[0] + place[out][k] * color_out) - (a[0] + place[in][k] * color_in);
+        const float part = weight[k] * sum + slope[k] * (color_out - color_in);
+        light[k][c] = i == 0 ? part : light[k][c] + part;
+      }
+#else
+      const hn::FixedTag<float, 4> d4;
+      const auto a = hn::LoadU(d4, nodes + at[in][k]), color_in = hn::Sub(hn::LoadU(d4, nodes + at[in][k] + 4), a);
+      const auto b = hn::LoadU(d4, nodes + at[out][k]), color_out = hn::Sub(hn::LoadU(d4, nodes + at[out][k] + 4), b);
+      const auto sum = hn::Sub(hn::MulAdd(hn::Set(d4, place[out][k]), color_out, b),
+                               hn::MulAdd(hn::Set(d4, place[in][k]), color_in, a));
+      auto part = hn::MulAdd(hn::Set(d4, slope[k]), hn::Sub(color_out, color_in), hn::Mul(hn::Set(d4, weight[k]), sum));
+      if (HWY_UNLIKELY(i > 0)) part = hn::Add(part, hn::LoadU(d4, light[k]));
+      hn::StoreU(part, d4, light[k]);
+#endif
+    }
+  }
+}
+
 template <class D, class V, class VI>
 HWY_INLINE void map_color(D d, const SegmentOptics& optics, VI map, VI last, V u, V* rgb) {
   const hn::RebindToSigned<D> di;
