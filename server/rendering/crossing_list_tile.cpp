@@ -66,21 +66,21 @@ SurfaceColor shade(const CrossingFrame& frame, std::uint32_t facet, std::uint16_
       weight[0] = share(w0), weight[1] = share(w1), weight[2] = share(w2);
     }
   }
-  Vec3d normal;
+  const Vec3d across = cross(b - a, c - a);
+  const double size = length(across);
+  const Vec3d own_normal = size > 0 ? across / size : Vec3d{};
+  Vec3d normal = own_normal;
   if (input.normals) {
+    normal = {};
     for (std::size_t v = 0; v < 3; ++v) {
       const Vec3f n = (*input.normals)[points[v]];
       normal = normal + Vec3d{n.x, n.y, n.z} * weight[v];
     }
-  } else {
-    normal = cross(b - a, c - a);
-    const double size = length(normal);
-    normal = size > 0 ? normal / size : Vec3d{};
   }
   double value = 0;
   if (input.texture_values)
     for (std::size_t v = 0; v < 3; ++v) value += weight[v] * (*input.texture_values)[points[v]];
-  return shade_surface(*frame.materials[interval], input.styles[interval].color, single(normal), single(direction * -1.0),
+  return shade_surface(*frame.materials[interval], input.styles[interval].color, single(normal), single(own_normal), single(direction * -1.0),
                        static_cast<float>(value));
 }
 

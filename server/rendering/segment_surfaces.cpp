@@ -145,13 +145,10 @@ void SegmentSurfaces::add(std::uint32_t triangle, const CoverInput& part, Fragme
   const PixelBox box = box_of(t, part.tile_x + part.x0, part.tile_y + part.y0, part.tile_x + part.x1, part.tile_y + part.y1);
   const double over_area = 1 / area(t);
   const auto to_float = [](Vec3d v) { return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; };
-  Vec3f own_normal{};
-  if (!input_.normals) {
-    const Vec3d n = cross(mesh.positions[facet.points[1]] - mesh.positions[facet.points[0]],
-                          mesh.positions[facet.points[2]] - mesh.positions[facet.points[0]]);
-    const double l = length(n);
-    if (l > 0) own_normal = to_float(n / l);
-  }
+  const Vec3d n = cross(mesh.positions[facet.points[1]] - mesh.positions[facet.points[0]],
+                        mesh.positions[facet.points[2]] - mesh.positions[facet.points[0]]);
+  const double l = length(n);
+  const Vec3f own_normal = l > 0 ? to_float(n / l) : Vec3f{};
   for (int y = box.y0; y <= box.y1; ++y)
     for (int x = box.x0; x <= box.x1; ++x) {
       const auto side = [&](std::size_t a, std::size_t b) {
@@ -188,7 +185,7 @@ void SegmentSurfaces::add(std::uint32_t triangle, const CoverInput& part, Fragme
                                                 optics_.inverse_range[facet.interval]
                                           : 0.0f;
       const SurfaceColor light =
-          shade_surface(material, optics_.color(facet.interval, u), normal, to_float(normalized(ray) * -1.0),
+          shade_surface(material, optics_.color(facet.interval, u), normal, own_normal, to_float(normalized(ray) * -1.0),
                         input_.texture_values ? static_cast<float>(at_point(*input_.texture_values)) : 0.0f);
       float* const out = store.light + 4 * store.count;
       std::copy(light.color.begin(), light.color.end(), out);

@@ -76,10 +76,14 @@ inline float stripe(float periods) {
 
 /// The surface seen from where `view` points.
 /// base: the interval's colour at that point, constant or mapped; straight display values.
-/// normal: unit, of either sign. Zero or NaN counts as facing the eye, so that a flat field's surface is not black.
+/// normal: unit, of either sign, or what interpolation made of such ones: shorter.
+/// facet: the facet's own normal, unit, of either sign. It takes over where interpolated normals cancel: a surface that folds within
+/// a facet has opposite ones at its corners, and what is left between them points anywhere. Zero or NaN of both counts as facing
+/// the eye, so that a flat field's surface is not black.
 /// view: unit, from the surface towards the eye; with an orthographic camera against the rays.
 /// texture_value: DrawInput::texture_values there; NaN shows no texture. Values outside the texture's range go on repeating.
-inline SurfaceColor shade_surface(const SurfaceMaterial& m, const Rgb& base, Vec3f normal, Vec3f view, float texture_value) {
+inline SurfaceColor shade_surface(const SurfaceMaterial& m, const Rgb& base, Vec3f normal, Vec3f facet, Vec3f view,
+                                  float texture_value) {
   Rgb color = m.own_color ? m.color : base;
   if (m.texture != SurfaceMaterial::Texture::none) {
     const float periods = m.texture_scale * texture_value + m.texture_offset;
@@ -92,8 +96,10 @@ inline SurfaceColor shade_surface(const SurfaceMaterial& m, const Rgb& base, Vec
   }
 
   const float nn = dot(normal, normal);
-  const float facing = nn > 0.25f ? std::fabs(dot(normal, view)) / std::sqrt(nn) : 1.0f;  // interpolated normals are shorter
-  const float c = saturate(facing);
+  const float trust = saturate((nn - 0.0625f) * (1.0f / 0.1875f));  // from a length of a quarter to a half
+  const float carried = trust > 0 ? std::fabs(dot(normal, view)) / std::sqrt(nn) : 0.0f;
+  const float own = dot(facet, facet) > 0.25f ? std::fabs(dot(facet, view)) : 1.0f;
+  const float c = saturate(trust * carried + (1.0f - trust) * own);
   const float lit = m.ambient + m.diffuse * c;
   const float glint = m.specular > 0 ? m.specular * std::pow(c, m.shininess) : 0.0f;
 

@@ -27,21 +27,22 @@ inline OracleLight oracle_surface(const DrawInput& input, const OracleOptics& op
       for (std::size_t v = 0; v < 3; ++v) value += crossing.weights[v] * (*values)[facet.points[v]];
     return value;
   };
-  Vec3d normal;
+  const Vec3d a = mesh.positions[facet.points[0]];
+  const Vec3d own_normal = normalized(cross(mesh.positions[facet.points[1]] - a, mesh.positions[facet.points[2]] - a));
+  Vec3d normal = own_normal;
   if (input.normals) {
+    normal = {};
     for (std::size_t v = 0; v < 3; ++v) {
       const Vec3f n = (*input.normals)[facet.points[v]];
       normal = normal + Vec3d{n.x, n.y, n.z} * crossing.weights[v];
     }
-  } else {
-    const Vec3d a = mesh.positions[facet.points[0]];
-    normal = normalized(cross(mesh.positions[facet.points[1]] - a, mesh.positions[facet.points[2]] - a));
   }
   const auto color = optics.color(optics.place(value_of(input.color_values)));
   const auto single = [](Vec3d v) { return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; };
   const SurfaceColor shaded =
       shade_surface(material, {static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2])},
-                    single(normal), single(ray.direction * -1.0), static_cast<float>(value_of(input.texture_values)));
+                    single(normal), single(own_normal), single(ray.direction * -1.0),
+                    static_cast<float>(value_of(input.texture_values)));
   return {{shaded.color[0], shaded.color[1], shaded.color[2]}, shaded.alpha};
 }
 

@@ -9,8 +9,8 @@ float stripe(float periods) {
   return saturate(0.5 + 16.0 * (0.25 - abs(s - 0.5)));
 }
 
-// base: the interval's colour there; normal, view: of one space; view towards the eye. Premultiplied.
-vec4 shade_surface(int style, vec3 base, vec3 normal, vec3 view, float texture_value) {
+// base: the interval's colour there; normal, facet, view: of one space; view towards the eye. Premultiplied.
+vec4 shade_surface(int style, vec3 base, vec3 normal, vec3 facet, vec3 view, float texture_value) {
   vec4 own = texelFetch(styles, STYLE_TEXELS * style + 2);
   vec4 light = texelFetch(styles, STYLE_TEXELS * style + 3);     // opacity, ambient, diffuse, specular
   vec4 finish = texelFetch(styles, STYLE_TEXELS * style + 4);    // shininess, silhouette, texture
@@ -26,7 +26,10 @@ vec4 shade_surface(int style, vec3 base, vec3 normal, vec3 view, float texture_v
     }
   }
   float nn = dot(normal, normal);
-  float c = saturate(nn > 0.25 ? abs(dot(normal, view)) / sqrt(nn) : 1.0);
+  float trust = saturate((nn - 0.0625) * (1.0 / 0.1875));
+  float carried = trust > 0.0 ? abs(dot(normal, view)) / sqrt(nn) : 0.0;
+  float facing = dot(facet, facet) > 0.25 ? abs(dot(facet, view)) : 1.0;
+  float c = saturate(trust * carried + (1.0 - trust) * facing);
   float lit = light.y + light.z * c;
   float glint = light.w > 0.0 ? light.w * pow(c, finish.x) : 0.0;
   float e = (1.0 - c) * (1.0 - c);

@@ -165,14 +165,12 @@ void draw_surface(Ray ray, int style, uint facet) {
   float depth = dot(weight, vec3(p[0].z, p[1].z, p[2].z));
   if (depth < ray.first || depth > ray.last) discard;
   vec4 normal_texture = corner_normal[0] * weight.x + corner_normal[1] * weight.y + corner_normal[2] * weight.z;
-  vec3 normal = turn_to_view(normal_texture.xyz);
-  if (frame.counts.w == 0u) {  // no normals were given: the facet's own
-    float size = max(max(abs(own_normal.x), abs(own_normal.y)), abs(own_normal.z));  // its square may be too small for a float
-    normal = size > 0.0 ? normalize(own_normal / size) : vec3(0.0);
-  }
+  float size = max(max(abs(own_normal.x), abs(own_normal.y)), abs(own_normal.z));  // its square may be too small for a float
+  own_normal = size > 0.0 ? normalize(own_normal / size) : vec3(0.0);
+  vec3 normal = frame.counts.w == 0u ? own_normal : turn_to_view(normal_texture.xyz);  // none were given: the facet's own
   vec4 own_map = texelFetch(styles, STYLE_TEXELS * style + 1);
   vec3 base = color_at(rgb_extinction, own_map, dot(weight, scalars) * own_map.y + own_map.z);
-  color = shade_surface(style, base, normal, -normalize(ray.along), normal_texture.w);
+  color = shade_surface(style, base, normal, own_normal, -normalize(ray.along), normal_texture.w);
 #ifdef NEAREST_DEPTH
   nearest = color.a > 0.0 ? nearness(depth) : 0.0;
 #endif

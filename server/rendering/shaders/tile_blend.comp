@@ -228,7 +228,7 @@ vec4 segment_light(uint interval, float path, float front, float back) {
 
 #ifdef SURFACES
 // shade_surface of surface_shading.h, line by line.
-vec4 shade_surface(uint interval, vec3 base, vec3 normal, vec3 view, float texture_value) {
+vec4 shade_surface(uint interval, vec3 base, vec3 normal, vec3 facet, vec3 view, float texture_value) {
   vec4 own = style_row(interval, TILE_STYLE_SURFACE), shading = style_row(interval, TILE_STYLE_SHADING),
        look = style_row(interval, TILE_STYLE_TEXTURE), pattern = style_row(interval, TILE_STYLE_TEXTURED);
   vec3 color = look.y > 0.5 ? own.rgb : base;
@@ -243,7 +243,10 @@ vec4 shade_surface(uint interval, vec3 base, vec3 normal, vec3 view, float textu
     }
   }
   float nn = dot(normal, normal);
-  float c = nn > 0.25 ? clamp(abs(dot(normal, view)) / sqrt(nn), 0.0, 1.0) : 1.0;
+  float trust = clamp((nn - 0.0625) * (1.0 / 0.1875), 0.0, 1.0);
+  float carried = trust > 0.0 ? abs(dot(normal, view)) / sqrt(nn) : 0.0;
+  float facing = dot(facet, facet) > 0.25 ? abs(dot(facet, view)) : 1.0;
+  float c = clamp(trust * carried + (1.0 - trust) * facing, 0.0, 1.0);
   float lit = shading.x + shading.y * c;
   float glint = shading.z > 0.0 ? shading.z * (c > 0.0 ? pow(c, shading.w) : (shading.w > 0.0 ? 0.0 : 1.0)) : 0.0;
   float e = (1.0 - c) * (1.0 - c), edge = look.x * e * e;
@@ -274,6 +277,7 @@ vec4 surface_light(uint j, uint face, vec2 at, float u) {
   weight.yz = clamp(weight.yz, 0.0, 1.0);
   weight.x = max(1.0 - weight.y - weight.z, 0.0);
   normal = normalize(normal);
+  vec3 facet = normal;
 #ifdef WITH_NORMALS
   vec3 world = weight.x * vec3(normals[3u * a], normals[3u * a + 1u], normals[3u * a + 2u]) +
                weight.y * vec3(normals[3u * b], normals[3u * b + 1u], normals[3u * b + 2u]) +
@@ -290,7 +294,7 @@ vec4 surface_light(uint j, uint face, vec2 at, float u) {
   along = (dot(weight, vec3(values[a], values[b], values[c])) - range.x) * range.y;
   if (isnan(along)) along = 0.0;
 #endif
-  return shade_surface(interval, interval_color(interval, along), normal, -normalize(direction), texture_value);
+  return shade_surface(interval, interval_color(interval, along), normal, facet, -normalize(direction), texture_value);
 }
 #endif
 
