@@ -12,7 +12,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kMostMessages = 5;
+constexpr std::size_t kMostMessages = 20;
 
 /// "ERROR: In FILE, line N\nvtkXMLDataReader (0x55): What happened.\n\n" -> "What happened."
 std::string plain(std::string text) {
@@ -46,7 +46,9 @@ class Messages : public vtkOutputWindow {
     keep(lost_data ? errors : warnings, text);
   }
   static void keep(std::vector<std::string>& messages, const char* text) {
-    if (text && messages.size() < kMostMessages) messages.push_back(plain(text));
+    if (!text || messages.size() >= kMostMessages) return;
+    std::string line = plain(text);
+    if (std::find(messages.begin(), messages.end(), line) == messages.end()) messages.push_back(std::move(line));
   }
 };
 
@@ -63,6 +65,17 @@ void collect_vtk_messages() {
 
 void throw_on_vtk_error(const std::string& name) {
   if (messages && !messages->errors.empty()) throw Error(ErrorCode::bad_data, name + ": " + messages->errors.front());
+}
+
+std::vector<std::string> take_vtk_errors(const std::string& beginning) {
+  std::vector<std::string> taken;
+  if (!messages) return taken;
+  std::erase_if(messages->errors, [&](const std::string& error) {
+    if (!error.starts_with(beginning)) return false;
+    taken.push_back(error.substr(beginning.size()));
+    return true;
+  });
+  return taken;
 }
 
 std::vector<std::string> vtk_warnings() { return messages ? messages->warnings : std::vector<std::string>{}; }

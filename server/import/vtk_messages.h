@@ -12,6 +12,9 @@ void collect_vtk_messages();
 /// Throws bad_data with the first error that VTK's readers printed so far, said as "NAME: text".
 void throw_on_vtk_error(const std::string& name);
 
+/// Takes the errors that begin like this from those that throw_on_vtk_error looks at, without their beginning; each text once.
+std::vector<std::string> take_vtk_errors(const std::string& beginning);
+
 /// What VTK warned of so far, at most a few, one line each.
 std::vector<std::string> vtk_warnings();
 
