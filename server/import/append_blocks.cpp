@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "import/join_pieces.h"
+
 namespace isostrata {
 namespace {
 
@@ -113,9 +115,12 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   std::vector<std::int64_t> source;
   std::int64_t first_source = 0;
   std::array<std::int64_t, kMaxCellVertices> ids{};
+  std::vector<std::int64_t> first_points, first_cells;
   for (const Block& block : imported.blocks) {
+    first_cells.push_back(static_cast<std::int64_t>(cells->types.size()));
     const std::int64_t points_before =
         static_cast<std::int64_t>(doubles ? cells->double_points.size() : cells->single_points.size());
+    first_points.push_back(points_before);
     const bool whole = !shared || &block == &imported.blocks.front();
     const std::int64_t common = whole ? 0 : file_points(block);  // these are there already
     const auto number = [&](std::int64_t id) { return id < common ? id : points_before + id - common; };
@@ -167,7 +172,9 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
         }
       if (shared && !array.on_cells && !any_split)
         all.arrays.push_back(array);  // it belongs to the common points
-      else if (parts.size() == imported.blocks.size())
+      else if (static_cast<std::ptrdiff_t>(parts.size()) ==
+               std::count_if(imported.blocks.begin(), imported.blocks.end(),
+                             [&](const Block& other) { return !array.on_cells || other.grid.cell_count() > 0; }))
         all.arrays.push_back(concatenate(parts));
       else if (std::find(left_out.begin(), left_out.end(), array.name) == left_out.end())
         left_out.push_back(array.name);
@@ -175,7 +182,8 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   for (const std::string& array : left_out) imported.notes.push_back("array '" + array + "' skipped: not every block has it");
   imported.notes.push_back(std::to_string(imported.blocks.size()) +
                            (shared ? " blocks over the same points as one unstructured grid"
-                                   : " blocks appended to one unstructured grid; points that blocks share are kept twice"));
+                                   : " blocks as one unstructured grid"));
+  if (!shared) join_pieces(all, first_points, first_cells, imported.notes);
   return all;
 }
 

@@ -17,6 +17,7 @@
 #include <vtkStructuredGridReader.h>
 #include <vtkStructuredPointsReader.h>
 #include <vtkUnstructuredGridReader.h>
+#include <vtkUnstructuredGrid.h>
 #include <vtkXMLDataElement.h>
 #include <vtkXMLImageDataReader.h>
 #include <vtkXMLPDataReader.h>
@@ -29,7 +30,9 @@
 #include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUtilities.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -157,6 +160,55 @@ vtkSmartPointer<vtkXMLDataElement> parse_small_xml(const ReadRequest& request) {
   return root;
 }
 
+/// "12 vtkQuad skipped" of one piece and "3 vtkQuad skipped" of another are 15.
+void add_note(std::vector<std::string>& notes, const std::string& note) {
+  const auto digits = [](const std::string& text) { return text.find_first_not_of("0123456789"); };
+  const auto at = digits(note);
+  if (at == 0 || at > 15 || at == std::string::npos) {
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+    return;
+  }
+  for (std::string& other : notes)
+    if (const auto there = digits(other); there != 0 && there <= 15 && other.substr(there) == note.substr(at)) {
+      other = std::to_string(std::stoll(other) + std::stoll(note)) + note.substr(at);
+      return;
+    }
+  notes.push_back(note);
+}
+
+std::int64_t count_pieces(vtkXMLDataElement* element) {
+  std::int64_t count = element->GetName() && std::strcmp(element->GetName(), "Piece") == 0;
+  for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) count += count_pieces(element->GetNestedElement(i));
+  return count;
+}
+
+/// Each piece is a block of its own, so that it is known which points are of which.
+Imported read_unstructured_pieces(const ReadRequest& request, int pieces) {
+  const std::string name = request.file.filename().string();
+  vtkNew<vtkXMLPUnstructuredGridReader> reader;
+  reader->SetFileName(request.file.c_str());
+  check_step(request, 1);
+  reader->UpdateInformation();
+  throw_on_vtk_error(name);
+  Imported imported;
+  for (int piece = 0; piece < pieces; ++piece) {
+    reader->UpdatePiece(piece, pieces, 0);
+    throw_on_vtk_error(name);
+    if (reader->GetErrorCode() != 0)
+      throw Error(ErrorCode::bad_data, name + ": VTK's reader reported error " + std::to_string(reader->GetErrorCode()));
+    vtkNew<vtkUnstructuredGrid> own;
+    own->ShallowCopy(reader->GetOutput());
+    if (piece == 0) imported.times = declared_times(own);
+    std::vector<std::string> notes;
+    if (own->GetNumberOfPoints() > 0) append_vtk_blocks(own, request, true, imported.blocks, notes);
+    for (const std::string& note : notes) add_note(imported.notes, note);
+    request.progress((piece + 1.0) / pieces);
+  }
+  if (imported.blocks.empty()) throw Error(ErrorCode::bad_data, name + ": holds no points");
+  for (const std::string& warning : vtk_warnings()) imported.notes.push_back("reader: " + warning);
+  return imported;
+}
+
 }  // namespace
 
 Imported read_vtk_legacy(const ReadRequest& request) {
@@ -192,11 +244,12 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
   if (type == "UnstructuredGrid") return run_named<vtkXMLUnstructuredGridReader>(request);
   if (type == "PImageData" || type == "PRectilinearGrid" || type == "PStructuredGrid" || type == "PUnstructuredGrid") {
-    check_pieces(parse_small_xml(request), request);
+    const auto root = parse_small_xml(request);
+    check_pieces(root, request);
     if (type == "PImageData") return run_named<vtkXMLPImageDataReader>(request);
     if (type == "PRectilinearGrid") return run_named<vtkXMLPRectilinearGridReader>(request);
     if (type == "PStructuredGrid") return run_named<vtkXMLPStructuredGridReader>(request);
-    return run_named<vtkXMLPUnstructuredGridReader>(request);
+    return read_unstructured_pieces(request, static_cast<int>(std::min<std::int64_t>(count_pieces(root), 1 << 20)));
   }
   if (type == "PolyData" || type == "PPolyData")
     throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");

@@ -1,0 +1,23 @@
+// Points that pieces of one grid share, each written by every piece that has it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "import/imported.h"
+
+namespace isostrata {
+
+/// Makes one point of those of different pieces that are at the same place, to the last bit, and have the same values in every
+/// point array: so cells of different pieces meet in common points, and nothing is a boundary where one piece goes on as
+/// another. Where values differ, the field has a jump there, and the points stay apart. Points of one piece are never joined. A
+/// cell that another piece has as well, point for point, is hidden, unless it is already. Points keep their order.
+///
+/// first_points: [pieces] the number of each piece's first point; first_cells alike. An unstructured block, whose arrays are
+/// whole. Notes say what was joined, left apart and hidden. O(points log points), 24 bytes for each.
+void join_pieces(Block& block, std::span<const std::int64_t> first_points, std::span<const std::int64_t> first_cells,
+                 std::vector<std::string>& notes);
+
+}  // namespace isostrata
