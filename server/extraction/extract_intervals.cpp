@@ -21,6 +21,7 @@
 #include "extraction/mesh_points.h"
 #include "extraction/strict_triangulation.h"
 #include "extraction/structured_points.h"
+#include "extraction/weld_seams.h"
 
 namespace isostrata {
 namespace {
@@ -303,14 +304,19 @@ IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::s
   task.check();
   if (grid.flat()) return extract_areas(grid, array, intervals, options, task);
   if (options.strict) return extract_strict(grid, array, intervals, options, task);
-  if (auto mesh = extract_structured(grid, array, intervals, options, task)) return std::move(*mesh);
+  if (auto mesh = extract_structured(grid, array, intervals, options, task)) {
+    weld_seams(grid, array, *mesh, task);
+    return std::move(*mesh);
+  }
   if (auto mesh = extract_unstructured(grid, array, intervals, options, task)) return std::move(*mesh);
   return extract_in_general(grid, array, intervals, options, task);
 }
 
 IntervalMesh extract_in_general(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                 const ExtractOptions& options, const Task& task) {
-  return Extraction(grid, array, intervals, options, task).run();
+  IntervalMesh mesh = Extraction(grid, array, intervals, options, task).run();
+  weld_seams(grid, array, mesh, task);
+  return mesh;
 }
 
 }  // namespace isostrata

@@ -11,6 +11,7 @@
 #include "extraction/cell_triangulation.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/weld_seams.h"
 
 namespace isostrata {
 namespace {
@@ -168,6 +169,7 @@ IntervalMesh extract_intervals_on(GlExtraction& device, const Grid& grid, const 
     const std::vector<FacetLabels> labels = label_tetrahedra(parts, mesh.tetrahedra.size(), task);
     mesh.facets = boundary_facets(grid, array, mesh, labels, options.max_bytes, task);
   }
+  weld_seams(grid, array, mesh, task);
   return mesh;
 }
 
