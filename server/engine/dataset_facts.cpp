@@ -26,11 +26,13 @@ const ArrayFacts* DatasetFacts::find_array(std::string_view array) const {
 
 const ArrayFacts* DatasetFacts::first_array() const {
   for (const ArrayFacts& facts : arrays)
+    if (const ValueRange first = facts.first_step(); first.lower < first.upper) return &facts;
+  for (const ArrayFacts& facts : arrays)
     if (facts.lower < facts.upper) return &facts;
   return nullptr;
 }
 
-DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset) {
+DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset, const SeriesRanges& ranges) {
   DatasetFacts facts;
   facts.id = std::move(id);
   facts.name = std::move(name);
@@ -39,9 +41,20 @@ DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& data
   facts.cells = dataset.grid.cell_count();
   facts.cell_types = dataset.cell_types;
   facts.bounds = dataset.bounds;
-  for (const PointArray& array : dataset.arrays)
-    facts.arrays.push_back({array.name, array.association == Association::point ? "point" : "cell_averaged",
-                            to_string(array.type), array.components, array.lower, array.upper, array.nan_count});
+  std::map<std::string_view, const ArrayRanges*> ranges_of;
+  for (const ArrayRanges& known : ranges.arrays()) ranges_of[known.name] = &known;
+  for (const PointArray& array : dataset.arrays) {
+    ArrayFacts of{array.name, array.association == Association::point ? "point" : "cell_averaged", to_string(array.type),
+                  array.components, array.lower, array.upper, array.nan_count, {}};
+    if (const auto known = ranges_of.find(array.name); known != ranges_of.end()) {
+      of.lower = known->second->all.lower;
+      of.upper = known->second->all.upper;
+      of.nan_count = known->second->nan_count;
+      of.steps = known->second->steps;
+    }
+    facts.arrays.push_back(std::move(of));
+  }
+  facts.missing_steps = ranges.steps() - ranges.known_steps();
   facts.times = dataset.times;
   facts.notes = dataset.notes;
   return facts;

@@ -9,6 +9,7 @@
 
 #include "base/vec.h"
 #include "data/dataset.h"
+#include "data/series_ranges.h"
 #include "extraction/interval_mesh.h"
 
 namespace isostrata {
@@ -18,8 +19,14 @@ struct ArrayFacts {
   std::string association;  // "point" or "cell_averaged"
   std::string type;         // "float32", ...
   int components = 1;
-  double lower = 0, upper = 0;  // of the finite values; lower > upper where there is none
-  std::int64_t nan_count = 0;
+  double lower = 0, upper = 0;         // of the finite values of all steps that are known; lower > upper where there is none
+  std::int64_t nan_count = 0;          // at the known step that has most of them
+  std::vector<ValueRange> steps = {};  // ArrayRanges::steps; may be empty
+
+  ValueRange range() const { return {lower, upper}; }
+
+  /// At the step that is shown first.
+  ValueRange first_step() const { return steps.empty() ? ValueRange{lower, upper} : steps.front(); }
 };
 
 struct DatasetFacts {
@@ -32,18 +39,23 @@ struct DatasetFacts {
   Box3d bounds;
   std::vector<ArrayFacts> arrays;
   std::vector<double> times;
+  int missing_steps = 0;  // whose values the arrays' ranges leave out, because nobody has read them yet
   std::vector<std::string> notes;
 
   std::vector<Interval> first_layers;  // of first_array(), for the first picture (extraction/first_layers.h)
 
-  /// The first array with two different finite values; null where there is none.
+  /// The first array with two different finite values at the first step, else the first that has them over all known steps; null
+  /// where there is none.
   const ArrayFacts* first_array() const;
   /// Null where there is none of that name.
   const ArrayFacts* find_array(std::string_view array) const;
 };
 
-/// Everything but first_layers.
-DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset);
+/// Everything but first_layers. The ranges are those of `ranges`, which knows this step.
+DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset, const SeriesRanges& ranges);
+inline DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset) {
+  return dataset_facts(std::move(id), std::move(name), dataset, SeriesRanges(dataset));
+}
 
 /// What the dataset holds in memory or mapped: points, cells and arrays, in bytes.
 std::uint64_t dataset_bytes(const Dataset& dataset);

@@ -92,6 +92,14 @@ std::shared_ptr<const Dataset> DatasetStore::acquire(const std::string& source, 
   return loading->waiting == 0 ? std::move(loading->dataset) : loading->dataset;
 }
 
+std::shared_ptr<const Dataset> DatasetStore::borrow(const std::string& source, int step, const Task& task) {
+  {
+    std::lock_guard lock(mutex_);
+    if (const auto it = held_.find({source, step}); it != held_.end()) return it->second.dataset;
+  }
+  return loader_(source, step, task);
+}
+
 void DatasetStore::load(std::shared_ptr<Loading> loading, Key key) {
   std::shared_ptr<const Dataset> dataset;
   std::exception_ptr failure;

@@ -40,6 +40,9 @@ class DatasetStore {
   /// cancelled. Throws what open_dataset throws, and cancelled.
   std::shared_ptr<const Dataset> acquire(const std::string& source, int step, const Task& task);
 
+  /// As acquire, but what is not held is loaded for the caller alone and takes nobody's place.
+  std::shared_ptr<const Dataset> borrow(const std::string& source, int step, const Task& task);
+
   std::uint64_t held_bytes() const;
 
  private:

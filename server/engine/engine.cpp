@@ -1,5 +1,6 @@
 #include "engine/engine.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
 #include "engine/encoder_threads.h"
+#include "engine/known_ranges.h"
 #include "engine/operation.h"
 #include "engine/worker_threads.h"
 #include "extraction/brick_memory.h"
@@ -112,6 +114,7 @@ class Engine::Impl {
         store_(options_.store),
         bases_(options_.store.max_bytes),
         loaders_(4),
+        readers_(1),
         exporters_(1),
         jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
     std::promise<std::string> started;
@@ -164,13 +167,18 @@ class Engine::Impl {
   // Where the file lies is the server's own business: a failure names it as clients know it.
   std::shared_ptr<const Dataset> acquire(const CatalogueEntry& of, int step, const Task& task) {
     try {
-      return store_.acquire(of.source, step, task);
+      auto dataset = store_.acquire(of.source, step, task);
+      ranges_.add(of.source, *dataset);
+      return dataset;
     } catch (const Error& error) {
-      std::string message = error.what();
-      for (auto at = message.find(of.source); at != std::string::npos; at = message.find(of.source, at + of.name.size()))
-        message.replace(at, of.source.size(), of.name);
-      throw Error(error.code(), message);
+      throw Error(error.code(), without_place(error.what(), of));
     }
+  }
+
+  static std::string without_place(std::string message, const CatalogueEntry& of) {
+    for (auto at = message.find(of.source); at != std::string::npos; at = message.find(of.source, at + of.name.size()))
+      message.replace(at, of.source.size(), of.name);
+    return message;
   }
 
   // ---- requests ----
@@ -178,16 +186,70 @@ class Engine::Impl {
   void take(OpenRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
-    loaders_.post([this, request, operation = begin(request.session, request.request)] {
-      run(request.session, request.request, *operation, [&] {
-        const CatalogueEntry& source = entry(request.dataset);
-        const auto dataset = acquire(source, 0, operation->task());
-        DatasetFacts facts = dataset_facts(source.id, source.name, *dataset);
-        if (const ArrayFacts* first = facts.first_array())
-          facts.first_layers = first_layers(dataset->grid, dataset->array(first->name), kFirstPictureCells, operation->task());
-        send(DatasetReady{request.session, request.request, std::move(facts)});
-      });
+    auto operation = begin(request.session, request.request);
+    if (request.all_ranges)
+      readers_.post([this, request, operation] { read_ranges(request, operation); });
+    else
+      loaders_.post([this, request, operation] { describe(request, operation); });
+  }
+
+  void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
+    run(request.session, request.request, *operation, [&] {
+      const CatalogueEntry& source = entry(request.dataset);
+      auto dataset = acquire(source, 0, operation->task());
+      const KnownRanges::Known known = ranges_.find(source.source).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}});
+      DatasetFacts facts = dataset_facts(source.id, source.name, *dataset, known.ranges);
+      facts.notes.insert(facts.notes.end(), known.notes.begin(), known.notes.end());
+      if (const ArrayFacts* first = facts.first_array()) {
+        // Layers of all steps' values, at the step that has most of them, are not too many cells at any.
+        const int widest = known.ranges.widest_step(first->name);
+        if (widest != 0 && facts.cells > kFirstPictureCells)
+          dataset = store_.borrow(source.source, widest, operation->task());
+        PointArray array = dataset->array(first->name);
+        array.lower = first->lower;
+        array.upper = first->upper;
+        facts.first_layers = first_layers(dataset->grid, array, kFirstPictureCells, operation->task());
+      }
+      send(DatasetReady{request.session, request.request, std::move(facts)});
     });
+  }
+
+  // One more step, then whoever else waits has their turn: so series of several sessions advance side by side, and those that
+  // two sessions show are read once.
+  void read_ranges(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
+    setpriority(PRIO_PROCESS, 0, 10);  // of this thread, and of the importers that it starts: pictures come first
+    bool more = false;
+    try {
+      const Doing opening(options_.board, Stage::opening, request.session, request.request, operation->id());
+      const Task& task = operation->task();
+      task.check();
+      const CatalogueEntry& source = entry(request.dataset);
+      if (!ranges_.next(source.source)) acquire(source, 0, task);
+      if (const int step = *ranges_.next(source.source); step >= 0) {
+        const SeriesRanges known = ranges_.find(source.source)->ranges;
+        const double steps = known.steps();
+        operation->report_part(known.known_steps() / steps, (known.known_steps() + 1) / steps, "reading the ranges of all steps");
+        task.report(0, "reading");
+        read_step(source, step, task);
+        more = true;
+      }
+    } catch (...) {
+      send(failure_of(std::current_exception(), request.session, request.request));
+      return operation->finish();
+    }
+    if (more)
+      readers_.post([this, request, operation] { read_ranges(request, operation); });
+    else
+      describe(request, operation);
+  }
+
+  void read_step(const CatalogueEntry& source, int step, const Task& task) {
+    try {
+      ranges_.add(source.source, *store_.borrow(source.source, step, task));
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      ranges_.skip(source.source, step, without_place(error.what(), source));
+    }
   }
 
   void take(HistogramRequest& request) {
@@ -197,9 +259,11 @@ class Engine::Impl {
       run(request.session, request.request, *operation, [&] {
         const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
-        Histogram counted = histogram(array, request.bins);
-        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, counted.lower,
-                            counted.upper, std::move(counted.counts)});
+        const ValueRange range = join(request.least, {array.lower, array.upper});
+        std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::clamp(request.bins, 0, 1 << 20)));
+        if (!range.empty()) counts = histogram(array, range.lower, range.upper, request.bins);
+        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, range.lower,
+                            range.upper, std::move(counts)});
       });
     });
   }
@@ -643,7 +707,9 @@ class Engine::Impl {
   BaseMeshes bases_;                         // likewise
   Task base_task_;                           // of making those that nobody waits for
   std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
+  KnownRanges ranges_;
   WorkerThreads loaders_;
+  WorkerThreads readers_;    // of steps for their ranges, one after the other
   WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
   WorkerThreads jobs_;
   EncoderThreads encoders_;

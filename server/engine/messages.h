@@ -32,6 +32,9 @@ struct OpenRequest {
   SessionKey session = 0;
   RequestId request = 0;
   std::string dataset;  // id of the catalogue
+  // The arrays' ranges are those of all steps, for which each step is read once, one after the other and beside all other work.
+  // Else they are those of the steps that were read so far.
+  bool all_ranges = false;
 };
 
 /// The newest scene of a session; replaces the one before. Extraction begins at once.
@@ -72,6 +75,7 @@ struct HistogramRequest {
   int step = 0;
   std::string array;
   int bins = 256;
+  ValueRange least;  // that the bins span at least; else the array's own at that step
 };
 
 /// Answered by StatisticsReady or RequestFailed.

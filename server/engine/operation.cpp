@@ -26,7 +26,15 @@ void Operation::progress(double fraction, std::string_view stage) {
   if (finished_ || now_ms - last_announced_ms_ < kAnnounceEveryMs) return;
   last_announced_ms_ = now_ms;
   announced_ = true;
-  announce_(OperationProgress{session_, id_, std::string(stage), fraction, request_});
+  announce_(OperationProgress{session_, id_, part_stage_.empty() ? std::string(stage) : part_stage_,
+                              part_begin_ + (part_end_ - part_begin_) * fraction, request_});
+}
+
+void Operation::report_part(double begin, double end, std::string stage) {
+  std::lock_guard lock(mutex_);
+  part_begin_ = begin;
+  part_end_ = end;
+  part_stage_ = std::move(stage);
 }
 
 void Operation::finish() {

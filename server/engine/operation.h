@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <string_view>
 
 #include "base/stopwatch.h"
@@ -32,6 +33,9 @@ class Operation {
   void supersede(double grace_ms);
   bool superseded() const { return grace_ms_.load() >= 0; }
 
+  /// What the task reports from now on is this part of the whole.
+  void report_part(double begin, double end, std::string stage);
+
   /// Announces the end where progress was announced.
   void finish();
 
@@ -48,6 +52,8 @@ class Operation {
   double last_announced_ms_ = 0;
   bool announced_ = false;
   bool finished_ = false;
+  double part_begin_ = 0, part_end_ = 1;
+  std::string part_stage_;  // empty: the task's own
   Task task_;
 };
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "data/series_ranges.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 
@@ -19,13 +20,29 @@ std::int64_t hidden_cells(const Grid& grid) {
   return std::count_if(grid.hidden_cells.begin(), grid.hidden_cells.end(), [](std::uint8_t hidden) { return hidden != 0; });
 }
 
-/// null where an array has no finite value: JSON has no NaN.
-json::value range_json(const PointArray& array) {
-  if (array.lower > array.upper) return nullptr;
-  return json::array{array.lower, array.upper};
+/// null where there is no finite value: JSON has no NaN.
+json::value range_json(const ValueRange& range) {
+  if (range.empty()) return nullptr;
+  return json::array{range.lower, range.upper};
 }
 
-json::object describe(const Dataset& dataset) {
+/// Of the dataset's step, and of all others where that is wanted; notes say which could not be read.
+SeriesRanges read_ranges(const Dataset& dataset, const std::string& file, bool all_steps, std::vector<std::string>& notes) {
+  SeriesRanges ranges(dataset);
+  while (all_steps && !ranges.complete()) {
+    const int step = ranges.next();
+    try {
+      ranges.add(*open_argument(file, step));
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      notes.push_back("step " + std::to_string(step) + " is left out of the ranges: " + error.what());
+    }
+    ranges.skip(step);  // also where it turns out to be another one
+  }
+  return ranges;
+}
+
+json::object describe(const Dataset& dataset, const SeriesRanges& ranges, const std::vector<std::string>& notes) {
   json::object out;
   out["name"] = dataset.name;
   out["grid"] = dataset.grid.kind_name();
@@ -45,22 +62,30 @@ json::object describe(const Dataset& dataset) {
                       : json::value(json::array{json::array{box.lower.x, box.upper.x}, json::array{box.lower.y, box.upper.y},
                                                 json::array{box.lower.z, box.upper.z}});
   json::array arrays;
-  for (const PointArray& array : dataset.arrays)
+  for (std::size_t i = 0; i < dataset.arrays.size(); ++i) {
+    const PointArray& array = dataset.arrays[i];
+    const ArrayRanges& of_steps = ranges.arrays()[i];
+    json::array step_ranges;
+    for (const ValueRange& range : of_steps.steps) step_ranges.push_back(range_json(range));
     arrays.push_back(json::object{{"name", array.name},
                                   {"association", to_string(array.association)},
                                   {"type", to_string(array.type)},
                                   {"components", array.components},
                                   {"component", array.component},
-                                  {"range", range_json(array)},
+                                  {"range", range_json(of_steps.all)},
+                                  {"step_range", range_json({array.lower, array.upper})},
+                                  {"step_ranges", std::move(step_ranges)},
                                   {"nan_count", array.nan_count}});
+  }
   out["arrays"] = std::move(arrays);
   out["times"] = json::array(dataset.times.begin(), dataset.times.end());
   out["step"] = dataset.step;
-  out["notes"] = json::array(dataset.notes.begin(), dataset.notes.end());
+  out["range_steps"] = ranges.known_steps();
+  out["notes"] = json::array(notes.begin(), notes.end());
   return out;
 }
 
-void print_text(const Dataset& dataset) {
+void print_text(const Dataset& dataset, const SeriesRanges& ranges, const std::vector<std::string>& notes) {
   std::printf("%s\n", dataset.name.c_str());
   std::printf("  grid    %s", dataset.grid.kind_name());
   if (dataset.grid.structured()) {
@@ -81,24 +106,36 @@ void print_text(const Dataset& dataset) {
                 dataset.times.back(), dataset.step);
   else
     std::printf("\n  times   %g", dataset.times.front());
-  std::printf("\n  arrays  %zu\n", dataset.arrays.size());
-  for (const PointArray& array : dataset.arrays) {
+  std::printf("\n  arrays  %zu", dataset.arrays.size());
+  if (ranges.known_steps() > 1)
+    std::printf(", with their ranges over %s%d steps", ranges.complete() ? "all " : "", ranges.known_steps());
+  else if (!ranges.complete())
+    std::printf(", with their ranges at this step");
+  std::printf("\n");
+  for (std::size_t i = 0; i < dataset.arrays.size(); ++i) {
+    const PointArray& array = dataset.arrays[i];
+    const ValueRange all = ranges.arrays()[i].all, here{array.lower, array.upper};
     std::printf("    %-28s %-8s", array.name.c_str(), to_string(array.type));
-    if (array.lower <= array.upper)
-      std::printf(" [%g, %g]", array.lower, array.upper);
-    else
+    if (all.empty())
       std::printf(" no finite value");
+    else
+      std::printf(" [%g, %g]", all.lower, all.upper);
+    if (!all.empty() && here.empty())
+      std::printf("  no finite value at this step");
+    else if (here != all && !here.empty())
+      std::printf("  [%g, %g] at this step", here.lower, here.upper);
     if (array.component == "magnitude") std::printf("  magnitude of %d components", array.components);
     if (array.association == Association::cell_averaged) std::printf("  averaged from cells");
     if (array.nan_count > 0) std::printf("  %lld not finite", static_cast<long long>(array.nan_count));
     std::printf("\n");
   }
-  for (const std::string& note : dataset.notes) std::printf("  note    %s\n", note.c_str());
+  for (const std::string& note : notes) std::printf("  note    %s\n", note.c_str());
 }
 
 struct InfoArguments {
   std::string file;
   int step = 0;
+  bool this_step = false;
   bool as_json = false;
 };
 
@@ -109,13 +146,17 @@ void add_info_command(CLI::App& app) {
   const auto arguments = std::make_shared<InfoArguments>();
   command->add_option("FILE", arguments->file, "A file, or analytic data such as torus:64")->required();
   command->add_option("--step", arguments->step, "The time step to look at, from 0");
+  command->add_flag("--this-step", arguments->this_step,
+                    "Reads no other step: the arrays' ranges are those of this one, not of all");
   command->add_flag("--json", arguments->as_json, "One JSON document on standard output");
   command->callback([arguments] {
     const auto dataset = open_argument(arguments->file, arguments->step);
+    std::vector<std::string> notes = dataset->notes;
+    const SeriesRanges ranges = read_ranges(*dataset, arguments->file, !arguments->this_step, notes);
     if (arguments->as_json)
-      print_json(describe(*dataset));
+      print_json(describe(*dataset, ranges, notes));
     else
-      print_text(*dataset);
+      print_text(*dataset, ranges, notes);
   });
 }
 

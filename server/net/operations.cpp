@@ -169,13 +169,16 @@ void Operations::engine_event(const Session* session, const EngineEvent& event) 
       record->engine_number = progress->operation;
       changed_(*record);
     }
+    if (!record && progress->works_for != 0 && progress->works_for == session->reading_ranges())
+      record = &begin(*session, "ranges", progress->works_for);
     if (!record || record->status != Status::running) return;
     record->stage = progress->stage;
     record->fraction = progress->fraction;
     tell(*record);
-  } else if (const auto* done = std::get_if<OperationDone>(&event); done && done->works_for == 0) {
-    OperationRecord* record = of_event(done->session, 0, done->operation);
+  } else if (const auto* done = std::get_if<OperationDone>(&event)) {
+    OperationRecord* record = of_event(done->session, done->works_for, done->operation);
     if (!record || record->status != Status::running) return;
+    if (done->works_for != 0 && record->kind != "ranges") return;  // whoever asked for it says how it ended
     if (done->cancelled)
       finish(*record, wire_error(RequestFailed{0, 0, 0, ErrorCode::cancelled, "a newer state or a person has ended it"}));
     else

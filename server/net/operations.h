@@ -21,7 +21,7 @@ struct OperationRecord {
   enum class Status { running, done, failed, cancelled };
 
   std::string id;    // "r17": by the request it works for; "x5": the engine's number of an extraction
-  std::string kind;  // "open", "export", "extract"
+  std::string kind;  // "open", "export", "extract", "ranges": of a series' arrays, read step by step in the background
   SessionKey session = 0;
   std::string session_id;
   RequestId request = 0;            // 0: an extraction
@@ -36,7 +36,8 @@ struct OperationRecord {
   std::vector<std::weak_ptr<EventStream>> listeners;
 };
 
-/// Not thread-safe: lives on the io thread. Extractions are noted by themselves, other work by begin().
+/// Not thread-safe: lives on the io thread. Extractions and ranges are noted by themselves, other work
+/// by begin().
 class Operations final : public SessionsObserver {
  public:
   static constexpr std::size_t kMostRecords = 32;  // of a session; the oldest that has ended goes first

@@ -14,7 +14,11 @@ namespace {
 
 // Loads the dataset, watched by nobody (session 0), and goes on with its facts.
 void with_dataset(RestContext& context, const Call& call, std::function<void(const DatasetFacts& facts)> go_on) {
-  context.sessions.ask(OpenRequest{0, 0, call.path.at("dataset")},
+  const std::string ranges = call.parameter("ranges", "known");
+  if (ranges != "known" && ranges != "all")
+    return call.reply(problem(
+        wire_error("invalid_argument", "ranges '" + ranges.substr(0, 32) + "' is not known; expected known or all", "ranges")));
+  context.sessions.ask(OpenRequest{0, 0, call.path.at("dataset"), ranges == "all"},
                        [reply = call.reply, go_on = std::move(go_on)](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          go_on(std::get<DatasetReady>(event).facts);
@@ -47,6 +51,9 @@ std::function<void(Call)> numbers_handler(RestContext& context, AnswerNumbers an
 
 }  // namespace
 
+const QueryParameter kRangesParameter{
+    "ranges", "all: reads every step first, so that the arrays' ranges leave none out", false, 0, 0, "known", {"known", "all"}};
+
 void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
   routes.push_back({.method = "GET",
                     .path = "/datasets",
@@ -65,7 +72,9 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "getDataset",
                     .tag = "datasets",
                     .summary = "Grid, bounds, arrays and times of a dataset",
-                    .description = "Loads it where it is not loaded.",
+                    .description = "Loads it where it is not loaded. missingRangeSteps counts the steps that the arrays' ranges leave "
+                                   "out because nobody has read them yet.",
+                    .query = {kRangesParameter},
                     .answers = {{200, "Its description", "DatasetInfo"}},
                     .handler = [&context](Call call) {
                       with_dataset(context, call, [reply = call.reply](const DatasetFacts& facts) {
@@ -77,6 +86,7 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "listArrays",
                     .tag = "datasets",
                     .summary = "The arrays of a dataset",
+                    .query = {kRangesParameter},
                     .answers = {{200, "Its arrays and their ranges", "Arrays"}},
                     .handler = [&context](Call call) {
                       with_dataset(context, call, [reply = call.reply](const DatasetFacts& facts) {
@@ -95,7 +105,7 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .tag = "datasets",
                     .summary = "How an array's values are spread at a step",
                     .query = {kArrayParameter, bins, kStepParameter},
-                    .answers = {{200, "Counts from the array's least to its greatest value", "Histogram"}},
+                    .answers = {{200, "Counts over the array's range at all steps that are known", "Histogram"}},
                     .handler = numbers_handler(context, answer_histogram)});
   routes.push_back({.method = "GET",
                     .path = "/datasets/{dataset}/statistics",

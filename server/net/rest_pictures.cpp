@@ -98,7 +98,8 @@ void answer_histogram(RestContext& context, const Call& call, SessionKey session
   wanted.set_bins(bins);
   if (auto error = check_histogram(wanted, {&facts})) return call.reply(problem(*error));
   if (auto error = check_step(facts, step)) return call.reply(problem(*error));
-  context.sessions.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins)},
+  context.sessions.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins),
+                                        facts.find_array(wanted.array())->range()},
                        [reply = call.reply](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          reply(message_response(200, to_wire(std::get<HistogramReady>(event))));
@@ -155,7 +156,7 @@ void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
                     .tag = "pictures",
                     .summary = "How an array's values are spread at the step that is shown",
                     .query = {array, {"bins", "How many bins of equal width", true, 1, 4096, "256"}},
-                    .answers = {{200, "Counts from the array's least to its greatest value", "Histogram"}},
+                    .answers = {{200, "Counts over the array's range at all steps that are known", "Histogram"}},
                     .handler = numbers_handler(context, answer_histogram)});
   routes.push_back({.method = "GET",
                     .path = "/sessions/{session}/statistics",

@@ -769,13 +769,22 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.array.clear();
   scene.intervals.clear();
   scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset", aspect);
+  const std::uint64_t revision = scene.revision;
+  show_first_layers(state, dataset);
+  scene.revision = revision + 1;
+}
+
+bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
+  Scene& scene = state.scene;
+  const std::vector<SceneInterval> before = std::exchange(scene.intervals, {});
+  const std::string array_before = std::exchange(scene.array, "");
   if (const ArrayFacts* first = dataset.first_array()) {
     scene.array = first->name;
     constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range
     const std::size_t layers = std::min(dataset.first_layers.size(), kOpacities.size());
     for (std::size_t i = 0; i < layers; ++i) {
       SceneInterval interval;
-      interval.id = ++state.last_interval_id;
+      interval.id = i < before.size() ? before[i].id : ++state.last_interval_id;
       interval.lower = dataset.first_layers[i].lower;
       interval.upper = dataset.first_layers[i].upper;
       interval.color = default_interval_color(i);
@@ -789,7 +798,9 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   } else if (!dataset.arrays.empty()) {
     scene.array = dataset.arrays.front().name;
   }
+  if (scene.array == array_before && scene.intervals == before) return false;
   ++scene.revision;
+  return true;
 }
 
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height) {

@@ -52,6 +52,9 @@ bool advance_cycle(SceneState& state, std::int64_t steps);
 /// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow,
 /// the higher the denser, seen from the three-quarter view. Appearance stays as it is.
 void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect = 1);
+/// The array and the layers of a first look at the dataset, in place of those that are there; they keep their ids. False where
+/// they are the same.
+bool show_first_layers(SceneState& state, const DatasetFacts& dataset);
 
 /// Null where the size is one that can be drawn; names the field that is not.
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);

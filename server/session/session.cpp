@@ -194,7 +194,8 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
     return viewer.outbox->send(error_message(
         wire_error("unavailable", std::to_string(kMaxHistograms) + " histograms are being counted; ask again later"), seq));
   ++histograms_;
-  HistogramRequest request{key_, 0, state_.scene.dataset, state_.scene.step, wanted.array(), static_cast<int>(wanted.bins())};
+  HistogramRequest request{key_, 0, state_.scene.dataset, state_.scene.step, wanted.array(), static_cast<int>(wanted.bins()),
+                           dataset_->find_array(wanted.array())->range()};
   engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
     --histograms_;
     Viewer* to = living(key);
@@ -284,7 +285,9 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
   if (const auto* failed = std::get_if<RequestFailed>(&event)) {
     opening.reply(wire_error(*failed));
   } else if (const auto* ready = std::get_if<DatasetReady>(&event)) {
+    give_up_ranges();
     dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
+    read_ranges();
     if (asleep_ && asleep_->dataset() == dataset_->id) {
       woken(*dataset_, now);
       opening.reply(std::nullopt);
@@ -293,12 +296,40 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     asleep_.reset();
     const Viewer* asker = living(opening.viewer);
     open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
+    if (reading_ranges_) first_look_ = state_.scene;
     if (Viewer* viewer = living(opening.viewer)) viewer->note_input(opening.seq, state_.scene.revision);
     broadcast(dataset_message(*dataset_));
     changed(now);
     opening.reply(std::nullopt);
   }
   run_deferred(now);
+}
+
+void Session::read_ranges() {
+  if (dataset_->missing_steps == 0) return;
+  reading_ranges_ = engine_.ask(OpenRequest{key_, 0, dataset_->id, true},
+                                [this](const EngineEvent& event, TimePoint now) { ranges_read(event, now); });
+}
+
+void Session::give_up_ranges() {
+  first_look_.reset();
+  if (!reading_ranges_) return;
+  engine_.post(CancelRequest{key_, 0, reading_ranges_, true});
+  engine_.forget(std::exchange(reading_ranges_, 0));
+}
+
+// Cancelled or failed, the ranges stay what is known of them.
+void Session::ranges_read(const EngineEvent& event, TimePoint now) {
+  reading_ranges_ = 0;
+  const std::optional<Scene> first_look = std::exchange(first_look_, std::nullopt);
+  const auto* ready = std::get_if<DatasetReady>(&event);
+  if (!ready) return;
+  dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
+  broadcast(dataset_message(*dataset_));
+  // Layers that nobody has touched were chosen by what was known then.
+  if (first_look && first_look->array == state_.scene.array && first_look->intervals == state_.scene.intervals &&
+      show_first_layers(state_, *dataset_))
+    changed(now);
 }
 
 void Session::run_deferred(TimePoint now) {
@@ -338,6 +369,7 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
     message.mutable_progress()->set_operation(progress->operation);
     message.mutable_progress()->set_stage(progress->stage);
     message.mutable_progress()->set_fraction(progress->fraction);
+    message.mutable_progress()->set_background(reading_ranges_ != 0 && progress->works_for == reading_ranges_);
   } else if (const auto* done = std::get_if<OperationDone>(&event)) {
     message.mutable_done()->set_operation(done->operation);
     message.mutable_done()->set_cancelled(done->cancelled);

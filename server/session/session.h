@@ -93,6 +93,8 @@ class Session {
   void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply);
   /// The request that opens a dataset now; 0: none.
   RequestId opening() const { return opening_ ? opening_->request : 0; }
+  /// The request that reads all steps of the dataset for the ranges of its arrays; 0: none.
+  RequestId reading_ranges() const { return reading_ranges_; }
   /// Makes the scene what the state says, opening its dataset first where it is another one.
   void set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected = {});
 
@@ -172,6 +174,9 @@ class Session {
   void changed(TimePoint now, bool soon = false);
   void announce(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
+  void read_ranges();
+  void ranges_read(const EngineEvent& event, TimePoint now);
+  void give_up_ranges();
   void run_deferred(TimePoint now);
   void pump(Viewer& viewer, TimePoint now);
   bool crowded() const;
@@ -211,6 +216,8 @@ class Session {
   TimePoint announced_{};
   std::optional<Opening> opening_;
   std::deque<Deferred> deferred_;    // commands that wait for opening_
+  RequestId reading_ranges_ = 0;
+  std::optional<Scene> first_look_;  // what a dataset was shown as, until its ranges are complete
   std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
   std::map<RequestId, Picture> pictures_;
   std::deque<Made> made_;  // the newest first; none of an older scene

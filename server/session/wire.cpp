@@ -164,8 +164,13 @@ v1::DatasetInfo to_wire(const DatasetFacts& facts) {
     info->set_lower(array.lower);
     info->set_upper(array.upper);
     info->set_nan_count(array.nan_count);
+    for (const ValueRange& range : array.steps) {
+      info->add_step_lower(range.lower);
+      info->add_step_upper(range.upper);
+    }
   }
   for (const double time : facts.times) out.add_times(time);
+  out.set_missing_range_steps(facts.missing_steps);
   for (const std::string& note : facts.notes) out.add_notes(note);
   return out;
 }

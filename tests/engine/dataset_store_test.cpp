@@ -109,5 +109,20 @@ TEST(DatasetStore, AFailureIsToldToEveryoneAndNotRemembered) {
   EXPECT_TRUE(store.acquire("a", 0, task));
 }
 
+TEST(DatasetStore, WhatIsBorrowedTakesNobodysPlace) {
+  int loads = 0;
+  DatasetStore store({.max_bytes = 100}, [&](const std::string& source, int, const Task&) {
+    ++loads;
+    return made(source, 20);
+  });
+  const Task task;
+  std::weak_ptr<const Dataset> borrowed = store.borrow("a", 1, task);
+  EXPECT_TRUE(borrowed.expired());
+  EXPECT_EQ(store.held_bytes(), 0u);
+  const auto held = store.acquire("a", 1, task);
+  EXPECT_EQ(store.borrow("a", 1, task), held);
+  EXPECT_EQ(loads, 2);
+}
+
 }  // namespace
 }  // namespace isostrata

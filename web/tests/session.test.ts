@@ -186,7 +186,7 @@ describe('the store', () => {
     says(welcome('s'));
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2 } });
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.6 } });
-    expect(session.progress).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6 }]);
+    expect(session.progress).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6, background: false }]);
     session.cancel(4n);
     expect(find('cancel')?.body.value.operation).toBe(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
@@ -234,6 +234,28 @@ describe('the store', () => {
     expect(word()).toBe('older');
     says(frame(2n));
     expect(word()).toBe('exact');
+  });
+
+  test('asks for the histogram again when a series’ ranges are complete, and for nothing else', () => {
+    const { says, cases } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    const histograms = () => cases().filter((c) => c === 'requestHistogram').length;
+    expect(histograms()).toBe(1);
+    const array = info.arrays[0];
+    if (!array) throw new Error('an array is expected');
+    says({ case: 'datasetInfo', value: info });
+    expect(histograms()).toBe(1);
+    says({ case: 'datasetInfo', value: { ...info, arrays: [{ ...array, upper: (array.upper ?? 0) + 5 }, ...info.arrays.slice(1)] } });
+    expect(histograms()).toBe(2);
+  });
+
+  test('a reading in the background that is cancelled leaves the picture as it is', () => {
+    const { session, says } = harness();
+    says(welcome('s'));
+    says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2, background: true } });
+    session.cancel(4n);
+    says({ case: 'done', value: { operation: 4n, cancelled: true } });
+    expect(session.notices.list.map((notice) => notice.text)).toEqual(['Cancelled. Ranges are those of the steps that were read.']);
   });
 
   test('after a reconnect to the same session keeps the server’s state', () => {

@@ -158,6 +158,7 @@ export interface ArrayInfo extends Range {
   type: string;
   components: number;
   nanCount: number;
+  steps: Range[]; // at each step; lower > upper: no value, or not read yet. Of a long series the first alone. The range itself is over all that are known
 }
 
 export interface DatasetEntry {
@@ -175,6 +176,7 @@ export interface DatasetInfo {
   bounds: Box | null;
   arrays: ArrayInfo[];
   times: number[];
+  missingRangeSteps: number; // that the arrays' ranges leave out until they have been read
   notes: string[];
 }
 
@@ -279,6 +281,7 @@ export interface Progress {
   operation: bigint;
   stage: string;
   fraction: number;
+  background: boolean; // no picture waits for it
 }
 
 export interface ServerError {

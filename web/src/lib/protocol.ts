@@ -238,8 +238,8 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
     case 'frame':
       return { kind: 'frame', frame: frameOf(body.value) };
     case 'progress': {
-      const { operation, stage, fraction } = body.value;
-      return { kind: 'progress', progress: { operation, stage, fraction } };
+      const { operation, stage, fraction, background } = body.value;
+      return { kind: 'progress', progress: { operation, stage, fraction, background } };
     }
     case 'done':
       return { kind: 'done', operation: body.value.operation, cancelled: body.value.cancelled, superseded: body.value.superseded };
@@ -379,7 +379,7 @@ function datasetInfoOf(d: WireDatasetInfo): DatasetInfo {
     cells: Number(d.cells),
     cellTypes: Object.entries(d.cellTypes).map(([type, count]) => [type, Number(count)]),
     bounds: d.lower && d.upper ? { lower: vecOf(d.lower), upper: vecOf(d.upper) } : null,
-    arrays: d.arrays.map(({ name, association, type, components, lower, upper, nanCount }) => ({
+    arrays: d.arrays.map(({ name, association, type, components, lower, upper, nanCount, stepLower, stepUpper }) => ({
       name,
       association,
       type,
@@ -387,7 +387,9 @@ function datasetInfoOf(d: WireDatasetInfo): DatasetInfo {
       lower,
       upper,
       nanCount: Number(nanCount),
+      steps: stepLower.map((least, step) => ({ lower: least, upper: stepUpper[step] ?? least })),
     })),
+    missingRangeSteps: d.missingRangeSteps,
     times: d.times,
     notes: d.notes,
   };

@@ -397,10 +397,13 @@ export class Session {
         return;
       }
       case 'done': {
+        const background = this.progress.some((p) => p.operation === event.operation && p.background);
         this.progress = this.progress.filter((p) => p.operation !== event.operation);
         const asked = this.cancelled.delete(event.operation);
         // What a newer choice has overtaken is nothing to tell: the newer one is being worked on.
-        if (event.cancelled && (asked || !event.superseded)) {
+        if (event.cancelled && background) {
+          if (asked) this.say('Cancelled. Ranges are those of the steps that were read.', 'note');
+        } else if (event.cancelled && (asked || !event.superseded)) {
           this.optimistic.forget('dataset');
           this.refresh();
           this.say('Cancelled. The picture shows the last finished state.', 'note');
@@ -591,7 +594,9 @@ export class Session {
   private askHistogram(): void {
     const { dataset, step, array } = this.server;
     if (!dataset || !array || this.info?.id !== dataset) return;
-    const wanted = JSON.stringify([dataset, step, array]);
+    // Its bins span the array's range, which grows while the steps of a series are read.
+    const range = this.info.arrays.find((of) => of.name === array);
+    const wanted = JSON.stringify([dataset, step, array, range?.lower, range?.upper]);
     if (wanted === this.askedHistogram) return;
     this.askedHistogram = wanted;
     this.notices.clear('histogram');

@@ -1,0 +1,64 @@
+#include "data/series_ranges.h"
+
+#include <algorithm>
+
+namespace isostrata {
+
+ValueRange join(const ValueRange& a, const ValueRange& b) {
+  if (a.empty() || b.empty()) return a.empty() ? b : a;
+  return {std::min(a.lower, b.lower), std::max(a.upper, b.upper)};
+}
+
+SeriesRanges::SeriesRanges(const Dataset& step) : known_(step.times.size(), false) {
+  const bool keep = step.arrays.size() * step.times.size() <= kMostKept;
+  for (const PointArray& array : step.arrays) {
+    ArrayRanges& ranges = arrays_.emplace_back();
+    ranges.name = array.name;
+    ranges.steps.resize(keep ? step.times.size() : std::min<std::size_t>(step.times.size(), 1));
+  }
+  add(step);
+}
+
+bool SeriesRanges::note(int step) {
+  if (step < 0 || step >= steps() || known_[static_cast<std::size_t>(step)]) return false;
+  known_[static_cast<std::size_t>(step)] = true;
+  ++count_;
+  return true;
+}
+
+void SeriesRanges::add(const Dataset& step) {
+  if (!note(step.step)) return;
+  const auto at = static_cast<std::size_t>(step.step);
+  for (std::size_t i = 0; i < arrays_.size(); ++i) {
+    ArrayRanges& ranges = arrays_[i];
+    const PointArray* array = i < step.arrays.size() && step.arrays[i].name == ranges.name ? &step.arrays[i] : nullptr;
+    for (auto it = step.arrays.begin(); !array && it != step.arrays.end(); ++it)
+      if (it->name == ranges.name) array = &*it;
+    if (!array) continue;
+    ranges.nan_count = std::max(ranges.nan_count, array->nan_count);
+    const ValueRange range{array->lower, array->upper};
+    if (range.empty()) continue;
+    ranges.all = join(ranges.all, range);
+    if (at < ranges.steps.size()) ranges.steps[at] = range;
+  }
+}
+
+void SeriesRanges::skip(int step) { note(step); }
+
+int SeriesRanges::next() const {
+  const auto found = std::find(known_.begin(), known_.end(), false);
+  return found == known_.end() ? -1 : static_cast<int>(found - known_.begin());
+}
+
+int SeriesRanges::widest_step(std::string_view name) const {
+  for (const ArrayRanges& array : arrays_) {
+    if (array.name != name) continue;
+    const auto width = [](const ValueRange& range) { return range.empty() ? -1 : range.upper / 2 - range.lower / 2; };
+    const auto widest = std::max_element(array.steps.begin(), array.steps.end(),
+                                         [&](const ValueRange& a, const ValueRange& b) { return width(a) < width(b); });
+    return widest == array.steps.end() ? 0 : static_cast<int>(widest - array.steps.begin());
+  }
+  return 0;
+}
+
+}  // namespace isostrata

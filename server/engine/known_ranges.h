@@ -1,0 +1,48 @@
+// What an engine knows of the ranges of its series: every step that was read for any reason counts.
+//
+// Kept in memory, not beside the files or in a cache folder: a file like that would have to vouch for every file of the series (a .pvd
+// does not change when one of its steps does) and be cleaned up by somebody, to save a reading that nobody waits for.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "data/series_ranges.h"
+
+namespace isostrata {
+
+/// Any thread may call any function. Lock: mutex_.
+class KnownRanges {
+ public:
+  /// Counts a step that was read. A file that has another size or another time than before is another series.
+  void add(const std::string& source, const Dataset& step);
+  /// Of a step that cannot be read.
+  void skip(const std::string& source, int step, const std::string& why);
+
+  struct Known {
+    SeriesRanges ranges;
+    std::vector<std::string> notes;  // which steps the ranges leave out
+  };
+  /// Nothing where no step of the source was read.
+  std::optional<Known> find(const std::string& source) const;
+  /// The first step that is not known; -1 where all are. Nothing where no step of the source was read.
+  std::optional<int> next(const std::string& source) const;
+
+ private:
+  static constexpr std::size_t kMostNotes = 5;
+  using Stamp = std::pair<std::uint64_t, std::int64_t>;  // size and time of the file; 0 where there is none
+  struct Series {
+    Stamp stamp;
+    Known known;
+  };
+  static Stamp stamp_of(const std::string& source);
+
+  mutable std::mutex mutex_;
+  std::map<std::string, Series> series_;
+};
+
+}  // namespace isostrata
