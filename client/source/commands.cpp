@@ -157,6 +157,14 @@ void Client::set_smear(const std::vector<int>& steps, const std::vector<v1::Rgb>
   command(std::move(message));
 }
 
+void Client::set_smear_times(const std::vector<double>& times, const std::vector<v1::Rgb>& colors) {
+  v1::ClientMessage message;
+  v1::Smear& smear = *message.mutable_set_smear()->mutable_smear();
+  smear.mutable_times()->Add(times.begin(), times.end());
+  smear.mutable_colors()->Add(colors.begin(), colors.end());
+  command(std::move(message));
+}
+
 void Client::set_clip_planes(const std::vector<v1::ClipPlane>& planes) {
   v1::ClientMessage message;
   message.mutable_set_clip_planes()->mutable_clip_planes()->Add(planes.begin(), planes.end());

@@ -1,7 +1,9 @@
 #include "engine/draw_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "base/stopwatch.h"
 #include "extraction/extract_at_time.h"
@@ -133,22 +135,23 @@ LayerRequest request_for(const Scene& scene, const std::string& array) {
   if (uses_color_values(scene)) request.carry.push_back(color_by);
   if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
   request.facets = draws_surfaces(scene) || !uses_color_values(scene);
-  if (const std::vector<int> steps = smear_steps(scene); !steps.empty()) {
-    request.step = steps.front();
-    request.time.reset();
-    request.time_mode = TimeMode::step;
+  if (const std::vector<SmearMoment> moments = smear_moments(scene); !moments.empty()) {
+    request.step = moments.front().step;
+    request.time = moments.front().time;
+    request.time_mode = request.time ? scene.time_mode : TimeMode::step;
   }
   return request;
 }
 
-std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, const Scene& scene, const std::vector<int>& wanted,
+std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, const Scene& scene,
+                                                    const std::vector<SmearMoment>& wanted,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     SceneAids aids) {
   const Stopwatch watch;
   aids.bricks = nullptr;  // it remembers one array, not one a step
   if (previous && previous->parts.size() == wanted.size() &&
       std::equal(wanted.begin(), wanted.end(), previous->parts.begin(),
-                 [](int step, const SmearPart& part) { return step == part.step; })) {
+                 [](const SmearMoment& moment, const SmearPart& part) { return moment == part.moment; })) {
     LayerRequest request = request_for(scene, scene.array.empty() ? previous->request.array : scene.array);
     const ArrayNames names = names_of(scene, request.array);
     const std::string& texture = names.texture;
@@ -166,17 +169,17 @@ std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, co
   std::vector<std::shared_ptr<const ExtractedScene>> parts;
   const std::uint64_t max_bytes = layer_request(scene).max_bytes;
   std::uint64_t bytes = 0;
-  for (const int step : wanted) {
+  for (const SmearMoment& moment : wanted) {
     Scene one = scene;
     one.mode = SceneMode::sorted;
-    one.step = step;
-    one.time.reset();
+    one.step = moment.step;
+    one.time = moment.time;
     parts.push_back(extract_scene(source, one, nullptr, task, aids));
     bytes += mesh_bytes(*parts.back()->mesh);
     // All parts and the joined mesh are there at once. Steps are much alike, so the first ones tell of the others.
     const std::uint64_t foreseen = 2 * (bytes / parts.size()) * wanted.size();
     if (foreseen > max_bytes)
-      throw Error(ErrorCode::too_large, "a smear of " + std::to_string(wanted.size()) + " steps needs about " +
+      throw Error(ErrorCode::too_large, "a smear of " + std::to_string(wanted.size()) + " steps or times needs about " +
                                             std::to_string(foreseen >> 20) + " MiB; " + std::to_string(max_bytes >> 20) +
                                             " MiB are allowed");
   }
@@ -334,7 +337,14 @@ LegendEntry joined_entry(std::span<const LegendEntry> parts) {
   return whole;
 }
 
-/// Each step in one colour, over those before it.
+std::string moment_name(const SmearMoment& moment) {
+  if (!moment.time) return "step " + std::to_string(moment.step);
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "t = %g", *moment.time);
+  return text.data();
+}
+
+/// Each step or time in one colour, over those before it.
 std::vector<IntervalStyle> smear_styles(const Scene& scene, const ExtractedScene& extracted) {
   std::vector<IntervalStyle> all;
   const std::span<const IntervalSummary> summaries = extracted.summaries();
@@ -354,9 +364,14 @@ std::vector<IntervalStyle> smear_styles(const Scene& scene, const ExtractedScene
 
 }  // namespace
 
-std::vector<int> smear_steps(const Scene& scene) {
+std::vector<SmearMoment> smear_moments(const Scene& scene) {
   if (scene.mode != SceneMode::smear) return {};
-  return scene.smear.steps.empty() ? std::vector<int>{scene.step} : scene.smear.steps;
+  std::vector<SmearMoment> moments;
+  for (const double time : scene.smear.times) moments.push_back({scene.step, time});
+  if (!moments.empty()) return moments;
+  for (const int step : scene.smear.steps) moments.push_back({step, {}});
+  if (moments.empty()) moments.push_back({scene.step, {}});
+  return moments;
 }
 
 std::size_t cycle_length(const Scene& scene) {
@@ -407,7 +422,7 @@ LayerRequest layer_request(const Scene& scene) { return request_for(scene, scene
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     const SceneAids& aids) {
-  if (const std::vector<int> smeared = smear_steps(scene); !smeared.empty())
+  if (const std::vector<SmearMoment> smeared = smear_moments(scene); !smeared.empty())
     return extract_smear(source, scene, smeared, previous, task, aids);
   const std::shared_ptr<const ExtractedScene> last = previous && previous->parts.empty() ? previous : nullptr;
   const Stopwatch watch;
@@ -544,7 +559,7 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
       entry.name = scene.intervals[of].name;
     else if (summary.term >= 0)
       entry.name = scene.terms.at(static_cast<std::size_t>(summary.term)).term.array;
-    if (part) entry.name += (entry.name.empty() ? "step " : ", step ") + std::to_string(part->step);
+    if (part) entry.name += (entry.name.empty() ? "" : ", ") + moment_name(part->moment);
     if (continues(scene, of))
       parts_of_last.push_back(std::move(entry));
     else

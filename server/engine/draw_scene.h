@@ -21,21 +21,28 @@ namespace isostrata {
 /// that colours run over where an interval or a term has a colour map or an opacity that runs, then the array of the textures
 /// where a surface has one and it is another; facets where a surface is drawn or all colours are constant (drawing needs them,
 /// and extraction finds them for next to nothing). Arrays that the scene leaves open are empty here too. Of a smear: what is
-/// asked of its first step.
+/// asked of its first step or time.
 LayerRequest layer_request(const Scene& scene);
 
 /// Whether any boundary surface of the scene's intervals or terms is drawn: then normals are wanted.
 bool draws_surfaces(const Scene& scene);
 
-/// The steps of SceneMode::smear; empty in any other mode.
-std::vector<int> smear_steps(const Scene& scene);
+/// What one part of a smear shows: a step, or a time.
+struct SmearMoment {
+  int step = 0;
+  std::optional<double> time;
+
+  bool operator==(const SmearMoment&) const = default;
+};
+/// Of SceneMode::smear; empty in any other mode.
+std::vector<SmearMoment> smear_moments(const Scene& scene);
 
 /// How many pictures a cycle has: intervals, and terms that bring something in, that are not hidden.
 std::size_t cycle_length(const Scene& scene);
 
-/// One step in the mesh of a smear.
+/// One step or time in the mesh of a smear.
 struct SmearPart {
-  int step = 0;
+  SmearMoment moment;
   std::size_t first_summary = 0;  // of the mesh's
 };
 
@@ -70,7 +77,7 @@ struct ExtractedScene {
   bool normals_wanted = false;                               // whether they were looked for
   Box3d bounds;                                              // of the grids
   bool same_grid = true;                                     // of all parts: the one that a visibility order may be taken from
-  std::vector<SmearPart> parts;                              // of a smear, one a step, in their order
+  std::vector<SmearPart> parts;                              // of a smear, one a moment, in their order
   // Not null: nothing was extracted; mesh and color_values are its, and draw_input has the intervals cut by the renderer.
   std::shared_ptr<const BaseTetrahedra> base;
   std::vector<IntervalSummary> cut_summaries;  // of those intervals

@@ -102,7 +102,7 @@ struct DrawOrder {
 }  // namespace
 
 bool same_extraction(const Scene& a, const Scene& b) {
-  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_steps(a) == smear_steps(b) &&
+  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
          draws_surfaces(a) == draws_surfaces(b);
 }
 

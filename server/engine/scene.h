@@ -34,8 +34,9 @@ struct SceneCycle {
 
 /// Of SceneMode::smear.
 struct SceneSmear {
-  std::vector<int> steps;   // in the order they are painted; empty: the scene's step alone
-  std::vector<Rgb> colors;  // of the steps; beyond their number default_interval_color
+  std::vector<int> steps;     // in the order they are painted; empty: the scene's step alone
+  std::vector<Rgb> colors;    // of the steps or times; beyond their number default_interval_color
+  std::vector<double> times;  // in place of steps, where there are any; between two steps Scene::time_mode says what is shown
 
   bool operator==(const SceneSmear&) const = default;
 };

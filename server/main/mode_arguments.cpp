@@ -26,7 +26,7 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
   command
       .add_option("--mode", arguments.mode,
                   "sorted: back to front; prioritized: higher priorities are painted over lower ones; cycled: one interval at a "
-                  "time; smear: several time steps (--steps) over one another, each in a colour of its own")
+                  "time; smear: several time steps (--steps) or times (--times) over one another, each in a colour of its own")
       ->check(CLI::IsMember({"sorted", "prioritized", "cycled", "smear"}))
       ->capture_default_str();
   command
@@ -42,7 +42,10 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
                      "table of R G B [OPACITY] over the array's range");
   command.add_option("--steps", arguments.steps,
                      "With --mode smear: steps in the order they are painted, 0,2,5 or FIRST:LAST[:STRIDE]");
-  command.add_option("--smear-colors", arguments.smear_colors, "With --mode smear: #rrggbb of each step")->delimiter(',');
+  command.add_option("--times", arguments.times,
+                     "With --mode smear, in place of --steps: times in the order they are painted, 0.5,1.25, also between steps; "
+                     "--time-mode says what is shown there");
+  command.add_option("--smear-colors", arguments.smear_colors, "With --mode smear: #rrggbb of each step or time")->delimiter(',');
   command.add_option_function<double>(
       "--phase", [&arguments](const double& phase) { arguments.phase = phase; },
       "With --mode cycled: draw this interval alone, counted from 0 (default: all, as frame-%02d.png or an animated .png)");
@@ -62,13 +65,16 @@ void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& a
              "' does not go with it");
     scene.intervals = transfer_intervals(read_transfer(arguments.transfer, array.lower, array.upper));
   }
-  if (scene.mode != SceneMode::smear && (!arguments.steps.empty() || !arguments.smear_colors.empty()))
-    refuse("--steps and --smear-colors go with --mode smear");
+  if (scene.mode != SceneMode::smear && (!arguments.steps.empty() || !arguments.times.empty() || !arguments.smear_colors.empty()))
+    refuse("--steps, --times and --smear-colors go with --mode smear");
   if (scene.mode != SceneMode::cycled && arguments.phase) refuse("--phase goes with --mode cycled");
   if (scene.mode == SceneMode::smear) {
-    if (arguments.steps.empty()) refuse("--mode smear needs --steps");
-    if (scene.time) refuse("--mode smear shows --steps; --time does not go with it");
-    scene.smear.steps = parse_steps(arguments.steps);
+    if (arguments.steps.empty() == arguments.times.empty()) refuse("--mode smear needs --steps or --times, one of them");
+    if (scene.time) refuse("--mode smear shows --steps or --times; --time does not go with it");
+    if (arguments.times.empty())
+      scene.smear.steps = parse_steps(arguments.steps);
+    else
+      scene.smear.times = parse_times(arguments.times);
     for (const std::string& color : arguments.smear_colors) scene.smear.colors.push_back(parse_rgb(color));
   }
   scene.cycle.seconds = arguments.seconds;
@@ -105,6 +111,22 @@ std::vector<int> parse_steps(const std::string& text) {
   }
   if (numbers.size() > kMaxSmearSteps) refuse("steps '" + text + "': more than " + std::to_string(kMaxSmearSteps) + " of them");
   return numbers;
+}
+
+std::vector<double> parse_times(const std::string& text) {
+  std::vector<double> times;
+  for (std::string_view rest = text;;) {
+    const auto part = rest.substr(0, rest.find(','));
+    double value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc{} || end != part.data() + part.size() || !std::isfinite(value))
+      refuse("times '" + text + "': expected numbers such as 0.5,1.25");
+    times.push_back(value);
+    if (part.size() == rest.size()) break;
+    rest.remove_prefix(part.size() + 1);
+  }
+  if (times.size() > kMaxSmearSteps) refuse("times '" + text + "': more than " + std::to_string(kMaxSmearSteps) + " of them");
+  return times;
 }
 
 bool is_numbered(const std::string& path) { return path.find('%') != std::string::npos; }

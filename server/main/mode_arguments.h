@@ -13,19 +13,22 @@
 namespace isostrata {
 
 struct ModeArguments {
-  std::string mode = "sorted", integral = "exact", texture, steps, transfer;
+  std::string mode = "sorted", integral = "exact", texture, steps, times, transfer;
   std::vector<std::string> smear_colors;
   std::optional<double> phase;
   double seconds = 1;
 };
 
-/// Adds --mode, --integral, --texture, --transfer, --steps, --smear-colors, --phase and --seconds. `arguments` must outlive the
+/// Adds --mode, --integral, --texture, --transfer, --steps, --times, --smear-colors, --phase and --seconds. `arguments` must outlive the
 /// command.
 void add_mode_options(CLI::App& command, ModeArguments& arguments);
 
-/// Sets the scene's mode, integral, texture, steps of a smear and phase; and with --transfer its intervals, of the values of
+/// Sets the scene's mode, integral, texture, steps or times of a smear and phase; and with --transfer its intervals, of the values of
 /// `array`. Throws invalid_argument where options do not go together, and what read_transfer throws.
 void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& array);
+
+/// "0.5,1.25". Throws invalid_argument.
+std::vector<double> parse_times(const std::string& text);
 
 /// "0,2,5" or "FIRST:LAST" or "FIRST:LAST:STRIDE", the last included where it is met. Throws invalid_argument.
 std::vector<int> parse_steps(const std::string& text);

@@ -225,6 +225,16 @@ void apply(SceneState& state, const v1::SetTimeStep& command, const CommandConte
   state.scene.time.reset();
 }
 
+double time_of(double time, const DatasetFacts& dataset, const std::string& field) {
+  const double first = dataset.times.empty() ? 0 : dataset.times.front(), last = dataset.times.empty() ? 0 : dataset.times.back();
+  if (!(time >= first && time <= last))
+    refuse("invalid_argument",
+           field + " " + number_text(time) + " is not in " + dataset.name + "; expected " + number_text(first) + " to " +
+               number_text(last),
+           field);
+  return time;
+}
+
 void apply(SceneState& state, const v1::SetTime& command, const CommandContext& context) {
   const DatasetFacts& dataset = opened(context);
   switch (command.mode()) {
@@ -244,14 +254,7 @@ void apply(SceneState& state, const v1::SetTime& command, const CommandContext& 
              "mode " + std::to_string(command.mode()) + " is not known; expected step (1), interpolate (2) or spacetime (3)",
              "mode");
   }
-  if (!command.has_time()) return;
-  const double first = dataset.times.empty() ? 0 : dataset.times.front(), last = dataset.times.empty() ? 0 : dataset.times.back();
-  if (!(command.time() >= first && command.time() <= last))
-    refuse("invalid_argument",
-           "time " + number_text(command.time()) + " is not in " + dataset.name + "; expected " + number_text(first) + " to " +
-               number_text(last),
-           "time");
-  state.scene.time = command.time();
+  if (command.has_time()) state.scene.time = time_of(command.time(), dataset, "time");
 }
 
 RangeOperator operator_of(v1::RangeOperator op, const std::string& field) {
@@ -325,7 +328,12 @@ void apply(SceneState& state, const v1::SetSmear& command, const CommandContext&
   };
   limit(wanted.steps_size(), "steps");
   limit(wanted.colors_size(), "colors");
+  limit(wanted.times_size(), "times");
+  if (wanted.steps_size() > 0 && wanted.times_size() > 0)
+    refuse("invalid_argument", "both steps and times; expected one of them", "times");
   SceneSmear smear;
+  for (int i = 0; i < wanted.times_size(); ++i)
+    smear.times.push_back(time_of(wanted.times(i), *context.dataset, "times[" + std::to_string(i) + "]"));
   for (int i = 0; i < wanted.steps_size(); ++i) {
     const std::string field = "steps[" + std::to_string(i) + "]";
     if (wanted.steps(i) < 0 || wanted.steps(i) >= steps)
@@ -765,6 +773,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.color_by.clear();
   scene.texture.clear();
   scene.smear.steps.clear();
+  scene.smear.times.clear();
   scene.cycle.phase = 0;
   scene.array.clear();
   scene.intervals.clear();

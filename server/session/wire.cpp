@@ -126,6 +126,7 @@ v1::State to_wire(const Scene& scene) {
   out.mutable_cycle()->set_phase(scene.cycle.phase);
   out.mutable_cycle()->set_playing(scene.cycle.playing);
   for (const int step : scene.smear.steps) out.mutable_smear()->add_steps(step);
+  for (const double time : scene.smear.times) out.mutable_smear()->add_times(time);
   for (const Rgb& color : scene.smear.colors) *out.mutable_smear()->add_colors() = to_wire(color);
   if (scene.camera) *out.mutable_camera() = to_wire(*scene.camera);
   *out.mutable_background() = to_wire(scene.background);

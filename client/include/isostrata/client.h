@@ -104,6 +104,7 @@ class Client {
   void set_cycle(const v1::SetCycle& cycle);
   /// Of v1::RENDER_MODE_SMEAR: the steps in the order they are painted, and their colours.
   void set_smear(const std::vector<int>& steps, const std::vector<v1::Rgb>& colors = {});
+  void set_smear_times(const std::vector<double>& times, const std::vector<v1::Rgb>& colors = {});
   /// What is kept by all of them is shown; none: nothing is cut away.
   void set_clip_planes(const std::vector<v1::ClipPlane>& planes);
   void set_annotations(bool axes, bool box, bool legend);

@@ -367,8 +367,9 @@ class Session:
         given = {name: value for name, value in (("seconds", seconds), ("phase", phase), ("playing", playing)) if value is not None}
         self.command(set_cycle=v1.SetCycle(**given))
 
-    def smear(self, steps: Sequence[int], colors: Sequence[Color] = ()) -> None:
-        self.command(set_smear=v1.SetSmear(smear=v1.Smear(steps=steps, colors=[rgb(color) for color in colors])))
+    def smear(self, steps: Sequence[int] = (), colors: Sequence[Color] = (), *, times: Sequence[float] = ()) -> None:
+        """Steps, or in their place times, in the order they are painted."""
+        self.command(set_smear=v1.SetSmear(smear=v1.Smear(steps=steps, times=times, colors=[rgb(color) for color in colors])))
 
     def clip(self, *planes: Tuple[Sequence[float], float]) -> None:
         """(normal, offset): keeps what has dot(normal, position) >= offset for all of them; none: nothing is cut away."""

@@ -107,9 +107,10 @@ export interface Cycle {
   playing: boolean;
 }
 
-/** Of the mode "smear": time steps over one another. */
+/** Of the mode "smear": time steps, or times, over one another. */
 export interface Smear {
   steps: number[];
+  times: number[]; // in place of steps, where there are any
   colors: Rgb[];
 }
 
@@ -326,5 +327,5 @@ export const emptyState: SceneState = {
   integral: 'exact',
   texture: '',
   cycle: { seconds: 1, phase: 0, playing: true },
-  smear: { steps: [], colors: [] },
+  smear: { steps: [], times: [], colors: [] },
 };

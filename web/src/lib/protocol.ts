@@ -182,9 +182,9 @@ export const command = {
     value: { triangulation: triangulations.wire(triangulation) },
   }),
   setCycle: (cycle: Partial<Cycle>): Command => ({ case: 'setCycle', value: cycle }),
-  setSmear: ({ steps, colors }: Smear): Command => ({
+  setSmear: ({ steps, times, colors }: Smear): Command => ({
     case: 'setSmear',
-    value: { smear: { steps: [...steps], colors: colors.map(wireRgb) } },
+    value: { smear: { steps: [...steps], times: [...times], colors: colors.map(wireRgb) } },
   }),
   setAppearance: (change: { mode?: RenderMode; background?: Rgb; unitDistance?: number; integral?: Integral }): Command => ({
     case: 'setAppearance',
@@ -366,7 +366,7 @@ function stateOf(s: WireState): SceneState {
     cycle: s.cycle
       ? { seconds: s.cycle.seconds || 1, phase: s.cycle.phase, playing: s.cycle.playing }
       : { seconds: 1, phase: 0, playing: false },
-    smear: { steps: s.smear?.steps ?? [], colors: (s.smear?.colors ?? []).map(rgbOf) },
+    smear: { steps: s.smear?.steps ?? [], times: s.smear?.times ?? [], colors: (s.smear?.colors ?? []).map(rgbOf) },
   };
 }
 

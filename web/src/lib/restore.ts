@@ -37,7 +37,9 @@ export function restoreStep(
   const timeFits = saved.time == null || (saved.time >= (info.times[0] ?? 0) && saved.time <= last);
   if (saved.timeMode && timeFits && (saved.time ?? null) !== null) commands.push(command.setTime(saved.time, saved.timeMode));
   if (saved.cycle && saved.mode === 'cycled') commands.push(command.setCycle({ ...saved.cycle, seconds: Math.max(saved.cycle.seconds, 1 / 3) }));
-  if (saved.smear?.steps.length && saved.smear.steps.every((s) => s < info.times.length)) commands.push(command.setSmear(saved.smear));
+  const smear = saved.smear ? { ...saved.smear, times: saved.smear.times ?? [] } : null; // of an older page without times
+  const smearFits = smear?.steps.every((s) => s < info.times.length) && smear.times.every((t) => t >= (info.times[0] ?? 0) && t <= last);
+  if (smear && smearFits && smear.steps.length + smear.times.length > 0) commands.push(command.setSmear(smear));
   commands.push(
     command.setAppearance({
       mode: saved.mode,
