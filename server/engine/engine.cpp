@@ -15,6 +15,7 @@
 #include <optional>
 #include <set>
 #include <thread>
+#include <tuple>
 
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
@@ -196,22 +197,38 @@ class Engine::Impl {
   void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
     run(request.session, request.request, *operation, [&] {
       const CatalogueEntry& source = entry(request.dataset);
-      auto dataset = acquire(source, 0, operation->task());
+      const auto dataset = acquire(source, 0, operation->task());
       const KnownRanges::Known known = ranges_.find(source.source).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}});
       DatasetFacts facts = dataset_facts(source.id, source.name, *dataset, known.ranges);
       facts.notes.insert(facts.notes.end(), known.notes.begin(), known.notes.end());
-      if (const ArrayFacts* first = facts.first_array()) {
-        // Layers of all steps' values, at the step that has most of them, are not too many cells at any.
-        const int widest = known.ranges.widest_step(first->name);
-        if (widest != 0 && facts.cells > kFirstPictureCells)
-          dataset = store_.borrow(source.source, widest, operation->task());
-        PointArray array = dataset->array(first->name);
-        array.lower = first->lower;
-        array.upper = first->upper;
-        facts.first_layers = first_layers(dataset->grid, array, kFirstPictureCells, operation->task());
-      }
+      if (const ArrayFacts* first = facts.first_array())
+        facts.first_layers = layers_of(source, *dataset, *first, request.all_ranges ? known.ranges.widest_step(first->name) : 0,
+                                       operation->task());
       send(DatasetReady{request.session, request.request, std::move(facts)});
     });
+  }
+
+  // Chosen at the step where the array spans most, so that they are not too many cells at any step; what was chosen once for a
+  // range stays.
+  std::vector<Interval> layers_of(const CatalogueEntry& source, const Dataset& first_step, const ArrayFacts& of, int step,
+                                  const Task& task) {
+    const auto key = std::tuple(source.source, of.name, of.lower, of.upper);
+    {
+      std::lock_guard lock(mutex_);
+      if (const auto it = layers_.find(key); it != layers_.end()) return it->second;
+    }
+    std::shared_ptr<const Dataset> other;
+    if (step != 0 && first_step.grid.cell_count() > kFirstPictureCells) other = store_.borrow(source.source, step, task);
+    const Dataset& dataset = other ? *other : first_step;
+    PointArray array = dataset.array(of.name);
+    array.lower = of.lower;
+    array.upper = of.upper;
+    std::vector<Interval> layers = first_layers(dataset.grid, array, kFirstPictureCells, task);
+    if (other) {
+      std::lock_guard lock(mutex_);
+      layers_[key] = layers;
+    }
+    return layers;
   }
 
   // One more step, then whoever else waits has their turn: so series of several sessions advance side by side, and those that
@@ -700,6 +717,7 @@ class Engine::Impl {
   SessionKey last_drawn_ = 0;
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
   std::uint64_t next_operation_ = 1;
+  std::map<std::tuple<std::string, std::string, double, double>, std::vector<Interval>> layers_;  // by source, array and its range
 
   // Destroyed from the last: every thread ends before what it uses.
   DatasetStore store_;

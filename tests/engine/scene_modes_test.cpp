@@ -197,6 +197,43 @@ TEST_F(SceneModes, ASmearIsKeptWhileOnlyLooksChange) {
   EXPECT_TRUE(extract(second)->parts.empty());
 }
 
+TEST_F(SceneModes, ASmearOfTimesIsThePicturesAtThoseTimes) {
+  const std::vector<double>& times = extract()->dataset->times;
+  const std::vector<double> wanted{times[1], (times[1] + times[2]) / 2, times[0] + (times[1] - times[0]) / 4};
+  for (const TimeMode mode : {TimeMode::interpolate, TimeMode::step, TimeMode::spacetime}) {
+    scene_.mode = SceneMode::sorted;
+    scene_.time_mode = mode;
+    std::vector<std::size_t> tetrahedra;
+    for (const double time : wanted) {
+      scene_.time = time;
+      tetrahedra.push_back(extract()->mesh->tetrahedra.size());
+    }
+    scene_.time.reset();
+    scene_.mode = SceneMode::smear;
+    scene_.smear.steps.clear();
+    scene_.smear.times = wanted;
+    const auto smeared = extract();
+    EXPECT_EQ(smeared->mesh->tetrahedra.size(), tetrahedra[0] + tetrahedra[1] + tetrahedra[2]);
+    ASSERT_EQ(smeared->parts.size(), 3u);
+    EXPECT_EQ(extract(smeared)->mesh, smeared->mesh) << "nothing has changed";
+    const Scene before = scene_;
+    scene_.smear.times.back() += 1e-3;
+    EXPECT_FALSE(same_extraction(before, scene_));
+    EXPECT_NE(extract(smeared)->mesh, smeared->mesh);
+    // At a step's own time it is the step.
+    scene_.smear.times = {times[1]};
+    const auto at_time = extract();
+    scene_.smear.times.clear();
+    scene_.smear.steps = {1};
+    if (mode != TimeMode::spacetime) {
+      EXPECT_EQ(at_time->mesh->tetrahedra.size(), extract()->mesh->tetrahedra.size());
+    }
+  }
+  scene_.smear.steps.clear();
+  scene_.smear.times = {times.back() + 1};
+  EXPECT_THROW(extract(), Error);
+}
+
 TEST_F(SceneModes, AStepThatIsNotThereIsRefused) {
   scene_.mode = SceneMode::smear;
   scene_.smear.steps = {0, 9};

@@ -86,6 +86,19 @@ TEST(RenderModes, ASmearShowsItsStepsLaterOnesOverEarlierOnes) {
       picture("cylinder:16x12x8x4 --array Density --interval 0.97:0.99,opacity=0.9,color=#0000ff --step 2", folder / "e.png"));
 }
 
+TEST(RenderModes, ASmearOfTimesShowsThemAlsoBetweenSteps) {
+  const TemporaryFolder folder;
+  const std::string data = "cylinder:16x12x8x4 --array Density --interval 0.97:0.99,opacity=0.9 --mode smear ";
+  EXPECT_EQ(picture(data + "--times 0", folder / "a.png"), picture(data + "--steps 0", folder / "b.png"));
+  const std::string nearest = picture(data + "--times 0,0.3", folder / "c.png");
+  EXPECT_EQ(nearest, picture(data + "--steps 0,1", folder / "d.png"));
+  const std::string between = picture(data + "--times 0,0.3 --time-mode interpolate", folder / "e.png");
+  EXPECT_NE(between, nearest);
+  EXPECT_EQ(picture(data + "--times 0.3 --time-mode interpolate --smear-colors '#0000ff'", folder / "f.png"),
+            picture("cylinder:16x12x8x4 --array Density --interval 0.97:0.99,opacity=0.9,color=#0000ff --time 0.3 --time-mode interpolate",
+                    folder / "g.png"));
+}
+
 TEST(RenderModes, ATransferFunctionIsTheIntervalsBetweenItsPoints) {
   const TemporaryFolder folder;
   std::ofstream(folder / "t.json") << R"({"points":[{"value":0.1,"color":"#ff0000","opacity":0.8},

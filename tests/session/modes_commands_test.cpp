@@ -151,6 +151,9 @@ TEST_F(ModesCommands, WhatIsOutOfRangeNamesItsFieldAndChangesNothing) {
   expect_refused(R"({"setCycle":{"seconds":0}})", "invalid_argument", "seconds");
   expect_refused(R"({"setCycle":{"phase":"NaN"}})", "invalid_argument", "phase");
   expect_refused(R"({"setSmear":{"smear":{"steps":[0,3]}}})", "not_found", "steps[1]");
+  expect_refused(R"({"setSmear":{"smear":{"times":[0,2.25]}}})", "invalid_argument", "times[1]");
+  expect_refused(R"({"setSmear":{"smear":{"times":["NaN"]}}})", "invalid_argument", "times[0]");
+  expect_refused(R"({"setSmear":{"smear":{"times":[1],"steps":[1]}}})", "invalid_argument", "times");
   expect_refused(R"({"setSmear":{"smear":{"colors":[{"r":7}]}}})", "invalid_argument", "colors[0].r");
   expect_refused(R"({"selectArrays":{"texture":"none"}})", "not_found", "texture");
   expect_refused(R"({"setTransferFunction":{"points":[{"value":1,"opacity":1}]}})", "invalid_argument", "points");
