@@ -22,8 +22,9 @@ const info: DatasetInfo = {
   cells: 12,
   cellTypes: [],
   bounds: null,
-  arrays: [{ name: 'p', association: 'point', type: 'float32', components: 1, nanCount: 0, lower: 0, upper: 9 }],
+  arrays: [{ name: 'p', association: 'point', type: 'float32', components: 1, nanCount: 0, lower: 0, upper: 9, steps: [] }],
   times: [0],
+  missingRangeSteps: 0,
   notes: [],
 };
 const view: SceneState = { ...emptyState, dataset: 'fin', array: 'p', revision: 5, intervals: [interval(1)] };
