@@ -1,5 +1,7 @@
 #include "isostrata/client.h"
 
+#include <google/protobuf/util/json_util.h>
+
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>
@@ -190,6 +192,16 @@ class Client::Impl {
     });
   }
 
+  v1::LayerFacts layer_facts() {
+    const std::string text = patiently([&] { return http_get(connection_.options(), session_path() + "/layers"); });
+    v1::LayerFacts facts;
+    google::protobuf::util::JsonParseOptions lenient;
+    lenient.ignore_unknown_fields = true;
+    if (!google::protobuf::util::JsonStringToMessage(text, &facts, lenient).ok())
+      throw ClientError("protocol", "the server's answer is no LayerFacts: " + text.substr(0, 200));
+    return facts;
+  }
+
   void restore_state(const std::string& text) {
     const HttpAnswer answer =
         patiently([&] { return http_request(connection_.options(), "PUT", session_path() + "/state", text); });
@@ -285,6 +297,7 @@ std::optional<v1::ServerMessage> Client::receive(std::chrono::milliseconds timeo
 }
 void Client::command(v1::ClientMessage message) { impl_->command(std::move(message)); }
 void Client::open_dataset(const std::string& dataset) { impl_->open_dataset(dataset); }
+v1::LayerFacts Client::layer_facts() { return impl_->layer_facts(); }
 v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
 std::string Client::still(int width, int height, const std::string& format) { return impl_->still(width, height, format); }

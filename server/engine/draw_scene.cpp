@@ -10,6 +10,7 @@
 #include "extraction/extract_intervals.h"
 #include "extraction/gradient_normals.h"
 #include "extraction/join_meshes.h"
+#include "extraction/volume_error.h"
 
 namespace isostrata {
 namespace {
@@ -395,6 +396,27 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
       sums[i].inverted += more.inverted;
     }
   return sums;
+}
+
+std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task) {
+  const auto summaries = interval_summaries(extracted, scene);
+  std::vector<double> of_each;
+  const bool plain = extracted.parts.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
+  if (errors && extracted.base)
+    of_each.resize(summaries.size());  // cut exactly
+  else if (errors && plain && !summaries.empty())
+    of_each = volume_errors(extracted.dataset->grid, extracted.dataset->array(extracted.array), *extracted.mesh, task);
+  std::vector<IntervalFacts> facts;
+  for (std::size_t i = 0; i < summaries.size(); ++i) {
+    const std::uint32_t id = scene.intervals[i].id;
+    if (facts.empty() || facts.back().id != id) facts.push_back({id, 0, 0, 0, std::nullopt});
+    IntervalFacts& of = facts.back();
+    of.active_cells += summaries[i].active_cells;
+    of.tetrahedra += summaries[i].tetrahedra;
+    of.volume += summaries[i].signed_volume;
+    if (i < of_each.size()) of.volume_error = of.volume_error.value_or(0) + of_each[i];
+  }
+  return facts;
 }
 
 bool draws_surfaces(const Scene& scene) {

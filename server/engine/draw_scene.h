@@ -9,6 +9,7 @@
 #include "base/task.h"
 #include "data/dataset.h"
 #include "engine/base_meshes.h"
+#include "engine/messages.h"
 #include "engine/scene.h"
 #include "extraction/extract_layers.h"
 #include "extraction/interval_mesh.h"
@@ -94,6 +95,11 @@ bool cuts_exactly(const Scene& scene, const std::string& array);
 
 /// The tetrahedra and cells of each of the scene's intervals; of a smear, added over its steps.
 std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene);
+
+/// The same by the intervals' ids, as clients know them; those of a transfer function are one. With `errors` how far the volumes
+/// are from those of the interpolated field, where that is defined: a mesh of plain ranges of one array. That takes a fraction of a
+/// second on one thread. Throws cancelled.
+std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task);
 
 /// Extracts what layer_request says; `previous` is reused as far as that and the dataset are the same, and its mesh also where
 /// only colours are wanted that can be carried to it. A scene without intervals gives an empty mesh. Scene::array empty: the

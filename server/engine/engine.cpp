@@ -310,6 +310,24 @@ class Engine::Impl {
     });
   }
 
+  void take(MeasureRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    std::shared_ptr<const ExtractedScene> ready;  // what the pictures were made of
+    const auto it = sessions_.find(request.session);
+    if (it != sessions_.end() && it->second.ready && same_extraction(it->second.ready_scene, request.scene))
+      ready = it->second.ready;
+    loaders_.post([this, request, ready, operation = begin(request.session, request.request)] {
+      run(request.session, request.request, *operation, [&] {
+        const CatalogueEntry& source = entry(request.scene.dataset);
+        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const auto extracted = ready ? ready : extract_scene(steps, request.scene, nullptr, operation->task());
+        send(LayersMeasured{request.session, request.request, request.scene.revision,
+                            interval_facts(*extracted, request.scene, true, operation->task())});
+      });
+    });
+  }
+
   template <class Work>
   void run(SessionKey session, RequestId request, Operation& operation, const Work& work) {
     try {
@@ -617,19 +635,7 @@ class Engine::Impl {
       frame.order = std::move(result.facts.order);
       frame.order_exact = result.facts.order_exact;
       frame.tetrahedra = result.facts.tetrahedra;
-      const auto summaries = interval_summaries(*order.extracted, order.scene);
-      for (std::size_t i = 0; i < summaries.size(); ++i) {
-        const IntervalFacts part{order.scene.intervals[i].id, summaries[i].active_cells, summaries[i].tetrahedra,
-                                 summaries[i].signed_volume};
-        if (i == 0 || part.id != frame.intervals.back().id) {
-          frame.intervals.push_back(part);
-          continue;
-        }
-        IntervalFacts& whole = frame.intervals.back();  // of a transfer function
-        whole.active_cells += part.active_cells;
-        whole.tetrahedra += part.tetrahedra;
-        whole.volume += part.volume;
-      }
+      frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
       auto image = std::make_shared<AnyImage>(std::move(result.image));
       EncodeOrder encode_order{request.jpeg_quality};
       if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;

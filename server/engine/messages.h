@@ -97,6 +97,13 @@ struct ExportRequest {
   WriteOptions options;
 };
 
+/// What the scene's layers hold, and how sure that is. Answered by LayersMeasured or RequestFailed.
+struct MeasureRequest {
+  SessionKey session = 0;
+  RequestId request = 0;
+  Scene scene;
+};
+
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
 struct CancelRequest {
   SessionKey session = 0;
@@ -122,7 +129,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream>;
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -185,7 +192,8 @@ struct IntervalFacts {
   std::uint32_t id = 0;
   std::int64_t active_cells = 0;
   std::int64_t tetrahedra = 0;
-  double volume = 0;
+  double volume = 0;                   // of the solid
+  std::optional<double> volume_error;  // as volume_errors() has it; nothing where it is not defined, or not asked for
 };
 
 struct StageTimes {
@@ -219,6 +227,13 @@ struct FrameReady {
   std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top
 };
 
+struct LayersMeasured {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::uint64_t revision = 0;  // of the scene that was measured
+  std::vector<IntervalFacts> intervals;
+};
+
 /// Answers any request that could not be met. A scene whose extraction failed answers the frame requests that waited for it.
 struct RequestFailed {
   SessionKey session = 0;
@@ -230,7 +245,7 @@ struct RequestFailed {
 };
 
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
-                                 RequestFailed, StatisticsReady, ExportReady>;
+                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured>;
 
 /// The session that a request or an event is about.
 template <class... Messages>

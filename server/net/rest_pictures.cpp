@@ -131,6 +131,19 @@ void answer_statistics(RestContext& context, const Call& call, SessionKey sessio
                        });
 }
 
+namespace {
+
+void answer_layers(RestContext& context, const Call& call) {
+  if (!call.session->dataset()) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
+  context.sessions.ask(MeasureRequest{call.session->key(), 0, call.session->scene()},
+                       [reply = call.reply](const EngineEvent& event, TimePoint) {
+                         if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
+                         reply(message_response(200, to_wire(std::get<LayersMeasured>(event))));
+                       });
+}
+
+}  // namespace
+
 void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
   const QueryParameter array{"array", "An array's name; absent: the one that is shown"};
   routes.push_back(
@@ -166,6 +179,16 @@ void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
                     .query = {array},
                     .answers = {{200, "Moments of the finite values", "Statistics"}},
                     .handler = numbers_handler(context, answer_statistics)});
+  routes.push_back({.method = "GET",
+                    .path = "/sessions/{session}/layers",
+                    .id = "getLayers",
+                    .tag = "pictures",
+                    .summary = "What each interval holds: cells, tetrahedra, the solid's volume and how sure that is",
+                    .description =
+                        "volumeError is how far the volume is estimated to be from that of the field as the cells themselves "
+                        "interpolate it: 0 in tetrahedra, absent for combined ranges, space-time slices and smears.",
+                    .answers = {{200, "The intervals of the newest state", "LayerFacts"}},
+                    .handler = [&context](Call call) { answer_layers(context, call); }});
 }
 
 }  // namespace isostrata

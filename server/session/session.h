@@ -145,6 +145,12 @@ class Session {
     FrameReady ready;
   };
 
+  /// What the layers of a scene hold, for whoever sees them at rest.
+  struct Measured {
+    Scene scene;
+    std::optional<v1::LayerFacts> facts;  // nothing: not known yet, or it failed
+  };
+
   struct Opening {
     RequestId request = 0;
     std::string dataset;
@@ -183,6 +189,7 @@ class Session {
   void play_cycle(TimePoint now);
   void on_picture_event(RequestId request, const EngineEvent& event, TimePoint now);
   void give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now);
+  void tell_layers(Viewer& viewer);
   void leave_picture(Viewer& viewer);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);
@@ -221,6 +228,7 @@ class Session {
   std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
   std::map<RequestId, Picture> pictures_;
   std::deque<Made> made_;  // the newest first; none of an older scene
+  std::optional<Measured> measured_;
   VideoStreams streams_;
   Invitations invitations_;
   std::deque<Client> clients_;  // the one that was heard last first

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/engine.h"
 #include "session/session.h"
 #include "session/wire.h"
 
@@ -152,6 +153,27 @@ void Session::give(Viewer& viewer, const FrameOrder& order, const FrameReady& re
   frame.set_frame_id(viewer.frames.sent(order, ready.revision, payload->size(), now));
   frame.set_input_seq(viewer.input_of(ready.revision));
   viewer.outbox->send_frame(std::move(frame), std::move(payload));
+  if (order.phase == FramePhase::lossless && ready.revision == state_.scene.revision) tell_layers(viewer);
+}
+
+/// At rest, so that no picture waits for it, and once for as long as the layers stay what they are.
+void Session::tell_layers(Viewer& viewer) {
+  if (measured_ && same_extraction(measured_->scene, state_.scene)) {
+    if (!measured_->facts) return;
+    v1::ServerMessage message;
+    *message.mutable_layer_facts() = *measured_->facts;
+    return viewer.outbox->send(std::move(message));
+  }
+  measured_ = {state_.scene, std::nullopt};
+  engine_.ask(MeasureRequest{key_, 0, state_.scene}, [this](const EngineEvent& event, TimePoint) {
+    const auto* ready = std::get_if<LayersMeasured>(&event);
+    if (!ready || !measured_ || ready->revision != measured_->scene.revision) return;
+    measured_->facts = to_wire(*ready);
+    if (!same_extraction(measured_->scene, state_.scene)) return;
+    v1::ServerMessage message;
+    *message.mutable_layer_facts() = *measured_->facts;
+    broadcast(message);
+  });
 }
 
 void Session::on_picture_event(RequestId request, const EngineEvent& event, TimePoint now) {

@@ -187,6 +187,16 @@ v1::Histogram to_wire(const HistogramReady& histogram) {
   return out;
 }
 
+v1::IntervalFacts to_wire(const IntervalFacts& interval) {
+  v1::IntervalFacts out;
+  out.set_id(interval.id);
+  out.set_active_cells(interval.active_cells);
+  out.set_tetrahedra(interval.tetrahedra);
+  out.set_volume(interval.volume);
+  if (interval.volume_error) out.set_volume_error(*interval.volume_error);
+  return out;
+}
+
 v1::Frame to_wire(const FrameReady& frame) {
   v1::Frame out;
   out.set_revision(frame.revision);
@@ -213,14 +223,15 @@ v1::Frame to_wire(const FrameReady& frame) {
   facts.set_order(frame.order);
   facts.set_order_exact(frame.order_exact);
   facts.set_tetrahedra(frame.tetrahedra);
-  for (const IntervalFacts& interval : frame.intervals) {
-    v1::IntervalFacts* of = facts.add_intervals();
-    of->set_id(interval.id);
-    of->set_active_cells(interval.active_cells);
-    of->set_tetrahedra(interval.tetrahedra);
-    of->set_volume(interval.volume);
-  }
+  for (const IntervalFacts& interval : frame.intervals) *facts.add_intervals() = to_wire(interval);
   *out.mutable_camera() = to_wire(frame.camera);
+  return out;
+}
+
+v1::LayerFacts to_wire(const LayersMeasured& measured) {
+  v1::LayerFacts out;
+  out.set_revision(measured.revision);
+  for (const IntervalFacts& interval : measured.intervals) *out.add_intervals() = to_wire(interval);
   return out;
 }
 

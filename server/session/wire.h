@@ -20,6 +20,8 @@ v1::Camera to_wire(const Camera& camera);
 v1::Rgb to_wire(const Rgb& rgb);
 v1::DatasetInfo to_wire(const DatasetFacts& facts);
 v1::Histogram to_wire(const HistogramReady& histogram);
+v1::IntervalFacts to_wire(const IntervalFacts& interval);
+v1::LayerFacts to_wire(const LayersMeasured& measured);
 /// Without frame_id and input_seq, which are the connection's own, and without the payload, which viewers share.
 v1::Frame to_wire(const FrameReady& frame);
 

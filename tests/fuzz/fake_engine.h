@@ -61,6 +61,7 @@ class FakeEngine {
                         std::vector<std::uint64_t>(static_cast<std::size_t>(r.bins))});
   }
   void answer(const StatisticsRequest& r) { send(StatisticsReady{r.session, r.request, r.dataset, r.step, r.array, {}}); }
+  void answer(const MeasureRequest& r) { send(LayersMeasured{r.session, r.request, r.scene.revision, {}}); }
   void answer(const ExportRequest& r) {
     send(OperationProgress{r.session, 1, "writing", 0.5, r.request});
     send(ExportReady{r.session, r.request, {}});

@@ -254,6 +254,20 @@ TEST_F(RestRoutes, StatisticsAreThoseOfTheArray) {
   expect_problem(ask("GET", session + "/statistics?array=nosuch"), 404, "not_found", "array");
 }
 
+TEST_F(RestRoutes, LayersHoldTheSolidsVolumeAndSayHowSureItIs) {
+  const std::string session = new_session();
+  const auto layers = body_of(ask("GET", session + "/layers")).at("intervals").as_array();
+  const auto shown = body_of(ask("GET", session + "/intervals")).at("intervals").as_array();
+  ASSERT_EQ(layers.size(), shown.size());
+  ASSERT_FALSE(layers.empty());
+  EXPECT_EQ(layers[0].at("id"), shown[0].at("id"));
+  const double volume = layers[0].at("volume").to_number<double>(), error = layers[0].at("volumeError").to_number<double>();
+  EXPECT_GT(volume, 0);
+  EXPECT_LT(volume, 8);
+  EXPECT_GT(error, 0) << "hexahedra";
+  EXPECT_LT(error, 0.2 * volume);
+}
+
 TEST_F(RestRoutes, RequestsHaveNames) {
   const auto given = ask("GET", "/datasets", "", "X-Request-Id: run-7.b_2\r\n");
   EXPECT_EQ(header_of(given, "X-Request-Id"), "run-7.b_2");

@@ -57,6 +57,27 @@ TEST_F(WebSocket, AFrameNamesTheInputAndTheRevisionThatItContains) {
   FAIL() << "no frame contains the input";
 }
 
+TEST_F(WebSocket, LayerFactsFollowTheLosslessFrame) {
+  Client client(server_.client_options());
+  const v1::Frame frame = client.lossless_frame();
+  v1::LayerFacts told;
+  for (int i = 0; i < 100 && told.intervals().empty(); ++i)
+    if (const auto message = client.receive(std::chrono::seconds(10)); message && message->has_layer_facts())
+      told = message->layer_facts();
+  ASSERT_EQ(told.intervals_size(), frame.facts().intervals_size());
+  ASSERT_GT(told.intervals_size(), 0);
+  for (int i = 0; i < told.intervals_size(); ++i) {
+    EXPECT_EQ(told.intervals(i).id(), frame.facts().intervals(i).id());
+    EXPECT_EQ(told.intervals(i).volume(), frame.facts().intervals(i).volume());
+    EXPECT_FALSE(frame.facts().intervals(i).has_volume_error());
+    EXPECT_TRUE(told.intervals(i).has_volume_error());
+    EXPECT_GT(told.intervals(i).volume_error(), 0);
+  }
+  // What is asked for is the same, and a camera does not change it.
+  client.set_view("+x");
+  EXPECT_EQ(client.layer_facts().intervals(0).SerializeAsString(), told.intervals(0).SerializeAsString());
+}
+
 TEST_F(WebSocket, CommandsSentWhileADatasetOpensTakeEffectOnIt) {
   Client client(server_.client_options());
   v1::ClientMessage open, set;

@@ -232,6 +232,15 @@ class Pictures(WithServer):
         mean = np.average(middles, weights=histogram.counts)
         self.assertAlmostEqual(statistics["mean"], mean, delta=histogram.edges[1] - histogram.edges[0])
 
+    def test_layer_facts_hold_the_solids_volume_and_how_sure_it_is(self):
+        s = self.connect()
+        facts = s.layer_facts()
+        self.assertEqual([one["id"] for one in facts], [interval.id for interval in s.intervals])
+        for one in facts:
+            self.assertGreater(one["tetrahedra"], 0)
+            self.assertGreater(one["volume"], 0)
+            self.assertLess(one["volumeError"], 0.2 * one["volume"])
+
     def test_frames_come_while_things_change_and_end_lossless(self):
         s = self.connect(frames=True)
         s.intervals.move(s.intervals[0], 0.1, 0.3)

@@ -91,6 +91,8 @@ class Client {
   /// The same for one interval, whose ends become those of the points; none: it looks as it did without.
   void set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points);
   void set_triangulation(v1::Triangulation triangulation);
+  /// What each interval holds (cells, tetrahedra, the solid's volume) and how far that is from the interpolated field's.
+  v1::LayerFacts layer_facts();
 
   // ---- how it looks
   // ------------------------------------------------------------------------------------------------------------

@@ -495,6 +495,13 @@ class Session:
             except IsostrataError:
                 pass
 
+    def layer_facts(self) -> list[dict[str, Any]]:
+        """Of each interval: id, activeCells, tetrahedra, the solid's volume, and volumeError, how far that is estimated to be from the
+        volume of the field as the cells interpolate it (0 in tetrahedra, absent if it is not defined)."""
+        facts = self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/layers")).get("intervals", [])
+        return [{**one, "activeCells": int(one.get("activeCells", 0)), "tetrahedra": int(one.get("tetrahedra", 0)),
+                 "volume": one.get("volume", 0.0)} for one in facts]
+
     def statistics(self, array: str = "") -> dict[str, float]:
         """lower, upper, mean, standardDeviation and the like of an array at the state's step."""
         query = {"array": array or self.array}
