@@ -143,6 +143,12 @@ void Client::set_unit_distance(double world) {
   command(std::move(message));
 }
 
+void Client::set_color_range(const v1::ColorRange& range) {
+  v1::ClientMessage message;
+  *message.mutable_set_appearance()->mutable_color_range() = range;
+  command(std::move(message));
+}
+
 void Client::set_cycle(const v1::SetCycle& cycle) {
   v1::ClientMessage message;
   *message.mutable_set_cycle() = cycle;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/stopwatch.h"
+#include "engine/color_range.h"
 #include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
 #include "extraction/gradient_normals.h"
@@ -242,14 +243,11 @@ bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& r
   return true;
 }
 
-IntervalStyle style_of(const SceneInterval& interval, const ExtractedScene& extracted) {
+IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const ExtractedScene& extracted) {
   IntervalStyle style;
   style.color = interval.color;
-  style.color_map = interval.color_map;
-  style.color_lower = interval.own_range ? interval.lower : extracted.color_lower;
-  style.color_upper = interval.own_range ? interval.upper : extracted.color_upper;
-  style.opacity = interval.opacity;
-  style.opacity_upper = interval.opacity_upper;
+  set_colors(style, interval, scene.color_range, extracted.color_lower, extracted.color_upper,
+             extracted.color_by == extracted.array);
   style.priority = interval.priority;
   style.visible = interval.visible;
   style.surface = interval.surface;
@@ -258,10 +256,15 @@ IntervalStyle style_of(const SceneInterval& interval, const ExtractedScene& extr
   return style;
 }
 
-IntervalStyle style_of(const SceneTerm& term, const SceneInterval& first, const ExtractedScene& extracted) {
-  IntervalStyle style = style_of(first, extracted);
-  if (term.color || !term.color_map.empty()) style.color_map = term.color_map;
-  if (term.color) style.color = *term.color;
+IntervalStyle style_of(const Scene& scene, const SceneTerm& term, const SceneInterval& first, const ExtractedScene& extracted) {
+  // Its values lie anywhere, not between the first interval's ends.
+  SceneInterval like = first;
+  if (term.color || !term.color_map.empty()) like.color_map = term.color_map;
+  if (term.color) like.color = *term.color;
+  if (scene.color_range.log && !like.own_range && !like.whole) like.whole = {{like.lower, like.upper}};
+  IntervalStyle style;
+  style.color = like.color;
+  set_colors(style, like, scene.color_range, extracted.color_lower, extracted.color_upper, false);
   if (term.opacity) style.opacity = *term.opacity, style.opacity_upper.reset();
   if (term.priority) style.priority = *term.priority;
   style.visible = term.visible;
@@ -286,10 +289,10 @@ SurfaceStyle area_surface(const IntervalStyle& style, const Box3d& bounds) {
 /// Of the intervals and of what terms bring in, as one step has them.
 std::vector<IntervalStyle> styles_of(const Scene& scene, const ExtractedScene& extracted, std::span<const IntervalSummary> of) {
   std::vector<IntervalStyle> styles;
-  for (const SceneInterval& interval : scene.intervals) styles.push_back(style_of(interval, extracted));
+  for (const SceneInterval& interval : scene.intervals) styles.push_back(style_of(scene, interval, extracted));
   for (std::size_t i = scene.intervals.size(); i < of.size(); ++i) {
     const auto term = static_cast<std::size_t>(of[i].term);
-    styles.push_back(style_of(scene.terms.at(term), scene.intervals.front(), extracted));
+    styles.push_back(style_of(scene, scene.terms.at(term), scene.intervals.front(), extracted));
   }
   return styles;
 }
@@ -324,6 +327,7 @@ LegendEntry joined_entry(std::span<const LegendEntry> parts) {
   if (std::all_of(parts.begin(), parts.end(),
                   [&](const LegendEntry& of) { return of.style.color_map.empty() && of.style.color == style.color; }))
     return whole;
+  if (whole.log) return whole;  // all parts have its map and its range
   style.color_map.clear();
   for (std::size_t i = 0, part = 0; i < kColors; ++i) {
     const double value = whole.lower + (whole.upper - whole.lower) * static_cast<double>(i) / (kColors - 1);
@@ -577,9 +581,18 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
     const SmearPart* part = nullptr;
     for (const SmearPart& candidate : extracted.parts)
       if (i >= candidate.first_summary) part = &candidate, of = i - candidate.first_summary;
-    if (of < scene.intervals.size())
+    if (of < scene.intervals.size()) {
       entry.name = scene.intervals[of].name;
-    else if (summary.term >= 0)
+      const ColorRange colors =
+          colors_shown(scene.intervals[of], scene.color_range, extracted.color_lower, extracted.color_upper);
+      if (colors.log) {  // the map itself, over all that the logarithm runs over
+        entry.style.color_map = scene.intervals[of].color_map;
+        entry.style.color_lower = colors.lower;
+        entry.style.color_upper = colors.upper;
+        entry.log = true;
+      }
+    }
+    if (of >= scene.intervals.size() && summary.term >= 0)
       entry.name = scene.terms.at(static_cast<std::size_t>(summary.term)).term.array;
     if (part) entry.name += (entry.name.empty() ? "" : ", ") + moment_name(part->moment);
     if (continues(scene, of))

@@ -71,12 +71,13 @@ void take_view(Scene& of, const Scene& from) {
   of.unit_distance = from.unit_distance;
   of.clip_planes = from.clip_planes;
   of.annotations = from.annotations;
+  of.color_range = from.color_range;
 }
 
 bool same_view(const Scene& a, const Scene& b) {
   return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.integral == b.integral &&
          a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance && a.clip_planes == b.clip_planes &&
-         a.annotations == b.annotations;
+         a.annotations == b.annotations && a.color_range == b.color_range;
 }
 
 struct SessionState {
@@ -614,6 +615,7 @@ class Engine::Impl {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
       if (request.still && is_float(*request.still)) input.float_image = true;
       const auto annotations = std::make_shared<Drawing>();
+      if (request.annotations) order.scene.annotations = *request.annotations;
       if (order.scene.annotations.any()) {
         *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
         if (!annotations->empty()) ask_for_annotated(input, request.lossless);

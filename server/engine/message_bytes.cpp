@@ -20,6 +20,8 @@ constexpr ErrorCode last_of<ErrorCode> = ErrorCode::internal;
 template <>
 constexpr SceneMode last_of<SceneMode> = SceneMode::smear;
 template <>
+constexpr ColorSpan last_of<ColorSpan> = ColorSpan::own;
+template <>
 constexpr Integral last_of<Integral> = Integral::table2d;
 template <>
 constexpr TimeMode last_of<TimeMode> = TimeMode::spacetime;

@@ -66,6 +66,7 @@ struct FrameRequest {
   std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one. Given up, as `cancelled`, once
                                // the session has a newer scene
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
+  std::optional<Annotations> annotations;  // in place of the scene's
 };
 
 struct HistogramRequest {

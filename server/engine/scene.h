@@ -32,6 +32,21 @@ struct SceneCycle {
   bool operator==(const SceneCycle&) const = default;
 };
 
+enum class ColorSpan {
+  step,       // the color-by array's range at the step that is shown
+  all_steps,  // and over all of them; who hands the scene to the engine makes numbers of it (resolved_colors)
+  own         // lower and upper
+};
+
+/// The values over which colour maps, and opacity that runs, are spread, where an interval has no range of its own.
+struct ColorRange {
+  ColorSpan span = ColorSpan::step;
+  double lower = 0, upper = 1;  // of `own`
+  bool log = false;             // colours run with the value's logarithm
+
+  bool operator==(const ColorRange&) const = default;
+};
+
 /// Of SceneMode::smear.
 struct SceneSmear {
   std::vector<int> steps;     // in the order they are painted; empty: the scene's step alone
@@ -65,6 +80,9 @@ struct SceneInterval {
   bool own_range = false;  // colour and opacity run from `lower` to `upper`, not over the colour array's whole range
   SurfaceStyle surface;    // its texture runs over the whole range of Scene::texture
   std::string name;        // for the legend; may be empty
+  std::uint32_t number = 0;  // it is called by where it has no name; from 1, unique in the scene, free again once it is gone
+  // Of a part that drawn_scene made of an interval whose colours run with the logarithm: that interval's ends.
+  std::optional<Interval> whole;
   // Not empty: how it looks, in place of colour, map and opacities; from `lower` at its first point to `upper` at its last one.
   // Such a scene is drawn by way of drawn_scene (engine/transfer_function.h), which has none.
   std::vector<TransferPoint> transfer;
@@ -106,6 +124,7 @@ struct Scene {
   double unit_distance = 0;            // 0: the default
   std::vector<ClipPlane> clip_planes;  // what is kept by all of them is shown
   Annotations annotations;             // drawn by the server, beside the volume
+  ColorRange color_range;
 };
 
 }  // namespace isostrata

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "engine/color_range.h"
 
 namespace isostrata {
 namespace {
@@ -90,11 +91,22 @@ std::vector<TransferPoint> moved_transfer(std::span<const TransferPoint> points,
 }
 
 Scene drawn_scene(const Scene& scene) {
+  constexpr std::size_t kMostDrawn = 1024;
+  const bool by_logarithm = scene.color_range.log && scene.mode != SceneMode::smear;  // whose steps have one colour each
+  const bool own_array = scene.color_by.empty() || scene.color_by == scene.array;
   Scene drawn = scene;
   drawn.intervals.clear();
   for (const SceneInterval& interval : scene.intervals) {
     if (interval.transfer.empty()) {
-      drawn.intervals.push_back(interval);
+      if (!by_logarithm || interval.color_map.empty()) {
+        drawn.intervals.push_back(interval);
+      } else if (!own_array || drawn.intervals.size() >= kMostDrawn) {  // values of another array know nothing of these ends
+        drawn.intervals.push_back(interval);
+        drawn.intervals.back().whole = {{interval.lower, interval.upper}};
+      } else {
+        const std::vector<SceneInterval> parts = log_parts(interval);
+        drawn.intervals.insert(drawn.intervals.end(), parts.begin(), parts.end());
+      }
       continue;
     }
     const std::vector<TransferPoint>& points = interval.transfer;

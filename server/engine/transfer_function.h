@@ -24,7 +24,7 @@ void check_transfer(std::span<const TransferPoint> points, std::size_t max_point
 std::vector<TransferPoint> moved_transfer(std::span<const TransferPoint> points, double lower, double upper);
 
 /// What stands for the scene when it is drawn: each interval with a transfer function becomes the touching intervals between its
-/// points, which have its id, name, priority and visibility, and at its ends its surfaces. Parts that are wholly transparent are
+/// points, and each whose colours run with the logarithm its log_parts (engine/color_range.h). They have its id, name, priority and visibility, and at its ends its surfaces. Parts that are wholly transparent are
 /// left out where no surface is drawn, but one of them stays where there would be none. What counts intervals (cycles, legends,
 /// facts) takes neighbours of one id as one.
 Scene drawn_scene(const Scene& scene);

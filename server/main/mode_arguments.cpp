@@ -53,6 +53,14 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
       .add_option("--seconds", arguments.seconds, "With --mode cycled and an animated picture: how long each interval is shown")
       ->check(CLI::Range(0.01, 600.0))
       ->capture_default_str();
+  command
+      .add_option("--color-range", arguments.color_range,
+                  "The values of --color-by at which colour maps, and opacity that runs, begin and end: step (its range at the "
+                  "step that is shown), all-steps, or LOWER:UPPER")
+      ->capture_default_str();
+  command.add_flag("--color-log", arguments.log_colors,
+                   "Colours run with the value's logarithm; a range that reaches 0 or below begins at a ten-thousandth of its "
+                   "upper end");
 }
 
 void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& array) {
@@ -76,6 +84,24 @@ void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& a
     else
       scene.smear.times = parse_times(arguments.times);
     for (const std::string& color : arguments.smear_colors) scene.smear.colors.push_back(parse_rgb(color));
+  }
+  scene.color_range.log = arguments.log_colors;
+  if (arguments.color_range == "all-steps") {
+    scene.color_range.span = ColorSpan::all_steps;
+  } else if (arguments.color_range != "step") {
+    const auto colon = arguments.color_range.find(':', 1);
+    ColorRange& range = scene.color_range;
+    range.span = ColorSpan::own;
+    const auto number = [](std::string_view text, double& value) {
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      return error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+    };
+    const std::string_view text = arguments.color_range;
+    if (colon == std::string::npos || !number(text.substr(0, colon), range.lower) || !number(text.substr(colon + 1), range.upper) ||
+        !(range.lower < range.upper))
+      refuse("--color-range '" + arguments.color_range + "': expected step, all-steps or LOWER:UPPER");
+    if (range.log && !(range.lower > 0))
+      refuse("--color-range '" + arguments.color_range + "': with --color-log LOWER must be above 0");
   }
   scene.cycle.seconds = arguments.seconds;
   if (arguments.phase) {

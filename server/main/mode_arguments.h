@@ -13,17 +13,18 @@
 namespace isostrata {
 
 struct ModeArguments {
-  std::string mode = "sorted", integral = "exact", texture, steps, times, transfer;
+  std::string mode = "sorted", integral = "exact", texture, steps, times, transfer, color_range = "step";
+  bool log_colors = false;
   std::vector<std::string> smear_colors;
   std::optional<double> phase;
   double seconds = 1;
 };
 
-/// Adds --mode, --integral, --texture, --transfer, --steps, --times, --smear-colors, --phase and --seconds. `arguments` must outlive the
-/// command.
+/// Adds --mode, --integral, --texture, --transfer, --steps, --times, --smear-colors, --phase, --seconds, --color-range and --color-log. `arguments`
+/// must outlive the command.
 void add_mode_options(CLI::App& command, ModeArguments& arguments);
 
-/// Sets the scene's mode, integral, texture, steps or times of a smear and phase; and with --transfer its intervals, of the values of
+/// Sets the scene's mode, integral, texture, steps or times of a smear, phase and range of colours; and with --transfer its intervals, of the values of
 /// `array`. Throws invalid_argument where options do not go together, and what read_transfer throws.
 void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& array);
 

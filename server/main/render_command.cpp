@@ -1,4 +1,5 @@
 #include <boost/json.hpp>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -6,8 +7,10 @@
 #include "base/stopwatch.h"
 #include "encoding/encode_image.h"
 #include "encoding/image_file.h"
+#include "engine/color_range.h"
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
+#include "engine/transfer_function.h"
 #include "main/commands.h"
 #include "main/layer_arguments.h"
 #include "main/mode_arguments.h"
@@ -49,18 +52,40 @@ Scene make_scene(const RenderArguments& arguments, const Dataset& dataset, doubl
   return scene;
 }
 
-boost::json::object to_json(const RenderArguments& arguments, const ExtractedScene& extracted, const DrawInput& input,
-                            const DrawFacts& facts, const Timing& ms) {
+/// The color-by array's range over all steps, each of which is read.
+ColorRange over_all_steps(const ColorRange& range, const StepSource& steps, const Dataset& first, const std::string& array) {
+  double lower = INFINITY, upper = -INFINITY;
+  for (int step = 0; step < static_cast<int>(std::max<std::size_t>(first.times.size(), 1)); ++step) {
+    const auto dataset = step == first.step ? nullptr : steps(step, command_task());
+    const PointArray& of = (dataset ? *dataset : first).array(array);
+    if (!(of.lower <= of.upper)) continue;
+    lower = std::min(lower, of.lower);
+    upper = std::max(upper, of.upper);
+  }
+  return resolved(range, lower, upper);
+}
+
+boost::json::object to_json(const RenderArguments& arguments, const Scene& scene, const ExtractedScene& extracted,
+                            const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
   const auto vector = [](Vec3d v) { return boost::json::array{v.x, v.y, v.z}; };
   boost::json::array intervals;
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalSummary& summary = extracted.summaries()[i];
     const IntervalStyle& style = input.styles[i];
+    const bool part = i < scene.intervals.size() && scene.intervals[i].whole;  // of a logarithm: all as one
+    if (part && i > 0 && scene.intervals[i].id == scene.intervals[i - 1].id) {
+      boost::json::object& before = intervals.back().as_object();
+      before["upper"] = summary.interval.upper;
+      before["tetrahedra"] = before["tetrahedra"].as_int64() + summary.tetrahedra;
+      if (style.opacity_upper) before["opacity_upper"] = *style.opacity_upper;
+      continue;
+    }
+    const std::string& map = part ? scene.intervals[i].color_map : style.color_map;
     intervals.push_back(boost::json::object{
         {"lower", summary.interval.lower},
         {"upper", summary.interval.upper},
         {"tetrahedra", summary.tetrahedra},
-        {"color", style.color_map.empty() ? format_rgb(style.color) : "map:" + style.color_map},
+        {"color", map.empty() ? format_rgb(style.color) : "map:" + map},
         {"opacity", style.opacity},
         {"priority", style.priority},
     });
@@ -141,7 +166,10 @@ void run(const RenderArguments& arguments) {
   const StepSource steps = step_source(arguments.file);
   const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
-  Scene scene = make_scene(arguments, *dataset, static_cast<double>(width) / height);
+  const Scene wanted = make_scene(arguments, *dataset, static_cast<double>(width) / height);
+  Scene scene = drawn_scene(wanted);
+  if (scene.color_range.span == ColorSpan::all_steps)
+    scene.color_range = over_all_steps(scene.color_range, steps, *dataset, scene.color_by.empty() ? scene.array : scene.color_by);
   const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
   ms.device = stage.lap_ms();
   BaseMeshes bases(layer_request(scene).max_bytes);
@@ -152,7 +180,7 @@ void run(const RenderArguments& arguments) {
   }
   const auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
   ms.extract = stage.lap_ms();
-  const std::vector<Picture> pictures = pictures_of(arguments, scene);
+  const std::vector<Picture> pictures = pictures_of(arguments, wanted);
   const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
   std::vector<Image> frames;
   DrawInput input;
@@ -188,7 +216,7 @@ void run(const RenderArguments& arguments) {
   ms.total = total.elapsed_ms();
 
   if (arguments.json) {
-    boost::json::object document = to_json(arguments, *extracted, input, facts, ms);
+    boost::json::object document = to_json(arguments, scene, *extracted, input, facts, ms);
     if (pictures.size() > 1 && !animated) {
       boost::json::array paths;
       for (const Picture& picture : pictures) paths.push_back(boost::json::string(picture.out));

@@ -82,6 +82,8 @@ void patch(RestContext& context, const Call& call) {
     return call.reply(problem(wire_error("invalid_argument", "the id in the body is another interval's", "id")));
   if (named(given, "priority"))
     return call.reply(problem(wire_error("unsupported", "priorities are set together, by PUT .../priorities", "priority")));
+  if (named(given, "number") && wanted.number() != found->number())
+    return call.reply(problem(wire_error("unsupported", "an interval keeps the number that the server gave it; name it by `name`", "number")));
   command_and_answer(context, call, patch_message(found->id(), wanted, given));
 }
 

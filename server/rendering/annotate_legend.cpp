@@ -11,7 +11,37 @@ namespace {
 struct Bar {
   std::string map;
   double lower = 0, upper = 1;
+  bool log = false;
+
+  /// In [0, 1] where the value is in the range.
+  double place(double value) const {
+    return log ? std::log(value / lower) / std::log(upper / lower) : (value - lower) / (upper - lower);
+  }
 };
+
+/// What the legend says of the range's numbers: at least two of them, as many as fit in the end. Fewer with a smaller `count`.
+AxisTicks bar_ticks(const Bar& bar, int count) {
+  if (!bar.log) return axis_ticks(bar.lower, bar.upper, count);
+  AxisTicks ticks;
+  const int first = static_cast<int>(std::floor(std::log10(bar.lower))), last = static_cast<int>(std::ceil(std::log10(bar.upper)));
+  // 1, 2, 5, 10, ...; then powers of ten; then fewer of them.
+  const int stride = count >= 5 ? 1 : (last - first) / (count + 1) + 1;
+  for (int power = first; power <= last; power += stride)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double value = digit * std::pow(10.0, power);
+      if ((digit == 1 || count == 6) && value >= bar.lower * (1 - 1e-9) && value <= bar.upper * (1 + 1e-9))
+        ticks.values.push_back(value);
+    }
+  if (ticks.values.size() < 2 && count < 6) ticks.values = {bar.lower, bar.upper};
+  return ticks;
+}
+
+std::vector<std::string> bar_texts(const Bar& bar, const AxisTicks& ticks) {
+  if (!bar.log) return tick_texts(ticks);
+  std::vector<std::string> texts;
+  for (const double value : ticks.values) texts.push_back(number_text(value, 3));
+  return texts;
+}
 
 /// Ranges as texts with as many digits as tell their ends apart.
 std::string range_text(const LegendEntry& entry) {
@@ -56,10 +86,10 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
   for (const LegendEntry* entry : rows) {
     const IntervalStyle& style = entry->style;
     const auto same = [&](const Bar& bar) {
-      return bar.map == style.color_map && bar.lower == style.color_lower && bar.upper == style.color_upper;
+      return bar.map == style.color_map && bar.lower == style.color_lower && bar.upper == style.color_upper && bar.log == entry->log;
     };
     if (!style.color_map.empty() && style.color_upper > style.color_lower && std::none_of(bars.begin(), bars.end(), same))
-      bars.push_back({style.color_map, style.color_lower, style.color_upper});
+      bars.push_back({style.color_map, style.color_lower, style.color_upper, entry->log});
   }
   if (rows.empty()) return;
   // What does not fit is counted.
@@ -106,7 +136,8 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
     } else {
       // Where colours run over the very array that is cut, the swatch shows the interval's own part of the map.
       const bool own = input.array == input.color_by && style.color_upper > style.color_lower;
-      const auto place = [&](double v) { return (v - style.color_lower) / (style.color_upper - style.color_lower); };
+      const Bar whole{style.color_map, style.color_lower, style.color_upper, rows[i]->log};
+      const auto place = [&](double v) { return whole.log && !(v > 0) ? 0.0 : whole.place(v); };
       drawing.over.emplace_back(Ramp{{left, top},
                                      {right, bottom},
                                      color_map(style.color_map),
@@ -129,19 +160,19 @@ void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme,
   }
   for (const Bar& bar : bars) {
     const double left = x0 + pad, right = x1 - pad, name = y + 0.5 * em + font.cap_height(em);
-    plain({left, name}, fit(input.color_by, font, em, right - left), Text::Align::left);
+    plain({left, name}, fit(input.color_by + (bar.log ? " (log)" : ""), font, em, right - left), Text::Align::left);
     const double top = name + 0.5 * em, bottom = top + 0.95 * em;
     drawing.over.emplace_back(Ramp{{left, top}, {right, bottom}, color_map(bar.map), 0, 1, false});
     frame(left, top, right, bottom, theme, drawing);
     AxisTicks ticks;
     std::vector<std::string> texts;
-    const auto at = [&](double v) { return left + (right - left) * (v - bar.lower) / (bar.upper - bar.lower); };
+    const auto at = [&](double v) { return left + (right - left) * bar.place(v); };
     const auto shown = [&](double v, double half) {
       return std::max(x0 + 0.3 * em + half, std::min(at(v), x1 - 0.3 * em - half));
     };
     for (int count = 6; count >= 1; --count) {
-      ticks = axis_ticks(bar.lower, bar.upper, count);
-      texts = tick_texts(ticks);
+      ticks = bar_ticks(bar, count);
+      texts = bar_texts(bar, ticks);
       bool crowded = false;
       double before = -1e300;
       for (std::size_t i = 0; i < texts.size(); ++i) {

@@ -24,6 +24,7 @@ struct LegendEntry {
   double lower = 0, upper = 1;
   std::string name;  // may be empty
   IntervalStyle style;
+  bool log = false;  // its map runs with the value's logarithm
 };
 
 struct AnnotationInput {

@@ -17,11 +17,14 @@
 //   THE USE OR OTHER DEALINGS IN THE SOFTWARE.
 //
 // coolwarm: fitted to colours computed after Kenneth Moreland, "Diverging Color Maps for Scientific Visualization", 2009.
+#include "rendering/log_map.h"
 #include "rendering/style.h"
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "base/error.h"
@@ -120,10 +123,44 @@ ColorMap ramp(std::string_view name) {
   return map;
 }
 
+constexpr std::string_view kLog = "log ";
+
+// Of log_map: "log FROM TO GROWTH NAME".
+ColorMap logarithmic(std::string_view name) {
+  constexpr int kFewest = 256, kMost = 65536;
+  double number[3] = {};
+  std::string_view rest = name.substr(kLog.size());
+  for (double& value : number) {
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    if (error != std::errc{} || end == rest.data() + rest.size() || *end != ' ' || !std::isfinite(value))
+      throw Error(ErrorCode::invalid_argument, "colour map '" + std::string(name.substr(0, 80)) + "' is not known");
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()) + 1);
+  }
+  const auto [from, to, growth] = number;
+  const ColorMap base = rest.starts_with('#') ? ramp(rest) : color_map(rest);
+  ColorMap map{std::string(name), {}};
+  // Where the value has grown least, each step is a sixty-fourth of it.
+  const int steps = static_cast<int>(std::clamp(std::ceil(64 * growth), double{kFewest}, double{kMost}));
+  const double whole = std::log(growth);
+  map.rgb.reserve(static_cast<std::size_t>(steps) + 1);
+  for (int i = 0; i <= steps; ++i) {
+    const double share = whole > 0 ? std::log1p((growth - 1) * i / steps) / whole : 0.0;
+    map.rgb.push_back(sample(base, static_cast<float>(std::lerp(from, to, share))));
+  }
+  return map;
+}
+
 }  // namespace
+
+std::string log_map(std::string_view name, double from, double to, double growth) {
+  std::array<char, 120> text{};
+  std::snprintf(text.data(), text.size(), "%s%.17g %.17g %.17g ", kLog.data(), from, to, growth);
+  return text.data() + std::string(name);
+}
 
 ColorMap color_map(std::string_view name) {
   if (name.starts_with('#')) return ramp(name);
+  if (name.starts_with(kLog)) return logarithmic(name);
   for (const ColorMap& map : all_maps())
     if (map.name == name) return map;
   std::string known;
@@ -134,6 +171,7 @@ ColorMap color_map(std::string_view name) {
 
 bool is_color_map(std::string_view name) {
   try {
+    if (name.starts_with(kLog)) return false;  // made by log_map, and not for people
     color_map(name);
     return true;
   } catch (const Error&) {

@@ -120,6 +120,32 @@ std::uint32_t fresh_id(SceneState& state) {
   return ++state.last_interval_id;
 }
 
+/// Gives the new and the doubled among them the least number, and those without a colour the first default colour, that no other has.
+/// painted: which have a colour already.
+void number_intervals(std::vector<SceneInterval>& intervals, std::vector<bool> painted) {
+  std::set<std::uint32_t> taken;
+  std::vector<SceneInterval*> unnumbered;
+  for (SceneInterval& interval : intervals)
+    if (interval.number == 0 || !taken.insert(interval.number).second) unnumbered.push_back(&interval);
+  std::uint32_t least = 1;
+  for (SceneInterval* interval : unnumbered) {
+    while (!taken.insert(least).second) ++least;
+    interval->number = least;
+  }
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    if (painted[i]) continue;
+    std::size_t choice = 0;
+    const auto used = [&] {
+      for (std::size_t k = 0; k < intervals.size(); ++k)
+        if (painted[k] && intervals[k].color == default_interval_color(choice)) return true;
+      return false;
+    };
+    while (used() && default_interval_color(choice + 1) != default_interval_color(0)) ++choice;
+    intervals[i].color = used() ? default_interval_color(i) : default_interval_color(choice);
+    painted[i] = true;
+  }
+}
+
 SceneInterval& interval_of(Scene& scene, std::uint32_t id) {
   for (SceneInterval& interval : scene.intervals)
     if (interval.id == id) return interval;
@@ -189,6 +215,8 @@ void settle_transfers(Scene& scene) {
 void apply(SceneState& state, const v1::SelectArrays& command, const CommandContext& context) {
   Scene& scene = state.scene;
   opened(context);
+  const auto colored_by = [&] { return scene.color_by.empty() ? scene.array : scene.color_by; };
+  const std::string colored_before = colored_by();
   if (!command.array().empty()) {
     const ArrayFacts& array = array_of(command.array(), context, "array");
     if (scene.array != array.name) {
@@ -211,6 +239,8 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
   if (!command.color_by().empty()) scene.color_by = array_of(command.color_by(), context, "color_by").name;
   // A transfer function is of the values that are cut.
   if (command.color_by().empty() && has_transfer(scene)) scene.color_by = scene.array;
+  // Numbers that were typed are of the array that they were typed for.
+  if (scene.color_range.span == ColorSpan::own && colored_by() != colored_before) scene.color_range = {.log = scene.color_range.log};
   if (!command.texture().empty()) scene.texture = array_of(command.texture(), context, "texture").name;
 }
 
@@ -358,6 +388,7 @@ void apply(SceneState& state, const v1::SetTransferFunction& command, const Comm
     refuse(to_string(error.code()), error.what(), "points");
   }
   interval.id = fresh_id(state);
+  interval.number = 1;
   interval.lower = interval.transfer.front().value;
   interval.upper = interval.transfer.back().value;
   // What is seen of it where a person ends the function: the colour and the opacity of its densest point.
@@ -376,6 +407,7 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
            std::to_string(command.intervals_size()) + " intervals; expected at most " + std::to_string(kMaxIntervals),
            "intervals");
   std::vector<SceneInterval> intervals;
+  std::vector<bool> painted;
   std::set<std::uint32_t> seen;
   for (int i = 0; i < command.intervals_size(); ++i) {
     const v1::Interval& wanted = command.intervals(i);
@@ -387,8 +419,9 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
       interval.lower = wanted.lower();
       interval.upper = wanted.upper();
     }
-    interval.color =
-        wanted.has_color() ? rgb_of(wanted.color(), field + "color") : default_interval_color(static_cast<std::size_t>(i));
+    if (wanted.has_color()) interval.color = rgb_of(wanted.color(), field + "color");
+    painted.push_back(wanted.has_color());
+    interval.number = wanted.number();
     interval.color_map = color_map_of(wanted.color_map(), field + "color_map");
     interval.opacity = unit(wanted.opacity(), field + "opacity");
     interval.priority = wanted.priority();
@@ -398,8 +431,9 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
     interval.own_range = wanted.own_range();
     if (wanted.has_surface()) interval.surface = surface_of(wanted.surface(), field + "surface");
     if (wanted.id() != 0) {
-      const auto& old = state.scene.intervals;
-      if (std::none_of(old.begin(), old.end(), [&](const SceneInterval& o) { return o.id == wanted.id(); }))
+      const auto& all = state.scene.intervals;
+      const auto old = std::find_if(all.begin(), all.end(), [&](const SceneInterval& o) { return o.id == wanted.id(); });
+      if (old == all.end())
         refuse(
             "not_found",
             field + "id " + std::to_string(wanted.id()) + " is not in this session; expected an id that is, or 0 for a new one",
@@ -407,11 +441,14 @@ void apply(SceneState& state, const v1::SetIntervals& command, const CommandCont
       if (!seen.insert(wanted.id()).second)
         refuse("invalid_argument", field + "id " + std::to_string(wanted.id()) + " stands twice", field + "id");
       interval.id = wanted.id();
+      if (interval.number == 0) interval.number = old->number;
+      if (!painted.back()) interval.color = old->color, painted.back() = true;
     } else {
       interval.id = fresh_id(state);
     }
     intervals.push_back(std::move(interval));
   }
+  number_intervals(intervals, std::move(painted));
   state.scene.intervals = std::move(intervals);
   settle_transfers(state.scene);
 }
@@ -487,6 +524,32 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
   state.scene.camera->orthographic = orthographic;
 }
 
+ColorRange color_range_of(const v1::ColorRange& wanted) {
+  ColorRange range;
+  range.log = wanted.log();
+  switch (wanted.span()) {
+    case v1::COLOR_SPAN_UNSPECIFIED:
+    case v1::COLOR_SPAN_STEP:
+      return range;
+    case v1::COLOR_SPAN_ALL_STEPS:
+      range.span = ColorSpan::all_steps;
+      return range;
+    case v1::COLOR_SPAN_OWN:
+      break;
+    default:
+      refuse("unsupported", "span " + std::to_string(wanted.span()) + " is not known; expected step (1), all_steps (2) or own (3)",
+             "color_range.span");
+  }
+  check_ends(wanted.lower(), wanted.upper(), "color_range.");
+  if (wanted.log() && !(wanted.lower() > 0))
+    refuse("invalid_argument", "lower " + number_text(wanted.lower()) + " has no logarithm; expected a number above 0",
+           "color_range.lower");
+  range.span = ColorSpan::own;
+  range.lower = wanted.lower();
+  range.upper = wanted.upper();
+  return range;
+}
+
 void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext&) {
   Scene& scene = state.scene;
   switch (command.mode()) {
@@ -523,6 +586,7 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
       refuse("unsupported", "integral " + std::to_string(command.integral()) + " is not known; expected exact (1) or table2d (2)",
              "integral");
   }
+  if (command.has_color_range()) scene.color_range = color_range_of(command.color_range());
   if (command.has_background()) scene.background = rgb_of(command.background(), "background");
   if (command.has_unit_distance()) {
     finite(command.unit_distance(), "unit_distance");
@@ -569,8 +633,7 @@ void apply(SceneState& state, const v1::SetClipPlanes& command, const CommandCon
 }
 
 void apply(SceneState& state, const v1::SetAnnotations& command, const CommandContext&) {
-  const v1::Annotations& wanted = command.annotations();
-  state.scene.annotations = {wanted.axes(), wanted.box(), wanted.legend()};
+  state.scene.annotations = annotations_of(command.annotations());
 }
 
 bool same_scene(const Scene& a, const Scene& b) {
@@ -578,7 +641,7 @@ bool same_scene(const Scene& a, const Scene& b) {
          a.intervals == b.intervals && a.mode == b.mode && a.camera == b.camera && a.background == b.background &&
          a.unit_distance == b.unit_distance && a.terms == b.terms && a.time == b.time && a.time_mode == b.time_mode &&
          a.triangulation == b.triangulation && a.integral == b.integral && a.texture == b.texture && a.cycle == b.cycle &&
-         a.smear == b.smear && a.clip_planes == b.clip_planes && a.annotations == b.annotations;
+         a.smear == b.smear && a.color_range == b.color_range && a.clip_planes == b.clip_planes && a.annotations == b.annotations;
 }
 
 // Does `change` to a copy and keeps it where it was not refused.
@@ -741,6 +804,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
     appearance.set_mode(wanted.mode());
     appearance.set_integral(wanted.integral());
     if (wanted.has_background()) *appearance.mutable_background() = wanted.background();
+    if (wanted.has_color_range()) *appearance.mutable_color_range() = wanted.color_range();
     appearance.set_unit_distance(wanted.unit_distance());
     apply(next, appearance, context);
   });
@@ -756,7 +820,10 @@ std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved
     restored.scene.intervals.emplace_back().id = interval.id();
     restored.last_interval_id = std::max(restored.last_interval_id, interval.id());
   }
-  CommandOutcome outcome = apply_state(restored, saved, context);
+  v1::State slowed = saved;  // one of the time when cycles could be faster is not lost for that
+  if (slowed.cycle().seconds() != 0 && slowed.cycle().seconds() < kMinCycleSeconds)
+    slowed.mutable_cycle()->set_seconds(kMinCycleSeconds);
+  CommandOutcome outcome = apply_state(restored, slowed, context);
   if (outcome.error) return std::move(outcome.error);
   restored.scene.revision = std::max<std::uint64_t>(saved.revision(), 1);
   state = std::move(restored);
@@ -771,6 +838,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.terms.clear();
   scene.clip_planes.clear();  // they stood in the other dataset's space
   scene.color_by.clear();
+  scene.color_range = {};
   scene.texture.clear();
   scene.smear.steps.clear();
   scene.smear.times.clear();
@@ -794,6 +862,7 @@ bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
     for (std::size_t i = 0; i < layers; ++i) {
       SceneInterval interval;
       interval.id = i < before.size() ? before[i].id : ++state.last_interval_id;
+        interval.number = static_cast<std::uint32_t>(i + 1);
       interval.lower = dataset.first_layers[i].lower;
       interval.upper = dataset.first_layers[i].upper;
       interval.color = default_interval_color(i);

@@ -87,6 +87,9 @@ class FrameScheduler {
 
   /// Whether somebody looks: there is a viewport, and it is not hidden.
   bool visible() const { return !hidden_ && width_ > 0; }
+  /// Of the viewport; 0 where there is none.
+  int width() const { return width_; }
+  int height() const { return height_; }
   /// Width over height; 1 where there is no viewport.
   double aspect() const { return width_ > 0 && height_ > 0 ? static_cast<double>(width_) / height_ : 1; }
   int window() const;

@@ -13,7 +13,8 @@ constexpr int kMaxIntervals = 256;
 constexpr int kMaxTransferPoints = 512;  // of all intervals of a session together
 constexpr int kMaxTerms = 16;            // of a combination
 constexpr int kMaxSmearSteps = 64;
-constexpr double kMinCycleSeconds = 0.02, kMaxCycleSeconds = 3600;
+// Three pictures a second are the most that may flash without harm (WCAG 2.3.1).
+constexpr double kMinCycleSeconds = 1.0 / 3, kMaxCycleSeconds = 3600;
 constexpr int kMaxSide = 16384;                 // of a viewport or an image, in pixels
 constexpr std::int64_t kMaxPixels = 1ll << 26;  // of one picture: 67 million, 256 MiB as RGBA
 constexpr int kMaxBins = 4096;

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/color_range.h"
 #include "engine/draw_scene.h"
 #include "engine/transfer_function.h"
 #include "session/limits.h"
@@ -80,12 +81,19 @@ void Session::changed(TimePoint now, bool soon) {
   pump(now);
 }
 
+Scene Session::drawn() const {
+  Scene scene = drawn_scene(state_.scene);
+  const ArrayFacts* array = dataset_ ? dataset_->find_array(scene.color_by.empty() ? scene.array : scene.color_by) : nullptr;
+  scene.color_range = resolved(scene.color_range, array ? array->lower : 1, array ? array->upper : 0);
+  return scene;
+}
+
 // Thousands of cameras a second would be copied to everyone, and nobody sees them.
 void Session::announce(TimePoint now) {
   if (!unannounced_) return;
   unannounced_ = false;
   announced_ = now;
-  engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
+  engine_.post(SceneUpdate{key_, drawn()});
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
   engine_.state_told(*this);
@@ -158,6 +166,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
       if (still.width() != 0 || still.height() != 0)
         if (auto error = check_size(still.width(), still.height())) return reply(std::move(error));
+      if (still.has_annotations()) return keepsake(viewer, message, now);
       viewer.frames.request_still(static_cast<int>(still.width()), static_cast<int>(still.height()));
       return pump(viewer, now);
     }
@@ -175,6 +184,39 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     default:
       ++viewer.ignored_messages;  // of a newer minor version
   }
+}
+
+// A picture that is not shown: neither credits nor the ladder have to do with it.
+void Session::keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
+  constexpr int kMost = 2;
+  const std::uint64_t seq = message.seq();
+  const v1::RequestStill& wanted = message.request_still();
+  const auto refuse = [&](const char* code, const std::string& why) {
+    viewer.outbox->send(error_message(wire_error(code, why), seq));
+  };
+  if (viewer.keepsakes >= kMost)
+    return refuse("unavailable", std::to_string(kMost) + " pictures of this connection are being drawn; ask again later");
+  const bool as_shown = wanted.width() == 0 && wanted.height() == 0;
+  const int width = as_shown ? viewer.frames.width() : static_cast<int>(wanted.width());
+  const int height = as_shown ? viewer.frames.height() : static_cast<int>(wanted.height());
+  if (width < 1) return refuse("invalid_argument", "there is no viewport whose size the picture could have; say width and height");
+  announce(now);
+  FrameRequest request{key_, 0, width, height, true, false};
+  request.still = StillFormat::png;
+  request.annotations = annotations_of(wanted.annotations());
+  ++viewer.keepsakes;
+  engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
+    if (std::holds_alternative<FrameStarted>(event)) return;
+    Viewer* to = living(key);
+    if (!to) return;
+    --to->keepsakes;
+    if (const auto* failed = std::get_if<RequestFailed>(&event)) return to->outbox->send(error_message(wire_error(*failed), seq));
+    if (const auto* ready = std::get_if<FrameReady>(&event)) {
+      v1::Frame frame = to_wire(*ready);
+      frame.set_in_reply_to(seq);
+      to->outbox->send_frame(std::move(frame), ready->bytes);
+    }
+  });
 }
 
 void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {

@@ -191,6 +191,9 @@ class Session {
   void give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now);
   void tell_layers(Viewer& viewer);
   void leave_picture(Viewer& viewer);
+  void keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
+  /// The scene as the engine is told it.
+  Scene drawn() const;
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);
   void leave_stream(Viewer& viewer, TimePoint now);

@@ -98,7 +98,7 @@ void Session::woken(const DatasetFacts& facts, TimePoint now) {
                                                  error->message() + "); it is shown as if opened for the first time")));
   }
   // Nothing has changed: everyone has been told this state already.
-  engine_.post(SceneUpdate{key_, drawn_scene(state_.scene)});
+  engine_.post(SceneUpdate{key_, drawn()});
   for (auto& [key, viewer] : viewers_) viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
   pump(now);
 }

@@ -48,6 +48,7 @@ struct Viewer {
   std::deque<Band> bands;                  // of the newest one, that have not been sent
   StreamId stream = 0;                     // of its moving frames, where that is video and one has been ordered
   RequestId ordered_request = 0;           // not started
+  int keepsakes = 0;                       // pictures for keeping that are being drawn
 
   v1::Role role = v1::ROLE_CONTROLLER;
   std::string invitation;  // that it came by; empty: it has the server's token

@@ -67,6 +67,7 @@ v1::Interval to_wire(const SceneInterval& interval) {
   out.set_priority(interval.priority);
   out.set_visible(interval.visible);
   out.set_name(interval.name);
+  out.set_number(interval.number);
   if (interval.opacity_upper) out.set_opacity_upper(*interval.opacity_upper);
   out.set_own_range(interval.own_range);
   if (interval.surface != SurfaceStyle{}) *out.mutable_surface() = to_wire(interval.surface);
@@ -108,6 +109,19 @@ v1::ClipPlane to_wire(const ClipPlane& plane) {
   return out;
 }
 
+v1::ColorRange to_wire(const ColorRange& range) {
+  v1::ColorRange out;
+  out.set_span(range.span == ColorSpan::own         ? v1::COLOR_SPAN_OWN
+               : range.span == ColorSpan::all_steps ? v1::COLOR_SPAN_ALL_STEPS
+                                                    : v1::COLOR_SPAN_STEP);
+  if (range.span == ColorSpan::own) {
+    out.set_lower(range.lower);
+    out.set_upper(range.upper);
+  }
+  out.set_log(range.log);
+  return out;
+}
+
 v1::State to_wire(const Scene& scene) {
   v1::State out;
   out.set_revision(scene.revision);
@@ -135,6 +149,7 @@ v1::State to_wire(const Scene& scene) {
   out.mutable_annotations()->set_axes(scene.annotations.axes);
   out.mutable_annotations()->set_box(scene.annotations.box);
   out.mutable_annotations()->set_legend(scene.annotations.legend);
+  *out.mutable_color_range() = to_wire(scene.color_range);
   for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
   if (scene.time) out.set_time(*scene.time);
   out.set_time_mode(scene.time_mode == TimeMode::interpolate ? v1::TIME_MODE_INTERPOLATE
@@ -234,6 +249,8 @@ v1::LayerFacts to_wire(const LayersMeasured& measured) {
   for (const IntervalFacts& interval : measured.intervals) *out.add_intervals() = to_wire(interval);
   return out;
 }
+
+Annotations annotations_of(const v1::Annotations& wanted) { return {wanted.axes(), wanted.box(), wanted.legend()}; }
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field) {
   v1::Error error;

@@ -1,9 +1,10 @@
 // The page in a real browser against a real server: what a person does, and what becomes of the picture.
-import { readFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import type { Interval } from '../../web/src/lib/model';
-import { Server } from './server';
+import { repository, Server } from './server';
 import { difference, drawnPixels, launch, Viewer } from './viewer';
 
 let server: Server;
@@ -38,6 +39,11 @@ async function openWithOneLayer(): Promise<Interval> {
   await viewer.exactPicture();
   return state.intervals[0] as Interval;
 }
+const folder = () => {
+  const path = join(repository, 'build', 'e2e');
+  mkdirSync(path, { recursive: true });
+  return path;
+};
 const only = () => viewer.state.intervals[0] as Interval;
 
 describe('the page', () => {
@@ -220,6 +226,33 @@ describe('a layer', () => {
   });
 });
 
+describe('names and colours', () => {
+  test('belong to their layers: a deleted one takes its own along, and a new one takes what is free', async () => {
+    await open();
+    const rows = () =>
+      viewer.page.locator('[data-layer]').evaluateAll((list) =>
+        list.map((row) => ({
+          id: (row as HTMLElement).dataset.layer,
+          name: row.querySelector<HTMLInputElement>('.name')?.placeholder,
+          color: row.querySelector<HTMLInputElement>('input[type=color]')?.value,
+        })),
+      );
+    const before = await rows();
+    expect(before.map(({ name }) => name)).toContain('Layer 1');
+    const first = before.find(({ name }) => name === 'Layer 1');
+    const others = before.filter(({ name }) => name !== 'Layer 1');
+    await viewer.page.getByRole('button', { name: 'Layer 1: delete' }).click();
+    await expect.poll(rows).toEqual(others);
+    await viewer.until('it gone', (s) => s.intervals.length === others.length);
+    await viewer.page.getByRole('button', { name: 'Add layer' }).click();
+    await expect.poll(async () => (await rows()).length).toBe(before.length);
+    const added = (await rows()).find(({ id }) => !before.some((row) => row.id === id));
+    expect(added).toMatchObject({ name: 'Layer 1', color: first?.color });
+    await viewer.page.reload();
+    await expect.poll(rows).toEqual([added, ...others]);
+  });
+});
+
 describe('priorities', () => {
   test('are reordered by keyboard, and paint the picture', async () => {
     await open();
@@ -316,16 +349,44 @@ describe('the rest of the page', () => {
     await viewer.exactPicture();
   });
 
-  test('saves the exact picture as a PNG', async () => {
+  test('saves the exact picture as a PNG with what stands beside it, as large as one likes', async () => {
     await open();
     const picture = await viewer.exactPicture();
-    const coming = viewer.page.waitForEvent('download');
-    await viewer.page.getByRole('button', { name: 'Screenshot' }).click();
-    const download = await coming;
-    expect(download.suggestedFilename()).toMatch(/^isostrata-.*\.png$/);
-    const bytes = readFileSync(await download.path());
-    expect(bytes.subarray(1, 4).toString('latin1')).toBe('PNG');
-    expect([bytes.readUInt32BE(16), bytes.readUInt32BE(20)]).toEqual([picture.width, picture.height]);
+    const { page } = viewer;
+    const save = async (name: string) => {
+      const coming = page.waitForEvent('download');
+      await page.getByRole('button', { name, exact: true }).click();
+      const download = await coming;
+      expect(download.suggestedFilename()).toMatch(/^isostrata-.*\.png$/);
+      const bytes = readFileSync(await download.path());
+      expect(bytes.subarray(1, 4).toString('latin1')).toBe('PNG');
+      return { bytes, size: [bytes.readUInt32BE(16), bytes.readUInt32BE(20)] };
+    };
+    const frames = () => viewer.events.filter((event) => event.kind === 'frame' && event.frame.inReplyTo === 0).length;
+    const before = frames();
+    const shown = await save('Screenshot');
+    expect(shown.size).toEqual([picture.width, picture.height]);
+    writeFileSync(join(folder(), 'screenshot.png'), shown.bytes);
+    // Without axes, box and legend it is the picture on the screen; with them it is not.
+    const pixels = (bytes: Buffer) => viewer.pixels(bytes);
+    expect(difference(picture, await pixels(shown.bytes))).toBeGreaterThan(0.2);
+    await page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
+    for (const what of ['axes', 'box', 'legend']) await page.getByRole('checkbox', { name: what, exact: true }).uncheck();
+    expect(difference(picture, await pixels((await save('Save PNG')).bytes))).toBe(0);
+
+    await page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
+    await page.getByRole('radio', { name: 'twice that' }).check();
+    expect((await save('Save PNG')).size).toEqual([2 * picture.width, 2 * picture.height]);
+    await page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
+    const typed = page.getByRole('textbox', { name: 'Width x height in pixels' });
+    await typed.fill('99999x1');
+    expect(await page.getByRole('button', { name: 'Save PNG' }).isDisabled()).toBe(true);
+    await typed.fill('301 x 200');
+    await viewer.photograph('screenshot-panel.png');
+    expect((await save('Save PNG')).size).toEqual([301, 200]);
+    expect(frames(), 'what is for keeping is not shown').toBe(before);
+    expect(difference(picture, await viewer.exactPicture())).toBe(0);
+    expect(viewer.problems).toEqual([]);
   });
 
   test('keeps its session over a reload', async () => {

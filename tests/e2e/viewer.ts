@@ -140,6 +140,22 @@ export class Viewer {
     return { width, height, pixels: new Uint8Array(Buffer.from(base64, 'base64')) };
   }
 
+  /** Of a PNG, as this browser decodes it. */
+  async pixels(png: Buffer): Promise<Picture> {
+    const { width, height, base64 } = await this.page.evaluate(async (text) => {
+      const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+      const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), { colorSpaceConversion: 'none' });
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const context = canvas.getContext('2d') as OffscreenCanvasRenderingContext2D;
+      context.drawImage(image, 0, 0);
+      const { data } = context.getImageData(0, 0, image.width, image.height);
+      let out = '';
+      for (let i = 0; i < data.length; i += 0x8000) out += String.fromCharCode(...data.subarray(i, i + 0x8000));
+      return { width: image.width, height: image.height, base64: btoa(out) };
+    }, png.toString('base64'));
+    return { width, height, pixels: new Uint8Array(Buffer.from(base64, 'base64')) };
+  }
+
   thumb(interval: Interval, end: 'lower' | 'upper'): Locator {
     return this.page.locator(`.thumb.${end}[data-interval="${interval.id}"]`);
   }

@@ -27,7 +27,7 @@ TEST(Cycle, PlaysByItselfAndStandsStillWhenPaused) {
   Client client(server.client_options());
   client.open_dataset("torus-12");
   ASSERT_GE(client.state().intervals_size(), 2);
-  client.send(play(true, 0.05));
+  client.send(play(true, 1.0 / 3));
   client.send(cycled());
   std::set<double> phases;
   std::set<std::uint64_t> frames;
@@ -40,11 +40,11 @@ TEST(Cycle, PlaysByItselfAndStandsStillWhenPaused) {
   EXPECT_EQ(phases.size(), static_cast<std::size_t>(client.state().intervals_size()));
   EXPECT_GE(frames.size(), 3u);
 
-  client.send(play(false, 0.05));
+  client.send(play(false, 1.0 / 3));
   for (int i = 0; i < 100 && client.state().cycle().playing(); ++i) client.receive(std::chrono::milliseconds(50));
   ASSERT_FALSE(client.state().cycle().playing());
   const auto revision = client.state().revision();
-  for (int i = 0; i < 6; ++i) client.receive(std::chrono::milliseconds(50));
+  for (int i = 0; i < 14; ++i) client.receive(std::chrono::milliseconds(50));
   EXPECT_EQ(client.state().revision(), revision);
 }
 

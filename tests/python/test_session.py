@@ -166,6 +166,14 @@ class Pictures(WithServer):
         s.appearance(background="#ffffff", mode="prioritized", integral="table2d", triangulation="strict", unit_distance=0.1)
         np.testing.assert_array_equal(s.image()[0, 0], [255, 255, 255])
         self.assertEqual((s.message.mode, s.message.triangulation), (v1.RENDER_MODE_PRIORITIZED, v1.TRIANGULATION_STRICT))
+        s.appearance(color_range=(0.25, 4), color_log=True)
+        self.assertEqual((s.message.color_range.lower, s.message.color_range.upper, s.message.color_range.log), (0.25, 4, True))
+        s.appearance(color_log=False)
+        self.assertEqual((s.message.color_range.lower, s.message.color_range.log), (0.25, False))
+        s.appearance(color_range="all_steps")
+        self.assertEqual(s.message.color_range.span, v1.COLOR_SPAN_ALL_STEPS)
+        self.assertRefused("invalid_argument", s.appearance, color_range="all", field="color_range")
+        self.assertRefused("invalid_argument", s.appearance, color_range=(3, 2), field="color_range.lower")
         self.assertRefused("invalid_argument", s.appearance, mode="sideways", field="mode")
 
     def test_cuts_annotations_cycles_and_smears(self):

@@ -71,6 +71,78 @@ TEST_F(ApplyCommand, ClipPlanesAreReplacedTogetherAndGoWithTheDataset) {
   EXPECT_TRUE(state_.scene.clip_planes.empty());
 }
 
+TEST_F(ApplyCommand, ALayerKeepsItsNumberAndItsColourWhenAnotherIsDeletedAndANewOneTakesTheFreeOnes) {
+  const auto numbers = [&] {
+    std::vector<std::uint32_t> all;
+    for (const SceneInterval& interval : state_.scene.intervals) all.push_back(interval.number);
+    return all;
+  };
+  using Numbers = std::vector<std::uint32_t>;
+  EXPECT_EQ(numbers(), (Numbers{1, 2, 3, 4}));
+  const Rgb first = state_.scene.intervals[0].color, second = state_.scene.intervals[1].color;
+  ASSERT_FALSE(apply(R"({"removeInterval":{"id":)" + std::to_string(state_.scene.intervals[0].id) + "}}").error);
+  EXPECT_EQ(numbers(), (Numbers{2, 3, 4}));
+  // A script that names only what it knows of them.
+  std::string list;
+  for (const SceneInterval& interval : state_.scene.intervals)
+    list += R"({"id":)" + std::to_string(interval.id) + R"(,"lower":1,"upper":2},)";
+  ASSERT_FALSE(apply(R"({"setIntervals":{"intervals":[)" + list + R"({"lower":3,"upper":4},{"lower":4,"upper":5}]}})").error);
+  EXPECT_EQ(numbers(), (Numbers{2, 3, 4, 1, 5}));
+  EXPECT_EQ(state_.scene.intervals[0].color, second);
+  EXPECT_EQ(state_.scene.intervals[3].color, first);
+  std::set<Rgb> colors;
+  for (const SceneInterval& interval : state_.scene.intervals) colors.insert(interval.color);
+  EXPECT_EQ(colors.size(), 5u);
+  // A copy of a layer is another one.
+  ASSERT_FALSE(apply(R"({"setIntervals":{"intervals":[{"lower":1,"upper":2,"number":7},{"lower":1,"upper":2,"number":7}]}})").error);
+  EXPECT_EQ(numbers(), (Numbers{7, 1}));
+  SceneState other;
+  open_in_scene(other, facts_);
+  ASSERT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.intervals[0].number, 7u);
+  EXPECT_EQ(other.scene.intervals[1].number, 1u);
+}
+
+TEST_F(ApplyCommand, TheRangeOfColoursIsTheStepsAllStepsOrOnesOwn) {
+  EXPECT_EQ(state_.scene.color_range, ColorRange{});
+  EXPECT_TRUE(apply(R"({"setAppearance":{"colorRange":{"span":"COLOR_SPAN_ALL_STEPS","log":true}}})").changed);
+  EXPECT_EQ(state_.scene.color_range, (ColorRange{ColorSpan::all_steps, 0, 1, true}));
+  EXPECT_TRUE(apply(R"({"setAppearance":{"colorRange":{"span":"COLOR_SPAN_OWN","lower":0.5,"upper":4}}})").changed);
+  EXPECT_EQ(state_.scene.color_range, (ColorRange{ColorSpan::own, 0.5, 4, false}));
+  EXPECT_FALSE(apply(R"({"setAppearance":{"unitDistance":0}})").changed);
+  for (const auto& [range, field] : {std::pair<std::string, std::string>{R"("span":"COLOR_SPAN_OWN","lower":4,"upper":4)", "color_range.lower"},
+                                     {R"("span":"COLOR_SPAN_OWN","lower":"NaN","upper":4)", "color_range.lower"},
+                                     {R"("span":"COLOR_SPAN_OWN","lower":0,"upper":4,"log":true)", "color_range.lower"},
+                                     {R"("span":77)", "color_range.span"}}) {
+    const CommandOutcome outcome = apply(R"({"setAppearance":{"colorRange":{)" + range + "}}}");
+    ASSERT_TRUE(outcome.error) << range;
+    EXPECT_EQ(outcome.error->field(), field) << range;
+  }
+  SceneState other;
+  open_in_scene(other, facts_);
+  ASSERT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.color_range, state_.scene.color_range);
+  // Numbers of one array mean nothing for another one.
+  EXPECT_FALSE(apply(R"({"selectArrays":{"array":"Density"}})").changed);
+  EXPECT_EQ(state_.scene.color_range.span, ColorSpan::own);
+  EXPECT_TRUE(apply(R"({"selectArrays":{"colorBy":"Energy"}})").changed);
+  EXPECT_EQ(state_.scene.color_range, ColorRange{});
+}
+
+TEST_F(ApplyCommand, ACycleFlashesThreeTimesASecondAtMostAndAFasterOneThatWasKeptIsSlowedDown) {
+  for (const double seconds : {0.02, 0.1, 0.33}) {
+    const CommandOutcome outcome = apply(R"({"setCycle":{"seconds":)" + std::to_string(seconds) + "}}");
+    ASSERT_TRUE(outcome.error) << seconds;
+    EXPECT_EQ(outcome.error->field(), "seconds");
+  }
+  EXPECT_TRUE(apply(R"({"setCycle":{"seconds":0.34}})").changed);
+  v1::State kept = to_wire(state_.scene);
+  kept.mutable_cycle()->set_seconds(0.05);
+  SceneState restored;
+  ASSERT_FALSE(restore_state(restored, kept, 0, {&facts_}));
+  EXPECT_EQ(restored.scene.cycle.seconds, kMinCycleSeconds);
+}
+
 TEST_F(ApplyCommand, AnnotationsProjectionAndNamesComeBackFromTheWire) {
   EXPECT_TRUE(apply(R"({"setAnnotations":{"annotations":{"box":true,"legend":true}}})").changed);
   const std::uint32_t id = state_.scene.intervals[0].id;

@@ -7,6 +7,7 @@
 
 #include "data/dataset.h"
 #include "extraction/extract_intervals.h"
+#include "rendering/log_map.h"
 #include "rendering/renderer.h"
 
 namespace isostrata::testing {
@@ -17,12 +18,14 @@ enum class Look {
   two,       // two that touch, of two colours
   mapped,    // two that touch, one with a map
   surfaces,  // two that touch, with all their boundary surfaces, shaded
-  painted    // two by priority, one with a map
+  painted,   // two by priority, one with a map
+  logarithm  // two that touch, each with a part of a map that follows a logarithm
 };
-inline constexpr std::array kLooks{Look::constant, Look::linear, Look::two, Look::mapped, Look::surfaces, Look::painted};
+inline constexpr std::array kLooks{Look::constant, Look::linear,  Look::two,      Look::mapped,
+                                   Look::surfaces, Look::painted, Look::logarithm};
 
 inline const char* look_name(Look look) {
-  constexpr const char* kNames[] = {"constant", "linear", "two", "mapped", "surfaces", "painted"};
+  constexpr const char* kNames[] = {"constant", "linear", "two", "mapped", "surfaces", "painted", "logarithm"};
   return kNames[static_cast<std::size_t>(look)];
 }
 
@@ -59,6 +62,10 @@ inline DrawInput picture_of(const Dataset& dataset, const PointArray& array, Loo
     input.styles[0].opacity_upper = 0.6;
   }
   if (look == Look::mapped || look == Look::painted) use_map(input.styles[1], "coolwarm", second);
+  if (look == Look::logarithm) {
+    use_map(input.styles[0], log_map("viridis", 0, 0.5, 16), first);
+    use_map(input.styles[1], log_map("coolwarm", 0.4, 1, 16), second);
+  }
   if (look == Look::painted) {
     input.mode = RenderMode::prioritized;
     input.styles[1].priority = 1;

@@ -1,7 +1,9 @@
 import { expect, test } from 'vitest';
-import { hexOf, newIntervalColor, usualColor } from '../src/lib/colors';
+import { layerNumber } from '../src/lib/intervals';
 import { emptyState, type DatasetInfo, type Interval, type SceneState } from '../src/lib/model';
 import { badgeOf, emptyReason } from '../src/lib/picture-words';
+import { newIntervalColor, hexOf, usualColor } from '../src/lib/colors';
+import { stillSize } from '../src/lib/still-size';
 
 const interval = (id: number, more: Partial<Interval> = {}): Interval => ({
   id,
@@ -57,10 +59,26 @@ test('the badge says exact only of the newest state, losslessly, where there is 
   expect(word({ phase: 'moving' })).toBe('moving');
 });
 
+test('a layer is called by its own number, whichever others are there', () => {
+  const layers = [interval(7, { number: 2 }), interval(9, { number: 5 }), interval(10)];
+  expect(layers.map(({ id }) => layerNumber(layers, id))).toEqual(['Layer 2', 'Layer 5', 'Layer 3']);
+});
+
 test('a new layer takes the first of the server’s colours that is free', () => {
   const used = [0, 1, 2, 3].map(usualColor);
   expect(hexOf(newIntervalColor(used))).toBe(hexOf(usualColor(4)));
   expect(hexOf(newIntervalColor(used.slice(1)))).toBe(hexOf(usualColor(0)));
   // 32-bit floats on the wire do not hide that a colour is taken.
   expect(hexOf(newIntervalColor([usualColor(0).map(Math.fround) as never]))).toBe(hexOf(usualColor(1)));
+});
+
+test('a picture for keeping is as large as shown, twice that or as typed, within the limits', () => {
+  const shown = { width: 740, height: 500 };
+  const limits = { maxWidth: 16384, maxHeight: 16384 };
+  expect(stillSize('shown', '', shown, limits)).toEqual(shown);
+  expect(stillSize('double', '', shown, limits)).toEqual({ width: 1480, height: 1000 });
+  for (const text of ['1920x1080', ' 1920 × 1080 ', '1920, 1080', '1920 1080'])
+    expect(stillSize('typed', text, shown, limits), text).toEqual({ width: 1920, height: 1080 });
+  for (const text of ['', 'large', '1920', '0x9', '-4x5', '1e3x5', '20000x10', '16384x16384'])
+    expect(stillSize('typed', text, shown, limits), text).toBeTypeOf('string');
 });

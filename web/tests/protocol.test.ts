@@ -70,3 +70,14 @@ test('a welcome without limits still has some', () => {
   expect(event.kind === 'welcome' && event.welcome.limits.maxIntervals).toBeGreaterThan(0);
   expect(event.kind === 'welcome' && event.welcome.state).toBeNull();
 });
+
+test('the range of colours goes out as a whole and comes back as it was sent', () => {
+  const range = { span: 'own', lower: 0.1, upper: 1 / 3, log: true } as const;
+  const sent = decode(encodeCommand(1, command.setAppearance({ colorRange: range }))).body;
+  if (sent.case !== 'setAppearance') throw new Error(`unexpected ${String(sent.case)}`);
+  const message = create(ServerMessageSchema, { body: { case: 'state', value: { colorRange: sent.value.colorRange } } });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  expect(event.kind === 'state' && event.state.colorRange).toEqual(range);
+  const none = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'state', value: {} } })));
+  expect(none.kind === 'state' && none.state.colorRange).toEqual({ span: 'step', lower: 0, upper: 0, log: false });
+});

@@ -220,6 +220,24 @@ describe('the store', () => {
     expect(find('setCycle')?.body.value).toMatchObject({ playing: true });
   });
 
+  test('a picture for keeping is not shown and comes to who asked for it, or why there is none', async () => {
+    const { session, says, find, handlers } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    const asked = session.keepsake(64, 48, { axes: true, box: false, legend: true });
+    expect(find('requestStill')?.body.value).toMatchObject({ width: 64, height: 48, annotations: { axes: true, box: false, legend: true } });
+    const seq = BigInt(find('requestStill')?.seq ?? 0);
+    says({ case: 'frame', value: { inReplyTo: seq, width: 64, height: 48, format: 'png', payload: new Uint8Array([7]) } });
+    expect(session.frame).toBeNull();
+    expect(await asked).toMatchObject({ width: 64, payload: new Uint8Array([7]) });
+    const refused = session.keepsake(1e6, 1, { axes: false, box: false, legend: false });
+    says({ case: 'error', value: { inReplyTo: BigInt(find('requestStill')?.seq ?? 0), code: 'too_large', message: 'width is 1000000' } });
+    expect(await refused).toBe('width is 1000000');
+    expect(session.notices.list).toEqual([]);
+    const lostOnTheWay = session.keepsake(64, 48, { axes: false, box: false, legend: false });
+    handlers.onStatus({ kind: 'waiting', attempt: 1, retryAtMs: 0, reason: '' });
+    expect(await lostOnTheWay).toContain('connection was lost');
+  });
+
   test('after Cancel the picture is called older than the controls until a newer one comes', () => {
     const { session, says } = harness();
     says(welcome('s', interval(1, 0, 1)));

@@ -102,6 +102,8 @@ class Client {
   void set_background(const v1::Rgb& color);
   /// The thickness that opacities are meant for, in world units; 0: the default.
   void set_unit_distance(double world);
+  /// The values that colour maps begin and end at, and whether colours run with the logarithm.
+  void set_color_range(const v1::ColorRange& range);
   /// Of v1::RENDER_MODE_CYCLED; changes what is present.
   void set_cycle(const v1::SetCycle& cycle);
   /// Of v1::RENDER_MODE_SMEAR: the steps in the order they are painted, and their colours.

@@ -30,6 +30,7 @@ _MODES = {
 }
 _TIME_MODES = {"": 0, "step": v1.TIME_MODE_STEP, "interpolate": v1.TIME_MODE_INTERPOLATE, "spacetime": v1.TIME_MODE_SPACETIME}
 _INTEGRALS = {"exact": v1.INTEGRAL_EXACT, "table2d": v1.INTEGRAL_TABLE2D}
+_SPANS = {"step": v1.COLOR_SPAN_STEP, "all_steps": v1.COLOR_SPAN_ALL_STEPS}
 _TRIANGULATIONS = {"table": v1.TRIANGULATION_TABLE, "strict": v1.TRIANGULATION_STRICT}
 
 
@@ -346,8 +347,11 @@ class Session:
         triangulation: str | None = None,
         background: Color | None = None,
         unit_distance: float | None = None,
+        color_range: str | tuple[float, float] | None = None,
+        color_log: bool | None = None,
     ) -> None:
-        """Changes what is given. ``mode``: "sorted", "prioritized", "cycled", "smear"."""
+        """Changes what is given. ``mode``: "sorted", "prioritized", "cycled", "smear". ``color_range``: over what colour maps run, the values of
+        "step" or of "all_steps", or two numbers; ``color_log``: by the logarithm."""
         look = v1.SetAppearance()
         if mode is not None:
             look.mode = _choice(_MODES, mode, "mode")
@@ -357,6 +361,16 @@ class Session:
             look.background.CopyFrom(rgb(background))
         if unit_distance is not None:
             look.unit_distance = unit_distance
+        if color_range is not None or color_log is not None:
+            look.color_range.CopyFrom(self.message.color_range)
+        if isinstance(color_range, str):
+            look.color_range.CopyFrom(v1.ColorRange(span=_choice(_SPANS, color_range, "color_range"), log=look.color_range.log))
+        elif color_range is not None:
+            lower, upper = color_range
+            look.color_range.MergeFrom(v1.ColorRange(span=v1.COLOR_SPAN_OWN))
+            look.color_range.lower, look.color_range.upper = lower, upper
+        if color_log is not None:
+            look.color_range.log = color_log
         cut = None if triangulation is None else _choice(_TRIANGULATIONS, triangulation, "triangulation")
         if look.ByteSize() or look.HasField("unit_distance"):
             self.command(set_appearance=look)

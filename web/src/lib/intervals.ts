@@ -151,3 +151,9 @@ export function placed(order: readonly number[], id: number, place: number): num
   const at = Math.min(Math.max(place, 0), rest.length);
   return [...rest.slice(0, at), id, ...rest.slice(at)];
 }
+
+/** What a layer is called by where it has no name. Its number stays when another one is deleted. */
+export function layerNumber(intervals: readonly Interval[], id: number): string {
+  const at = intervals.findIndex((interval) => interval.id === id);
+  return `Layer ${intervals[at]?.number || at + 1}`;
+}

@@ -90,12 +90,22 @@ export interface Interval {
   ownRange?: boolean; // colour and opacity run over the layer's own range
   surface?: Surface | null;
   name?: string; // for the legend
+  number?: number; // what it is called by without one, as long as it is there; given by the server
   // How it looks, in place of colour, map and opacities, from its first point at `lower` to its last one at `upper`; null: it has none.
   transfer?: TransferPoint[] | null;
 }
 
 /** What PatchInterval can change. */
-export type IntervalPatch = Partial<Omit<Interval, 'id' | 'priority'>>;
+export type IntervalPatch = Partial<Omit<Interval, 'id' | 'priority' | 'number'>>;
+
+export type ColorSpan = 'step' | 'all_steps' | 'own';
+
+/** The values that colour maps, and opacity that runs, begin and end at. */
+export interface ColorRange extends Range {
+  span: ColorSpan; // lower and upper are those of "own"
+  log: boolean; // colours run with the value's logarithm
+}
+export const stepRange: ColorRange = { span: 'step', lower: 0, upper: 0, log: false };
 
 export type RenderMode = 'sorted' | 'prioritized' | 'cycled' | 'smear';
 export type Integral = 'exact' | 'table2d';
@@ -151,6 +161,7 @@ export interface SceneState {
   smear: Smear;
   clipPlanes?: ClipPlane[];
   annotations?: Annotations;
+  colorRange?: ColorRange;
 }
 
 export interface ArrayInfo extends Range {
@@ -273,6 +284,7 @@ export interface Frame {
   camera: Camera | null;
   streamId: number; // of video; 0: a picture by itself
   key: boolean; // of a stream: decodes without those before it
+  inReplyTo: number; // of a picture for keeping, the message that asked for it; 0: it is for the screen
   band: { firstRow: number; rows: number; index: number; count: number } | null; // a part of the picture only
   decoder: string; // of key frames: VideoDecoderConfig's codec
   payload: Uint8Array<ArrayBuffer>;

@@ -2,6 +2,7 @@
 import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import {
   ClientMessageSchema,
+  ColorSpan as WireSpan,
   FramePhase,
   Integral as WireIntegral,
   RangeOperator as WireOperator,
@@ -26,6 +27,8 @@ import type {
   Annotations,
   Camera,
   ClipPlane,
+  ColorRange,
+  ColorSpan,
   Cycle,
   DatasetInfo,
   Frame,
@@ -79,6 +82,11 @@ const modes = byWire<RenderMode, WireMode>([
 const integrals = byWire<Integral, WireIntegral>([
   ['exact', WireIntegral.EXACT],
   ['table2d', WireIntegral.TABLE2D],
+]);
+const spans = byWire<ColorSpan, WireSpan>([
+  ['step', WireSpan.STEP],
+  ['all_steps', WireSpan.ALL_STEPS],
+  ['own', WireSpan.OWN],
 ]);
 const operators = byWire<RangeOperator, WireOperator>([
   ['intersect', WireOperator.INTERSECT],
@@ -186,13 +194,20 @@ export const command = {
     case: 'setSmear',
     value: { smear: { steps: [...steps], times: [...times], colors: colors.map(wireRgb) } },
   }),
-  setAppearance: (change: { mode?: RenderMode; background?: Rgb; unitDistance?: number; integral?: Integral }): Command => ({
+  setAppearance: (change: {
+    mode?: RenderMode;
+    background?: Rgb;
+    unitDistance?: number;
+    integral?: Integral;
+    colorRange?: ColorRange;
+  }): Command => ({
     case: 'setAppearance',
     value: {
       mode: change.mode ? modes.wire(change.mode) : WireMode.UNSPECIFIED,
       integral: change.integral ? integrals.wire(change.integral) : WireIntegral.UNSPECIFIED,
       ...(change.background ? { background: wireRgb(change.background) } : {}),
       ...(change.unitDistance !== undefined ? { unitDistance: change.unitDistance } : {}),
+      ...(change.colorRange ? { colorRange: { ...change.colorRange, span: spans.wire(change.colorRange.span) } } : {}),
     },
   }),
   viewport: (viewport: ViewportSize): Command => ({ case: 'viewport', value: viewport }),
@@ -202,7 +217,10 @@ export const command = {
     case: 'decoderFailed',
     value: { streamId: BigInt(streamId), problem: message.slice(0, 500), again },
   }),
-  requestStill: (): Command => ({ case: 'requestStill', value: {} }),
+  requestStill: (width: number, height: number, annotations: Annotations): Command => ({
+    case: 'requestStill',
+    value: { width, height, annotations },
+  }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
   cancel: (operation: bigint): Command => ({ case: 'cancel', value: { operation } }),
   setRole: (participant: bigint, role: Role): Command => ({ case: 'setRole', value: { participant, role: roles.wire(role) } }),
@@ -305,6 +323,7 @@ const intervalOf = (i: WireInterval): Interval => ({
   priority: i.priority,
   visible: i.visible,
   name: i.name,
+  number: i.number,
   opacityUpper: i.opacityUpper ?? null,
   ownRange: i.ownRange,
   surface: i.surface ? surfaceOf(i.surface) : null,
@@ -356,6 +375,12 @@ function stateOf(s: WireState): SceneState {
       axes: s.annotations?.axes ?? false,
       box: s.annotations?.box ?? false,
       legend: s.annotations?.legend ?? false,
+    },
+    colorRange: {
+      span: spans.name(s.colorRange?.span ?? 0),
+      lower: s.colorRange?.lower ?? 0,
+      upper: s.colorRange?.upper ?? 0,
+      log: s.colorRange?.log ?? false,
     },
     terms: s.terms.map(termOf),
     time: s.time ?? null,
@@ -456,6 +481,7 @@ function frameOf(f: WireFrame): Frame {
     streamId: Number(f.streamId),
     key: f.key,
     decoder: f.decoder,
+    inReplyTo: Number(f.inReplyTo),
     band: f.band ? { firstRow: f.band.firstRow, rows: f.band.rows, index: f.band.index, count: f.band.count } : null,
     payload: f.payload as Uint8Array<ArrayBuffer>,
   };

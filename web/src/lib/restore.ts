@@ -46,6 +46,7 @@ export function restoreStep(
       background: saved.background,
       unitDistance: saved.unitDistance,
       ...(saved.integral ? { integral: saved.integral } : {}),
+      ...(saved.colorRange ? { colorRange: saved.colorRange } : {}),
     }),
   );
   if (saved.clipPlanes?.length) commands.push(command.setClipPlanes(saved.clipPlanes));

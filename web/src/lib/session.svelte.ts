@@ -6,7 +6,9 @@ import { priorityOrder } from './intervals';
 import { RateMeter, Smoothed } from './meter';
 import {
   emptyState,
+  type Annotations,
   type Camera,
+  type ColorRange,
   type DatasetInfo,
   type Frame,
   type Histogram,
@@ -79,7 +81,7 @@ export class Session {
   drawFrame: ((picture: Picture, frame: Frame, complete: boolean) => void) | null = null;
 
   private server: SceneState = emptyState;
-  private viewport: ViewportSize = { width: 800, height: 600, hidden: false };
+  private viewport = $state.raw<ViewportSize>({ width: 800, height: 600, hidden: false });
   private readonly connection: Connection;
   private readonly optimistic = new OptimisticState();
   private readonly credits = new CameraCredits();
@@ -99,8 +101,7 @@ export class Session {
   private restoring: { saved: SceneState; opened: boolean; quiet: boolean } | null = null;
   private welcomed = false;
   private saveTimer: ReturnType<typeof setTimeout> | null = null;
-  private lossless: Frame | null = null;
-  private wantStill: ((frame: Frame) => void)[] = [];
+  private keepsakes = new Map<number, (answer: Frame | string) => void>(); // by the message that asked
   private selectNewest = false;
 
   constructor(private readonly doors: SessionDoors) {
@@ -214,6 +215,11 @@ export class Session {
     this.edit({ mode });
     if (mode === 'cycled' && this.doors.calm()) this.setCycle({ playing: false }); // by hand, then
     this.sendInOrder(command.setAppearance({ mode }));
+  }
+  setColorRange(colorRange: ColorRange): void {
+    this.edit({ colorRange });
+    this.notices.clear('appearance');
+    this.outbox.put('colorRange', command.setAppearance({ colorRange }));
   }
   setBackground(background: SceneState['background']): void {
     this.edit({ background });
@@ -335,24 +341,17 @@ export class Session {
     this.send(command.cancel(operation));
   }
 
-  /** In pixels of the device; frames in motion may have fewer. */
-  get viewportHeight(): number {
-    return this.viewport.height;
-  }
-
-  /** The newest lossless frame, asked for where the picture on the screen is not one. Null where none comes within ten seconds. */
-  still(): Promise<Frame | null> {
-    const newest = this.lossless;
-    const fits = newest?.width === this.viewport.width && newest.height === this.viewport.height;
-    if (newest && fits && newest.revision >= this.server.revision) return Promise.resolve(newest);
+  /** A lossless picture for keeping, of this size and with these annotations; or why there is none. */
+  keepsake(width: number, height: number, annotations: Annotations): Promise<Frame | string> {
     return new Promise((resolve) => {
-      const timer = setTimeout(() => resolve(null), 10_000);
-      this.wantStill.push((frame) => {
-        clearTimeout(timer);
-        resolve(frame);
-      });
-      this.sendInOrder(command.requestStill());
+      const seq = this.sendInOrder(command.requestStill(width, height, annotations));
+      if (!seq) return resolve('There is no connection.');
+      this.keepsakes.set(seq, resolve);
     });
+  }
+  /** In pixels of the device; frames in motion may have fewer. */
+  get viewportSize(): { width: number; height: number } {
+    return this.viewport;
   }
 
   say(text: string, tone: 'error' | 'note' = 'error'): void {
@@ -368,6 +367,8 @@ export class Session {
     this.progress = [];
     this.cancelled.clear();
     this.sentAbout.clear();
+    for (const resolve of this.keepsakes.values()) resolve('The connection was lost before the picture came.');
+    this.keepsakes.clear();
     this.credits.reset();
     this.player.reset();
     this.decoder.reset();
@@ -464,7 +465,6 @@ export class Session {
     const state = welcome.state ?? emptyState;
     this.askedHistogram = '';
     this.frame = null;
-    this.lossless = null;
     this.live = true;
     this.waking = state.dataset !== '' && !welcome.datasetInfo;
     if (resumed) {
@@ -515,13 +515,10 @@ export class Session {
   }
 
   private onFrame(frame: Frame): void {
+    if (frame.inReplyTo) return this.answerKeepsake(frame.inReplyTo, frame);
     this.credits.answered(frame.inputSeq);
     const { band } = frame;
     if (!band || band.index === 0) this.rate.tick(this.doors.now());
-    if (frame.lossless && !band) {
-      this.lossless = frame;
-      for (const resolve of this.wantStill.splice(0)) resolve(frame);
-    }
     const { payload, ...readout } = frame;
     const decodeMs = this.frame?.decodeMs ?? 0;
     if (band && band.index > 0 && this.frame) {
@@ -536,10 +533,16 @@ export class Session {
     void this.player.show(frame);
   }
 
+  private answerKeepsake(seq: number, answer: Frame | string): void {
+    this.keepsakes.get(seq)?.(answer);
+    this.keepsakes.delete(seq);
+  }
+
   private onError(error: { inReplyTo: number; code: string; message: string; field: string }): void {
     // The link that this page came by is over: another try would be refused alike.
     if (error.code === 'forbidden' && !error.inReplyTo) this.connection.refuse(error.message);
     if (error.code === 'unsupported_version') this.connection.refuse(error.message);
+    if (this.keepsakes.has(error.inReplyTo)) return this.answerKeepsake(error.inReplyTo, error.message || error.code);
     const { command: number, ...about } = this.sentAbout.get(error.inReplyTo) ?? { place: 'page' as Place, interval: null, command: 0 };
     if (number) this.log.refused(number);
     if (!error.inReplyTo) this.waking = false; // its dataset may have failed to open
