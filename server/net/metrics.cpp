@@ -59,6 +59,7 @@ struct Metrics::Families {
   prometheus::Registry registry;
   prometheus::Family<prometheus::Counter>& frames;
   prometheus::Family<prometheus::Counter>& frame_bytes;
+  prometheus::Family<prometheus::Counter>& frame_pixels;
   prometheus::Family<prometheus::Histogram>& stages;
   prometheus::Family<prometheus::Counter>& engine_errors;
   prometheus::Family<prometheus::Counter>& websocket_errors;
@@ -88,6 +89,7 @@ struct Metrics::Families {
   Families()
       : frames(counters("isostrata_frames_total", "Frames and pictures drawn and encoded")),
         frame_bytes(counters("isostrata_frame_bytes_total", "Encoded bytes of frames and pictures")),
+        frame_pixels(counters("isostrata_frame_pixels_total", "Pixels of frames and pictures")),
         stages(histograms("isostrata_stage_seconds", "Time of a frame's stages")),
         engine_errors(counters("isostrata_engine_errors_total", "Requests that the engine could not meet")),
         websocket_errors(counters("isostrata_websocket_errors_total", "Errors sent over WebSockets")),
@@ -138,6 +140,7 @@ void Metrics::engine_event(const Session*, const EngineEvent& event) {
   } else if (const auto* frame = std::get_if<FrameReady>(&event)) {
     const prometheus::Labels labels{{"phase", frame->lossless ? "still" : "moving"}, {"format", format_of(*frame)}};
     f.frames.Add(labels).Increment();
+    f.frame_pixels.Add(labels).Increment(static_cast<double>(frame->width) * frame->height);
     f.frame_bytes.Add(labels).Increment(static_cast<double>(bytes_of(*frame)));
     const StageTimes& ms = frame->stages;
     const std::array<std::pair<const char*, double>, 6> stages = {{{"extract", ms.extract_ms},

@@ -7,7 +7,7 @@ namespace isostrata {
 namespace {
 
 constexpr int kFullQuality = 90;
-constexpr double kLosslessPerFull = 4;  // bytes of a lossless frame by those of a full moving one, before there was one
+constexpr double kLosslessPerFull = 4;  // bytes of a lossless frame by those of a full JPEG, before there was one
 constexpr int kLeastSide = 16;          // of a reduced picture
 
 double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
@@ -52,16 +52,33 @@ void FrameScheduler::request_still(int width, int height) {
   if (drawable_) still_ = FrameOrder{width, height, true, FramePhase::lossless};
 }
 
+void FrameScheduler::set_codec(Codec codec, double most_scale) {
+  codec_ = codec;
+  if (is_video(codec)) video_codec_ = codec;
+  pictures_.set_most_scale(most_scale);
+  video_.set_most_scale(most_scale);
+}
+
+FrameScheduler::Passing FrameScheduler::passing(Codec codec, double most_scale, TimePoint now) const {
+  const PictureLadder& of = ladder(codec);
+  const PictureStep step = PictureLadder::at(of.step());
+  Passing passing{std::min(step.scale, most_scale), is_video(codec) ? kFullQuality : static_cast<double>(step.quality), 0};
+  const double rate = link_.bytes_per_second(now);
+  if (rate > 0) passing.ms = 1000 * (seconds(link_.shortest_round_trip()) + of.expected_bytes_at(most_scale) / rate);
+  return passing;
+}
+
 FrameOrder FrameScheduler::order_of(FramePhase phase) const {
   FrameOrder order{width_, height_, phase == FramePhase::lossless, phase, kFullQuality};
-  order.bitrate_kbps = ladder_.bitrate_kbps();
+  order.bitrate_kbps = ladder().bitrate_kbps();
   order.viewport_width = width_;
   order.viewport_height = height_;
   if (phase != FramePhase::moving) return order;
-  order.step = ladder_.step();
-  order.quality = ladder_.picture().quality;
-  order.width = scaled(width_, ladder_.picture().scale);
-  order.height = scaled(height_, ladder_.picture().scale);
+  order.codec = codec_;
+  order.step = ladder().step();
+  order.quality = ladder().picture().quality;
+  order.width = scaled(width_, ladder().picture().scale);
+  order.height = scaled(height_, ladder().picture().scale);
   return order;
 }
 
@@ -69,7 +86,7 @@ FrameOrder FrameScheduler::order_of(FramePhase phase) const {
 TimePoint FrameScheduler::link_free_at(TimePoint now) const {
   const double rate = link_.bytes_per_second(now);
   TimePoint free = std::max(link_.free_at(now), now);
-  if (rate > 0) free += duration(started_ * ladder_.expected_bytes(ladder_.step()) / rate);
+  if (rate > 0) free += duration(started_ * ladder().expected_bytes(ladder().step()) / rate);
   return free;
 }
 
@@ -87,7 +104,7 @@ double FrameScheduler::allowance(TimePoint now) const {
 Duration FrameScheduler::lossless_time(TimePoint now) const {
   const double rate = link_.bytes_per_second(now);
   if (rate <= 0) return {};
-  return duration((lossless_bytes_ > 0 ? lossless_bytes_ : kLosslessPerFull * ladder_.expected_bytes(0)) / rate);
+  return duration((lossless_bytes_ > 0 ? lossless_bytes_ : kLosslessPerFull * pictures_.expected_bytes(0)) / rate);
 }
 
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
@@ -114,7 +131,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
     allowed_at_ = now;
     order = order_of(FramePhase::moving);
     dirty_ = false;
-    reduced_ = ladder_.video() || order.quality < kFullQuality || order.width < width_ || order.height < height_;
+    reduced_ = is_video(order.codec) || order.quality < kFullQuality || order.width < width_ || order.height < height_;
   } else {
     return std::nullopt;
   }
@@ -169,10 +186,13 @@ std::uint64_t FrameScheduler::sent(const FrameOrder& order, std::uint64_t revisi
     dirty_ = true;
     if (order.lossless) wants_lossless_ = true;
   }
-  if (order.lossless)
+  if (order.lossless) {
     lossless_bytes_ = static_cast<double>(bytes);
-  else if (order.phase == FramePhase::moving)
-    ladder_.made(order.step, bytes);
+  } else if (order.phase == FramePhase::moving && !order.key) {
+    PictureLadder& of = is_video(order.codec) ? video_ : pictures_;
+    of.made(order.step, bytes);
+    bytes_.measured(order.codec, of.full_bytes(order.step, bytes), now);
+  }
   link_.sent(++last_frame_id_, bytes, now);
   return last_frame_id_;
 }
@@ -199,7 +219,9 @@ std::uint64_t FrameScheduler::sent_band(std::size_t bytes, TimePoint now) {
 
 void FrameScheduler::acknowledged(std::uint64_t frame_id, TimePoint now, Duration decode) {
   link_.acknowledged(frame_id, decode, now);
-  ladder_.link(link_.bytes_per_second(now), link_.queue_delay(), static_cast<double>(width_) * height_, now);
+  (is_video(codec_) ? pictures_ : video_).suppose(bytes_.expected(is_video(codec_) ? Codec::jpeg : video_codec_, now));
+  for (PictureLadder* of : {&pictures_, &video_})
+    of->link(link_.bytes_per_second(now), link_.queue_delay(), static_cast<double>(width_) * height_, now);
 }
 
 // Enough credits to keep the link busy over one round trip at the target rate, and one being drawn.

@@ -8,6 +8,8 @@
 #include <deque>
 #include <optional>
 
+#include "encoding/codec.h"
+#include "session/codec_costs.h"
 #include "session/link_model.h"
 #include "session/picture_ladder.h"
 
@@ -23,10 +25,12 @@ struct FrameOrder {
   int width = 0, height = 0;  // of the picture to make: a moving one may be smaller than the viewport
   bool lossless = false;
   FramePhase phase = FramePhase::moving;
-  int quality = 90;      // JPEG's, of frames that are not lossless
-  int bitrate_kbps = 0;  // that video is told, so that a frame has the size that the link carries: at 30 frames a second
-  int step = 0;          // of the picture ladder
-  bool whole = false;    // asked for by name: in one piece
+  int quality = 90;           // JPEG's, of frames that are not lossless
+  int bitrate_kbps = 0;       // that video is told, so that a frame has the size that the link carries: at 30 frames a second
+  int step = 0;               // of the picture ladder
+  Codec codec = Codec::jpeg;  // of moving frames
+  bool key = false;           // a video's frame that is large because it stands by itself
+  bool whole = false;         // asked for by name: in one piece
   int viewport_width = 0, viewport_height = 0;
 };
 
@@ -46,18 +50,19 @@ class FrameScheduler {
   static constexpr int kMaxBands = 12;                 // of a lossless picture, on their way
   static constexpr Duration kBandQueue = std::chrono::milliseconds(60);            // that new input may wait behind them
   static constexpr std::size_t kMinBandBytes = 8 << 10, kMaxBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
+  static constexpr double kUsualBytes = 0.3;                                       // of video by those of JPEG
   static constexpr Duration kQueue = std::chrono::milliseconds(15);  // that a frame may wait on the way behind others
   static constexpr Duration kNoticed =
       std::chrono::milliseconds(250);  // a lossless frame that takes longer is preceded by a settled one
 
-  explicit FrameScheduler(Duration stall = kStall) : stall_(stall) {}
+  explicit FrameScheduler(Duration stall = kStall) : stall_(stall) { video_.set_video(true); }
 
   /// Whether there is something to draw at all, and its newest revision.
   void scene_changed(std::uint64_t revision, bool drawable, TimePoint now);
   void set_viewport(int width, int height, bool hidden, TimePoint now);
   void set_interaction(bool active, TimePoint now);
-  /// Moving frames are video, which has the size it is told to have.
-  void set_video(bool video) { ladder_.set_video(video); }
+  /// Of moving frames: their codec (video has the size that it is told to have), and no more than this of each side.
+  void set_codec(Codec codec, double most_scale = 1);
   /// 0 x 0: the viewport's size.
   void request_still(int width, int height);
 
@@ -96,7 +101,17 @@ class FrameScheduler {
   int in_flight() const { return started_ + static_cast<int>(link_.in_flight()); }
   bool stalled(TimePoint now) const;
   const LinkModel& link() const { return link_; }
-  const PictureLadder& ladder() const { return ladder_; }
+  const PictureLadder& ladder() const { return ladder(codec_); }
+
+  /// What a moving frame of this codec would be, and how long it would be on the way.
+  struct Passing {
+    double scale = 1;     // of each side of the viewport
+    double quality = 90;  // JPEG's
+    double ms = 0;        // with the round trip; 0: nothing is known
+  };
+  Passing passing(Codec codec, double most_scale, TimePoint now) const;
+  int width() const { return width_; }
+  int height() const { return height_; }
 
  private:
   FrameOrder order_of(FramePhase phase) const;
@@ -128,8 +143,12 @@ class FrameScheduler {
   std::deque<TimePoint> making_;  // when each order that was started was given
   double lossless_bytes_ = 0;     // of the last lossless frame
 
+  const PictureLadder& ladder(Codec codec) const { return is_video(codec) ? video_ : pictures_; }
+
   LinkModel link_;
-  PictureLadder ladder_;
+  Codec codec_ = Codec::jpeg, video_codec_ = Codec::vp9_444;  // of moving frames; the video among those that may be chosen
+  PictureLadder pictures_, video_;                            // of JPEG and of video, both always up to date
+  CodecCosts bytes_{kUsualBytes};                             // of whole frames of full quality
 };
 
 }  // namespace isostrata

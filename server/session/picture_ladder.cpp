@@ -48,7 +48,13 @@ double relative_bytes(const PictureStep& step) {
 const PictureStep& PictureLadder::at(int step) { return kSteps[static_cast<std::size_t>(std::clamp(step, 0, steps() - 1))]; }
 int PictureLadder::steps() { return static_cast<int>(kSteps.size()); }
 
-double PictureLadder::relative(int step) const { return video_ ? 1 : relative_bytes(at(step)); }
+PictureStep PictureLadder::picture(int step) const {
+  PictureStep picture = at(step);
+  picture.scale = std::min(picture.scale, most_scale_);
+  return picture;
+}
+
+double PictureLadder::relative(int step) const { return video_ ? 1 : relative_bytes(picture(step)); }
 
 void PictureLadder::set_video(bool video) {
   if (video != video_) full_bytes_ = 0;
@@ -56,16 +62,23 @@ void PictureLadder::set_video(bool video) {
 }
 
 void PictureLadder::made(int step, std::size_t bytes) {
-  const double full = static_cast<double>(bytes) / relative(step);
+  const double full = full_bytes(step, bytes);
   full_bytes_ = full_bytes_ <= 0 ? full : full_bytes_ + 0.3 * (full - full_bytes_);
 }
 
 double PictureLadder::expected_bytes(int step) const { return full_bytes_ * relative(step); }
+double PictureLadder::expected_bytes_at(double most_scale) const {
+  // Video has the size that it is told to have, or less.
+  if (video_) return usable_ > 0 ? std::min(full_bytes_, budget(step_, 1)) : full_bytes_;
+  PictureStep picture = at(step_);
+  picture.scale = std::min(picture.scale, most_scale);
+  return full_bytes_ * relative_bytes(picture);
+}
 double PictureLadder::budget(int step, double share) const { return usable_ * share * at(step).interval_ms / 1000; }
 
 bool PictureLadder::fits(int step, double share, double pixels) const {
   if (!video_) return expected_bytes(step) <= budget(step, share);
-  const double scale = at(step).scale;
+  const double scale = picture(step).scale;
   return 8 * budget(step, share) >= kLeastBitsPerPixel * pixels * scale * scale;
 }
 

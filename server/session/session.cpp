@@ -47,7 +47,7 @@ void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
   viewer.session = key_;
   last_use_ = now;
-  viewer.frames.set_video(is_video(viewer.ladder.front()));
+  viewer.frames.set_codec(viewer.codec());
   viewer.frames.scene_changed(state_.scene.revision, drawable(), now);
 }
 
@@ -143,6 +143,8 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kFrameAck: {
       const double decode_ms = message.frame_ack().decode_ms();  // may be anything; what is too much is not believed
       const double believed = decode_ms > 0 && decode_ms < 60000 ? decode_ms : 0;
+      note_decoded(viewer, message.frame_ack().frame_id(), decode_ms, now);
+      note_decoded(viewer, message.frame_ack().decoded_frame_id(), message.frame_ack().decoded_ms(), now);
       viewer.frames.acknowledged(message.frame_ack().frame_id(), now,
                                  std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(believed)));
       return pump(viewer, now);

@@ -151,6 +151,13 @@ class Session {
     std::optional<v1::LayerFacts> facts;  // nothing: not known yet, or it failed
   };
 
+  /// What moving frames cost here, ms: of drawing for a megapixel's picture, of encoding (with the wait for it) by megapixels.
+  struct MakingCosts {
+    CodecCosts drawing{1}, encoding{kUsualEncoding};
+    PixelShare drawn_pixels;
+  };
+  static constexpr double kUsualEncoding = 2.5;  // of video by that of JPEG
+
   struct Opening {
     RequestId request = 0;
     std::string dataset;
@@ -188,7 +195,7 @@ class Session {
   bool crowded() const;
   void play_cycle(TimePoint now);
   void on_picture_event(RequestId request, const EngineEvent& event, TimePoint now);
-  void give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now);
+  void give(Viewer& viewer, FrameOrder order, const FrameReady& ready, TimePoint now);
   void tell_layers(Viewer& viewer);
   void leave_picture(Viewer& viewer);
   void keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
@@ -199,6 +206,11 @@ class Session {
   void leave_stream(Viewer& viewer, TimePoint now);
   void end_streams();
   void step_down(Viewer& viewer, TimePoint now);
+  void note_made(const Picture& picture, const FrameReady& ready, TimePoint now);
+  void note_sent(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, std::uint64_t frame);
+  void note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimePoint now);
+  void choose_codec(Viewer& viewer, TimePoint now);
+  void use_codec(Viewer& viewer, TimePoint now);
   void send_bands(Viewer& viewer, TimePoint now);
 
   bool drawable() const { return dataset_ && !state_.scene.dataset.empty(); }
@@ -233,6 +245,7 @@ class Session {
   std::deque<Made> made_;  // the newest first; none of an older scene
   std::optional<Measured> measured_;
   VideoStreams streams_;
+  MakingCosts costs_;
   Invitations invitations_;
   std::deque<Client> clients_;  // the one that was heard last first
   int histograms_ = 0;          // asked for and not answered

@@ -34,7 +34,7 @@ bool does_for(const FrameRequest& made, const FrameOrder& other, const FrameRequ
 }
 
 FrameOrder as_made(FrameOrder order, const FrameOrder& made) {
-  if (order.phase == FramePhase::moving) order.step = made.step;
+  if (order.phase == FramePhase::moving) order.step = made.step, order.codec = made.codec;
   return order;
 }
 
@@ -59,7 +59,7 @@ void Session::end_streams() {
 
 void Session::step_down(Viewer& viewer, TimePoint now) {
   if (viewer.ladder.size() > 1) viewer.ladder.erase(viewer.ladder.begin());
-  viewer.frames.set_video(is_video(viewer.ladder.front()));
+  if (viewer.chooses) choose_codec(viewer, now);
   begin_stream(viewer, now);
 }
 
@@ -91,18 +91,21 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   send_bands(viewer, now);
   if (viewer.frames.withdraw_order()) leave_picture(viewer);
   if (viewer.stream != 0 && (!viewer.frames.visible() || viewer.frames.stalled(now))) leave_stream(viewer, now);
-  viewer.frames.set_video(is_video(viewer.ladder.front()) && streams_.has_room(viewer.key, now));
+  use_codec(viewer, now);
   if (crowded()) return;
-  const auto order = viewer.frames.next(now);
+  auto order = viewer.frames.next(now);
   if (!order) return;
   announce(now);
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
   // A settled frame is a picture by itself, as good as pictures get that are not lossless.
-  if (order->phase == FramePhase::moving && is_video(viewer.ladder.front())) {
-    const auto choice = streams_.choose(viewer.key, viewer.ladder.front(), order->width, order->height, now);
+  if (order->phase == FramePhase::moving && is_video(order->codec)) {
+    const auto choice = streams_.choose(viewer.key, order->codec, order->width, order->height, now);
     viewer.stream = choice.stream;
     end_streams();
-    if (choice.stream != 0) request.video = VideoOrder{viewer.ladder.front(), choice.stream, order->bitrate_kbps, choice.key};
+    if (choice.stream != 0)
+      request.video = VideoOrder{order->codec, choice.stream, order->bitrate_kbps, choice.key};
+    else
+      order->codec = Codec::jpeg;
   }
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)
@@ -130,7 +133,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   viewer.ordered_request = *number;
 }
 
-void Session::give(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, TimePoint now) {
+void Session::give(Viewer& viewer, FrameOrder order, const FrameReady& ready, TimePoint now) {
   v1::Frame frame = to_wire(ready);
   std::shared_ptr<const Bytes> payload = ready.bytes;
   viewer.bands.clear();
@@ -150,7 +153,12 @@ void Session::give(Viewer& viewer, const FrameOrder& order, const FrameReady& re
     }
   }
   if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
+  order.key = ready.video && ready.video->key;
   frame.set_frame_id(viewer.frames.sent(order, ready.revision, payload->size(), now));
+  if (order.phase == FramePhase::moving) {
+    note_sent(viewer, order, ready, frame.frame_id());
+    for (const v1::FormatForecast& of : viewer.forecasts) *frame.add_forecasts() = of;
+  }
   frame.set_input_seq(viewer.input_of(ready.revision));
   viewer.outbox->send_frame(std::move(frame), std::move(payload));
   if (order.phase == FramePhase::lossless && ready.revision == state_.scene.revision) tell_layers(viewer);
@@ -195,6 +203,7 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
   pictures_.erase(it);
   if (!picture.started) each_taker(picture, [](Viewer& viewer, const FrameOrder&) { viewer.ordered_request = 0; });
   if (const auto* ready = std::get_if<FrameReady>(&event)) {
+    note_made(picture, *ready, now);
     if (!ready->video && ready->revision == state_.scene.revision) {
       made_.push_front({picture.request, picture.order, *ready});
       if (made_.size() > kMostMade) made_.pop_back();

@@ -137,6 +137,13 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
       return refuse(viewer, seq, std::move(*error), kClosePolicy);
     }
 
+  if (!hello.moving_format().empty() && !offers(hello.moving_formats(), hello.moving_format()))
+    return refuse(viewer, seq,
+                  wire_error("invalid_argument",
+                             "hello.moving_format is '" + hello.moving_format().substr(0, 32) +
+                                 "'; expected one of hello.moving_formats, or none",
+                             "hello.moving_format"),
+                  kClosePolicy);
   for (const auto& [text, field] : {std::pair{&hello.name(), "hello.name"}, std::pair{&hello.client_id(), "hello.client_id"},
                                     std::pair{&hello.client(), "hello.client"}})
     if (text->size() > kMaxPersonBytes)
@@ -155,6 +162,10 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
     if (!is_video(codec) || (hello.moving_formats_size() > 0 && offers(hello.moving_formats(), name_of(codec))))
       viewer.ladder.push_back(codec);
   if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
+  // One that this server lacks is left to its choice.
+  const auto wanted = std::find(viewer.ladder.begin(), viewer.ladder.end(), codec_named(hello.moving_format()));
+  viewer.chooses = wanted == viewer.ladder.end();
+  if (!viewer.chooses) viewer.ladder.erase(viewer.ladder.begin(), wanted);
   viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");
   viewer.name = hello.name();
   viewer.client = hello.client();

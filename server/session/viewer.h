@@ -11,6 +11,7 @@
 
 #include "engine/messages.h"
 #include "isostrata/v1/isostrata.pb.h"
+#include "session/codec_choice.h"
 #include "session/frame_scheduler.h"
 #include "session/video_streams.h"
 
@@ -32,6 +33,8 @@ class Outbox {
 
 /// Not thread-safe: lives on the io thread.
 struct Viewer {
+  static constexpr double kUsualDecoding = 1;  // of video by that of JPEG
+
   struct Band {
     v1::Frame frame;
     std::shared_ptr<const Bytes> payload;
@@ -43,12 +46,25 @@ struct Viewer {
   std::uint64_t last_seq = 0;
   std::uint64_t ignored_messages = 0;
   FrameScheduler frames;
-  std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first; the first is in use
-  bool takes_bands = false;                // lossless pictures in pieces
-  std::deque<Band> bands;                  // of the newest one, that have not been sent
-  StreamId stream = 0;                     // of its moving frames, where that is video and one has been ordered
-  RequestId ordered_request = 0;           // not started
-  int keepsakes = 0;                       // pictures for keeping that are being drawn
+  std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first
+  bool chooses = false;                    // between JPEG and the first of these, by measured times; else the first is in use
+  CodecChoice choice;
+  TimePoint chosen_at{};
+  CodecCosts decoding{kUsualDecoding};        // ms a megapixel
+  std::vector<v1::FormatForecast> forecasts;  // of the last choice
+  struct Sent {
+    std::uint64_t frame;
+    Codec codec;
+    double pixels;
+  };
+  std::deque<Sent> sent;          // moving frames, whose decoding times may still be told
+  bool takes_bands = false;       // lossless pictures in pieces
+  std::deque<Band> bands;         // of the newest one, that have not been sent
+  StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
+  RequestId ordered_request = 0;  // not started
+  int keepsakes = 0;              // pictures for keeping that are being drawn
+
+  Codec codec() const { return chooses ? choice.codec() : ladder.front(); }
 
   v1::Role role = v1::ROLE_CONTROLLER;
   std::string invitation;  // that it came by; empty: it has the server's token

@@ -76,7 +76,7 @@ class SessionsOnAClock {
     hello.mutable_viewport()->set_width(static_cast<std::uint32_t>(width));
     hello.mutable_viewport()->set_height(static_cast<std::uint32_t>(height));
     hello.add_moving_formats("jpeg");
-    if (video) hello.add_moving_formats("vp9-444");
+    if (video) hello.add_moving_formats("vp9-444"), hello.set_moving_format("vp9-444");
     return hello;
   }
   static v1::Hello resuming(const FakeClient& client, v1::Hello hello = looking()) {

@@ -43,13 +43,18 @@ class NegotiatedCodec : public ::testing::Test {
     message.set_seq(++seq_);
     sessions_->receive(viewer_, message, now_);
   }
-  v1::Welcome hello(const Names& formats, const Names& stills = {}) {
+  /// Always the best of them, unless told otherwise.
+  v1::Welcome hello(const Names& formats, const Names& stills = {}, bool chosen_by_time = false) {
     v1::ClientMessage message;
     message.mutable_hello()->set_protocol_major(1);
     for (const std::string& format : stills) message.mutable_hello()->add_still_formats(format);
     message.mutable_hello()->mutable_viewport()->set_width(64);
     message.mutable_hello()->mutable_viewport()->set_height(48);
     for (const std::string& format : formats) message.mutable_hello()->add_moving_formats(format);
+    for (const char* best : {"vp9-444", "h264-420"})
+      if (!chosen_by_time && message.hello().moving_format().empty() &&
+          std::find(formats.begin(), formats.end(), best) != formats.end())
+        message.mutable_hello()->set_moving_format(best);
     receive(message);
     for (const auto& answer : outbox_.messages)
       if (answer.has_welcome()) {
@@ -236,6 +241,7 @@ TEST_F(NegotiatedCodec, OneThatJoinsSharesTheStreamAndBeginsWithAKeyFrameAndTheL
   message.mutable_hello()->mutable_viewport()->set_height(48);
   message.mutable_hello()->add_moving_formats("jpeg");
   message.mutable_hello()->add_moving_formats("vp9-444");
+  message.mutable_hello()->set_moving_format("vp9-444");
   sessions_->receive(joined, message, now_);
   const auto second = take<FrameRequest>();
   ASSERT_TRUE(first && second && second->video);

@@ -44,6 +44,7 @@ struct Options {
   std::string name = "isostrata-client";
   int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
   std::vector<std::string> moving_formats{"jpeg"};  // of Hello: what is decoded of frames in motion
+  std::string moving_format = "";  // always this one of them; empty: the server chooses by measured times
   bool hidden = false;  // the viewport is there (views fit it), but no frames are sent: for who asks for stills
   std::chrono::milliseconds timeout{60000};  // of every wait that has no timeout of its own; progress starts it anew
   /// Set from anywhere, a signal handler too: what waits asks the server to cancel its work and throws "cancelled".
