@@ -71,6 +71,13 @@ v1::ClientMessage last_input(const DragArguments& arguments, const v1::State& st
   return message;
 }
 
+std::string forecasts_of(const v1::Frame& frame) {
+  std::string text;
+  for (const v1::FormatForecast& of : frame.forecasts())
+    text += (text.empty() ? "" : " ") + of.format() + " " + std::to_string(std::lround(10 * of.ms()) / 10.0).substr(0, 5);
+  return text;
+}
+
 v1::ClientMessage interaction(bool active) {
   v1::ClientMessage message;
   message.mutable_interaction()->set_active(active);
@@ -216,7 +223,7 @@ Dragged drag(Client& client, const Options& options, const DragArguments& argume
     dragged.frames.push_back({decoded, newest_shown_ms, static_cast<double>(frame.payload().size()), decoded - arrived,
                               stages.extract_ms(), stages.order_ms() + stages.draw_ms() + stages.readback_ms(),
                               stages.encode_ms(), static_cast<int>(frame.width()), static_cast<int>(frame.height()),
-                              frame.format()});
+                              frame.format(), forecasts_of(frame)});
   }
   audience.end();
   dragged.viewers_latency_ms = audience.take_latency();

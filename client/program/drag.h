@@ -29,6 +29,7 @@ struct DraggedFrame {
   double decode_ms = 0, extract_ms = 0, draw_ms = 0, encode_ms = 0;
   int width = 0, height = 0;
   std::string format;
+  std::string forecasts;  // "jpeg 12.3 vp9-444 20.1": what the server expected of each, ms
 };
 
 struct InputLatency {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "arguments.h"
@@ -43,6 +44,15 @@ std::pair<double, double> staleness(const std::vector<DraggedFrame>& frames) {
   return {shown, standing};
 }
 
+/// How many frames came in each format.
+boost::json::object codecs_of(const std::vector<DraggedFrame>& frames) {
+  std::map<std::string, int> counts;
+  for (const DraggedFrame& frame : frames) ++counts[frame.format];
+  boost::json::object out;
+  for (const auto& [format, count] : counts) out[format] = count;
+  return out;
+}
+
 std::string codec_of(const std::vector<DraggedFrame>& frames) {
   std::string codec;
   for (const DraggedFrame& frame : frames)
@@ -78,6 +88,7 @@ boost::json::object report(const Client& client, const Dragged& d, const SceneAr
                                {"device", d.device},
                                {"size", {width, height}},
                                {"codec", codec_of(d.frames)},
+                               {"codecs", codecs_of(d.frames)},
                                {"seconds", d.seconds},
                                {"frames", d.frames.size()},
                                {"fps", count / d.seconds},
@@ -107,7 +118,8 @@ void write_timeline(const Dragged& d, const std::string& path) {
   boost::json::array inputs, frames;
   for (const InputLatency& of : d.latency) inputs.push_back({of.sent_at_ms, of.latency_ms});
   for (const DraggedFrame& f : d.frames)
-    frames.push_back({f.decoded_at_ms, f.decoded_at_ms - f.input_at_ms, f.bytes, f.width, f.height});
+    frames.push_back({f.decoded_at_ms, f.decoded_at_ms - f.input_at_ms, f.bytes, f.width, f.height, f.format, f.draw_ms,
+                      f.encode_ms, f.decode_ms, f.forecasts});
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file << boost::json::serialize(
               boost::json::object{{"began_at_ms", d.began_at_ms}, {"inputs", std::move(inputs)}, {"frames", std::move(frames)}})
@@ -155,16 +167,16 @@ void add_latency(CLI::App& app, Options& options) {
       ->type_name("FILE.png");
   command
       ->add_option("--timeline", a->timeline,
-                   "A JSON file to write: inputs [sent ms, latency ms] and frames [decoded ms, age ms, bytes, width, height] by "
-                   "the machine's steady clock")
+                   "A JSON file to write: inputs [sent ms, latency ms] and frames [decoded ms, age ms, bytes, width, height, "
+                   "format, draw ms, encode ms, decode ms, forecasts] by the machine's steady clock")
       ->type_name("FILE");
-  command->add_option("--codec", a->codec, "Of frames in motion: auto, jpeg or vp9-444")
+  command->add_option("--codec", a->codec, "Of frames in motion: auto (the server chooses by measured times), jpeg or vp9-444")
       ->check(CLI::IsMember({"auto", "jpeg", "vp9-444"}))
       ->capture_default_str();
   command->add_flag("--json", a->json, "One JSON document");
   command->callback([&options, a] {
-    options.moving_formats = a->codec == "auto" ? video_formats() : std::vector<std::string>{"jpeg"};
-    if (a->codec != "auto" && a->codec != "jpeg") options.moving_formats.push_back(a->codec);
+    options.moving_formats = video_formats();
+    if (a->codec != "auto") options.moving_format = a->codec;
     Client client = connect(options, a->scene);
     set_scene(client, a->scene);
     if (client.state().intervals_size() == 0)

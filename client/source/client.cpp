@@ -54,6 +54,7 @@ class Client::Impl {
   }
 
   void close() { connection_.close(); }
+  void note_decoded(std::uint64_t frame, double ms) { connection_.note_decoded(frame, ms); }
   std::uint64_t send(v1::ClientMessage message) { return connection_.send(std::move(message)); }
 
   std::optional<v1::ServerMessage> receive_until(Steady::time_point deadline) {
@@ -306,5 +307,6 @@ void Client::export_mesh(std::ostream& to, const std::string& format, const std:
 }
 void Client::restore_state(const std::string& json) { impl_->restore_state(json); }
 void Client::close() { impl_->close(); }
+void Client::note_decoded(std::uint64_t frame, double ms) { impl_->note_decoded(frame, ms); }
 
 }  // namespace isostrata::client

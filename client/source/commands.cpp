@@ -2,6 +2,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "isostrata/client.h"
 
@@ -239,8 +240,11 @@ std::optional<ShownFrame> Client::next_picture(FrameDecoder& decoder, std::chron
 
 std::optional<Picture> Client::decode_frame(FrameDecoder& decoder, const v1::Frame& frame) {
   std::optional<Picture> picture;
+  const auto begun = std::chrono::steady_clock::now();
   try {
     picture = decoder.decode(frame);
+    if (frame.phase() == v1::FRAME_PHASE_MOVING)
+      note_decoded(frame.frame_id(), std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count());
   } catch (const ClientError&) {
     if (!decoder.needs_stream()) throw;
   }

@@ -88,6 +88,7 @@ void Connection::open(Steady::time_point deadline) {
   operation_ = 0;
   // Frames of the old connection are not acknowledged any more, and what it said of the state is older than Welcome.
   incoming_.clear();
+  decoded_frame_ = 0;
   socket_ = std::make_unique<WebSocket>(address_, options_, deadline,
                                         [this](const void* data, std::size_t size) { arrived(data, size); });
   v1::ClientMessage message;
@@ -103,6 +104,7 @@ void Connection::open(Steady::time_point deadline) {
   if (options_.lossless_bands) hello.add_still_formats("png-bands");
   hello.add_still_formats("png");
   for (const std::string& format : options_.moving_formats) hello.add_moving_formats(format);
+  hello.set_moving_format(options_.moving_format);
   hello.set_resume_token(options_.resume_token);
   write(message);
   wait_for_welcome(deadline);
@@ -179,6 +181,10 @@ void Connection::write(v1::ClientMessage& message) {
 void Connection::acknowledge(std::uint64_t frame) {
   v1::ClientMessage ack;
   ack.mutable_frame_ack()->set_frame_id(frame);
+  if (decoded_frame_ != 0) {
+    ack.mutable_frame_ack()->set_decoded_frame_id(std::exchange(decoded_frame_, 0));
+    ack.mutable_frame_ack()->set_decoded_ms(decoded_ms_);
+  }
   write(ack);
 }
 

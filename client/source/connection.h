@@ -28,6 +28,11 @@ class Connection {
   /// Keeps the connection alive without taking messages, until then.
   void keep_until(Steady::time_point deadline);
   void close();
+  /// What decoding a frame took: the next acknowledgement tells the server, which chooses formats by it among others.
+  void note_decoded(std::uint64_t frame, double ms) {
+    decoded_frame_ = frame;
+    decoded_ms_ = ms;
+  }
 
   const Options& options() const { return options_; }
   const std::string& session() const { return session_; }
@@ -93,7 +98,9 @@ class Connection {
   std::deque<std::pair<std::uint64_t, std::uint64_t>> numbers_;
 
   std::deque<v1::ServerMessage> incoming_;
-  std::size_t frames_waiting_ = 0;  // among them
+  std::size_t frames_waiting_ = 0;   // among them
+  std::uint64_t decoded_frame_ = 0;  // whose decoding has not been told; 0: none
+  double decoded_ms_ = 0;
   v1::State newest_state_;
   std::string last_words_;
   bool ends_for_good_ = false;   // the server has said so

@@ -21,6 +21,7 @@ class Video : public ::testing::Test {
   void SetUp() override { SERVED_OR_SKIP(server_); }
   client::Options options(const std::string& url) const {
     client::Options out{.url = url, .width = 160, .height = 120, .moving_formats = client::video_formats()};
+    out.moving_format = "vp9-444";
     out.lossless_bands = true;
     return out;
   }

@@ -168,6 +168,8 @@ class Client {
   void close();
 
  private:
+  void note_decoded(std::uint64_t frame, double ms);
+
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
