@@ -22,6 +22,8 @@
 #include "base/simd_level.h"
 #include "data/child_process.h"
 #include "engine/catalogue.h"
+#include "extraction/first_layers.h"
+#include "main/arguments.h"
 #include "main/commands.h"
 #include "main/hostile_client.h"
 #include "main/picture_arguments.h"
@@ -35,12 +37,14 @@ namespace {
 namespace fs = std::filesystem;
 namespace json = boost::json;
 
-constexpr auto kFall = std::chrono::milliseconds(1000);  // from the first rate to the second
-constexpr double kFallsAfter = 0.4;                      // of the run
+constexpr auto kFall = std::chrono::milliseconds(1000);                                // from the first rate to the second
+constexpr double kFallsAfter = 0.4;                                                    // of the run
+constexpr const char *kDefaultData = "cylinder", *kDefaultInterval = "0.9934:0.9949";  // the paper's, tapered: 55.6 K tetrahedra
 constexpr const char *kNeighbourData = "torus:12", *kNeighbourId = "torus-12";
 
 struct BenchArguments {
-  std::string data = "cylinder", interval = "0.9934:0.9949";  // the paper's tapered cylinder: 55.6 K tetrahedra
+  std::string data = kDefaultData;
+  std::vector<std::string> intervals;
   std::vector<std::string> links{"loopback", "40ms-20mbit", "80ms-2mbit", "40ms-20mbit-to-2mbit", "20ms-5mbit"};
   std::string size = "1280x720", codec = "auto", renderer = "native", device = "auto";
   double seconds = 8, rate = 60;
@@ -104,6 +108,27 @@ struct ScratchFile {
   }
   const fs::path path;
 };
+
+/// The layers that a session begins with, of the first array that has a range.
+std::vector<std::string> layers_to_look_at(const std::string& data) {
+  if (data == kDefaultData) return {kDefaultInterval};
+  constexpr std::array<const char*, 4> kLooks{",color=#e61f1f,opacity=0.3", ",color=#1fe61f,opacity=0.5",
+                                              ",color=#1f1fe6,opacity=0.7", ",color=#e6e61f,opacity=0.9"};
+  const std::shared_ptr<const Dataset> dataset = open_argument(data);
+  std::vector<std::string> all;
+  for (const PointArray& array : dataset->arrays) {
+    if (!(array.lower < array.upper)) continue;
+    for (const Interval& layer : first_layers(dataset->grid, array, kFirstPictureCells, command_task())) {
+      std::array<char, 64> ends{};
+      std::snprintf(ends.data(), ends.size(), "%.17g:%.17g", layer.lower, layer.upper);
+      all.push_back(ends.data() + std::string(kLooks[all.size() % kLooks.size()]));
+    }
+    break;
+  }
+  if (all.empty())
+    throw Error(ErrorCode::not_found, data + ": no array with a range to make a layer of; give one with --interval");
+  return all;
+}
 
 /// Serves on a thread of its own until it goes.
 class BenchServer {
@@ -195,14 +220,13 @@ json::object measure(const BenchServer& server, const BenchArguments& arguments,
                                  "reset",
                                  "--size",
                                  arguments.size,
-                                 "--interval",
-                                 arguments.interval,
                                  "--codec",
                                  arguments.codec,
                                  "--seconds",
                                  std::to_string(arguments.seconds),
                                  "--rate",
                                  std::to_string(arguments.rate)};
+  for (const std::string& interval : arguments.intervals) words.insert(words.end(), {"--interval", interval});
   if (!reference.empty()) words.insert(words.end(), {"--reference", reference});
   const ScratchFile timeline(".json");
   words.insert(words.end(), {"--timeline", timeline.path.string()});
@@ -267,8 +291,8 @@ double cpu_seconds() {
   return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
-/// The same link alone and with each neighbour, in turns, so that a machine that others slow down slows down all of them; each round
-/// begins with another of them.
+/// The same link alone and with each neighbour, in turns, so that a machine that others slow down slows down all of them; each
+/// round begins with another of them.
 json::array measure_with_neighbours(const BenchServer& server, const BenchArguments& arguments, const std::string& link,
                                     const std::string& reference) {
   json::array runs;
@@ -315,14 +339,15 @@ void run(BenchArguments arguments) {
   parse_size(arguments.size);
   for (const std::string& link : arguments.links) parse_link(link);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
-  if (arguments.interval.find("opacity") == std::string::npos) arguments.interval += ",color=#e61f1f,opacity=0.6";
+  if (arguments.intervals.empty()) arguments.intervals = layers_to_look_at(arguments.data);
+  for (std::string& interval : arguments.intervals)
+    if (interval.find("opacity") == std::string::npos) interval += ",color=#e61f1f,opacity=0.6";
   // What rest must show, made by the command whose pictures are the measure.
   const ScratchFile reference(".png");
-  const ChildResult rendered =
-      run_child(beside_this_program("isostrata"),
-                {"render", arguments.data, "--interval", arguments.interval, "--size", arguments.size, "--renderer",
-                 arguments.renderer, "--device", arguments.device, "--out", reference.path.string()},
-                300, command_task(), [](std::string_view) {});
+  std::vector<std::string> words{"render",           arguments.data, "--size",         arguments.size, "--renderer",
+                                 arguments.renderer, "--device",     arguments.device, "--out",        reference.path.string()};
+  for (const std::string& interval : arguments.intervals) words.insert(words.end(), {"--interval", interval});
+  const ChildResult rendered = run_child(beside_this_program("isostrata"), words, 300, command_task(), [](std::string_view) {});
   if (rendered.exit_status != 0 || rendered.signal != 0)
     throw Error(ErrorCode::unavailable, "isostrata render failed: " + rendered.errors);
   json::array runs;
@@ -349,14 +374,18 @@ void add_bench_stream_command(CLI::App& bench) {
       bench.add_subcommand("stream", "A turning camera through a real server and client, over links of all kinds");
   auto arguments = std::make_shared<BenchArguments>();
   command->add_option("--data", arguments->data, "File or name of analytic data")->capture_default_str();
-  command->add_option("--interval", arguments->interval, "As in render")->capture_default_str();
+  command
+      ->add_option("--interval", arguments->intervals,
+                   "As in render; may be repeated (default: 0.9934:0.9949 of the cylinder, of other data the layers that serve "
+                   "begins with)")
+      ->allow_extra_args(false);
   command
       ->add_option("--link", arguments->links,
                    "loopback, or RTTms-RATEmbit, or RTTms-RATEmbit-to-RATEmbit, which falls within a second; may be repeated")
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  command->add_option("--codec", arguments->codec, "Of frames in motion: auto, jpeg or vp9-444")
+  command->add_option("--codec", arguments->codec, "Of frames in motion: auto (by measured times), jpeg or vp9-444")
       ->check(CLI::IsMember({"auto", "jpeg", "vp9-444"}))
       ->capture_default_str();
   command->add_option("--seconds", arguments->seconds, "How long the camera turns, for each link")

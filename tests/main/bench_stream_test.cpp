@@ -34,6 +34,26 @@ TEST(BenchStream, SaysOfEachLinkWhatAViewerGotAndThatRestIsWhatRenderDraws) {
   EXPECT_TRUE(runs[1].as_object().contains("after_2s_ms"));
 }
 
+TEST(BenchStream, WithoutAnIntervalThereIsSomethingToLookAt) {
+  const CommandResult result = run_isostrata("bench stream --json --data torus:24 --size 160x120 --seconds 0.5 --link loopback");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json::object run = json::parse(result.out).at("runs").as_array().at(0).as_object();
+  EXPECT_GT(run.at("tetrahedra").to_number<double>(), 1000);
+  EXPECT_EQ(run.at("lossless_differs").to_number<int>(), 0);
+}
+
+TEST(BenchStream, HoldsOnToTheCodecThatIsNamed) {
+  for (const std::string codec : {"jpeg", "vp9-444"}) {
+    const CommandResult result =
+        run_isostrata("bench stream --json --data torus:16 --size 160x120 --seconds 0.5 --link loopback --codec " + codec);
+    ASSERT_EQ(result.status, 0) << result.err;
+    json::object codecs = json::parse(result.out).at("runs").as_array().at(0).at("codecs").as_object();
+    codecs.erase("png");  // of a rest in between
+    EXPECT_EQ(codecs.size(), 1u) << json::serialize(codecs);
+    EXPECT_TRUE(codecs.contains(codec)) << json::serialize(codecs);
+  }
+}
+
 TEST(BenchStream, RefusesALinkThatItCannotMake) {
   for (const char* link : {"fast", "40ms-20", "40ms-20mbit-to", "0mbit"}) {
     const CommandResult result = run_isostrata(std::string("bench stream --link '") + link + "'");
