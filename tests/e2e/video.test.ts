@@ -28,8 +28,10 @@ afterEach(async () => {
   server.checkAlive();
 });
 
-async function open(before?: () => void): Promise<void> {
-  viewer = await Viewer.open(browser, server.ready.url, { before: [recordMoving, ...(before ? [before] : [])] });
+/** codec: that the page holds on to, where its browser shows it; empty: by measured times. */
+const address = (codec: string): string => `${server.ready.url}${codec && `&codec=${codec}`}`;
+async function open(before?: () => void, codec = 'vp9-444'): Promise<void> {
+  viewer = await Viewer.open(browser, address(codec), { before: [recordMoving, ...(before ? [before] : [])] });
   await viewer.until('layers', (state) => state.intervals.length > 0);
   await viewer.exactPicture();
 }
@@ -100,6 +102,24 @@ describe('video', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('left to itself, the server sends what is shown sooner, and the foot of the page names it', async () => {
+    await open(undefined, '');
+    expect(offered()).toContain('vp9-444');
+    for (let i = 0; i < 3; i++) await turn();
+    const frames = moving();
+    const last = frames[frames.length - 1] as Frame;
+    expect(frames.length).toBeGreaterThan(5);
+    expect(last.forecasts.map(({ format }) => format).sort()).toEqual(['jpeg', 'vp9-444']);
+    const least = last.forecasts.reduce((a, b) => (b.ms < a.ms ? b : a));
+    console.log(`${last.format}, of ${last.forecasts.map(({ format, ms }) => `${format} ${ms.toFixed(1)} ms`).join(', ')}`);
+    for (const { format, ms } of last.forecasts) if (ms > 2 * least.ms) expect(last.format).not.toBe(format);
+    const foot = viewer.page.locator('.status .codec');
+    expect(await foot.getAttribute('data-format')).toBe(last.format);
+    expect(await foot.innerText()).toBe(`${last.format === 'jpeg' ? 'JPEG' : 'VP9'} ${last.width}×${last.height}`);
+    await viewer.photograph('codec.png');
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('full chroma comes through the browser: saturated blocks keep their colours up to their edges', async () => {
     await open();
     for (const { format, codec, base64, fullChroma } of probeStreams.filter((stream) => offered().includes(stream.format))) {
@@ -152,7 +172,7 @@ describe('video', () => {
   });
 
   test.runIf(existsSync(h264Module))('a browser that lacks VP9 gets H.264, of odd sizes, too', async () => {
-    viewer = await Viewer.open(browser, server.ready.url, {
+    viewer = await Viewer.open(browser, address('h264-420'), {
       width: 1001,
       height: 703,
       before: [recordMoving, () => {

@@ -43,6 +43,9 @@ async function askWhy(): Promise<NotOpened> {
 // Some tens of milliseconds, before Hello says what came of it.
 const movingFormats = await probeDecoders(browserProbe());
 
+// For trying one out: ?codec=vp9-444 in the page's address.
+const wantedFormat = new URL(location.href).searchParams.get('codec') ?? '';
+
 const session = new Session({
   connection: (handlers) =>
     new Connection({
@@ -59,6 +62,7 @@ const session = new Session({
   schedule: (callback) => void requestAnimationFrame(callback),
   movingFormats,
   calm,
+  movingFormat: movingFormats.includes(wantedFormat) ? wantedFormat : '',
 });
 
 mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });

@@ -287,7 +287,14 @@ export interface Frame {
   inReplyTo: number; // of a picture for keeping, the message that asked for it; 0: it is for the screen
   band: { firstRow: number; rows: number; index: number; count: number } | null; // a part of the picture only
   decoder: string; // of key frames: VideoDecoderConfig's codec
+  forecasts: FormatForecast[]; // of moving frames, where the server chooses their format
   payload: Uint8Array<ArrayBuffer>;
+}
+
+/** What the server expects that a frame takes in a format: drawing, encoding, the way here, decoding. */
+export interface FormatForecast {
+  format: string;
+  ms: number;
 }
 
 export interface Progress {

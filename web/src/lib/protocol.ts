@@ -128,7 +128,13 @@ const wireTerm = ({ op, color, opacity, priority, ...rest }: RangeTerm) => ({
 });
 
 export const command = {
-  hello: (viewport: ViewportSize, resumeToken: string, movingFormats: readonly string[] = ['jpeg'], clientId = ''): Command => ({
+  hello: (
+    viewport: ViewportSize,
+    resumeToken: string,
+    movingFormats: readonly string[] = ['jpeg'],
+    clientId = '',
+    movingFormat = '', // always this one of them; empty: the server chooses by measured times
+  ): Command => ({
     case: 'hello',
     value: {
       protocolMajor,
@@ -139,6 +145,7 @@ export const command = {
       movingFormats: [...movingFormats],
       resumeToken,
       clientId,
+      movingFormat,
     },
   }),
   openDataset: (id: string): Command => ({ case: 'openDataset', value: { id } }),
@@ -483,6 +490,7 @@ function frameOf(f: WireFrame): Frame {
     decoder: f.decoder,
     inReplyTo: Number(f.inReplyTo),
     band: f.band ? { firstRow: f.band.firstRow, rows: f.band.rows, index: f.band.index, count: f.band.count } : null,
+    forecasts: f.forecasts.map(({ format, ms }) => ({ format, ms })),
     payload: f.payload as Uint8Array<ArrayBuffer>,
   };
 }

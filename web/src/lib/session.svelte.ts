@@ -47,6 +47,8 @@ export interface SessionDoors {
   movingFormats: readonly string[];
   /** Whether the person has asked for little motion: then no cycle begins by itself. */
   calm(): boolean;
+  /** Always this one of them; none: the server chooses by measured times. */
+  movingFormat?: string;
 }
 
 const histogramBins = 256;
@@ -59,6 +61,8 @@ export class Session {
   info = $state.raw<DatasetInfo | null>(null);
   histogram = $state.raw<Histogram | null>(null);
   frame = $state.raw<FrameReadout | null>(null);
+  /** The newest one that was shown while something changed. */
+  moving = $state.raw<FrameReadout | null>(null);
   progress = $state.raw<Progress[]>([]);
   roundTripMs = $state.raw<number | null>(null);
   /** Everyone at the session, this page among them. */
@@ -106,7 +110,7 @@ export class Session {
 
   constructor(private readonly doors: SessionDoors) {
     this.connection = doors.connection({
-      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats, this.clientId),
+      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats, this.clientId, doors.movingFormat),
       onStatus: (status) => this.onStatus(status),
       onEvent: (event) => this.onEvent(event),
     });
@@ -529,6 +533,7 @@ export class Session {
     } else {
       const part = band && band.count > 1 ? { lossless: false, phase: 'settled' as const } : {};
       this.frame = { ...readout, ...part, bytes: payload.length, decodeMs, fps: this.rate.rate(this.doors.now()) };
+      if (frame.phase === 'moving') this.moving = this.frame;
     }
     void this.player.show(frame);
   }
