@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/utf8.h"
 #include "data/analytic.h"
 
 namespace isostrata {
@@ -63,7 +64,7 @@ void Catalogue::add(std::string name, std::string source) {
   const std::string stem = id;
   for (int n = 2; find(id); ++n) id = stem + "-" + std::to_string(n);
   place_of_[id] = entries_.size();
-  entries_.push_back({std::move(id), std::move(name), std::move(source)});
+  entries_.push_back({std::move(id), valid_utf8(name), std::move(source)});
 }
 
 void Catalogue::add_directory(const fs::path& directory) {

@@ -12,7 +12,7 @@ namespace isostrata {
 
 struct CatalogueEntry {
   std::string id;      // short, stable for the same source within one server's life: "bluntfinxyz-3f2a91"
-  std::string name;    // what a person reads: the file's name, or of analytic data its name
+  std::string name;    // what a person reads: the file's name as valid_utf8, or of analytic data its name
   std::string source;  // what open_dataset takes; stays on the server
 };
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "base/utf8.h"
 #include "import/append_blocks.h"
 #include "import/average_cells.h"
 
@@ -44,20 +45,8 @@ class Writer {
 std::string printable(const std::string& text, std::size_t most) {
   std::string out;
   for (std::size_t i = 0; i < text.size() && out.size() < most;) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lead < 0x80                   ? 1
-                               : lead >= 0xC2 && lead < 0xE0 ? 2
-                               : lead >= 0xE0 && lead < 0xF0 ? 3
-                               : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                             : 0;
-    bool good = length > 0 && i + length <= text.size() && lead >= 32 && lead != 127;
-    for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xC0) == 0x80;
-    // Overlong forms, surrogates and what is beyond U+10FFFF.
-    if (good && length > 2) {
-      const auto second = static_cast<unsigned char>(text[i + 1]);
-      good = !((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) || (lead == 0xF0 && second < 0x90) ||
-               (lead == 0xF4 && second > 0x8F));
-    }
+    const std::size_t length = utf8_length(text, i);
+    const bool good = length > 0 && static_cast<unsigned char>(text[i]) >= 32 && text[i] != 127;
     if (good && out.size() + length > most) break;
     out += good ? text.substr(i, length) : "?";
     i += good ? length : 1;

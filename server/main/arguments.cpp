@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "base/utf8.h"
+
 namespace isostrata {
 namespace {
 
@@ -143,7 +145,7 @@ std::shared_ptr<const Dataset> open_argument(const std::string& file, int step) 
 }
 
 void print_json(const boost::json::value& document) {
-  const std::string text = boost::json::serialize(document);
+  const std::string text = valid_json(boost::json::serialize(document));
   std::printf("%s\n", text.c_str());
 }
 

@@ -6,6 +6,8 @@
 #include <boost/json/serialize.hpp>
 #include <chrono>
 
+#include "base/utf8.h"
+
 namespace isostrata {
 namespace {
 
@@ -23,7 +25,7 @@ std::string json_line(const LogLine& line) {
                         {"request", id_or_null(line.request)}};
   for (const auto& [name, value] : line.fields) document[name] = value;
   for (const auto& [name, value] : line.numbers) document[name] = value;
-  return json::serialize(document);
+  return valid_json(json::serialize(document));
 }
 
 std::string text_line(const LogLine& line) {
@@ -40,7 +42,7 @@ ServerLog::ServerLog(bool json) : json_(json), logger_("isostrata", std::make_sh
 void ServerLog::write(const LogLine& line) {
   if (!json_ && line.detail) return;
   // As a value, not as a format: clients' words have braces.
-  logger_.log(line.warning ? spdlog::level::warn : spdlog::level::info, "{}", json_ ? json_line(line) : text_line(line));
+  logger_.log(line.warning ? spdlog::level::warn : spdlog::level::info, "{}", json_ ? json_line(line) : valid_utf8(text_line(line)));
 }
 
 }  // namespace isostrata

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <boost/json/serialize.hpp>
 
+#include "base/utf8.h"
+
 namespace isostrata {
 namespace {
 
@@ -78,7 +80,7 @@ void Operations::make_room(SessionKey session) {
 
 void Operations::tell(OperationRecord& record) {
   const bool running = record.status == Status::running;
-  const std::string data = boost::json::serialize(to_json(record));
+  const std::string data = valid_json(boost::json::serialize(to_json(record)));
   std::erase_if(record.listeners, [](const auto& listener) { return listener.expired(); });
   for (const auto& listener : record.listeners)
     if (const auto living = listener.lock()) {
@@ -129,7 +131,7 @@ std::shared_ptr<EventStream> Operations::listen(OperationRecord& record) {
   auto stream = std::make_shared<EventStream>();
   record.listeners.push_back(stream);
   const bool running = record.status == Status::running;
-  stream->push(running ? "progress" : to_string(record.status), boost::json::serialize(to_json(record)), running);
+  stream->push(running ? "progress" : to_string(record.status), valid_json(boost::json::serialize(to_json(record))), running);
   if (!running) stream->end();
   return stream;
 }

@@ -3,6 +3,8 @@
 #include <boost/json/object.hpp>
 #include <boost/json/serialize.hpp>
 
+#include "base/utf8.h"
+
 namespace isostrata {
 namespace {
 
@@ -71,7 +73,7 @@ HttpResponse problem(int status, const std::string& code, const std::string& mes
       {"type", "about:blank"}, {"title", status_phrase(status)}, {"status", status}, {"detail", message}, {"code", code}};
   if (!field.empty()) document["field"] = field;
   if (const std::string hint = hint_of(code); !hint.empty()) document["hint"] = hint;
-  return {status, "application/problem+json", boost::json::serialize(document), {{"Cache-Control", "no-store"}}};
+  return {status, "application/problem+json", valid_json(boost::json::serialize(document)), {{"Cache-Control", "no-store"}}};
 }
 
 HttpResponse problem(const v1::Error& error) {

@@ -3,6 +3,7 @@
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 
+#include "base/utf8.h"
 #include "net/json_body.h"
 
 namespace isostrata {
@@ -63,7 +64,7 @@ std::shared_ptr<EventStream> SessionEvents::listen(const Session& session) {
   stream->push("state", next_state(session.id(), *listener), false);
   stream->push("participants", message_json(session.participants()), false);
   for (const OperationRecord* record : operations_.list(session.id()))
-    if (record->status == OperationRecord::Status::running) stream->push("operation", json::serialize(to_json(*record)), false);
+    if (record->status == OperationRecord::Status::running) stream->push("operation", valid_json(json::serialize(to_json(*record))), false);
   return stream;
 }
 
@@ -86,7 +87,7 @@ void SessionEvents::people_changed(const Session& session) {
 void SessionEvents::operation_changed(const OperationRecord& record) {
   Audience* const of = audience(record.session_id);
   if (!of) return;
-  const std::string data = json::serialize(to_json(record));
+  const std::string data = valid_json(json::serialize(to_json(record)));
   for (const auto& listener : of->listeners)
     if (const auto stream = listener->stream.lock()) stream->push("operation", data, false);
 }

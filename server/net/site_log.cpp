@@ -1,5 +1,7 @@
 #include "net/site_log.h"
 
+#include "base/utf8.h"
+
 namespace isostrata {
 namespace {
 
@@ -7,6 +9,7 @@ namespace {
 std::string plain(std::string text) {
   constexpr std::size_t kMost = 300;
   if (text.size() > kMost) text = text.substr(0, kMost) + "...";
+  text = valid_utf8(text);
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = ' ';
   return text;
