@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <optional>
 
 namespace isostrata {
 
@@ -34,6 +35,37 @@ class DeathHistory {
  private:
   std::deque<Clock::time_point> deaths_;  // of the last kWindow
   Clock::time_point forgiven_{};
+};
+
+/// When a device that was given up is tried again. Not thread-safe.
+class DeviceRetry {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Duration = std::chrono::milliseconds;
+  static constexpr Duration kLongest = std::chrono::hours(1);
+
+  explicit DeviceRetry(Duration first) : first_(first) {}
+
+  /// It has failed, for the first time or again. How long it is left alone.
+  Duration gave_up(Clock::time_point now) {
+    // One that had drawn for longer than it was left alone is given up anew.
+    const bool again = pause_ > Duration::zero() && (!drew_since_ || now - *drew_since_ < pause_);
+    pause_ = again ? std::min(2 * pause_, std::max(kLongest, first_)) : first_;
+    drew_since_.reset();
+    due_ = now + pause_;
+    return pause_;
+  }
+  /// It draws again.
+  void draws(Clock::time_point now) { drew_since_ = now; }
+  bool due(Clock::time_point now) const { return pause_ > Duration::zero() && !drew_since_ && now >= due_; }
+  /// One failure is enough, until it has drawn as long as it was left alone.
+  bool on_trial(Clock::time_point now) const { return pause_ > Duration::zero() && (!drew_since_ || now - *drew_since_ < pause_); }
+
+ private:
+  const Duration first_;
+  Duration pause_{0};
+  Clock::time_point due_{};
+  std::optional<Clock::time_point> drew_since_;
 };
 
 }  // namespace isostrata

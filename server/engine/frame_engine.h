@@ -22,6 +22,7 @@ struct EngineFacts {
   std::uint64_t deaths = 0;     // of them, also those that the watchdog ended
   std::string last_death;       // "ended by signal 9 (Killed) while drawing"; empty: none
   std::string fallback;         // why another renderer draws than was asked for; empty: it is the one
+  std::string trouble;          // why nothing can be drawn, as long as that lasts; empty: it can
   std::string renderer_trial;   // as renderer_trial_report
 };
 

@@ -47,7 +47,9 @@ class RequestLedger {
   std::vector<EngineEvent> end_life(const std::vector<ActivityFacts>& at, const std::string& cause, bool may_withhold);
   /// Nobody is to blame any more: another renderer draws from now on.
   void forgive();
-  /// No worker will ever come: answers to everything that is open.
+  /// Whether nobody waits for anything.
+  bool idle() const { return requests_.empty() && operations_.empty(); }
+  /// No worker can draw: answers to everything that is open.
   std::vector<EngineEvent> give_up(const std::string& cause);
 
   /// Something that viewers with open requests should see, as the progress of the watchdog's operation.

@@ -24,6 +24,8 @@ using std::chrono::milliseconds;
 constexpr auto kLook = milliseconds(100);
 constexpr auto kAnnounceEvery = milliseconds(500);
 constexpr auto kGoodbye = milliseconds(1000);  // for a worker to end by itself
+constexpr int kMostNeverReady = 3;             // deaths in a row with nothing drawn between: then whoever waits is told
+constexpr auto kBusyRetry = std::chrono::seconds(30);  // for a moment in which nobody waits for a picture
 constexpr std::size_t kMaxQueue = 20000;       // messages to a worker that does not read
 
 std::string seconds_of(milliseconds time) {
@@ -61,7 +63,11 @@ std::string stages_of(const std::vector<ActivityFacts>& at) {
 class WorkerEngine::Impl {
  public:
   Impl(EngineOptions engine, WorkerOptions worker, Sink sink)
-      : options_(std::move(engine)), worker_(std::move(worker)), sink_(std::move(sink)), choice_(options_.renderer_choice) {
+      : options_(std::move(engine)),
+        worker_(std::move(worker)),
+        sink_(std::move(sink)),
+        choice_(options_.renderer_choice),
+        retry_(worker_.retry_pause) {
     if (worker_.program.empty()) worker_.program = "/proc/self/exe";
     auto first = first_.get_future();
     keeper_ = std::thread([this] { keep(); });
@@ -82,8 +88,8 @@ class WorkerEngine::Impl {
       RequestLedger::Outcome outcome = ledger_.ask(std::move(request));
       event = std::move(outcome.event);
       given_up_ = given_up_ || (outcome.give_up_worker && living_);
-      if (const RequestId number = outcome.request ? answered_request_of(*outcome.request) : 0; number != 0 && !hopeless_.empty())
-        event = ledger_.hear(RequestFailed{session_of(*outcome.request), number, 0, ErrorCode::unavailable, hopeless_});
+      if (const RequestId number = outcome.request ? answered_request_of(*outcome.request) : 0; number != 0 && !trouble_.empty())
+        event = ledger_.hear(RequestFailed{session_of(*outcome.request), number, 0, ErrorCode::unavailable, trouble_});
       else if (outcome.request && living_)
         event = enqueue(std::move(*outcome.request));
       else if (const auto* cancel = outcome.request ? std::get_if<CancelRequest>(&*outcome.request) : nullptr;
@@ -103,6 +109,7 @@ class WorkerEngine::Impl {
   EngineFacts facts() const {
     std::lock_guard lock(mutex_);
     EngineFacts facts = facts_;
+    facts.trouble = trouble_;
     facts.device = device_ + instead_;
     facts.device_is_software = is_software_device(device_);
     return facts;
@@ -245,6 +252,13 @@ class WorkerEngine::Impl {
     {
       std::lock_guard lock(mutex_);
       life.ready = true;
+      trouble_.clear();
+      never_ready_ = 0;
+      if (trying_device_) retry_.draws(Clock::now());
+      if (std::exchange(trying_device_, false)) {
+        instead_.clear();
+        facts_.fallback.clear();
+      }
       device_ = ready.device;
       facts_.process = life.process.id();
       facts_.renderer_trial = ready.renderer_trial;
@@ -265,35 +279,45 @@ class WorkerEngine::Impl {
   // ---- keeping one alive ----
 
   void keep() {
-    WorkerFolder::sweep();
     try {
-      const WorkerFolder folder;
-      keep_ = folder.make("kept");  // what one worker has read the next one maps
-      keep(folder);
+      WorkerFolder::sweep();
+      keep_one_alive();
     } catch (const std::exception& error) {
       if (!started_once_) return first_.set_exception(std::current_exception());
-      // Nothing is left to try: no memory, no temporary folder. Whoever waits is told, and whoever will ask.
-      const std::string what = std::string("the renderer's process cannot be replaced: ") + error.what();
-      std::vector<EngineEvent> events;
-      {
-        std::lock_guard lock(mutex_);
-        hopeless_ = what;
-        events = ledger_.give_up(what);
-      }
-      log("worker_gone", what);
-      send(std::move(events));
+      // Nothing is left to try: no memory. Whoever waits is told, and whoever will ask.
+      despair(std::string("the renderer's process cannot be replaced: ") + error.what());
     }
   }
 
-  void keep(const WorkerFolder& folder) {
+  void despair(const std::string& what) {
+    std::vector<EngineEvent> events;
+    {
+      std::lock_guard lock(mutex_);
+      trouble_ = what;
+      events = ledger_.give_up(what);
+    }
+    log("worker_gone", what);
+    send(std::move(events));
+  }
+
+  void keep_one_alive() {
+    std::unique_ptr<WorkerFolder> folder;
     for (;;) {
       if (!rest()) return;
       std::string cause;
       std::vector<ActivityFacts> at;
       std::exception_ptr error;
+      bool ran = false;
       try {
-        const TemporaryDirectory temporary(folder.make("worker"));  // what a dead worker leaves behind goes with it
+        if (!folder || !folder->exists()) {
+          folder.reset();
+          folder = std::make_unique<WorkerFolder>();
+          keep_ = folder->make("kept");  // what one worker has read the next one maps
+        }
+        // What a dead worker leaves behind goes with it; what cannot be removed is in nobody's way.
+        const TemporaryDirectory temporary(folder->path(), "worker-");
         WorkerProcess process(worker_.program, worker_.arguments, temporary.path());
+        ran = true;
         cause = live(process, at, error);
       } catch (const std::exception& failure) {
         cause = std::string("not started: ") + failure.what();
@@ -303,14 +327,33 @@ class WorkerEngine::Impl {
         std::lock_guard lock(mutex_);
         if (stopping_) return;
       }
-      if (!bury(cause, at, error)) return;
+      if (std::exchange(retires_, false))
+        try_device();
+      else if (!bury(cause, at, error, ran))
+        return;
     }
+  }
+
+  /// The worker of the other renderer has been ended so that the device can be tried again.
+  void try_device() {
+    std::vector<EngineEvent> events;
+    {
+      std::lock_guard lock(mutex_);
+      trying_device_ = true;
+      choice_ = options_.renderer_choice;
+      events = ledger_.unannounce();
+      for (EngineEvent& event : ledger_.end_life({}, "", false)) events.push_back(std::move(event));
+    }
+    log("worker_retry", "the device that was given up is tried again");
+    send(std::move(events));
   }
 
   /// The pause before the next worker, where there has been one that could draw; false where none is wanted any more.
   bool rest() {
     std::unique_lock lock(mutex_);
-    return !changed_.wait_for(lock, started_once_ ? history_.pause() : milliseconds(0), [&] { return stopping_; });
+    auto pause = started_once_ ? history_.pause() : milliseconds(0);
+    if (never_ready_ > 1) pause = std::max(pause, milliseconds(250) * (1 << std::min(never_ready_ - 2, 5)));
+    return !changed_.wait_for(lock, pause, [&] { return stopping_; });
   }
 
   /// Returns why the worker ended.
@@ -374,6 +417,11 @@ class WorkerEngine::Impl {
           return {};
         }
         ready = life.ready;
+        const auto due_at = ledger_.idle() ? Clock::now() : Clock::now() - kBusyRetry;
+        if (ready && !instead_.empty() && retry_.due(due_at)) {
+          retires_ = true;
+          return "ended for another one";
+        }
       }
       const auto now = Clock::now();
       const auto at = isostrata::read(life.process.board());
@@ -429,16 +477,21 @@ class WorkerEngine::Impl {
   }
 
   /// Settles what the dead one leaves; false where there shall be no other.
-  bool bury(const std::string& cause, const std::vector<ActivityFacts>& at, const std::exception_ptr& error) {
+  bool bury(const std::string& cause, const std::vector<ActivityFacts>& at, const std::exception_ptr& error, bool ran) {
     const std::string what = "the renderer's process was " + cause;
-    bool fall_back = false;
+    bool fall_back = false, trial = false, nobody_draws = false;
     std::vector<EngineEvent> events;
     {
       std::lock_guard lock(mutex_);
-      history_.died(Clock::now());
-      ++facts_.deaths;
+      const auto now = Clock::now();
+      if (ran) {
+        history_.died(now);
+        ++facts_.deaths;
+      }
       facts_.last_death = cause;
-      fall_back = history_.too_many() && instead_.empty();
+            trial = ran && retry_.on_trial(now) && (trying_device_ || instead_.empty());
+      fall_back = trial || (ran && history_.too_many() && instead_.empty());
+      nobody_draws = ++never_ready_ >= kMostNeverReady && !fall_back;
       const bool native_already = !instead_.empty() || choice_.renderer == "native" || choice_.device == "native";
       events = ledger_.unannounce();
       for (EngineEvent& event : ledger_.end_life(at, what, native_already)) events.push_back(std::move(event));
@@ -452,9 +505,14 @@ class WorkerEngine::Impl {
     }
     if (fall_back) {
       std::lock_guard lock(mutex_);
-      instead_ = " in place of " + (device_.empty() ? "renderer " + choice_.renderer : device_) + ", whose process died " +
-                 std::to_string(DeathHistory::kMost) + " times in " + std::to_string(DeathHistory::kWindow.count()) +
-                 " s, the last time " + cause;
+      if (!trying_device_) given_up_device_ = device_.empty() ? "renderer " + choice_.renderer : device_;
+      trying_device_ = false;
+      instead_ = " in place of " + given_up_device_ + ", whose process died " +
+                 (trial ? "again when it was tried"
+                        : std::to_string(DeathHistory::kMost) + " times in " + std::to_string(DeathHistory::kWindow.count()) + " s") +
+                 ", the last time " + cause;
+      if (choice_.renderer != "native" && choice_.device != "native")
+        instead_ += "; it is tried again in " + seconds_of(retry_.gave_up(Clock::now()));
       choice_ = {"native", "native"};
       facts_.fallback = instead_.substr(1);
       history_.forgive();
@@ -463,6 +521,11 @@ class WorkerEngine::Impl {
       started_once_ = true;
       first_.set_exception(std::make_exception_ptr(Error(ErrorCode::unavailable, "no worker process lives: " + what)));
       return false;
+    }
+    if (nobody_draws && started_once_) {
+      send(std::move(events));
+      despair(what);
+      return true;
     }
     if (fall_back) log("worker_fallback", "native draws from now on" + instead_);
     {
@@ -505,8 +568,13 @@ class WorkerEngine::Impl {
   DeathHistory history_;
   RendererChoice choice_;
   std::string device_;
-  std::string instead_;   // as in Engine
-  std::string hopeless_;  // why no worker will come any more
+  DeviceRetry retry_;
+  std::string instead_;          // as in Engine
+  std::string given_up_device_;  // that instead_ speaks of
+  std::string trouble_;          // why no worker can draw
+  int never_ready_ = 0;          // deaths since a worker could draw
+  bool trying_device_ = false;   // the next worker is on the device that was given up
+  bool retires_ = false;         // the worker ends for that; of keeper_
   EngineFacts facts_;
 
   std::thread keeper_;

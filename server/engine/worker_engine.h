@@ -24,6 +24,9 @@ struct WorkerOptions {
   // by its size (Activity::patience). Other threads have six times as long.
   std::chrono::milliseconds soft_limit{2000};   // viewers are told, and may give the worker up
   std::chrono::milliseconds hard_limit{10000};  // it is killed
+  /// After the device has been given up: how long until it is tried again, twice as long after every try that fails, up to an
+  /// hour.
+  std::chrono::milliseconds retry_pause{60000};
   /// What people should know: a short name of the event ("worker_died") and a sentence. Called from the engine's threads.
   std::function<void(std::string_view event, const std::string& text)> log;
 };

@@ -21,10 +21,22 @@ Descriptor open_folder(const fs::path& path) {
   return Descriptor(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
 }
 
+fs::path made_base() {
+  std::error_code ignored;  // what cannot be made is told by who needs it
+  fs::create_directories(temporary_base(), ignored);
+  return temporary_base();
+}
+
 }  // namespace
 
-WorkerFolder::WorkerFolder() : directory_(temporary_base(), kPrefix), lock_(open_folder(path())) {
+WorkerFolder::WorkerFolder() : directory_(made_base(), kPrefix), lock_(open_folder(path())) {
   if (lock_) flock(lock_.get(), LOCK_EX | LOCK_NB);
+}
+
+bool WorkerFolder::exists() const {
+  struct stat here {}, there {};
+  return lock_ && fstat(lock_.get(), &here) == 0 && lstat(path().c_str(), &there) == 0 && here.st_ino == there.st_ino &&
+         here.st_dev == there.st_dev;
 }
 
 fs::path WorkerFolder::make(const char* name) const {

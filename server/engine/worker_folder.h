@@ -11,7 +11,10 @@ namespace isostrata {
 /// Below $TMPDIR or /tmp, and gone with its owner. A lock on it says that the owner lives.
 class WorkerFolder {
  public:
-  WorkerFolder();  // throws unavailable
+  /// Makes the place it lies in where that is gone. Throws unavailable.
+  WorkerFolder();
+  /// Whether it is still there: whoever cleans $TMPDIR may have taken it.
+  bool exists() const;
   const std::filesystem::path& path() const { return directory_.path(); }
 
   /// A new folder of that name in it. Throws unavailable.

@@ -222,6 +222,33 @@ TEST_F(WorkerEngineTest, ThreeDeathsInAMinuteFallBackToNativeAndNameTheCause) {
   EXPECT_FALSE(engine_->facts().fallback.empty());
 }
 
+TEST_F(WorkerEngineTest, ADeviceThatWasGivenUpIsTriedAgainWithGrowingPauses) {
+  WorkerOptions options;
+  options.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
+  options.arguments = {};
+  options.retry_pause = 6s;
+  start(options);
+  engine_->post(SceneUpdate{1, scene(1)});
+  for (int i = 0; i < 3; ++i) kill_worker(SIGKILL);
+  engine_->post(frame(1, 1));
+  const std::string device = frame_of(1).device;
+  EXPECT_NE(device.find("tried again in 6 s"), std::string::npos) << device;
+  const auto until = [&](bool fallen_back) {
+    for (int i = 0; i < 6000 && engine_->facts().fallback.empty() == fallen_back; ++i) std::this_thread::sleep_for(10ms);
+    return engine_->facts().fallback.empty() != fallen_back;
+  };
+  ASSERT_TRUE(until(false));
+  engine_->post(frame(1, 2));
+  EXPECT_EQ(frame_of(2).device, "plain");
+  kill_worker(SIGKILL);
+  ASSERT_TRUE(until(true)) << "on trial one death is enough";
+  engine_->post(frame(1, 3));
+  const std::string again = frame_of(3).device;
+  EXPECT_NE(again.find("in place of plain, whose process died again"), std::string::npos) << again;
+  EXPECT_NE(again.find("tried again in 12 s"), std::string::npos) << again;
+  EXPECT_TRUE(engine_->facts().trouble.empty());
+}
+
 TEST_F(WorkerEngineTest, ASceneThatKillsEveryWorkerIsRefusedAndTheOthersGoOn) {
   start({}, {"native", "native"});
   Scene deadly = scene(1);
