@@ -246,7 +246,10 @@ bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& r
 IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const ExtractedScene& extracted) {
   IntervalStyle style;
   style.color = interval.color;
-  set_colors(style, interval, scene.color_range, extracted.color_lower, extracted.color_upper,
+  SceneInterval closed = interval;  // an end that is open is where the array's range ends
+  if (!std::isfinite(closed.lower)) closed.lower = std::min(extracted.color_lower, closed.upper);
+  if (!std::isfinite(closed.upper)) closed.upper = std::max(extracted.color_upper, closed.lower);
+  set_colors(style, closed, scene.color_range, extracted.color_lower, extracted.color_upper,
              extracted.color_by == extracted.array);
   style.priority = interval.priority;
   style.visible = interval.visible;

@@ -12,6 +12,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/open_ends.h"
 #include "extraction/region_facets.h"
 #include "extraction/restrict_region.h"
 
@@ -120,7 +121,7 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Bu
     if (!adds(term.op)) continue;
     chain.back().label = static_cast<std::uint16_t>(out.mesh.summaries.size());
     out.mesh.summaries.emplace_back();
-    out.mesh.summaries.back().interval = term.range;
+    out.mesh.summaries.back().interval = with_open_ends(term.range.lower, term.range.upper);
     out.mesh.summaries.back().term = static_cast<int>(k);
     own.push_back(static_cast<std::uint16_t>(ranges.size() - 1));
   }

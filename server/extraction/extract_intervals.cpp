@@ -19,6 +19,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/open_ends.h"
 #include "extraction/strict_triangulation.h"
 #include "extraction/structured_points.h"
 #include "extraction/weld_seams.h"
@@ -68,7 +69,7 @@ class Extraction {
       : grid_(grid), array_(array), options_(options), task_(task), rules_(intervals, options.complement) {
     for (const IsoRule& rule : rules_.rules()) {
       mesh_.summaries.emplace_back();
-      mesh_.summaries.back().interval = {rule.lower, rule.upper};
+      mesh_.summaries.back().interval = with_open_ends(rule.lower, rule.upper);
     }
   }
 

@@ -3,6 +3,7 @@
 #include "extraction/combine_ranges.h"
 #include "extraction/extract_at_time.h"
 #include "extraction/extract_intervals.h"
+#include "extraction/open_ends.h"
 
 namespace isostrata {
 namespace {
@@ -16,7 +17,7 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
 void combine_terms(const LayerRequest& request, const Dataset& dataset, const PointArray& array,
                    std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
   std::vector<ArrayTerm> terms;
-  for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), term.range});
+  for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), with_finite_ends(term.range)});
   const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals, ExtractOptions options) {
     options.strict = request.triangulation == Triangulation::strict;
     return extract_intervals(grid, on, intervals, options, task);

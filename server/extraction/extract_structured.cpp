@@ -14,6 +14,7 @@
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
 #include "extraction/minmax_bricks.h"
+#include "extraction/open_ends.h"
 #include "extraction/structured_facets.h"
 #include "extraction/structured_measure.h"
 
@@ -258,7 +259,7 @@ std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArra
   mesh.cells = grid.cell_count();
   for (const IsoRule& rule : rules.rules()) {
     mesh.summaries.emplace_back();
-    mesh.summaries.back().interval = {rule.lower, rule.upper};
+    mesh.summaries.back().interval = with_open_ends(rule.lower, rule.upper);
   }
   if (mesh.cells > 0) {
     task.report(0.0, "searching");

@@ -19,6 +19,7 @@
 #include "extraction/list_pool.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/open_ends.h"
 #include "extraction/point_table.h"
 #include "extraction/sorted_tetrahedron.h"
 #include "extraction/unstructured_cases.h"
@@ -84,7 +85,7 @@ class UnstructuredExtraction {
   IntervalMesh run() {
     for (const IsoRule& rule : rules_.rules()) {
       mesh_.summaries.emplace_back();
-      mesh_.summaries.back().interval = {rule.lower, rule.upper};
+      mesh_.summaries.back().interval = with_open_ends(rule.lower, rule.upper);
     }
     mesh_.cells = grid_.cell_count();
     ask_for_points();

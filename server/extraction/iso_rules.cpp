@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "extraction/open_ends.h"
 
 namespace isostrata {
 namespace {
@@ -27,11 +28,12 @@ IsoRules::IsoRules(std::span<const Interval> intervals, bool complement) {
     throw Error(ErrorCode::invalid_argument,
                 std::to_string(intervals.size()) + " intervals given; expected at most " + std::to_string(kMaxIntervals));
   std::vector<double> begins;
-  for (const Interval& interval : intervals) {
-    if (!std::isfinite(interval.lower) || !std::isfinite(interval.upper))
-      throw Error(ErrorCode::invalid_argument, "interval " + text(interval) + ": both ends must be finite numbers");
+  for (const Interval& asked : intervals) {
+    const Interval interval = with_finite_ends(asked);
+    if (std::isnan(asked.lower) || std::isnan(asked.upper))
+      throw Error(ErrorCode::invalid_argument, "interval " + text(asked) + ": both ends must be numbers; expected inf for none");
     if (!(interval.lower < interval.upper))
-      throw Error(ErrorCode::invalid_argument, "interval " + text(interval) + ": lower must be less than upper");
+      throw Error(ErrorCode::invalid_argument, "interval " + text(asked) + ": lower must be less than upper");
     begins.push_back(interval.lower);
     isovalues_.push_back(interval.lower);
     isovalues_.push_back(interval.upper);
@@ -49,7 +51,8 @@ IsoRules::IsoRules(std::span<const Interval> intervals, bool complement) {
 
   lowest_ = std::numeric_limits<double>::infinity();
   highest_ = -std::numeric_limits<double>::infinity();
-  for (const Interval& interval : intervals) {
+  for (const Interval& asked : intervals) {
+    const Interval interval = with_finite_ends(asked);
     IsoRule rule;
     rule.lower = interval.lower;
     rule.upper = interval.upper;

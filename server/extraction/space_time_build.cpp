@@ -11,6 +11,7 @@
 #include "extraction/cell_geometry.h"
 #include "extraction/keyed_lists.h"
 #include "extraction/mesh_points.h"
+#include "extraction/open_ends.h"
 #include "extraction/space_time_cells.h"
 #include "extraction/space_time_volume.h"
 #include "extraction/structured_points.h"
@@ -432,7 +433,7 @@ SpaceTimeVolume::SpaceTimeVolume(std::shared_ptr<const Dataset> first, std::shar
       grid_points_(first_->grid.point_count()),
       grid_cells_(first_->grid.cell_count()) {
   const IsoRules rules(intervals, complement);
-  for (const IsoRule& rule : rules.rules()) intervals_.push_back({rule.lower, rule.upper});
+  for (const IsoRule& rule : rules.rules()) intervals_.push_back(with_open_ends(rule.lower, rule.upper));
   SpaceTimeBuilder(*this, find_space_time_cells(first_, second_, array, rules, max_bytes, task), rules, max_bytes, task).run();
   moves_ = points_move(first_->grid, second_->grid, task);
   task.check();

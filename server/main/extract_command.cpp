@@ -19,6 +19,7 @@
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/extract_device.h"
+#include "main/json_number.h"
 #include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
 
@@ -89,8 +90,8 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
                             const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries) {
-    intervals.push_back(boost::json::object{{"lower", row.interval.lower},
-                                            {"upper", row.interval.upper},
+    intervals.push_back(boost::json::object{{"lower", json_number(row.interval.lower)},
+                                            {"upper", json_number(row.interval.upper)},
                                             {"active_cells", row.active_cells},
                                             {"tetrahedra", row.tetrahedra},
                                             {"volume", row.signed_volume},
@@ -356,7 +357,7 @@ void add_extract_command(CLI::App& app) {
   auto arguments = std::make_shared<ExtractArguments>();
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
-  command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated")->required()->allow_extra_args(false);
+  command->add_option("--interval", arguments->intervals, "LOWER:UPPER, of which -inf and inf leave an end open; may be repeated")->required()->allow_extra_args(false);
   add_layer_options(*command, arguments->layers);
   add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");

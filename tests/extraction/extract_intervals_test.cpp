@@ -429,7 +429,8 @@ TEST(ExtractIntervals, RefusesIntervalsWithoutMeaning) {
   EXPECT_TRUE(refused({{1, 1}}));
   EXPECT_TRUE(refused({{0, 1}, {2, 1}}));
   EXPECT_TRUE(refused({{kNaN, 1}}));
-  EXPECT_TRUE(refused({{0, std::numeric_limits<double>::infinity()}}));
+  EXPECT_TRUE(refused({{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()}}));
+  EXPECT_FALSE(refused({{0, std::numeric_limits<double>::infinity()}})) << "everything from 0 on";
   EXPECT_TRUE(refused(std::vector<Interval>(65536, {0, 1})));
   EXPECT_FALSE(refused({{0, 1}}));
 }

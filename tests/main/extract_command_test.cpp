@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -59,6 +60,32 @@ TEST(ExtractCommand, TakesTheFirstArrayAndNegativeEnds) {
   EXPECT_NEAR(signed_volume(document), 8, 1e-12);
 }
 
+// Everything above and everything below a value: what an end beyond all values gives, and together all that there is.
+TEST(ExtractCommand, IntervalsWithOpenEndsHoldEverythingAboveOrBelow) {
+  const auto extract = [](const std::string& what) {
+    const CommandResult result = run_isostrata("extract " + what + " --json");
+    EXPECT_EQ(result.status, 0) << what << ": " << result.err;
+    return result.status == 0 ? boost::json::parse(result.out) : boost::json::value();
+  };
+  for (const std::string data : {"torus:16", "tets:7", "mixed:7", "cylinder:16x12x8 --array Momentum"}) {
+    const auto volume = [&](const std::string& interval) {
+      const auto document = extract(data + " --verify --interval " + interval);
+      EXPECT_EQ(document.at("unmatched_facets").to_number<int>(), 0) << data << " " << interval;
+      return document.at("intervals").at(0).at("signed_volume").to_number<double>();
+    };
+    const double above = volume("0.31:inf"), below = volume("-inf:0.31"), all = volume("-inf:inf");
+    EXPECT_EQ(above, volume("0.31:1e6")) << data;
+    EXPECT_EQ(below, volume("-1e6:0.31")) << data;
+    EXPECT_GT(std::abs(above), 0) << data;
+    EXPECT_NEAR(above + below, all, 1e-9 * std::abs(all)) << data;
+  }
+  const auto both = extract("torus:16 --interval -inf:0.2 --interval 0.2:inf --and distance=-inf:0.5");
+  EXPECT_EQ(both.at("intervals").at(0).at("lower").as_string(), "-inf");
+  EXPECT_EQ(both.at("intervals").at(1).at("upper").as_string(), "inf");
+  const auto closed = extract("torus:16 --interval -9:0.2 --interval 0.2:9 --and distance=-9:0.5");
+  for (const int i : {0, 1}) EXPECT_EQ(both.at("intervals").at(i).at("volume"), closed.at("intervals").at(i).at("volume"));
+}
+
 TEST(ExtractCommand, WritesFilesByTheirEnding) {
   const TemporaryFolder folder;
   const std::pair<const char*, const char*> formats[] = {{"a.vtu", "<?xml"}, {"a.ply", "ply\n"}, {"a.stl", "interval boundary"}};
@@ -82,7 +109,7 @@ TEST(ExtractCommand, RefusesWithOneClearLine) {
       {"torus:8 --interval 2:1", 1, "lower must be less than upper"},
       {"torus:8 --interval 1:1", 1, "lower must be less than upper"},
       {"torus:8 --interval nan:1", 1, "lower must be less than upper"},
-      {"torus:8 --interval 0:inf", 1, "finite"},
+      {"torus:8 --interval inf:inf", 1, "lower must be less than upper"},
       {"torus:8 --interval half:1", 1, "'half' is not a number"},
       {"torus:8 --interval 0:1 --array missing", 1, "no array 'missing'; it has distance"},
       {"torus:8 --interval 0:1 --color-by missing", 1, "no array 'missing'; it has distance"},
