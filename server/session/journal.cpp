@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <condition_variable>
 #include <cstring>
@@ -27,6 +28,8 @@ constexpr std::string_view kHeader = "isostrata-journal 1\n";
 constexpr std::string_view kMagic = "ISOR";
 constexpr std::size_t kRecordHead = 12;
 constexpr std::size_t kMaxWasted = 256 << 20;
+constexpr auto kSlowWrite = std::chrono::milliseconds(100);
+constexpr auto kSlowPause = std::chrono::seconds(10);
 constexpr const char* kSuffix = ".journal";
 
 class File {
@@ -154,7 +157,41 @@ class Journal::Impl {
     if (!usable() || !is_session_id(session)) return;
     {
       const std::lock_guard guard(mutex_);
-      waiting_[session] = std::move(entry);
+      waiting_[session] = {++last_order_, std::move(entry)};
+    }
+    changed_.notify_all();
+  }
+
+  void say_now(const std::string& session, journal::Entry entry) {
+    if (!usable() || !is_session_id(session)) return;
+    const auto began = Steady::now();
+    if (began < slow_until_.load()) return say(session, std::move(entry));
+    std::uint64_t order = 0;
+    {
+      const std::lock_guard guard(mutex_);
+      order = ++last_order_;
+      waiting_.erase(session);  // older
+    }
+    bool more_to_do = false, first_unsynced = false;
+    {
+      const std::lock_guard guard(files_);
+      first_unsynced = !unsynced_any_;
+      const bool appended = append_now(session, entry);
+      if (appended) written(session);
+      more_to_do = !appended || size_of(path_of(session)) > options_.max_file_bytes;
+      order_written_[session] = order;
+    }
+    const auto took = Steady::now() - began;
+    if (took >= kSlowWrite) {
+      slow_until_ = Steady::now() + kSlowPause;
+      warn("writing a session to " + options_.directory.string() + " took " +
+           std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(took).count()) +
+           " ms: for a while what changes may be lost where the server is killed right after");
+    }
+    if (!more_to_do && !first_unsynced) return;  // the thread will come by itself
+    {
+      const std::lock_guard guard(mutex_);
+      if (more_to_do) waiting_.try_emplace(session, Waiting{order, std::move(entry)});
     }
     changed_.notify_all();
   }
@@ -169,6 +206,11 @@ class Journal::Impl {
   }
 
  private:
+  struct Waiting {
+    std::uint64_t order = 0;
+    std::optional<journal::Entry> entry;  // nothing: forget it
+  };
+
   fs::path path_of(const std::string& session) const { return options_.directory / (session + kSuffix); }
 
   void warn(const std::string& what) const {
@@ -203,7 +245,7 @@ class Journal::Impl {
     for (fs::directory_iterator it(options_.directory, error), end; !error && it != end; it.increment(error)) {
       std::error_code ignored;
       const fs::path& path = it->path();
-      if (path.extension() == ".new") fs::remove(path, ignored);  // one that was never renamed into place
+      if (path.extension() == ".new" || path.extension() == ".beside") fs::remove(path, ignored);  // one that was never renamed into place
       if (path.extension() != kSuffix || !is_session_id(path.stem().string()) || !it->is_regular_file(ignored)) continue;
       files.push_back({it->last_write_time(ignored), path});
     }
@@ -232,8 +274,8 @@ class Journal::Impl {
     std::unique_lock guard(mutex_);
     while (true) {
       const auto due = [&] { return ending_ || flush_wanted_ > flushed_ || !waiting_.empty(); };
-      if (unsynced_.empty() && failed_.empty() && !directory_changed_)
-        changed_.wait(guard, due);
+      if (!unsynced_any_ && failed_.empty())
+        changed_.wait(guard, [&] { return due() || unsynced_any_; });
       else
         changed_.wait_until(guard, last_sync_ + options_.sync_period, due);
       auto work = std::exchange(waiting_, {});
@@ -242,10 +284,10 @@ class Journal::Impl {
       const bool flushing = flush > flushed_;
       guard.unlock();
       bool worked = true;
-      for (auto& [session, entry] : work)
-        if (!(entry ? append(session, *entry) : remove(session))) {
+      for (auto& [session, of] : work)
+        if (!(of.entry ? append(session, of) : remove(session))) {
           worked = false;
-          if (entry) failed_.insert_or_assign(session, std::move(*entry));
+          if (of.entry) failed_.insert_or_assign(session, std::move(of));
         } else {
           failed_.erase(session);
         }
@@ -266,23 +308,60 @@ class Journal::Impl {
     }
   }
 
-  bool append(const std::string& session, const journal::Entry& entry) {
+  static std::size_t size_of(const fs::path& path) {
+    std::error_code error;
+    const auto size = fs::file_size(path, error);
+    return error ? 0 : static_cast<std::size_t>(size);
+  }
+
+  /// With files_ held: a record at the end of the log, however long that is; false where there is none.
+  bool append_record(const fs::path& path, const std::string& record, std::size_t most) const {
+    struct stat facts {};
+    const File file = open_file(path, O_WRONLY | O_APPEND);
+    if (!file || ::fstat(*file, &facts) != 0 || !S_ISREG(facts.st_mode)) return false;
+    if (static_cast<std::size_t>(facts.st_size) + record.size() > most) return false;
+    if (write_all(*file, record)) return true;
+    const int why = errno;
+    // Half a record is passed over when it is read.
+    if (::ftruncate(*file, facts.st_size) == 0) errno = why;
+    return false;
+  }
+
+  /// With files_ held. Never an fsync, so a new log's name may outlive its bytes where the machine dies within the second.
+  bool append_now(const std::string& session, const journal::Entry& entry) {
     const std::string record = record_of(entry);
     if (record.size() > kMaxRecordBytes) return true;  // limits of commands keep a scene far below this
     const fs::path path = path_of(session);
-    struct stat facts {};
+    if (append_record(path, record, 2 * options_.max_file_bytes + kMaxRecordBytes)) return true;
+    std::error_code error;
+    if (fs::exists(path, error) || error) return false;
+    const fs::path beside = path.string() + ".new";
+    const File file = open_file(beside, O_WRONLY | O_CREAT | O_TRUNC);
+    if (!file || !write_all(*file, std::string(kHeader) + record)) return false;
+    fs::rename(beside, path, error);
+    if (error) return false;
+    directory_changed_ = true;
+    return true;
+  }
+
+  /// Of the writing thread. What was written meanwhile by say_now is newer and stays.
+  bool append(const std::string& session, const Waiting& of) {
+    const std::string record = record_of(*of.entry);
+    if (record.size() > kMaxRecordBytes) return true;
+    const fs::path path = path_of(session);
+    const auto overtaken = [&] {
+      const auto it = order_written_.find(session);
+      return it != order_written_.end() && it->second > of.order;
+    };
     {
-      const File file = open_file(path, O_WRONLY | O_APPEND);
-      if (file && ::fstat(*file, &facts) == 0 && S_ISREG(facts.st_mode) &&
-          static_cast<std::size_t>(facts.st_size) + record.size() <= options_.max_file_bytes) {
-        if (write_all(*file, record)) return written(session);
-        const int why = errno;
-        if (::ftruncate(*file, facts.st_size) != 0) return failed(errno);  // half a record is passed over when it is read
-        return failed(why);
-      }
+      const std::lock_guard guard(files_);
+      if (overtaken()) return true;
+      errno = 0;
+      if (append_record(path, record, options_.max_file_bytes)) return written(session);
+      if (errno == ENOSPC || errno == EDQUOT || errno == EIO) return failed(errno);
     }
     // A new log, or one that has grown: written beside and renamed into place.
-    const fs::path beside = path.string() + ".new";
+    const fs::path beside = path.string() + ".beside";
     std::error_code error;
     {
       const File file = open_file(beside, O_WRONLY | O_CREAT | O_TRUNC);
@@ -292,6 +371,11 @@ class Journal::Impl {
         return failed(why);
       }
     }
+    const std::lock_guard guard(files_);
+    if (overtaken()) {
+      fs::remove(beside, error);
+      return true;
+    }
     fs::rename(beside, path, error);
     if (error) return failed(error.value());
     directory_changed_ = true;
@@ -299,27 +383,39 @@ class Journal::Impl {
   }
 
   bool remove(const std::string& session) {
+    const std::lock_guard guard(files_);
     std::error_code error;
     fs::remove(path_of(session), error);
     failed_.erase(session);
     unsynced_.erase(session);
+    order_written_.erase(session);
     directory_changed_ = true;
+    unsynced_any_ = true;
     return !error;
   }
 
   bool sync() {
     bool worked = true;
-    for (const std::string& session : std::exchange(unsynced_, {})) {
+    std::set<std::string> unsynced;
+    bool directory_changed = false;
+    {
+      const std::lock_guard guard(files_);
+      unsynced_any_ = false;
+      unsynced = std::exchange(unsynced_, {});
+      directory_changed = std::exchange(directory_changed_, false);
+    }
+    for (const std::string& session : unsynced) {
       const File file = open_file(path_of(session), O_RDONLY);
       if (file && ::fsync(*file) != 0) worked = failed(errno);
     }
-    if (std::exchange(directory_changed_, false)) worked = sync_directory(options_.directory) && worked;
+    if (directory_changed) worked = sync_directory(options_.directory) && worked;
     return worked;
   }
 
   bool written(const std::string& session) {
     unsynced_.insert(session);
-    if (std::exchange(in_trouble_, false)) warn("sessions are being kept in " + options_.directory.string() + " again");
+    unsynced_any_ = true;
+    if (in_trouble_.exchange(false)) warn("sessions are being kept in " + options_.directory.string() + " again");
     return true;
   }
 
@@ -340,16 +436,23 @@ class Journal::Impl {
 
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_, done_;
-  std::map<std::string, std::optional<journal::Entry>> waiting_;  // nothing: forget it
+  std::map<std::string, Waiting> waiting_;
+  std::uint64_t last_order_ = 0;
   bool ending_ = false;
   std::uint64_t flush_wanted_ = 0, flushed_ = 0;
   bool flush_worked_ = true;
 
-  // Of the writing thread alone:
+  std::mutex files_;  // of the logs themselves, and of what follows
   std::set<std::string> unsynced_;
-  std::map<std::string, journal::Entry> failed_;  // the newest of each, tried again at every sync
+  std::map<std::string, std::uint64_t> order_written_;  // the newest by say_now
   bool directory_changed_ = false;
-  bool in_trouble_ = false;
+  std::atomic<bool> unsynced_any_ = false;  // so that the thread need not ask
+  std::atomic<bool> in_trouble_ = false;
+
+  std::atomic<Steady::time_point> slow_until_ = Steady::time_point{};
+
+  // Of the writing thread alone:
+  std::map<std::string, Waiting> failed_;  // the newest of each, tried again at every sync
   Steady::time_point last_sync_ = Steady::now(), last_warning_{};
 
   std::thread thread_;
@@ -362,6 +465,10 @@ std::vector<journal::Entry> Journal::take_found() { return impl_->take_found(); 
 void Journal::keep(journal::Entry entry) {
   const std::string session = entry.session();
   impl_->say(session, std::move(entry));
+}
+void Journal::keep_now(journal::Entry entry) {
+  const std::string session = entry.session();
+  impl_->say_now(session, std::move(entry));
 }
 void Journal::forget(const std::string& session) { impl_->say(session, std::nullopt); }
 bool Journal::flush(std::chrono::milliseconds timeout) { return impl_->flush(timeout); }

@@ -6,6 +6,7 @@
 // A change appends a record, and the newest record that is whole is the session: a write that was torn, a byte that rotted or a
 // tail that was lost costs the newest changes and nothing else. A log that has grown is written anew beside it and renamed into
 // place. What is appended survives the process at once, and the machine within `sync_period`, when files are fsync'd together.
+// What somebody is told to be done is appended before they are told.
 //
 // The journal never stands in the way: a directory that cannot be used, a full disk, files of another version or with nonsense in
 // them are reported, and the server runs on without what they would have kept.
@@ -31,7 +32,7 @@ struct JournalOptions {
   std::function<void(const std::string& what)> warn;
 };
 
-/// Any thread may call any function. One thread of its own writes; callers never wait for a disk.
+/// Any thread may call any function. One thread of its own writes, but for keep_now; nobody else ever waits for an fsync.
 class Journal {
  public:
   static constexpr std::size_t kMaxRecordBytes = 4 << 20;
@@ -50,6 +51,9 @@ class Journal {
 
   /// Replaces what is kept of the session; where several wait, the newest wins.
   void keep(journal::Entry entry);
+  /// The same, and it is in the kernel's hands when this returns, where write() works. On a disk that makes writers wait it is as
+  /// keep for a while, which is told.
+  void keep_now(journal::Entry entry);
   void forget(const std::string& session);
   /// Waits until everything said before is on the disk; false where it is not by then.
   bool flush(std::chrono::milliseconds timeout);
