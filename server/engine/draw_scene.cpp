@@ -249,6 +249,8 @@ IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const 
   SceneInterval closed = interval;  // an end that is open is where the array's range ends
   if (!std::isfinite(closed.lower)) closed.lower = std::min(extracted.color_lower, closed.upper);
   if (!std::isfinite(closed.upper)) closed.upper = std::max(extracted.color_upper, closed.lower);
+  if (closed.whole && !(std::isfinite(closed.whole->lower) && std::isfinite(closed.whole->upper)))
+    closed.whole = Interval{closed.lower, closed.upper};
   set_colors(style, closed, scene.color_range, extracted.color_lower, extracted.color_upper,
              extracted.color_by == extracted.array);
   style.priority = interval.priority;

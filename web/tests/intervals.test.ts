@@ -10,6 +10,7 @@ import {
   priorityOrder,
   proposeInterval,
   resize,
+  shownEnds,
   snap,
   snapCandidates,
   typeEnd,
@@ -129,7 +130,7 @@ test('typed numbers are taken exactly, and what cannot be taken is said in words
   expect(typeEnd({ lower: 0, upper: 5 }, 'lower', '5')).toContain('less than 5');
   expect(typeEnd({ lower: 0, upper: 5 }, 'lower', 'abc')).toContain('not a number');
   expect(typeEnd({ lower: 0, upper: 5 }, 'lower', '')).toContain('not a number');
-  expect(typeEnd({ lower: 0, upper: 5 }, 'upper', 'Infinity')).toContain('not a number');
+  expect(typeEnd({ lower: 0, upper: 5 }, 'upper', 'infinite')).toContain('not a number');
   expect(typeEnd({ lower: 0, upper: 5 }, 'upper', '1e400')).toContain('not a number');
 });
 
@@ -154,4 +155,39 @@ test('an id can be put at every place of an order and the others keep theirs', (
   expect(placed([1, 2, 3], 1, 1)).toEqual([2, 1, 3]);
   expect(placed([1, 2, 3], 1, 99)).toEqual([2, 3, 1]);
   expect(placed([1, 2, 3], 2, -1)).toEqual([2, 1, 3]);
+});
+
+describe('an interval that is open', () => {
+  const axis = { lower: 0, upper: 10 };
+  const above = { lower: 4, upper: Infinity };
+  const below = { lower: -Infinity, upper: 4 };
+
+  test('is typed, and stays what it is on the other side', () => {
+    for (const text of ['inf', '∞', 'Infinity', ' +inf ']) expect(typeEnd({ lower: 4, upper: 6 }, 'upper', text)).toEqual(above);
+    for (const text of ['-inf', '−∞', '-Infinity']) expect(typeEnd({ lower: 2, upper: 4 }, 'lower', text)).toEqual(below);
+    expect(typeEnd(above, 'lower', '5')).toEqual({ lower: 5, upper: Infinity });
+    expect(typeEnd(above, 'upper', '7')).toEqual({ lower: 4, upper: 7 });
+    for (const [end, text] of [['lower', 'inf'], ['upper', '-inf'], ['upper', 'infinite']] as [End, string][])
+      expect(typeof typeEnd({ lower: 2, upper: 4 }, end, text)).toBe('string');
+  });
+  test('is shown to the end of the axis', () => {
+    expect(shownEnds(above, axis)).toEqual({ lower: 4, upper: 10 });
+    expect(shownEnds(below, axis)).toEqual({ lower: 0, upper: 4 });
+    expect(shownEnds({ lower: 12, upper: Infinity }, axis)).toEqual({ lower: 12, upper: 12 });
+  });
+  test('keeps its open end under every gesture but one on that end', () => {
+    for (const delta of [-20, -1, 0.25, 3, 20]) {
+      for (const moved of [move(above, delta, axis), moveAndSnap(above, delta, axis, [7], 0.1)]) {
+        expect(moved.upper).toBe(Infinity);
+        expect(moved.lower).toBeGreaterThanOrEqual(0);
+        expect(moved.lower).toBeLessThanOrEqual(10);
+      }
+      expect(move(below, delta, axis).lower).toBe(-Infinity);
+      expect(move({ lower: -Infinity, upper: Infinity }, delta, axis)).toEqual({ lower: -Infinity, upper: Infinity });
+    }
+    expect(moveAndSnap(above, 2.95, axis, [7], 0.1)).toEqual({ lower: 7, upper: Infinity });
+    expect(keyToValue('ArrowLeft', false, above, 'upper', axis)).toBeLessThan(10);
+    expect(resize(above, 'upper', 9, axis)).toEqual({ lower: 4, upper: 9 });
+    expect(snapCandidates(axis, [{ ...above, id: 1 } as Interval], 2).every(Number.isFinite)).toBe(true);
+  });
 });

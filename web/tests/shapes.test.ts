@@ -32,6 +32,8 @@ test('numbers are short and right to the digits shown', () => {
   expect(formatNumber(0.00001234)).toBe('1.234e-5');
   expect(formatNumber(123456)).toBe('123460');
   expect(formatNumber(Number.NaN)).toBe('NaN');
+  expect(formatNumber(Infinity)).toBe('∞');
+  expect(formatNumber(-Infinity)).toBe('−∞');
   expect(formatCount(9479)).toBe('9,479');
   expect(formatCount(60432)).toBe('60.4 k');
   expect(formatCount(5_100_000)).toBe('5.10 M');

@@ -38,8 +38,23 @@ export function snap(value: number, candidates: readonly number[], tolerance: nu
 /** Where ends like to stop: the ends of the data and of the other intervals, so that layers can touch without a gap. */
 export function snapCandidates(axis: Range, intervals: readonly Interval[], except: number): number[] {
   const others = intervals.filter((interval) => interval.id !== except);
-  return [axis.lower, axis.upper, ...others.flatMap((interval) => [interval.lower, interval.upper])];
+  return [axis.lower, axis.upper, ...others.flatMap((interval) => [interval.lower, interval.upper])].filter(Number.isFinite);
 }
+
+/** Where an axis shows the ends: one that is open, at the axis' own end. */
+export function shownEnds(interval: Range, axis: Range): Range {
+  return {
+    lower: Number.isFinite(interval.lower) ? interval.lower : Math.min(axis.lower, interval.upper),
+    upper: Number.isFinite(interval.upper) ? interval.upper : Math.max(axis.upper, interval.lower),
+  };
+}
+
+/** The one end that can be moved where the other is open; null where both can, or none. */
+function onlyEnd(interval: Range): End | null {
+  if (Number.isFinite(interval.lower) === Number.isFinite(interval.upper)) return null;
+  return Number.isFinite(interval.lower) ? 'lower' : 'upper';
+}
+const within = (value: number, axis: Range): number => Math.min(Math.max(value, axis.lower), axis.upper);
 
 /** Moves one end; it stops before the other end and at the ends of the axis. */
 export function resize(interval: Range, end: End, value: number, axis: Range): Range {
@@ -52,8 +67,11 @@ export function resize(interval: Range, end: End, value: number, axis: Range): R
   return { lower: interval.lower, upper: Math.max(Math.min(value, Math.max(axis.upper, interval.upper)), least) };
 }
 
-/** Moves the whole interval; its width stays, and it stops at the ends of the axis. */
+/** Moves the whole interval; its width stays, and it stops at the ends of the axis. Of one that is open the other end moves. */
 export function move(interval: Range, delta: number, axis: Range): Range {
+  const end = onlyEnd(interval);
+  if (end) return { lower: interval.lower, upper: interval.upper, [end]: within(interval[end] + delta, axis) };
+  if (!Number.isFinite(interval.lower)) return { lower: interval.lower, upper: interval.upper };
   const room = { lower: Math.min(axis.lower - interval.lower, 0), upper: Math.max(axis.upper - interval.upper, 0) };
   const d = Math.min(Math.max(delta, room.lower), room.upper);
   return { lower: interval.lower + d, upper: interval.upper + d };
@@ -69,6 +87,9 @@ export function moveAndSnap(
 ): Range {
   const free = move(interval, delta, axis);
   const step = dragStep(axis);
+  const end = onlyEnd(interval);
+  if (end) return { ...free, [end]: snap(free[end], candidates, tolerance, step) };
+  if (!Number.isFinite(interval.lower)) return free;
   const lower = snap(free.lower, candidates, tolerance, step);
   const upper = snap(free.upper, candidates, tolerance, step);
   const pullLower = candidates.includes(lower) ? Math.abs(lower - free.lower) : Infinity;
@@ -104,10 +125,13 @@ export function proposeInterval(axis: Range, intervals: readonly Range[]): Range
   return { lower, upper: Math.max(roundTo(middle + width / 2, step), lower + step) };
 }
 
-/** A typed number as an end: the new ends, or what is wrong with it in words. */
+/** A typed number as an end: the new ends, or what is wrong with it in words. “inf” leaves it open. */
 export function typeEnd(interval: Range, end: End, text: string): Range | string {
-  const value = text.trim() === '' ? Number.NaN : Number(text.trim().replace(',', '.').replace('−', '-'));
-  if (!Number.isFinite(value)) return `“${text}” is not a number.`;
+  const typed = text.trim().replace(',', '.').replace('−', '-');
+  const open = /^([+-]?)(∞|inf|infinity)$/i.exec(typed);
+  const value = open ? (open[1] === '-' ? -Infinity : Infinity) : typed === '' ? Number.NaN : Number(typed);
+  if (!open && !Number.isFinite(value)) return `“${text}” is not a number.`;
+  if (value === (end === 'lower' ? Infinity : -Infinity)) return `The ${end} end can be open to the other side only.`;
   if (end === 'lower' && value >= interval.upper) return `The lower end must be less than ${interval.upper}.`;
   if (end === 'upper' && value <= interval.lower) return `The upper end must be greater than ${interval.lower}.`;
   return { ...interval, [end]: value };
@@ -115,7 +139,7 @@ export function typeEnd(interval: Range, end: End, text: string): Range | string
 
 /** What a key does to a thumb; null for a key that means nothing here. */
 export function keyToValue(key: string, fine: boolean, interval: Range, end: End, axis: Range): number | null {
-  const value = interval[end];
+  const value = shownEnds(interval, axis)[end];
   const small = arrowStep(axis) * (fine ? 0.1 : 1);
   switch (key) {
     case 'ArrowRight':

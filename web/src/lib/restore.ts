@@ -55,11 +55,17 @@ export function restoreStep(
   return { kind: 'send', commands, done: true };
 }
 
+/** As it is stored: JSON has no infinities, and an interval's end may be one. */
+export const savedStateText = (state: SceneState): string =>
+  JSON.stringify(state, (_, value) => (value === Infinity ? 'inf' : value === -Infinity ? '-inf' : value));
+const openEnds = (key: string, value: unknown): unknown =>
+  key !== 'lower' && key !== 'upper' ? value : value === 'inf' ? Infinity : value === '-inf' ? -Infinity : value;
+
 /** A state out of storage, or null where it is not one: what was stored is not trusted. */
 export function parseSavedState(text: string | null): SceneState | null {
   if (!text) return null;
   try {
-    const value = JSON.parse(text) as SceneState;
+    const value = JSON.parse(text, openEnds) as SceneState;
     const numbers = (...xs: unknown[]) => xs.every((x) => typeof x === 'number' && Number.isFinite(x));
     const good =
       typeof value.dataset === 'string' &&
@@ -67,7 +73,10 @@ export function parseSavedState(text: string | null): SceneState | null {
       typeof value.colorBy === 'string' &&
       numbers(value.step, value.unitDistance, ...value.background) &&
       Array.isArray(value.intervals) &&
-      value.intervals.every((i: Range & { opacity: number }) => numbers(i.lower, i.upper, i.opacity) && i.lower < i.upper);
+      value.intervals.every(
+        (i: Range & { opacity: number }) =>
+          typeof i.lower === 'number' && typeof i.upper === 'number' && numbers(i.opacity) && i.lower < i.upper,
+      );
     return good ? value : null;
   } catch {
     return null;

@@ -1,6 +1,6 @@
 // What a tab remembers over a reload: which session it had, and what the picture was made of.
 import type { SceneState } from './model';
-import { parseSavedState } from './restore';
+import { parseSavedState, savedStateText } from './restore';
 
 export interface SavedSession {
   id: string;
@@ -32,7 +32,7 @@ export class SavedTab {
     return parseSavedState(this.read('state'));
   }
   set state(state: SceneState | null) {
-    this.write('state', state ? JSON.stringify(state) : '');
+    this.write('state', state ? savedStateText(state) : '');
   }
 
   private read(key: string): string | null {

@@ -22,7 +22,7 @@ export function ticks(lower: number, upper: number, count: number): number[] {
 
 /** Short, and exact to `digits` significant ones: 0.3125, 1.25e+8, 12 300 as 12300. */
 export function formatNumber(value: number, digits = 5): string {
-  if (!Number.isFinite(value)) return String(value);
+  if (!Number.isFinite(value)) return Number.isNaN(value) ? 'NaN' : value > 0 ? '∞' : '−∞';
   if (value === 0) return '0';
   const short = Number(value.toPrecision(digits));
   const size = Math.abs(short);

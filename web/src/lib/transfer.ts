@@ -1,7 +1,7 @@
 // The rules of editing a transfer function: pure functions from its points and a gesture to the new points. Values never fall from one point
 // to the next; a step is two points of one value.
 import { colorMapColors } from './color-maps';
-import { arrowStep, leastWidth, pageStep } from './intervals';
+import { arrowStep, leastWidth, pageStep, shownEnds } from './intervals';
 import type { Interval, Range, Rgb, TransferPoint } from './model';
 import { roundTo } from './ticks';
 
@@ -25,7 +25,8 @@ export function lookAt(points: readonly TransferPoint[], value: number): Transfe
 
 /** A function that looks as the layer does: nothing jumps when it begins. */
 export function startPoints(interval: Interval, whole: Range): TransferPoint[] {
-  const { lower, upper, color, opacity } = interval;
+  const { color, opacity } = interval;
+  const { lower, upper } = shownEnds(interval, whole); // a function's ends are never open
   const opacityUpper = interval.opacityUpper ?? opacity;
   const colors = interval.colorMap ? colorMapColors(interval.colorMap) : null;
   const range = interval.ownRange ? { lower, upper } : whole;
