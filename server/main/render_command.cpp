@@ -12,16 +12,18 @@
 #include "engine/draw_still.h"
 #include "engine/transfer_function.h"
 #include "main/commands.h"
+#include "main/json_number.h"
 #include "main/layer_arguments.h"
 #include "main/mode_arguments.h"
 #include "main/picture_arguments.h"
+#include "main/state_file.h"
 #include "main/still_arguments.h"
 
 namespace isostrata {
 namespace {
 
 struct RenderArguments {
-  std::string file, array, color_by, out;
+  std::string file, state, array, color_by, out;
   std::vector<std::string> intervals;
   std::string size = "800x600", camera = "reset", renderer = "auto", background, device = "auto", tetrahedra = "auto";
   double unit_distance = 0;
@@ -65,6 +67,57 @@ ColorRange over_all_steps(const ColorRange& range, const StepSource& steps, cons
   return resolved(range, lower, upper);
 }
 
+/// What the command line says, in place of what the state says.
+void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::App& command, const Dataset& dataset, double aspect) {
+  const auto given = [&](auto... options) { return ((command.count(options) > 0) || ...); };
+  RenderArguments all = arguments;
+  if (given("--array")) scene.array = dataset.array(arguments.array).name;
+  if (given("--color-by")) scene.color_by = arguments.color_by;
+  const PointArray& array = array_argument(dataset, scene.array);
+  if (!arguments.intervals.empty()) scene.intervals = parse_intervals(arguments.intervals, dataset, array);
+  if (given("--step")) scene.step = arguments.layers.step, scene.time.reset();
+  if (given("--time")) scene.time = arguments.layers.time;
+  Scene said;
+  set_layers(said, arguments.layers);
+  if (!arguments.layers.terms.empty()) scene.terms = said.terms;
+  if (given("--time-mode")) scene.time_mode = said.time_mode;
+  if (given("--triangulation")) scene.triangulation = said.triangulation;
+
+  // The modes' options depend on one another: they are judged with those of the state that are not given.
+  const SceneMode mode = scene.mode;
+  Scene modes = scene;
+  if (!given("--mode"))
+    all.modes.mode = mode == SceneMode::prioritized ? "prioritized" : mode == SceneMode::cycled ? "cycled" : mode == SceneMode::smear ? "smear" : "sorted";
+  const bool same_smear = all.modes.mode == "smear" && !given("--steps", "--times") && !(scene.smear.steps.empty() && scene.smear.times.empty());
+  if (same_smear) {
+    all.modes.steps = "0";
+    modes.time.reset();
+  }
+  set_modes(modes, all.modes, array);
+  scene.mode = modes.mode;
+  scene.intervals = modes.intervals;
+  if (given("--integral")) scene.integral = modes.integral;
+  if (given("--texture")) scene.texture = modes.texture;
+  if (given("--steps", "--times")) {
+    scene.smear.steps = given("--steps") ? modes.smear.steps : std::vector<int>{};
+    scene.smear.times = given("--times") ? modes.smear.times : std::vector<double>{};
+  }
+  if (given("--color-range", "--color-log")) scene.color_range = modes.color_range;
+  if (given("--smear-colors")) scene.smear.colors = modes.smear.colors;
+  if (given("--seconds")) scene.cycle.seconds = modes.cycle.seconds;
+  if (given("--phase")) scene.cycle.phase = modes.cycle.phase;
+
+  if (given("--camera")) scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset", aspect), dataset.bounds, aspect);
+  if (given("--background") && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
+  if (given("--unit-distance")) scene.unit_distance = arguments.unit_distance;
+  Scene still;
+  set_still(still, arguments.still);
+  if (given("--axes")) scene.annotations.axes = still.annotations.axes;
+  if (given("--box")) scene.annotations.box = still.annotations.box;
+  if (given("--legend")) scene.annotations.legend = still.annotations.legend;
+  if (given("--clip")) scene.clip_planes = still.clip_planes;
+}
+
 boost::json::object to_json(const RenderArguments& arguments, const Scene& scene, const ExtractedScene& extracted,
                             const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
   const auto vector = [](Vec3d v) { return boost::json::array{v.x, v.y, v.z}; };
@@ -82,8 +135,8 @@ boost::json::object to_json(const RenderArguments& arguments, const Scene& scene
     }
     const std::string& map = part ? scene.intervals[i].color_map : style.color_map;
     intervals.push_back(boost::json::object{
-        {"lower", summary.interval.lower},
-        {"upper", summary.interval.upper},
+        {"lower", json_number(summary.interval.lower)},
+        {"upper", json_number(summary.interval.upper)},
         {"tetrahedra", summary.tetrahedra},
         {"color", map.empty() ? format_rgb(style.color) : "map:" + map},
         {"opacity", style.opacity},
@@ -128,7 +181,8 @@ struct Picture {
 
 /// What is to be drawn: one picture, or all of a cycle.
 std::vector<Picture> pictures_of(const RenderArguments& arguments, const Scene& scene) {
-  if (scene.mode != SceneMode::cycled || arguments.modes.phase) return {{scene.cycle.phase, arguments.out}};
+  // A state has a phase: it is one picture.
+  if (scene.mode != SceneMode::cycled || arguments.modes.phase || !arguments.state.empty()) return {{scene.cycle.phase, arguments.out}};
   std::vector<Picture> pictures;
   for (std::size_t i = 0; i < std::max<std::size_t>(cycle_length(scene), 1); ++i)
     pictures.push_back({static_cast<double>(i), is_numbered(arguments.out) ? numbered_path(arguments.out, i) : arguments.out});
@@ -145,7 +199,7 @@ void add_facts(DrawFacts& sum, const DrawFacts& of) {
 /// Whatever can be refused before the work begins.
 void check_out(const RenderArguments& arguments) {
   check_image_path(arguments.out);
-  const bool cycle = arguments.modes.mode == "cycled" && !arguments.modes.phase;
+  const bool cycle = arguments.modes.mode == "cycled" && !arguments.modes.phase && arguments.state.empty();
   if (cycle && is_numbered(arguments.out)) numbered_path(arguments.out, 0);
   if (cycle && !is_numbered(arguments.out) && !arguments.out.ends_with(".png"))
     throw Error(ErrorCode::invalid_argument, arguments.out +
@@ -153,7 +207,7 @@ void check_out(const RenderArguments& arguments) {
                                                  "file; expected .png, %02d in the name, or --phase");
 }
 
-void run(const RenderArguments& arguments) {
+void run(const RenderArguments& arguments, const CLI::App& command) {
   check_out(arguments);
   const auto [width, height] = parse_size(arguments.size);
   const bool transparent = arguments.background == "transparent";
@@ -166,7 +220,14 @@ void run(const RenderArguments& arguments) {
   const StepSource steps = step_source(arguments.file);
   const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
-  const Scene wanted = make_scene(arguments, *dataset, static_cast<double>(width) / height);
+  const double aspect = static_cast<double>(width) / height;
+  Scene wanted;
+  if (arguments.state.empty()) {
+    wanted = make_scene(arguments, *dataset, aspect);
+  } else {
+    wanted = read_state_file(arguments.state, *dataset, aspect);
+    override_scene(wanted, arguments, command, *dataset, aspect);
+  }
   Scene scene = drawn_scene(wanted);
   if (scene.color_range.span == ColorSpan::all_steps)
     scene.color_range = over_all_steps(scene.color_range, steps, *dataset, scene.color_by.empty() ? scene.array : scene.color_by);
@@ -239,11 +300,16 @@ void add_render_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Draws interval volumes to a picture");
   auto arguments = std::make_shared<RenderArguments>();
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  command
+      ->add_option("--state", arguments->state,
+                   "A session's state, as GET api/v1/sessions/ID/state gives it: the picture that the page shows. Other options "
+                   "override what it says; a cycle is one picture, of the state's phase")
+      ->type_name("FILE");
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command
       ->add_option(
           "--interval", arguments->intervals,
-          "LOWER:UPPER and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N; may be repeated. opacity is that of a "
+          "LOWER:UPPER (-inf and inf leave an end open) and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N; may be repeated. opacity is that of a "
           "layer one unit distance thick; A..B runs as colours do. Its boundary is drawn with ,surface=lower|upper|both|domain|"
           "all (some joined by +) and ,surface-color=#rrggbb ,surface-opacity=X ,specular=X ,shininess=X ,silhouette=X "
           ",texture=stripes|NAME ,repeat=X. A map may be a ramp: map:#0000ff-#ffffff. Default: four equal parts of the array's "
@@ -286,7 +352,7 @@ void add_render_command(CLI::App& app) {
           "pictures")
       ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
-  command->callback([arguments] { run(*arguments); });
+  command->callback([arguments, command] { run(*arguments, *command); });
 }
 
 }  // namespace isostrata

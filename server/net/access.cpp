@@ -32,8 +32,9 @@ bool Access::listed(std::string_view host_and_port) const {
   const std::string_view name = name_of(host_and_port);
   if (name == "localhost" || name == "127.0.0.1" || name == "[::1]") return true;
   if (name.empty()) return false;
-  for (const std::string& allowed : options_.allowed_hosts)
-    if (allowed == host_and_port || allowed == name) return true;
+  for (const auto* list : {&options_.allowed_hosts, &options_.own_hosts})
+    for (const std::string& allowed : *list)
+      if (allowed == host_and_port || allowed == name) return true;
   return false;
 }
 

@@ -13,6 +13,7 @@ namespace isostrata {
 struct AccessOptions {
   std::string token;                       // empty: everyone may ask (--no-auth)
   std::vector<std::string> allowed_hosts;  // "name" (any port) or "name:port", lower case; beside the loopback names
+  std::vector<std::string> own_hosts;      // as these, of Host alone: the address that is listened on
   bool secure = false;                     // served over TLS: the cookie goes nowhere else
   unsigned short port = 0;                 // being served; names the cookie, since browsers share cookies between ports
 };
@@ -24,7 +25,8 @@ class Access {
   /// Host is one of localhost, 127.0.0.1, [::1] at any port (a tunnel may end at another one) or on the list. Exactly one Host
   /// header.
   bool host_allowed(const HttpRequest& request) const;
-  /// Origin, where there is one, is that of Host itself, http or https, or on the list; "null" never is.
+  /// Origin, where there is one, is that of Host itself, http or https, or on the list of allowed_hosts; "null" never is. A name
+  /// without a port stands for the port that its scheme has by default, so what else runs on this machine is another origin.
   bool origin_allowed(const HttpRequest& request) const;
 
   /// By cookie, "Authorization: Bearer", or ?token=. Compared in constant time.

@@ -1,5 +1,6 @@
 // HTTP on one socket. Beast 1.81 needs care: it is compiled with NDEBUG, bodies in chunks are refused, and any parse error ends
 // the connection.
+#include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -24,8 +25,10 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 
-constexpr auto kHeaderTimeout = std::chrono::seconds(10);
-constexpr auto kIdleTimeout = std::chrono::seconds(60);  // between two requests
+constexpr auto kHeaderTimeout = std::chrono::seconds(5);  // without a token: for a request's head, from when it is waited for
+constexpr auto kIdleTimeout = std::chrono::seconds(60);   // with one: between two requests
+constexpr auto kDrainTimeout = std::chrono::seconds(1);   // for a body that is not wanted, so that its sender reads the answer
+constexpr std::size_t kMostDrained = 64 << 10;
 constexpr auto kBodyTimeout = std::chrono::seconds(20);
 constexpr auto kWriteTimeout = std::chrono::seconds(60);
 constexpr auto kAnswerTimeout = std::chrono::seconds(600);  // loading a dataset may take that long
@@ -144,24 +147,29 @@ asio::awaitable<void> write_events(beast::tcp_stream& stream, HttpResponse respo
   events->wake = nullptr;
 }
 
-asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) {
-  beast::flat_buffer buffer(kMaxHeaderBytes + kMaxMessageBytes);
-  const std::size_t closer = ++connections.last_closer;
-  connections.closers[closer] = [&stream] { stream.close(); };
-  struct Forget {
-    Connections& connections;
-    std::size_t closer;
-    ~Forget() { connections.closers.erase(closer); }
-  };
-  std::optional<Forget> forget(std::in_place, connections, closer);
+// What is on its way is read and thrown away: a socket that is closed over unread bytes takes the answer back.
+asio::awaitable<void> drain(beast::tcp_stream& stream) {
+  boost::system::error_code error;
+  stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
+  std::array<char, 4096> piece;
+  stream.expires_after(kDrainTimeout);
+  for (std::size_t drained = 0; !error && drained < kMostDrained;)
+    drained += co_await stream.async_read_some(asio::buffer(piece), asio::redirect_error(asio::use_awaitable, error));
+}
 
-  for (bool first = true, more = true; more; first = false) {
+asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections, Places::Place& place) {
+  beast::flat_buffer buffer(kMaxHeaderBytes + kMaxMessageBytes);
+  place.set_close([&stream] { stream.close(); });
+
+  for (bool more = true; more;) {
     boost::system::error_code error;
     http::request_parser<http::string_body> parser;
     parser.header_limit(kMaxHeaderBytes);
     parser.body_limit(kMaxMessageBytes);
-    stream.expires_after(first ? kHeaderTimeout : kIdleTimeout);
+    stream.expires_after(place.caller() == Caller::stranger ? kHeaderTimeout : kIdleTimeout);
+    place.be_idle(true);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    place.be_idle(false);
     if (error) {
       // Only what is a malformed request deserves an answer; a socket that ended does not hear it.
       const bool too_large =
@@ -184,15 +192,27 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
                      wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
       break;
     }
+    HttpRequest asked = plain(parser.get());
+    const Site::Head head_says = connections.site.look_at_head(asked);
+    place.show(head_says.caller);
     if (beast::websocket::is_upgrade(parser.get())) {
       Sessions::Admission admission;
-      if (auto refusal = connections.site.refuse_upgrade(plain(parser.get()), admission)) {
+      auto refusal = connections.site.refuse_upgrade(asked, admission);
+      if (!refusal && place.caller() == Caller::guest && !connections.places.guests_may_settle())
+        refusal = problem(503, "unavailable", "as many guests are here as this server has places for; try again later");
+      if (refusal) {
         connections.site.refused(refusal->status);
         co_await write(stream, wire(std::move(*refusal), 11, false, false));
         break;
       }
-      forget.reset();
-      co_return co_await serve_websocket(std::move(stream), parser.release(), connections, std::move(admission));
+      co_return co_await serve_websocket(std::move(stream), parser.release(), connections, place, std::move(admission));
+    }
+    // Whoever may send no body is answered by the head alone.
+    const bool unread = !head_says.may_send_body && !parser.is_done();
+    if (unread) {
+      HttpResponse response = co_await answer(connections.site, asked);
+      co_await write(stream, wire(std::move(response), parser.get().version(), false, parser.get().method() == http::verb::head));
+      co_return co_await drain(stream);
     }
     stream.expires_after(kBodyTimeout);
     co_await http::async_read(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
@@ -206,8 +226,9 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
     const http::request<http::string_body> request = parser.release();
     const bool head = request.method() == http::verb::head;
     stream.expires_never();
-    connections.site.set_connections(connections.open);
-    HttpResponse response = co_await answer(connections.site, plain(request));
+    asked.body = request.body();
+    connections.site.set_connections(connections.places.taken());
+    HttpResponse response = co_await answer(connections.site, asked);
     connections.wake();
     if (response.events && !head) {
       co_await write_events(stream, std::move(response), request.version());
@@ -224,16 +245,18 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections) 
 
 }  // namespace
 
-boost::asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, Connections& connections) {
-  struct Count {
-    Connections& connections;
-    explicit Count(Connections& c) : connections(c) { ++connections.open; }
-    ~Count() { --connections.open; }
-  } count(connections);
+std::string address_of(const asio::ip::tcp::socket& socket) {
+  boost::system::error_code error;
+  const auto end = socket.remote_endpoint(error);
+  return error ? std::string() : end.address().to_string(error);
+}
+
+boost::asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address, Connections& connections) {
   try {
+    Places::Place place(connections.places, std::move(address), [] {});
     boost::system::error_code ignored;
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-    co_await serve(beast::tcp_stream(std::move(socket)), connections);
+    co_await serve(beast::tcp_stream(std::move(socket)), connections, place);
   } catch (const std::exception&) {
     // Out of memory or a broken invariant in one connection ends that connection.
   }

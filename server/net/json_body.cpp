@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/utf8.h"
 #include "net/problem.h"
 #include "session/wire.h"
 
@@ -80,10 +81,51 @@ void add_named(const google::protobuf::Descriptor& type, const json::object& doc
   }
 }
 
+/// The same text with ends that are open as Protobuf's JSON has them. Of text that is JSON; all other bytes stay what they are, since
+/// a number that is parsed and written again may lose its last bit.
+std::string with_open_ends(std::string_view text) {
+  std::string out;
+  std::vector<std::string_view> objects;  // the member that each open object or list is the value of
+  std::string_view key;
+  bool is_value = false;  // what comes next, of a member
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    std::size_t end = at + 1;
+    if (c == '"') {
+      while (text[end] != '"') end += text[end] == '\\' ? 2 : 1;
+      ++end;
+    } else if (c == 'n') {
+      end = at + 4;  // null
+    }
+    const std::string_view token = text.substr(at, end - at);
+    const bool is_end = is_value && (key == "\"lower\"" || key == "\"upper\"") && (objects.empty() || objects.back() != "\"surface\"");
+    if (c == '{' || c == '[') objects.push_back(is_value ? key : objects.empty() ? std::string_view{} : objects.back());
+    if ((c == '}' || c == ']') && !objects.empty()) objects.pop_back();
+    if (is_end && (token == "\"inf\"" || (token == "null" && key == "\"upper\"")))
+      out += "\"Infinity\"";
+    else if (is_end && (token == "\"-inf\"" || token == "null"))
+      out += "\"-Infinity\"";
+    else
+      out += token;
+    if (c == ':')
+      is_value = true;
+    else if (c != ' ' && c != '\t' && c != '\r' && c != '\n')
+      is_value = false;
+    if (c == '"') key = token;
+    at = end;
+  }
+  return out;
+}
+
 }  // namespace
 
+bool is_interval_end(const google::protobuf::FieldDescriptor& field) {
+  const std::string& of = field.containing_type()->name();
+  return (field.name() == "lower" || field.name() == "upper") && (of == "Interval" || of == "PatchInterval" || of == "RangeTerm");
+}
+
 HttpResponse json_response(int status, const json::value& document) {
-  return {status, "application/json", json::serialize(document), {{"Cache-Control", "no-store"}}};
+  return {status, "application/json", valid_json(json::serialize(document)), {{"Cache-Control", "no-store"}}};
 }
 
 std::string message_json(const google::protobuf::Message& message) {
@@ -123,7 +165,7 @@ std::optional<v1::Error> parse_message(const std::string& body, google::protobuf
   if (body.empty()) return std::nullopt;
   json::object object;
   if (auto error = parse_object(body, object)) return error;
-  const auto done = google::protobuf::util::JsonStringToMessage(body, &message);
+  const auto done = google::protobuf::util::JsonStringToMessage(with_open_ends(body), &message);
   if (done.ok()) return std::nullopt;
   return wire_error("malformed", "the body is not a " + message.GetDescriptor()->name() + ": " + done.ToString());
 }

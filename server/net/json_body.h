@@ -26,6 +26,9 @@ std::optional<v1::Error> parse_object(const std::string& body, boost::json::obje
 /// the value.
 std::optional<v1::Error> parse_message(const std::string& body, google::protobuf::Message& message);
 
+/// Whether the field is `lower` or `upper` of an interval or a term, which may be open: JSON says so by "inf", "-inf" or null, too.
+bool is_interval_end(const google::protobuf::FieldDescriptor& field);
+
 /// Which fields the document names, as the paths of a field mask; members of objects one by one, lists as a whole.
 google::protobuf::FieldMask named_fields(const google::protobuf::Descriptor& type, const boost::json::object& document);
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "net/json_body.h"
 
 // The compiled .proto file with its comments, taken in by the assembler (CMakeLists.txt names it).
 asm(".pushsection .rodata\n"
@@ -70,6 +71,19 @@ json::object number_schema(json::object& schemas) {
   return reference("Number");
 }
 
+// Of an interval or a term.
+json::object end_schema(json::object& schemas) {
+  if (!schemas.contains("End"))
+    schemas["End"] = json::object{
+        {"description",
+         "An end of an interval. Open, with everything below or above: \"-inf\", \"inf\" or null; answers say \"-Infinity\" and "
+         "\"Infinity\"."},
+        {"anyOf", json::array{json::object{{"type", "number"}},
+                              json::object{{"type", "string"}, {"enum", json::array{"inf", "-inf", "Infinity", "-Infinity"}}},
+                              json::object{{"type", "null"}}}}};
+  return reference("End");
+}
+
 void add(const pb::Descriptor& message, json::object& schemas);
 
 json::object value_schema(const pb::FieldDescriptor& field, json::object& schemas) {
@@ -86,7 +100,7 @@ json::object value_schema(const pb::FieldDescriptor& field, json::object& schema
       return {{"type", json::array{"string", "integer"}}, {"pattern", "^[0-9]+$"}};
     case pb::FieldDescriptor::CPPTYPE_FLOAT:
     case pb::FieldDescriptor::CPPTYPE_DOUBLE:
-      return number_schema(schemas);
+      return is_interval_end(field) ? end_schema(schemas) : number_schema(schemas);
     case pb::FieldDescriptor::CPPTYPE_ENUM: {
       json::array names;
       for (int i = 0; i < field.enum_type()->value_count(); ++i) names.emplace_back(field.enum_type()->value(i)->name());

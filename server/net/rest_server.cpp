@@ -43,7 +43,8 @@ json::object engine_object(const Sessions& sessions) {
   return {{"device", engine.device},          {"deviceIsSoftware", engine.device_is_software},
           {"ownProcess", engine.own_process}, {"process", engine.process},
           {"processes", engine.processes},    {"deaths", engine.deaths},
-          {"lastDeath", engine.last_death},   {"fallback", engine.fallback}};
+          {"lastDeath", engine.last_death},   {"fallback", engine.fallback},
+          {"trouble", engine.trouble}};
 }
 
 }  // namespace

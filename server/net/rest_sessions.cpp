@@ -24,7 +24,8 @@ void create(RestContext& context, const Call& call) {
   v1::NewSession wanted;
   if (auto error = parse_message(call.request.body, wanted)) return call.reply(problem(*error));
   v1::Error error;
-  Session* created = context.sessions.create(rest_now(), error);
+  const bool empty = wanted.dataset().empty() && !wanted.has_state();
+  Session* created = context.sessions.create(rest_now(), error, empty ? Sessions::NewFor::nobody : Sessions::NewFor::script);
   if (!created) return call.reply(problem(error));
   const Session::Reply answer = [&context, id = created->id(), reply = call.reply](std::optional<v1::Error> failed) {
     Session* session = context.sessions.find(id);
@@ -109,7 +110,9 @@ void add_session_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "Begins a session",
                     .description =
                         "Empty, with a dataset, or with a state that was saved. Answers when the dataset is open. Where all "
-                        "sessions are taken, the one that was unused the longest makes room.",
+                        "sessions are taken, one that nobody watches makes room: first those that hold nothing, then those that "
+                        "nobody has worked on, then those that were unused for two minutes; for an empty one only the first. "
+                        "Where there is none, the answer is 503.",
                     .body = RequestBody{"NewSession", "What it shows at first", false},
                     .answers = {{201, "The new session; Location names it", "Session"}},
                     .handler = [&context](Call call) { create(context, call); }});

@@ -69,9 +69,10 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   site.access.secure = !options.tls_certificate.empty();
   site.access.allowed_hosts = options.allowed_hosts;
   if (!public_host.empty()) site.access.allowed_hosts.push_back(public_host);
-  if (options.host != "0.0.0.0" && options.host != "::") site.access.allowed_hosts.push_back(bracketed(options.host));
-  for (std::string& host : site.access.allowed_hosts)
-    for (char& c : host) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (options.host != "0.0.0.0" && options.host != "::") site.access.own_hosts.push_back(bracketed(options.host));
+  for (auto* list : {&site.access.allowed_hosts, &site.access.own_hosts})
+    for (std::string& host : *list)
+      for (char& c : host) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return site;
 }
 
@@ -118,7 +119,7 @@ class Server::Impl {
       : options_(std::move(options)),
         connections_{sessions_,
                      site_,
-                     kMoreConnections + 2 * options_.max_sessions,
+                     Places(kMoreConnections + 2 * options_.max_sessions),
                      options_.hello_timeout,
                      options_.write_timeout,
                      [this] { wake(); },
@@ -136,7 +137,7 @@ class Server::Impl {
 
   ~Impl() {
     // Most coroutines end here; those that wait for an answer are destroyed with io_.
-    for (auto closers = connections_.closers; const auto& [id, close] : closers) close();
+    connections_.places.close_all();
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     tick_.cancel();
@@ -206,7 +207,7 @@ class Server::Impl {
       } catch (const std::exception&) {
         // Out of memory for one session's frame: the clock must not stop for the others.
       }
-      if (connections_.open > 0) last_connection_ = now;
+      if (connections_.places.taken() > 0) last_connection_ = now;
       if (options_.idle_timeout.count() > 0 && now - last_connection_ >= options_.idle_timeout) shut_down("nobody is connected");
       boost::system::error_code error;
       tick_.expires_at(next);
@@ -226,13 +227,15 @@ class Server::Impl {
         co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
         continue;
       }
-      if (connections_.open >= connections_.max_connections) {
+      if (!connections_.places.make_room()) {
         turn_away(socket);
         continue;
       }
       try {
+        std::string address = address_of(socket);
         asio::co_spawn(io_,
-                       tls_ ? tls_->serve(std::move(socket), connections_) : serve_connection(std::move(socket), connections_),
+                       tls_ ? tls_->serve(std::move(socket), std::move(address), connections_)
+                            : serve_connection(std::move(socket), std::move(address), connections_),
                        asio::detached);
       } catch (const std::exception&) {
         // No memory for this one: it is closed, and the next is accepted.

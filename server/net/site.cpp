@@ -71,6 +71,14 @@ std::optional<Sessions::Admission> Site::invited(const HttpRequest& request, con
   return found;
 }
 
+Site::Head Site::look_at_head(const HttpRequest& head) const {
+  const auto target = parse_target(head.target);
+  if (!target) return {};
+  if (access_.token_accepted(head, *target))
+    return {Caller::owner, access_.host_allowed(head) && access_.origin_allowed(head)};
+  return {invited(head, *target) ? Caller::guest : Caller::stranger, false};
+}
+
 HttpResponse Site::unauthorized(bool page) const {
   if (page)
     return message_page(401, "A token is needed",
@@ -126,7 +134,9 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
 
 HttpResponse Site::ready() const {
   if (!ending_.empty()) return problem(503, "unavailable", ending_);
-  return json_response(200, boost::json::object{{"status", "ready"}, {"device", sessions_.engine().device}});
+  const EngineFacts engine = sessions_.engine();
+  if (!engine.trouble.empty()) return problem(503, "unavailable", "nothing can be drawn: " + engine.trouble);
+  return json_response(200, boost::json::object{{"status", "ready"}, {"device", engine.device}});
 }
 
 HttpResponse Site::metrics_text() {

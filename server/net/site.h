@@ -11,6 +11,7 @@
 #include "net/access.h"
 #include "net/http_message.h"
 #include "net/metrics.h"
+#include "net/places.h"
 #include "net/rest_api.h"
 #include "net/site_log.h"
 #include "net/static_files.h"
@@ -42,6 +43,12 @@ class Site {
   Metrics& metrics() { return metrics_; }
   const SiteLog& log() const { return log_; }
   const RestApi& api() const { return api_; }
+  /// What a request's head says before anything else of it is read.
+  struct Head {
+    Caller caller = Caller::stranger;
+    bool may_send_body = false;  // it is answered without its body where not
+  };
+  Head look_at_head(const HttpRequest& head) const;
   /// Nothing where the upgrade is welcome, else the refusal. admission: which session an invitation opens; empty for the server's
   /// own token.
   std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request, Sessions::Admission& admission) const;

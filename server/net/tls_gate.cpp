@@ -105,7 +105,7 @@ TlsGate::TlsGate(const std::filesystem::path& certificate, const std::filesystem
 }
 TlsGate::~TlsGate() = default;
 
-boost::asio::awaitable<void> TlsGate::serve(tcp::socket socket, Connections& connections) {
+boost::asio::awaitable<void> TlsGate::serve(tcp::socket socket, std::string address, Connections& connections) {
   try {
     const auto executor = socket.get_executor();
     boost::system::error_code error;
@@ -113,12 +113,8 @@ boost::asio::awaitable<void> TlsGate::serve(tcp::socket socket, Connections& con
     auto relay = std::make_shared<Relay>(Relay{ssl::stream<tcp::socket>(std::move(socket), context_->of), tcp::socket(executor)});
     tcp::socket served(executor);
     {
-      // A handshake counts as a connection: a crowd of half-open ones is turned away like any other.
-      struct Count {
-        Connections& connections;
-        explicit Count(Connections& c) : connections(c) { ++connections.open; }
-        ~Count() { --connections.open; }
-      } count(connections);
+      // A handshake takes a place: a crowd of half-open ones makes room like any other.
+      const Places::Place place(connections.places, address, [relay] { relay->end(); });
       asio::steady_timer late(executor, kHandshakeTimeout);
       late.async_wait([relay](boost::system::error_code late_error) {
         if (!late_error) relay->end();
@@ -129,7 +125,7 @@ boost::asio::awaitable<void> TlsGate::serve(tcp::socket socket, Connections& con
     if (error || !make_pair(relay->inside, served)) co_return relay->end();
     asio::co_spawn(executor, pump_out(relay), asio::detached);
     asio::co_spawn(executor, pump_in(relay), asio::detached);
-    co_await serve_connection(std::move(served), connections);
+    co_await serve_connection(std::move(served), std::move(address), connections);
   } catch (const std::exception&) {
     // Out of memory in one connection ends that connection.
   }

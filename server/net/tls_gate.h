@@ -20,7 +20,7 @@ class TlsGate {
 
   /// As serve_connection, after a handshake (TLS 1.2 or newer) that may take ten seconds. At most 64 KiB wait each way, beside
   /// what the sockets hold. Never throws.
-  boost::asio::awaitable<void> serve(boost::asio::ip::tcp::socket socket, Connections& connections);
+  boost::asio::awaitable<void> serve(boost::asio::ip::tcp::socket socket, std::string address, Connections& connections);
 
  private:
   struct Context;

@@ -78,7 +78,7 @@ Outgoing frame_bytes(v1::ServerMessage message, Waiting&& waiting) {
 /// Kept alive by its coroutines.
 class WebSocketConnection final : public Outbox, public std::enable_shared_from_this<WebSocketConnection> {
  public:
-  WebSocketConnection(beast::tcp_stream stream, Connections& connections, Sessions::Admission admission)
+  WebSocketConnection(beast::tcp_stream stream, Connections& connections, Places::Place& place, Sessions::Admission admission)
       : socket_(std::move(stream)),
         wake_writer_(socket_.get_executor()),
         watch_(socket_.get_executor()),
@@ -86,6 +86,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         held_until_(socket_.get_executor()),
         go_on_reading_(socket_.get_executor()),
         connections_(connections),
+        place_(place),
         admission_(std::move(admission)),
         budget_(Steady::now(), connections.messages_per_second) {}
 
@@ -109,12 +110,11 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         pinged_.reset();
       }
     });
+    place_.set_close([this] { end(); });
     co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
-    if (error) co_return;
+    if (error) co_return place_.set_close([] {});
 
     viewer_ = connections_.sessions.attach(*this, Steady::now(), std::move(admission_));
-    const std::size_t closer = ++connections_.last_closer;
-    connections_.closers[closer] = [this] { end(); };
     asio::co_spawn(
         socket_.get_executor(), [self] { return self->write_all(); }, asio::detached);
     asio::co_spawn(
@@ -123,8 +123,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         socket_.get_executor(), [self] { return self->measure(); }, asio::detached);
     co_await read_all();
     heed_held();  // the last that a client says before it goes counts
-    connections_.closers.erase(closer);
-    connections_.sessions.detach(viewer_, Steady::now());
+    place_.set_close([] {});
+    connections_.sessions.detach(viewer_, Steady::now(), goodbye_);
     connections_.wake();
     end();
   }
@@ -135,14 +135,16 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       // What is said after a state is heard after it: an answer never overtakes the change that it answers.
       v1::ServerMessage earlier;
       *earlier.mutable_state() = std::move(*state_);
+      earlier.set_heeded(heeded_);
       state_.reset();
       queue(std::move(earlier));
     }
     queue(std::move(message));
   }
-  void send_state(v1::State state) override {
+  void send_state(v1::State state, std::uint64_t heeded) override {
     if (ended_ || closing_) return;
     state_ = std::move(state);
+    heeded_ = heeded;
     wake_writer_.cancel();
   }
   void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) override {
@@ -163,7 +165,11 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       boost::system::error_code error;
       buffer.clear();
       co_await socket_.async_read(buffer, asio::redirect_error(asio::use_awaitable, error));
-      if (error) co_return;
+      if (error) {
+        // Programs that are done close normally; pages that are left, and lines that are lost, do not.
+        goodbye_ = error == websocket::error::closed && socket_.reason().code == websocket::close_code::normal;
+        co_return;
+      }
       if (closing_) continue;  // nothing more is done for it; what it sends is drained until the close is answered
       if (!socket_.got_binary()) {
         connections_.sessions.receive_malformed(viewer_, "a text message came; expected binary Protobuf");
@@ -206,6 +212,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       failed.mutable_error()->set_message("this message could not be handled; the session is as it was");
       send(std::move(failed));
     }
+    if (connections_.sessions.watched_by(viewer_)) place_.settle();
     connections_.wake();
   }
 
@@ -269,6 +276,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       return std::nullopt;
     } else if (state_) {
       *message.mutable_state() = std::move(*state_);
+      message.set_heeded(heeded_);
       state_.reset();
     } else if (!frames_.empty()) {
       message.set_seq(++last_seq_);
@@ -368,15 +376,18 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
   asio::steady_timer held_until_, go_on_reading_;
   std::optional<Steady::time_point> pinged_;  // when the ping went that is not answered yet
   Connections& connections_;
+  Places::Place& place_;  // until run() ends
   Sessions::Admission admission_;
   ViewerKey viewer_ = 0;
   bool ended_ = false;
+  bool goodbye_ = false;  // the client has said that it is done
   bool greeted_ = false;  // an answer to its Hello, at least, is on its way
   std::optional<websocket::close_reason> closing_;
   std::optional<Steady::time_point> write_began_;
   std::deque<v1::ServerMessage> control_;
   std::size_t waiting_bytes_ = 0;
   std::optional<v1::State> state_;
+  std::uint64_t heeded_ = 0;  // with it
   std::deque<Waiting> frames_;
   std::uint64_t last_seq_ = 0;
   MessageBudget budget_;
@@ -387,8 +398,8 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
 }  // namespace
 
 boost::asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::string_body> request,
-                                             Connections& connections, Sessions::Admission admission) {
-  co_await std::make_shared<WebSocketConnection>(std::move(stream), connections, std::move(admission))->run(std::move(request));
+                                             Connections& connections, Places::Place& place, Sessions::Admission admission) {
+  co_await std::make_shared<WebSocketConnection>(std::move(stream), connections, place, std::move(admission))->run(std::move(request));
 }
 
 }  // namespace isostrata

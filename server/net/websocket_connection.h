@@ -15,6 +15,6 @@ namespace isostrata {
 /// throws.
 boost::asio::awaitable<void> serve_websocket(boost::beast::tcp_stream stream,
                                              boost::beast::http::request<boost::beast::http::string_body> request,
-                                             Connections& connections, Sessions::Admission admission);
+                                             Connections& connections, Places::Place& place, Sessions::Admission admission);
 
 }  // namespace isostrata

@@ -65,9 +65,10 @@ std::string color_map_of(const std::string& map, const std::string& field) {
   return map;
 }
 
+// Open to one side, or both, by an infinite end.
 void check_ends(double lower, double upper, const std::string& field) {
-  finite(lower, field + "lower");
-  finite(upper, field + "upper");
+  if (lower != -INFINITY) finite(lower, field + "lower");
+  if (upper != INFINITY) finite(upper, field + "upper");
   if (!(lower < upper))
     refuse("invalid_argument", "lower " + number_text(lower) + " is not less than upper " + number_text(upper), field + "lower");
 }
@@ -228,7 +229,10 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
         for (SceneInterval& interval : scene.intervals) {
           const double lower = array.lower + (interval.lower - before->lower) * scale;
           const double upper = array.lower + (interval.upper - before->lower) * scale;
-          if (!std::isfinite(lower) || !std::isfinite(upper) || !(lower < upper)) continue;
+          // An end that is open stays so.
+          if (std::isfinite(lower) != std::isfinite(interval.lower) || std::isfinite(upper) != std::isfinite(interval.upper) ||
+              !(lower < upper))
+            continue;
           // The top of one range must be the top of the other to the last bit, or the points that have it fall outside.
           const double end = interval.upper == before->upper ? std::max(array.upper, std::nextafter(lower, INFINITY)) : upper;
           move_ends(interval, lower, end);
@@ -461,6 +465,9 @@ void apply(SceneState& state, const v1::PatchInterval& command, const CommandCon
     const double lower = command.has_lower() ? command.lower() : interval.lower;
     const double upper = command.has_upper() ? command.upper() : interval.upper;
     check_ends(lower, upper, "");
+    if (!interval.transfer.empty() && !(std::isfinite(lower) && std::isfinite(upper)))
+      refuse("invalid_argument", "an interval with a transfer function ends where that does; expected finite numbers",
+             std::isfinite(lower) ? "upper" : "lower");
     move_ends(interval, lower, upper);
   }
   if (command.has_color()) interval.color = rgb_of(command.color(), "color");

@@ -109,6 +109,7 @@ Duration FrameScheduler::lossless_time(TimePoint now) const {
 
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   if (!may_order(now)) return std::nullopt;
+  wanted_ = {dirty_, wants_lossless_, reduced_, still_, allowance_, allowed_at_};
   const bool rests = now - last_change_ >= kSettle;
   FrameOrder order;
   if (still_) {
@@ -158,6 +159,17 @@ bool FrameScheduler::withdraw_order() {
   if (!ordered_ || ordered_->phase == FramePhase::moving || !dirty_) return false;
   ordered_.reset();
   return true;
+}
+
+void FrameScheduler::put_back() {
+  if (!ordered_) return;
+  ordered_.reset();
+  dirty_ = wanted_.dirty;
+  wants_lossless_ = wanted_.lossless;
+  reduced_ = wanted_.reduced;
+  still_ = wanted_.still;
+  allowance_ = wanted_.allowance;
+  allowed_at_ = wanted_.allowed_at;
 }
 
 void FrameScheduler::started() {

@@ -74,6 +74,9 @@ class FrameScheduler {
   /// given.
   bool withdraw_order();
 
+  /// The order that next() has just given is not to be done now; it is as if never given.
+  void put_back();
+
   void started();
   /// An order will not be answered by a frame.
   void failed(bool had_started);
@@ -133,6 +136,13 @@ class FrameScheduler {
   bool reduced_ = false;         // the newest state was ordered, as less than the viewport deserves
   std::optional<FrameOrder> still_;
 
+  struct Wanted {
+    bool dirty = false, lossless = false, reduced = false;
+    std::optional<FrameOrder> still;
+    double allowance = 0;
+    TimePoint allowed_at{};
+  };
+  Wanted wanted_;                      // before ordered_
   std::optional<FrameOrder> ordered_;  // not started
   TimePoint ordered_at_{};
   double allowance_ = kBurst;  // moving frames that may be ordered at once, as of allowed_at_

@@ -1,9 +1,11 @@
 #include "session/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "base/utf8.h"
 #include "engine/color_range.h"
 #include "engine/draw_scene.h"
 #include "engine/transfer_function.h"
@@ -38,6 +40,11 @@ Session::~Session() {
 
 v1::State Session::wire_state() const { return asleep_ ? *asleep_ : to_wire(state_.scene); }
 
+Session::Holds Session::holds() const {
+  if ((worked_on_ || !invitations_.all().empty()) && !left_) return Holds::work;
+  return state_.scene.dataset.empty() && !opening_ ? Holds::nothing : Holds::look;
+}
+
 Viewer* Session::living(ViewerKey key) {
   const auto it = viewers_.find(key);
   return it == viewers_.end() ? nullptr : it->second;
@@ -45,10 +52,43 @@ Viewer* Session::living(ViewerKey key) {
 
 void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
+  left_ = false;
   viewer.session = key_;
   last_use_ = now;
   viewer.frames.set_codec(viewer.codec());
   viewer.frames.scene_changed(state_.scene.revision, drawable(), now);
+}
+
+void Session::set_viewport(Viewer& viewer, const v1::Viewport& viewport, TimePoint now) {
+  viewer.viewport = viewport;
+  auto width = static_cast<int>(viewport.width()), height = static_cast<int>(viewport.height());
+  const double pixels = static_cast<double>(width) * height;
+  if (viewer.role == v1::ROLE_VIEWER && pixels > kMaxViewerPixels) {
+    const double scale = std::sqrt(kMaxViewerPixels / pixels);
+    const auto scaled = [&](int side, int other) {
+      return std::clamp(static_cast<int>(side * scale), 1, static_cast<int>(kMaxViewerPixels / std::max(1, static_cast<int>(other * scale))));
+    };
+    const int wide = scaled(width, height);
+    height = scaled(height, width);
+    width = wide;
+  }
+  viewer.frames.set_viewport(width, height, viewport.hidden(), now);
+}
+
+std::optional<v1::Error> Session::refuse_still(Viewer& viewer, const v1::RequestStill& still, TimePoint now) {
+  if (viewer.role != v1::ROLE_VIEWER) return std::nullopt;
+  const auto pixels = static_cast<std::int64_t>(still.width()) * still.height();
+  if (pixels > kMaxViewerPixels)
+    return wire_error("too_large",
+                      std::to_string(still.width()) + "x" + std::to_string(still.height()) + " pixels; expected at most " +
+                          std::to_string(kMaxViewerPixels) + " for who may only look",
+                      "width");
+  if (const Duration wait = viewer.stills.wait(now); wait > Duration::zero())
+    return wire_error("unavailable", "who may only look gets a still every " + std::to_string(static_cast<int>(1 / kViewerStillsPerSecond)) +
+                                         " s; ask again in " +
+                                         std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) + " ms");
+  viewer.stills.take(1);
+  return std::nullopt;
 }
 
 void Session::detach(Viewer& viewer, TimePoint now) {
@@ -69,15 +109,15 @@ void Session::broadcast(const v1::ServerMessage& message) {
   for (auto& [key, viewer] : viewers_) viewer->outbox->send(message);
 }
 
-void Session::changed(TimePoint now, bool soon) {
+void Session::changed(TimePoint now, Cause cause) {
+  engine_.session_changed(*this, cause == Cause::command);
   unannounced_ = true;
-  if (!soon || now - announced_ >= kAnnounce) announce(now);
+  if (cause != Cause::camera || now - announced_ >= kAnnounce) announce(now);
   made_.clear();
   for (auto& [key, viewer] : viewers_) {
     viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
     viewer->bands.clear();
   }
-  engine_.session_changed(*this);
   pump(now);
 }
 
@@ -95,7 +135,7 @@ void Session::announce(TimePoint now) {
   announced_ = now;
   engine_.post(SceneUpdate{key_, drawn()});
   const v1::State state = wire_state();
-  for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state);
+  for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state, viewer->heeded);
   engine_.state_told(*this);
 }
 
@@ -114,8 +154,10 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     else if (Viewer* again = back_again(client))
       again->outbox->send(error_message(std::move(*error)));
   };
-  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message))
-    return;  // a picture may be asked for again
+  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message)) {  // a picture may be asked for again
+    viewer.heeded = std::max(viewer.heeded, seq);
+    return viewer.outbox->send_state(wire_state(), viewer.heeded);
+  }
   if (forbidden(viewer, message))
     return reply(wire_error("forbidden", "this connection may only look; a controller of the session changes what is shown"));
   if (answer_people(viewer, message, reply)) return;
@@ -131,7 +173,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kViewport: {
       const v1::Viewport& viewport = message.viewport();
       if (auto error = check_size(viewport.width(), viewport.height())) return reply(std::move(error));
-      viewer.frames.set_viewport(static_cast<int>(viewport.width()), static_cast<int>(viewport.height()), viewport.hidden(), now);
+      set_viewport(viewer, viewport, now);
       if (!viewer.bands.empty() &&
           (viewer.bands.front().frame.width() != viewport.width() || viewer.bands.front().frame.height() != viewport.height()))
         viewer.bands.clear();
@@ -168,6 +210,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       if (state_.scene.dataset.empty()) return reply(wire_error("not_found", "no dataset is open; open one first"));
       if (still.width() != 0 || still.height() != 0)
         if (auto error = check_size(still.width(), still.height())) return reply(std::move(error));
+      if (auto error = refuse_still(viewer, still, now)) return reply(std::move(error));
       if (still.has_annotations()) return keepsake(viewer, message, now);
       viewer.frames.request_still(static_cast<int>(still.width()), static_cast<int>(still.height()));
       return pump(viewer, now);
@@ -175,7 +218,9 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kRequestHistogram:
       return send_histogram(viewer, message);
     case v1::ClientMessage::kCancel:
-      return engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
+      engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
+      viewer.heeded = std::max(viewer.heeded, seq);
+      return viewer.outbox->send_state(wire_state(), viewer.heeded);
     case v1::ClientMessage::kPing: {
       v1::ServerMessage pong;
       pong.mutable_pong()->set_client_time_ms(message.ping().client_time_ms());
@@ -280,9 +325,18 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
     return reply(wire_error("unavailable", "dataset '" + asleep_->dataset() + "' of this session could not be opened again"));
   if (auto error = unexpected(expected)) return reply(std::move(error));
   CommandOutcome outcome = apply_command(state_, message, context(viewer));
+  if (viewer) viewer->heeded = std::max(viewer->heeded, message.seq());
   if (!outcome.error && viewer) viewer->note_input(message.seq(), state_.scene.revision);
-  if (outcome.changed) changed(now, viewer && message.has_set_camera());
+  worked_on_ = worked_on_ || outcome.changed;
+  if (outcome.changed) changed(now, message.has_set_camera() ? Cause::camera : Cause::command);
   if (outcome.error) announce(now);
+  // Whoever waits for an answer gets one; an outbox sends the newest of them alone.
+  if (!outcome.error && !outcome.changed && viewer) {
+    if (message.has_set_camera())
+      unannounced_ = true;  // with others that may follow
+    else
+      viewer->outbox->send_state(wire_state(), viewer->heeded);
+  }
   reply(std::move(outcome.error));
 }
 
@@ -302,7 +356,8 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     if (viewer) {
       viewer->note_input(viewer->last_seq, state_.scene.revision);
       viewer->outbox->send(dataset_message(*dataset_));
-      viewer->outbox->send_state(wire_state());
+      viewer->heeded = viewer->last_seq;
+      viewer->outbox->send_state(wire_state(), viewer->heeded);
     }
     return reply(std::nullopt);
   }
@@ -341,7 +396,10 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     const Viewer* asker = living(opening.viewer);
     open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
     if (reading_ranges_) first_look_ = state_.scene;
-    if (Viewer* viewer = living(opening.viewer)) viewer->note_input(opening.seq, state_.scene.revision);
+    if (Viewer* viewer = living(opening.viewer)) {
+      viewer->heeded = std::max(viewer->heeded, opening.seq);
+      viewer->note_input(opening.seq, state_.scene.revision);
+    }
     broadcast(dataset_message(*dataset_));
     changed(now);
     opening.reply(std::nullopt);
@@ -395,6 +453,7 @@ void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply, std
   }
   last_use_ = now;
   CommandOutcome outcome = apply_state(state_, wanted, context());
+  worked_on_ = worked_on_ || outcome.changed;
   if (outcome.changed) changed(now);
   reply(std::move(outcome.error));
 }
@@ -411,7 +470,7 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
   v1::ServerMessage message;
   if (const auto* progress = std::get_if<OperationProgress>(&event)) {
     message.mutable_progress()->set_operation(progress->operation);
-    message.mutable_progress()->set_stage(progress->stage);
+    message.mutable_progress()->set_stage(valid_utf8(progress->stage));
     message.mutable_progress()->set_fraction(progress->fraction);
     message.mutable_progress()->set_background(reading_ranges_ != 0 && progress->works_for == reading_ranges_);
   } else if (const auto* done = std::get_if<OperationDone>(&event)) {
@@ -440,7 +499,12 @@ void Session::play_cycle(TimePoint now) {
   if (now < *next_phase_) return;
   const std::int64_t steps = 1 + (now - *next_phase_) / period;
   *next_phase_ += steps * period;
-  if (advance_cycle(state_, steps)) changed(now);
+  if (advance_cycle(state_, steps)) changed(now, Cause::clock);
+}
+
+void Session::draw_again(TimePoint now) {
+  for (auto& [key, viewer] : viewers_) viewer->frames.scene_changed(state_.scene.revision, drawable(), now);
+  pump(now);
 }
 
 void Session::pump(TimePoint now) {
@@ -455,7 +519,9 @@ std::optional<TimePoint> Session::wake_at(TimePoint now) const {
   if (unannounced_) earliest = earliest ? std::min(*earliest, announced_ + kAnnounce) : announced_ + kAnnounce;
   const bool wait = crowded();  // until a picture is ready
   for (const auto& [key, viewer] : viewers_) {
-    if (const auto at = viewer->frames.wake_at(now); at && !wait && (!earliest || *at < *earliest)) earliest = at;
+    auto at = viewer->frames.wake_at(now);
+    if (at) at = std::max(*at, viewer->pays_at);
+    if (at && !wait && (!earliest || *at < *earliest)) earliest = at;
     if (viewer->bands.empty()) continue;
     if (const TimePoint at = viewer->frames.next_band_at(now); at != TimePoint::max() && (!earliest || at < *earliest))
       earliest = at;

@@ -31,8 +31,10 @@ class EngineDoor {
   virtual RequestId ask(EngineRequest request, Listener listener) = 0;
   /// The listener will not be called any more.
   virtual void forget(RequestId request) = 0;
-  /// What is to be kept of the session is another than before.
-  virtual void session_changed(const Session&) {}
+  /// Of all who may only look, in all sessions.
+  virtual ViewerBudget& viewer_budget() = 0;
+  /// What is to be kept of the session is another than before. now: it is on its way to the disk before anybody is told.
+  virtual void session_changed(const Session&, [[maybe_unused]] bool now) {}
   /// The viewers have been told a new revision; other people are there, or may do other things.
   virtual void state_told(const Session&) {}
   virtual void people_changed(const Session&) {}
@@ -66,6 +68,11 @@ class Session {
   v1::State wire_state() const;
   bool watched() const { return !viewers_.empty(); }
   std::size_t viewer_count() const { return viewers_.size(); }
+  /// What is lost with it: nothing, a first look that anyone can have again, what somebody has made of it.
+  enum class Holds { nothing, look, work };
+  Holds holds() const;
+  /// Whether the last viewer was done with it.
+  void note_left(bool goodbye) { left_ = goodbye; }
   TimePoint last_use() const { return last_use_; }
   void touch(TimePoint now) {
     last_use_ = now;
@@ -78,6 +85,8 @@ class Session {
   void after_waking(std::function<void(TimePoint)> then) { deferred_.push_back({std::move(then)}); }
 
   void attach(Viewer& viewer, TimePoint now);
+  /// That its frames are made for. Who may only look gets pictures of at most kMaxViewerPixels, of the same shape.
+  void set_viewport(Viewer& viewer, const v1::Viewport& viewport, TimePoint now);
   void detach(Viewer& viewer, TimePoint now);
 
   /// A message of a viewer that has said hello.
@@ -104,6 +113,8 @@ class Session {
   /// An event of the session that answers no request: progress, done, a failed extraction.
   void on_event(const EngineEvent& event, TimePoint now);
 
+  /// Asks for everyone's newest picture once more.
+  void draw_again(TimePoint now);
   /// Asks for the frames that are due.
   void pump(TimePoint now);
   /// When pump may have something to do without an event.
@@ -183,8 +194,9 @@ class Session {
   Viewer* living(ViewerKey key);
   std::optional<v1::Error> unexpected(std::optional<std::uint64_t> expected) const;
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.get(), viewer ? viewer->frames.aspect() : 1}; }
-  /// soon: the engine and the viewers need not hear of it at once, as more of the kind may follow.
-  void changed(TimePoint now, bool soon = false);
+  /// What has changed the scene. Of cameras more may follow at once: engine, viewers and journal need not hear of each.
+  enum class Cause { command, camera, clock };
+  void changed(TimePoint now, Cause cause = Cause::command);
   void announce(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
   void read_ranges();
@@ -201,6 +213,7 @@ class Session {
   void keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
   /// The scene as the engine is told it.
   Scene drawn() const;
+  std::optional<v1::Error> refuse_still(Viewer& viewer, const v1::RequestStill& still, TimePoint now);
   void send_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void begin_stream(Viewer& viewer, TimePoint now);
   void leave_stream(Viewer& viewer, TimePoint now);
@@ -250,6 +263,8 @@ class Session {
   std::deque<Client> clients_;  // the one that was heard last first
   int histograms_ = 0;          // asked for and not answered
   TimePoint last_use_{};
+  bool worked_on_ = false;  // somebody has changed what a dataset shows at first
+  bool left_ = false;       // by a viewer who was done
   std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };
 

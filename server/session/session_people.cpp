@@ -114,13 +114,19 @@ void Session::set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& r
   if (!of)
     return reply(wire_error("not_found", "participant " + std::to_string(wanted.participant()) + " is not in this session",
                             "participant"));
-  if (of->role == wanted.role()) return reply(std::nullopt);
+  if (of->role == wanted.role()) {
+    v1::ServerMessage answer;
+    *answer.mutable_participants() = participants();
+    viewer.outbox->send(std::move(answer));
+    return reply(std::nullopt);
+  }
   const auto controllers =
       std::count_if(viewers_.begin(), viewers_.end(), [](const auto& v) { return v.second->role == v1::ROLE_CONTROLLER; });
   if (wanted.role() == v1::ROLE_VIEWER && controllers <= 1)
     return reply(
         wire_error("invalid_argument", "this is the session's last controller; make somebody else a controller first", "role"));
   of->role = wanted.role();
+  if (of->viewport.width() > 0) set_viewport(*of, v1::Viewport(of->viewport), last_use_);
   people_changed();
   reply(std::nullopt);
 }
@@ -128,20 +134,20 @@ void Session::set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& r
 Invitations::Made Session::invite(const v1::CreateInvitation& wanted) {
   expire_invitations(unix_ms_now());
   Invitations::Made made = invitations_.make(wanted, unix_ms_now());
-  if (!made.error) engine_.session_changed(*this);
+  if (!made.error) engine_.session_changed(*this, true);
   return made;
 }
 
 bool Session::revoke(const std::string& invitation) {
   if (!invitations_.revoke(invitation)) return false;
-  engine_.session_changed(*this);
+  engine_.session_changed(*this, true);
   engine_.invitation_ended(*this, invitation);
   return true;
 }
 
 void Session::expire_invitations(UnixMs now) {
   const auto over = invitations_.expire(now);
-  if (!over.empty()) engine_.session_changed(*this);
+  if (!over.empty()) engine_.session_changed(*this, true);
   for (const std::string& invitation : over) engine_.invitation_ended(*this, invitation);
 }
 

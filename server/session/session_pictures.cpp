@@ -125,6 +125,14 @@ void Session::pump(Viewer& viewer, TimePoint now) {
       viewer.ordered_request = id;
     return;
   }
+  if (viewer.role == v1::ROLE_VIEWER) {
+    ViewerBudget& budget = engine_.viewer_budget();
+    if (const Duration wait = budget.wait(now); wait > Duration::zero()) {
+      viewer.pays_at = now + wait;
+      return viewer.frames.put_back();
+    }
+    budget.take(static_cast<double>(order->width) * order->height);
+  }
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
   *number =

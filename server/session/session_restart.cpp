@@ -40,6 +40,7 @@ Session::Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept)
     state_.scene.dataset = kept.state().dataset();
   }
   state_.scene.revision = std::max<std::uint64_t>(kept.state().revision(), 1);
+  worked_on_ = state_.scene.revision > 2;  // nothing, and a first look
 }
 
 journal::Entry Session::entry() const {

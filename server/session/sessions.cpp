@@ -10,6 +10,7 @@
 namespace isostrata {
 namespace {
 
+constexpr Duration kLookAtEngine = std::chrono::milliseconds(500);
 constexpr std::uint16_t kCloseGoingAway = 1001;
 constexpr std::uint16_t kCloseProtocolError = 1002;
 constexpr std::uint16_t kClosePolicy = 1008;
@@ -62,8 +63,12 @@ std::optional<Sessions::Admission> Sessions::admit(const std::string& token) {
   return found;
 }
 
-void Sessions::session_changed(const Session& session) {
-  if (journal_) journal_->keep(session.entry());
+void Sessions::session_changed(const Session& session, bool now) {
+  if (!journal_) return;
+  if (now)
+    journal_->keep_now(session.entry());
+  else
+    journal_->keep(session.entry());
 }
 
 void Sessions::invitation_ended(const Session& session, const std::string& invitation) {
@@ -173,12 +178,13 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   session->attach(viewer, now);
   for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
   if (hello.has_viewport())
-    viewer.frames.set_viewport(static_cast<int>(hello.viewport().width()), static_cast<int>(hello.viewport().height()),
-                               hello.viewport().hidden(), now);
+    session->set_viewport(viewer, hello.viewport(), now);
 
   welcome(viewer, *session);
   session->touch(now);  // one that has slept since a restart opens its dataset again
   session->came(viewer);
+  if (!engine_trouble_.empty())
+    viewer.outbox->send(error_message(wire_error("unavailable", "nothing can be drawn: " + engine_trouble_)));
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.
   if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && !options_.datasets.empty())
@@ -269,13 +275,14 @@ void Sessions::round_trip(ViewerKey key, Duration time, TimePoint now) {
   if (const auto it = viewers_.find(key); it != viewers_.end()) it->second->frames.round_trip(time, now);
 }
 
-void Sessions::detach(ViewerKey key, TimePoint now) {
+void Sessions::detach(ViewerKey key, TimePoint now, bool goodbye) {
   now_ = now;
   const auto it = viewers_.find(key);
   if (it == viewers_.end()) return;
   admissions_.erase(key);
   if (Session* session = find(it->second->session)) {
     session->detach(*it->second, now);
+    session->note_left(goodbye);
     for (SessionsObserver* observer : observers_) observer->viewer_left(*session);
   }
   viewers_.erase(it);
@@ -286,24 +293,35 @@ const Session* Sessions::watched_by(ViewerKey viewer) {
   return it == viewers_.end() ? nullptr : find(it->second->session);
 }
 
-Session* Sessions::create(TimePoint now, v1::Error& error) {
+Session* Sessions::create(TimePoint now, v1::Error& error, NewFor whom) {
   now_ = now;
   if (sessions_.size() >= options_.max_sessions) {
-    Session* unused = nullptr;
-    for (auto& [key, session] : sessions_)
-      if (!session->watched() && (!unused || session->last_use() < unused->last_use())) unused = session.get();
-    if (!unused) {
-      error = wire_error("unavailable", "all " + std::to_string(options_.max_sessions) +
-                                            " sessions of this server are in use (--max-sessions); try again later");
+    Session* least = nullptr;
+    bool held = false;  // by what somebody has made of it
+    for (auto& [key, session] : sessions_) {
+      if (session->watched()) continue;
+      const Session::Holds holds = session->holds();
+      if ((whom == NewFor::nobody && holds != Session::Holds::nothing) ||
+          (holds == Session::Holds::work && now - session->last_use() < kComesBack)) {
+        held = true;
+        continue;
+      }
+      if (!least || std::pair(holds, session->last_use()) < std::pair(least->holds(), least->last_use())) least = session.get();
+    }
+    if (!least) {
+      error = wire_error("unavailable",
+                         "all " + std::to_string(options_.max_sessions) + " sessions of this server are in use (--max-sessions)" +
+                             (held ? ", some by people who may come back; end one (DELETE api/v1/sessions/ID)" : "") +
+                             "; try again later");
       return nullptr;
     }
-    remove(unused->key());
+    remove(least->key());
   }
   const SessionKey key = ++last_session_;
   auto& slot = sessions_[key];
   slot = std::make_unique<Session>(key, *this);
   slot->touch(now);
-  session_changed(*slot);
+  session_changed(*slot, true);
   for (SessionsObserver* observer : observers_) observer->session_began(*slot);
   return slot.get();
 }
@@ -397,6 +415,7 @@ void Sessions::on_event(const EngineEvent& event, TimePoint now) {
 TimePoint Sessions::tick(TimePoint now) {
   now_ = now;
   TimePoint next = now + std::chrono::seconds(1);
+  look_at_engine(now);
   std::vector<SessionKey> over;
   for (const SessionKey key : std::exchange(over_, {}))
     if (const Session* session = find(key); session && !session->watched()) over.push_back(key);
@@ -411,6 +430,21 @@ TimePoint Sessions::tick(TimePoint now) {
   }
   for (const SessionKey key : over) remove(key);
   return next;
+}
+
+// Where nothing can be drawn everyone is told, and where it can again everyone gets the picture that failed.
+void Sessions::look_at_engine(TimePoint now) {
+  if (!options_.engine || now - engine_looked_at_ < kLookAtEngine) return;
+  engine_looked_at_ = now;
+  const std::string trouble = engine().trouble;
+  if (trouble.empty() == engine_trouble_.empty()) return;
+  engine_trouble_ = trouble;
+  for (auto& [key, session] : sessions_) {
+    if (trouble.empty())
+      session->draw_again(now);
+    else
+      session->broadcast(error_message(wire_error("unavailable", "nothing can be drawn: " + trouble)));
+  }
 }
 
 void Sessions::announce_end(const std::string& reason, UnixMs ends) {

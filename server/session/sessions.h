@@ -57,15 +57,21 @@ class Sessions final : public EngineDoor {
   void receive_malformed(ViewerKey viewer, const std::string& why);
   /// The connection has measured its way, with nothing of weight.
   void round_trip(ViewerKey viewer, Duration time, TimePoint now);
-  void detach(ViewerKey viewer, TimePoint now);
+  /// goodbye: the client has said that it is done, and is not one whose line was lost.
+  void detach(ViewerKey viewer, TimePoint now, bool goodbye = false);
   std::size_t viewer_count() const { return viewers_.size(); }
   /// Null: the viewer has not said hello.
   const Session* watched_by(ViewerKey viewer);
 
   // ---- scripts ----
 
-  /// Null, with the error, where there is no room. A session that nobody watches makes room, the longest unused first.
-  Session* create(TimePoint now, v1::Error& error);
+  /// Who a new session is for: somebody who is there, a script that says what it shows, or one that has not said.
+  enum class NewFor { viewer, script, nobody };
+  /// Null, with the error, where there is no room. A session that nobody watches makes room: one that holds least, of those the
+  /// longest unused. What a person has made of one is not given up for a session that is empty, nor for anyone while it was
+  /// used a moment ago: that person may be on the way back.
+  Session* create(TimePoint now, v1::Error& error, NewFor whom = NewFor::viewer);
+  static constexpr Duration kComesBack = std::chrono::minutes(2);
   Session* find(const std::string& id);
   /// Not from inside a session's reply: there, end_unwatched_soon.
   bool end(const std::string& id);
@@ -100,7 +106,8 @@ class Sessions final : public EngineDoor {
   void post(EngineRequest request) override { post_(std::move(request)); }
   RequestId ask(EngineRequest request, Listener listener) override;
   void forget(RequestId request) override { pending_.erase(request); }
-  void session_changed(const Session& session) override;
+  ViewerBudget& viewer_budget() override { return viewer_budget_; }
+  void session_changed(const Session& session, bool now) override;
   void invitation_ended(const Session& session, const std::string& invitation) override;
   void state_told(const Session& session) override;
   void people_changed(const Session& session) override;
@@ -116,6 +123,7 @@ class Sessions final : public EngineDoor {
   void welcome(Viewer& viewer, Session& session);
   void remove(SessionKey key);
   Session* find(SessionKey key);
+  void look_at_engine(TimePoint now);
 
   const SessionsOptions options_;
   const std::function<void(EngineRequest)> post_;
@@ -126,8 +134,11 @@ class Sessions final : public EngineDoor {
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
   std::vector<SessionsObserver*> observers_;
+  ViewerBudget viewer_budget_;
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
+  std::string engine_trouble_;  // as everyone has been told
+  TimePoint engine_looked_at_{};
   SessionKey last_session_ = 0;
   TimePoint now_{};
 };

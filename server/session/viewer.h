@@ -14,6 +14,7 @@
 #include "session/codec_choice.h"
 #include "session/frame_scheduler.h"
 #include "session/video_streams.h"
+#include "session/viewer_budget.h"
 
 namespace isostrata {
 
@@ -24,7 +25,8 @@ class Outbox {
   /// Sends messages in order, before any frame that waits.
   virtual void send(v1::ServerMessage message) = 0;
   /// As send, but a State that still waits is replaced: the newest wins.
-  virtual void send_state(v1::State state) = 0;
+  /// heeded: as ServerMessage says it.
+  virtual void send_state(v1::State state, std::uint64_t heeded) = 0;
   /// The frame's payload is apart, since viewers of one picture share its bytes; `frame` has none.
   virtual void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) = 0;
   /// Sends what waits, then closes. `code` is a WebSocket close code.
@@ -44,6 +46,7 @@ struct Viewer {
   Outbox* outbox = nullptr;
   SessionKey session = 0;  // 0: has not said hello
   std::uint64_t last_seq = 0;
+  std::uint64_t heeded = 0;  // of its commands, the newest that was judged
   std::uint64_t ignored_messages = 0;
   FrameScheduler frames;
   std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first
@@ -65,6 +68,10 @@ struct Viewer {
   int keepsakes = 0;              // pictures for keeping that are being drawn
 
   Codec codec() const { return chooses ? choice.codec() : ladder.front(); }
+
+  v1::Viewport viewport;                   // as it was asked for
+  TokenBucket stills{kViewerStillsPerSecond, kViewerStillsAtOnce};  // that it may ask for where it may only look
+  TimePoint pays_at{};  // the next picture for it alone waits until then
 
   v1::Role role = v1::ROLE_CONTROLLER;
   std::string invitation;  // that it came by; empty: it has the server's token

@@ -1,5 +1,7 @@
 #include "session/wire.h"
 
+#include "base/utf8.h"
+
 namespace isostrata {
 namespace {
 
@@ -234,7 +236,7 @@ v1::Frame to_wire(const FrameReady& frame) {
   stages.set_encode_ms(frame.stages.encode_ms);
   stages.set_total_ms(frame.stages.total_ms);
   v1::FrameFacts& facts = *out.mutable_facts();
-  facts.set_device(frame.device);
+  facts.set_device(valid_utf8(frame.device));
   facts.set_order(frame.order);
   facts.set_order_exact(frame.order_exact);
   facts.set_tetrahedra(frame.tetrahedra);
@@ -255,8 +257,8 @@ Annotations annotations_of(const v1::Annotations& wanted) { return {wanted.axes(
 v1::Error wire_error(std::string_view code, std::string message, std::string field) {
   v1::Error error;
   error.set_code(std::string(code));
-  error.set_message(std::move(message));
-  error.set_field(std::move(field));
+  error.set_message(valid_utf8(message));  // names of files and words of drivers are any bytes
+  error.set_field(valid_utf8(field));
   return error;
 }
 

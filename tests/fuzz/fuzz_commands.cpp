@@ -12,7 +12,7 @@ using namespace isostrata;
 
 struct Listener final : Outbox {
   void send(v1::ServerMessage message) override { fuzz::expect(message.ByteSizeLong() < (8u << 20), "an answer is bounded"); }
-  void send_state(v1::State) override {}
+  void send_state(v1::State, std::uint64_t) override {}
   void send_frame(v1::Frame, std::shared_ptr<const Bytes>) override {}
   void close(std::uint16_t, const std::string&) override { closed = true; }
   bool closed = false;

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>
 #include <chrono>
 #include <csignal>
@@ -211,6 +214,214 @@ bool runs(pid_t pid) {
 bool soon_gone(pid_t pid) {
   for (int i = 0; i < 3000 && runs(pid); ++i) std::this_thread::sleep_for(10ms);
   return !runs(pid);
+}
+
+/// One request of the API on a connection of its own.
+class Asked {
+ public:
+  Asked(unsigned short port, const std::string& token, const std::string& method, const std::string& path, const std::string& body = "")
+      : socket_(port) {
+    socket_.send(method + " /api/v1/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token +
+                 "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+  }
+  /// The answer's body; null where the status is another one.
+  json::value answer(int status) {
+    const std::string all = socket_.read_all(nullptr, 20000);
+    if (all.find(" " + std::to_string(status) + " ") != 8) {
+      ADD_FAILURE() << all;
+      return nullptr;
+    }
+    const std::string body = all.substr(all.find("\r\n\r\n") + 4);
+    return body.empty() ? json::value() : json::parse(body);
+  }
+
+ private:
+  isostrata::RawSocket socket_;
+};
+
+TEST_F(ServeCommand, WhatWasAnsweredSurvivesAKillAtThatMoment) {
+  const std::string token = "the-same-token-in-every-life";
+  SERVE_OR_SKIP({"torus:12", "--token", token, "--worker", "thread"});
+  auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
+  constexpr int kSessions = 16;
+  std::vector<std::string> sessions;
+  for (int i = 0; i < kSessions; ++i)
+    sessions.emplace_back(
+        Asked(port, token, "POST", "sessions", R"({"dataset": "torus-12"})").answer(201).at("id").as_string());
+  const auto first = [&](const std::string& session) {
+    return Asked(port, token, "GET", "sessions/" + session + "/intervals").answer(200).at("intervals").at(0);
+  };
+  for (int life = 1; life <= 3; ++life) {
+    std::vector<std::unique_ptr<Asked>> changes;
+    std::vector<std::string> paths;
+    for (const std::string& session : sessions)
+      paths.push_back("sessions/" + session + "/intervals/" + json::serialize(first(session).at("id")));
+    const std::string change = R"({"lower": 0.1, "upper": )" + std::to_string(0.2 + 0.1 * life) + "}";
+    for (const std::string& path : paths) changes.push_back(std::make_unique<Asked>(port, token, "PATCH", path, change));
+    for (auto& asked : changes) asked->answer(200);
+    stop(SIGKILL);
+    ASSERT_TRUE(serve({"torus:12", "--token", token, "--worker", "thread"}, std::to_string(port)));
+    for (const std::string& session : sessions)
+      EXPECT_NEAR(first(session).at("upper").to_number<double>(), 0.2 + 0.1 * life, 1e-9) << "after kill " << life;
+  }
+}
+
+TEST_F(ServeCommand, ASavedSessionIsRenderedAsItsPageShowsIt) {
+  const std::string token = "the-same-token-in-every-life";
+  SERVE_OR_SKIP({"cylinder:16x12x8x3", "--token", token, "--device", "native"});
+  const auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
+  const auto datasets = Asked(port, token, "GET", "datasets").answer(200);
+  const std::string dataset(datasets.at("datasets").at(0).at("id").as_string());
+  const std::string session(
+      Asked(port, token, "POST", "sessions", R"({"dataset": ")" + dataset + "\"}").answer(201).at("id").as_string());
+  const std::string path = "sessions/" + session;
+  const auto interval = [&](int i) { return Asked(port, token, "GET", path + "/intervals").answer(200).at("intervals").at(i); };
+  const auto patch = [&](const std::string& what, const std::string& body) { Asked(port, token, "PATCH", path + what, body).answer(200); };
+  patch("/intervals/" + json::serialize(interval(0).at("id")), R"({"lower": "-inf", "colorMap": "viridis", "ownRange": true})");
+  patch("/intervals/" + json::serialize(interval(1).at("id")),
+        R"({"name": "wake", "surface": {"upper": true, "opacity": 0.4, "silhouette": 0.5}, "opacityUpper": 0.9})");
+  patch("/state", R"({"step": 1, "clipPlanes": [{"normal": {"z": -1}, "offset": -3}], "annotations": {"axes": true, "legend": true}})");
+  Asked(port, token, "PUT", path + "/view", R"({"view": "+y"})").answer(200);
+  const auto picture = [&] {
+    isostrata::RawSocket socket(port);
+    socket.send("GET /api/v1/" + path + "/image?width=200&height=150 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
+                "Authorization: Bearer " + token + "\r\n\r\n");
+    const std::string all = socket.read_all(nullptr, 30000);
+    return all.substr(all.find("\r\n\r\n") + 4);
+  };
+  const auto saved = directory_.write("saved.json", json::serialize(Asked(port, token, "GET", path + "/state").answer(200)));
+  const std::string out = (directory_ / "state.png").string();
+  const auto render = [&](std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"render", "cylinder:16x12x8x3", "--state", saved.string(), "--size", "200x150", "--renderer", "native",
+                                       "--out",  out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run("isostrata", arguments), 0) << read_text(errors());
+    return read_text(out);
+  };
+  const std::string shown = picture();
+  ASSERT_TRUE(shown.starts_with("\x89PNG"));
+  EXPECT_EQ(render(), shown) << "byte for byte";
+
+  // What the command line says comes first, and the rest stays.
+  patch("/appearance", R"({"background": {"r": 1, "g": 0.5, "b": 0}})");
+  Asked(port, token, "PUT", path + "/annotations", "{}").answer(200);
+  Asked(port, token, "PUT", path + "/view", R"({"view": "-x"})").answer(200);
+  const std::string other = picture();
+  EXPECT_NE(other, shown);
+  EXPECT_NE(render({"--background", "#ff8000"}), shown);
+
+  // Modes go along: a cycle is the picture of its phase.
+  patch("/state", R"({"mode": "RENDER_MODE_CYCLED", "cycle": {"seconds": 1, "phase": 1}})");
+  directory_.write("saved.json", json::serialize(Asked(port, token, "GET", path + "/state").answer(200)));
+  EXPECT_EQ(render(), picture());
+  patch("/state", R"({"mode": "RENDER_MODE_SMEAR", "smear": {"steps": [0, 2]}})");
+  directory_.write("saved.json", json::serialize(Asked(port, token, "GET", path + "/state").answer(200)));
+  EXPECT_EQ(render(), picture());
+
+  for (const char* wrong : {"", "{", "[]", R"({"intervals": 3})", R"({"array": "nosuch"})", R"({"intervals": [{"lower": 2, "upper": 1}]})"}) {
+    directory_.write("saved.json", wrong);
+    EXPECT_EQ(run("isostrata", {"render", "cylinder:16x12x8x3", "--state", saved.string(), "--out", out}), 1) << wrong;
+    EXPECT_NE(read_text(errors()).find("saved.json"), std::string::npos) << read_text(errors());
+  }
+}
+
+TEST_F(ServeCommand, WhereNothingCanBeDrawnReadyzAndPicturesSaySoUntilItCanBeAgain) {
+  const fs::path place = directory_ / "temporary";
+  fs::create_directory(place);
+  setenv("TMPDIR", place.c_str(), 1);
+  struct Restore {
+    ~Restore() { unsetenv("TMPDIR"); }
+  } restore;
+  const std::string token = "the-same-token-in-every-life";
+  SERVE_OR_SKIP({"torus:12", "--token", token});
+  const auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
+  const auto status = [&](const std::string& path, const std::string& method = "GET") {
+    isostrata::RawSocket socket(port);
+    socket.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token + "\r\n\r\n");
+    return socket.read_all(nullptr, 30000);
+  };
+  const std::string session(
+      Asked(port, token, "POST", "sessions", R"({"dataset": "torus-12"})").answer(201).at("id").as_string());
+  const std::string image = "/api/v1/sessions/" + session + "/image?width=64&height=48";
+  const auto kill_worker = [&] {
+    for (int i = 0; i < 500; ++i) {
+      const auto worker = Asked(port, token, "GET", "engine").answer(200).at("process").to_number<pid_t>();
+      if (worker > 0) return void(kill(worker, SIGKILL));
+      std::this_thread::sleep_for(10ms);
+    }
+  };
+  ASSERT_EQ(status(image).find(" 200 "), 8u);
+
+  // The place is gone, as after a cleaner of temporary files: it is made again.
+  fs::remove_all(place);
+  kill_worker();
+  EXPECT_EQ(status(image).find(" 200 "), 8u) << status(image);
+  EXPECT_TRUE(fs::exists(place));
+
+  // It cannot be: a file has its name.
+  fs::remove_all(place);
+  std::ofstream(place) << "in the way";
+  kill_worker();
+  std::string ready;
+  for (int i = 0; i < 1000 && ready.find(" 503 ") == std::string::npos; ++i, std::this_thread::sleep_for(20ms)) ready = status("/readyz");
+  EXPECT_EQ(ready.find(" 503 "), 8u) << ready;
+  EXPECT_NE(ready.find("temporary directory"), std::string::npos) << ready;
+  const std::string refused = status(image);
+  EXPECT_EQ(refused.find(" 503 "), 8u) << refused;
+  EXPECT_NE(refused.find("temporary directory"), std::string::npos) << refused;
+  EXPECT_EQ(status("/healthz").find(" 200 "), 8u);
+
+  fs::remove(place);
+  for (int i = 0; i < 1500 && status("/readyz").find(" 200 ") != 8; ++i) std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(status("/readyz").find(" 200 "), 8u);
+  EXPECT_EQ(status(image).find(" 200 "), 8u) << "what failed before is drawn now";
+}
+
+// What a dead worker has left may not be removable: here it is deeper than a server with few descriptors can walk.
+TEST_F(ServeCommand, WhatADeadWorkerLeavesBehindIsInNobodysWay) {
+  const fs::path place = directory_ / "temporary";
+  fs::create_directory(place);
+  setenv("TMPDIR", place.c_str(), 1);
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  rlimit few = before;
+  few.rlim_cur = 300;
+  setrlimit(RLIMIT_NOFILE, &few);
+  struct Restore {
+    rlimit limit;
+    ~Restore() {
+      unsetenv("TMPDIR");
+      setrlimit(RLIMIT_NOFILE, &limit);
+    }
+  } restore{before};
+  const std::string token = "the-same-token-in-every-life";
+  SERVE_OR_SKIP({"torus:12", "--token", token});
+  setrlimit(RLIMIT_NOFILE, &before);
+  const auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
+  const std::string session(
+      Asked(port, token, "POST", "sessions", R"({"dataset": "torus-12"})").answer(201).at("id").as_string());
+  for (int death = 0; death < 2; ++death) {
+    const auto worker = Asked(port, token, "GET", "engine").answer(200).at("process").to_number<pid_t>();
+    ASSERT_GT(worker, 0);
+    for (const auto& server : fs::directory_iterator(place))
+      for (const auto& folder : fs::directory_iterator(server.path())) {
+        if (!folder.path().filename().string().starts_with("worker")) continue;
+        const int here = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        fs::current_path(folder.path());
+        for (int i = 0; i < 500; ++i) {
+          if (mkdir("deep", 0700) != 0 || chdir("deep") != 0) break;
+        }
+        EXPECT_EQ(fchdir(here), 0);
+        close(here);
+      }
+    kill(worker, SIGKILL);
+    EXPECT_TRUE(soon_gone(worker));
+    isostrata::RawSocket socket(port);
+    socket.send("GET /api/v1/sessions/" + session + "/image?width=64&height=48 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n" +
+                "Authorization: Bearer " + token + "\r\n\r\n");
+    EXPECT_EQ(socket.read_all(nullptr, 30000).find(" 200 "), 8u);
+  }
+  stop(SIGKILL);
 }
 
 TEST_F(ServeCommand, AWorkerEndsWithItsServerHoweverThatEnds) {

@@ -173,7 +173,11 @@ TEST(HttpPlaces, WhoComesWhenAllAreTakenIsToldAndTheNextOneAfterThatIsServed) {
   options.max_sessions = 1;
   RunningServer server(std::move(options));
   std::vector<std::unique_ptr<RawSocket>> taken;
-  for (int i = 0; i < 258; ++i) taken.push_back(std::make_unique<RawSocket>(server.port()));
+  // Of requests that are on their way, with the token: what merely waits would make room.
+  for (int i = 0; i < 258; ++i) {
+    taken.push_back(std::make_unique<RawSocket>(server.port()));
+    taken.back()->send("POST /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n" + kBearer + "\r\n");
+  }
   EXPECT_EQ(status_of(RawSocket(server.port()).read_all()), 503);
   taken.clear();
   bool served = false;

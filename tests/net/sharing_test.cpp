@@ -74,6 +74,56 @@ TEST_F(Sharing, AViewerSeesWhatTheControllerDoesAndMayNotDoIt) {
   EXPECT_EQ(viewer.lossless_frame().revision(), controller.state().revision());
 }
 
+// A screen of 67 million pixels, and stills of as many, as often as they go over the line.
+TEST_F(Sharing, WhoMayOnlyLookGetsSmallerPicturesAndFewStills) {
+  Client owner(server_.client_options());
+  owner.open_dataset("torus-12");
+  auto options = with_token(server_.client_options(), invite(owner.welcome().session(), "ROLE_VIEWER"));
+  options.width = 16384;
+  options.height = 4096;
+  Client viewer(options);
+  constexpr double kMost = 4096 * 2160;
+  const auto pixels = [](const v1::Frame& frame) { return static_cast<double>(frame.width()) * frame.height(); };
+  std::optional<v1::Frame> seen;
+  for (int i = 0; i < 400 && !seen; ++i)
+    if (auto message = viewer.receive(std::chrono::milliseconds(100)); message && message->has_frame()) seen = message->frame();
+  ASSERT_TRUE(seen);
+  EXPECT_LE(pixels(*seen), kMost);
+  EXPECT_NEAR(static_cast<double>(seen->width()) / seen->height(), 4, 0.1) << "the same shape";
+
+  const int drawn = server_.control->drawn;
+  int too_large = 0, too_often = 0;
+  for (int i = 0; i < 40; ++i) {
+    v1::ClientMessage still;
+    still.mutable_request_still()->set_width(i % 2 == 0 ? 16384 : 400u + static_cast<unsigned>(i));
+    still.mutable_request_still()->set_height(i % 2 == 0 ? 4096 : 300);
+    viewer.send(still);
+  }
+  v1::ClientMessage ping;
+  ping.mutable_ping()->set_client_time_ms(7);
+  viewer.send(ping);
+  for (bool done = false; !done;) {
+    const auto message = viewer.receive(std::chrono::milliseconds(8000));
+    ASSERT_TRUE(message);
+    if (message->has_error()) (message->error().code() == "too_large" ? too_large : too_often)++;
+    if (message->has_frame()) EXPECT_LE(pixels(message->frame()), kMost);
+    done = message->has_pong();
+  }
+  EXPECT_EQ(too_large, 20);
+  EXPECT_GE(too_often, 14) << "a few at once, then one every two seconds";
+  EXPECT_LE(server_.control->drawn - drawn, 12);
+  // The owner's own are as large as ever.
+  v1::ClientMessage still;
+  still.mutable_request_still()->set_width(4200);
+  still.mutable_request_still()->set_height(2200);
+  owner.send(still);
+  bool whole = false;
+  for (int i = 0; i < 100 && !whole; ++i)
+    if (auto message = owner.receive(std::chrono::milliseconds(200)); message && message->has_frame())
+      whole = message->frame().width() == 4200;
+  EXPECT_TRUE(whole);
+}
+
 TEST_F(Sharing, AnInvitedControllerChangesWhatIsShown) {
   Client owner(server_.client_options());
   owner.open_dataset("torus-12");

@@ -103,6 +103,28 @@ class Layers(WithServer):
         s.intervals.remove(third)
         self.assertEqual([i.name for i in s.intervals], ["", "shell"])
 
+    def test_a_change_that_changes_nothing_ends_and_is_no_news(self):
+        s = self.connect(timeout=20.0)
+        first, news = s.intervals[0], []
+        s.on_change(lambda session: news.append(session.revision))
+        before = s.revision
+        s.intervals.move(first.id, first.lower, first.upper)
+        s.open("torus:12")
+        s.camera = s.camera
+        s.cancel()
+        self.assertEqual((s.revision, news), (before, []))
+        s.on_change(None)
+
+    def test_intervals_may_be_open(self):
+        s = self.connect()
+        s.intervals.set([(float("-inf"), 0.2), (0.2, float("inf"))])
+        self.assertEqual([(i.lower, i.upper) for i in s.intervals], [(float("-inf"), 0.2), (0.2, float("inf"))])
+        state = json.loads(json.dumps(s.save_state()))
+        s.intervals.set([(0.1, 0.2)])
+        s.load_state(state)
+        self.assertEqual(s.intervals[1].upper, float("inf"))
+        self.assertEqual(s.image().shape[:2], (72, 96))
+
     def test_a_refused_change_names_its_field_and_changes_nothing(self):
         s = self.connect()
         before = s.save_state()

@@ -14,7 +14,10 @@ namespace isostrata {
 /// What one client hears.
 struct FakeOutbox final : Outbox {
   void send(v1::ServerMessage message) override { messages.push_back(std::move(message)); }
-  void send_state(v1::State state) override { messages.emplace_back().mutable_state()->Swap(&state); }
+  void send_state(v1::State state, std::uint64_t heeded) override {
+    messages.emplace_back().mutable_state()->Swap(&state);
+    messages.back().set_heeded(heeded);
+  }
   void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) override {
     frames.push_back(std::move(frame));
     payloads.push_back(std::move(payload));

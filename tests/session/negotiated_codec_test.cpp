@@ -12,7 +12,7 @@ using Names = std::vector<std::string>;
 
 struct FakeOutbox final : Outbox {
   void send(v1::ServerMessage message) override { messages.push_back(std::move(message)); }
-  void send_state(v1::State) override {}
+  void send_state(v1::State, std::uint64_t) override {}
   void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) override {
     frames.push_back(std::move(frame));
     payloads.push_back(std::move(payload));

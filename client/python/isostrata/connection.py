@@ -68,6 +68,7 @@ class Connection:
         self.progress: Optional[v1.Progress] = None
         self.on_progress: Optional[Callable[[v1.Progress], None]] = None
         self.on_state: Optional[Callable[[], None]] = None
+        self.heeded = 0  # the newest message of ours that a State has answered
         self.on_event = on_event
         self.made = 0  # how often the connection has been made
         self._address = address
@@ -443,12 +444,14 @@ class Connection:
                 self.welcome = message.welcome
                 changed = self.on_state
             elif kind == "state":
+                # One that answers a command which changed nothing is no news.
+                changed = self.on_state if message.state.revision != self.state.revision else None
                 self.state = message.state
+                self.heeded = self._sent.number_of(message.heeded)
                 if self.state.dataset == self._opening:
                     self._opening = ""
                 if self._up:
                     self._known = message.state.revision
-                changed = self.on_state
             elif kind == "dataset_info":
                 self.dataset = message.dataset_info
             elif kind == "frame":

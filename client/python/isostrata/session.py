@@ -244,7 +244,7 @@ class Session:
 
         def is_open() -> bool:
             self._connection._refuse(seq)
-            newer = self.revision > before or self.id != session
+            newer = self.revision > before or self.id != session or self._connection.heeded >= seq
             return self.info.id == wanted and self.message.dataset == wanted and newer
 
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
