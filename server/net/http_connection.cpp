@@ -248,7 +248,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections, 
 std::string address_of(const asio::ip::tcp::socket& socket) {
   boost::system::error_code error;
   const auto end = socket.remote_endpoint(error);
-  return error ? std::string() : end.address().to_string(error);
+  return error ? std::string() : end.address().to_string();
 }
 
 boost::asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address, Connections& connections) {

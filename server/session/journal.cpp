@@ -314,16 +314,15 @@ class Journal::Impl {
     return error ? 0 : static_cast<std::size_t>(size);
   }
 
-  /// With files_ held: a record at the end of the log, however long that is; false where there is none.
-  bool append_record(const fs::path& path, const std::string& record, std::size_t most) const {
+  /// With files_ held: a record at the end of the log; false where there is none that has room. why: it could not be written.
+  bool append_record(const fs::path& path, const std::string& record, std::size_t most, int& why) const {
     struct stat facts {};
     const File file = open_file(path, O_WRONLY | O_APPEND);
     if (!file || ::fstat(*file, &facts) != 0 || !S_ISREG(facts.st_mode)) return false;
     if (static_cast<std::size_t>(facts.st_size) + record.size() > most) return false;
     if (write_all(*file, record)) return true;
-    const int why = errno;
-    // Half a record is passed over when it is read.
-    if (::ftruncate(*file, facts.st_size) == 0) errno = why;
+    why = errno;
+    if (::ftruncate(*file, facts.st_size) != 0) why = errno;  // half a record is passed over when it is read
     return false;
   }
 
@@ -332,9 +331,10 @@ class Journal::Impl {
     const std::string record = record_of(entry);
     if (record.size() > kMaxRecordBytes) return true;  // limits of commands keep a scene far below this
     const fs::path path = path_of(session);
-    if (append_record(path, record, 2 * options_.max_file_bytes + kMaxRecordBytes)) return true;
+    int why = 0;
+    if (append_record(path, record, 2 * options_.max_file_bytes + kMaxRecordBytes, why)) return true;
     std::error_code error;
-    if (fs::exists(path, error) || error) return false;
+    if (why != 0 || fs::exists(path, error) || error) return false;
     const fs::path beside = path.string() + ".new";
     const File file = open_file(beside, O_WRONLY | O_CREAT | O_TRUNC);
     if (!file || !write_all(*file, std::string(kHeader) + record)) return false;
@@ -356,9 +356,9 @@ class Journal::Impl {
     {
       const std::lock_guard guard(files_);
       if (overtaken()) return true;
-      errno = 0;
-      if (append_record(path, record, options_.max_file_bytes)) return written(session);
-      if (errno == ENOSPC || errno == EDQUOT || errno == EIO) return failed(errno);
+      int why = 0;
+      if (append_record(path, record, options_.max_file_bytes, why)) return written(session);
+      if (why != 0) return failed(why);
     }
     // A new log, or one that has grown: written beside and renamed into place.
     const fs::path beside = path.string() + ".beside";

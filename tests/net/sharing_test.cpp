@@ -106,7 +106,9 @@ TEST_F(Sharing, WhoMayOnlyLookGetsSmallerPicturesAndFewStills) {
     const auto message = viewer.receive(std::chrono::milliseconds(8000));
     ASSERT_TRUE(message);
     if (message->has_error()) (message->error().code() == "too_large" ? too_large : too_often)++;
-    if (message->has_frame()) EXPECT_LE(pixels(message->frame()), kMost);
+    if (message->has_frame()) {
+      EXPECT_LE(pixels(message->frame()), kMost);
+    }
     done = message->has_pong();
   }
   EXPECT_EQ(too_large, 20);

@@ -107,7 +107,7 @@ TEST(Strangers, APageOfAnotherPortIsAnotherOrigin) {
   const auto socket = [&](const std::string& host, const std::string& origin) {
     return status_of(RawSocket(server.port()).open_websocket("/ws", "Origin: " + origin + "\r\n" + bearer, host));
   };
-  for (const std::string host : {"127.0.0.1:" + port, "localhost:" + port}) {
+  for (const std::string& host : {"127.0.0.1:" + port, "localhost:" + port}) {
     for (const std::string origin : {"http://127.0.0.1", "https://127.0.0.1", "http://localhost", "http://127.0.0.1:1"}) {
       EXPECT_EQ(ask(host, origin), 403) << host << " " << origin;
       EXPECT_EQ(socket(host, origin), 403) << host << " " << origin;
@@ -147,7 +147,7 @@ TEST(Strangers, NamesThatAreNoUtf8AreShownWithEscapesAndOpenedById) {
     client.open_dataset(id);
     EXPECT_EQ(client.state().dataset(), id);
     EXPECT_NO_THROW(client.lossless_frame());
-    for (const std::string target :
+    for (const std::string& target :
          {"/api/v1/datasets/" + id, "/api/v1/datasets/" + broken, std::string("/api/v1/%ff"), std::string("/%ff"),
           std::string("/api/v1/datasets?%fe=%ff"), std::string("/api/v1/sessions/%ff")}) {
       const auto response = server.ask("GET", target);

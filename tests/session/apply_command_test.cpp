@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"patchInterval":{"id":1,"lower":3,"upper":3}})", "invalid_argument", "lower"},
         Refusal{R"({"patchInterval":{"id":1,"lower":5}})", "invalid_argument", "lower"},
         Refusal{R"({"patchInterval":{"id":1,"upper":"NaN"}})", "invalid_argument", "upper"},
-        Refusal{R"({"patchInterval":{"id":1,"lower":"-Infinity"}})", "invalid_argument", "lower"},
+        Refusal{R"({"patchInterval":{"id":1,"lower":"Infinity"}})", "invalid_argument", "lower"},
         Refusal{R"({"patchInterval":{"id":1,"opacity":1.01}})", "invalid_argument", "opacity"},
         Refusal{R"({"patchInterval":{"id":1,"opacity":"NaN"}})", "invalid_argument", "opacity"},
         Refusal{R"({"patchInterval":{"id":1,"color":{"r":2}}})", "invalid_argument", "color.r"},
