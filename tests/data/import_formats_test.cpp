@@ -57,6 +57,36 @@ TEST(ImportFormats, StepsOfASeriesAreThoseOfItsFiles) {
   EXPECT_EQ(test::refusal(scratch / "still_0.vti", beyond).code(), ErrorCode::not_found);
 }
 
+/// Kaufman's VolVis: a header of words, then slices of bytes, whole or in runs.
+std::string slc(bool runs) {
+  std::string out = "11111\n5 4 3\n8\n1 2 0.5\n3\n0\n0\n" + std::to_string(runs) + "\n1 1 XRGB";  // with an icon of one pixel
+  for (int k = 0; k < 3; ++k) {
+    std::string slice;
+    for (int p = 0; p < 20; ++p) slice += static_cast<char>(p < 8 ? 200 + k : 11 * p + k);
+    if (!runs) {
+      out += slice;
+      continue;
+    }
+    // Eight times the first byte, then twelve as they are, then the end.
+    const std::string packed = std::string(1, '\x08') + slice[0] + static_cast<char>(0x80 | 12) + slice.substr(8) + std::string(1, '\0');
+    out += std::to_string(packed.size()) + " X" + packed;
+  }
+  return out;
+}
+
+TEST(ImportFormats, SlcVolumesWholeOrInRuns) {
+  const Scratch scratch;
+  for (const bool runs : {false, true}) {
+    const auto data = test::open(scratch.write("x.slc", slc(runs)));
+    ASSERT_EQ(data->grid.dims(), (std::array<std::int64_t, 3>{5, 4, 3})) << runs;
+    EXPECT_EQ(data->grid.point(59), (Vec3d{4, 6, 1})) << runs;
+    const PointArray& array = data->arrays.at(0);
+    ASSERT_EQ(array.type, ScalarType::uint8) << runs;
+    for (std::size_t p = 0; p < 60; ++p)
+      ASSERT_EQ(array.at(p), p % 20 < 8 ? 200 + p / 20 : (11 * (p % 20) + p / 20) % 256) << runs << " " << p;
+  }
+}
+
 TEST(ImportFormats, WhatHoldsNoGridIsRefused) {
   const Scratch scratch;
   const std::string head = "# vtk DataFile Version 3.0\nmade by a test\nASCII\n";

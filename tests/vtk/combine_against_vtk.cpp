@@ -20,6 +20,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <random>
 
 #include "data/analytic.h"
 #include "data/dataset.h"
@@ -258,20 +259,56 @@ TEST(CombineAgainstVtk, OnTetrahedraOfATorus) {
   }
 }
 
-TEST(CombineAgainstVtk, OnThePost) {
+/// Flat tetrahedra whose inner points were moved, every other one left-handed.
+std::shared_ptr<Dataset> slivers() {
+  struct Changed {
+    std::shared_ptr<const void> before;
+    std::vector<Vec3d> points;
+    std::vector<std::int64_t> connectivity;
+  };
+  const Task task;
+  auto dataset = std::make_shared<Dataset>(*make_analytic("tets:9", {}, task));
+  auto& shape = std::get<UnstructuredGrid>(dataset->grid.shape);
+  auto changed = std::make_shared<Changed>();
+  changed->before = dataset->grid.storage;
+  std::mt19937_64 random(20);
+  std::uniform_real_distribution<double> by(-0.03, 0.03);
+  for (std::int64_t p = 0; p < dataset->grid.point_count(); ++p) {
+    const Vec3d at = dataset->grid.point(p);
+    const bool inside = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}) < 0.99;
+    const Vec3d moved = at + (inside ? Vec3d{by(random), by(random), by(random)} : Vec3d{});
+    changed->points.push_back({moved.x, moved.y, 0.01 * moved.z});
+  }
+  changed->connectivity.assign(shape.connectivity.begin(), shape.connectivity.end());
+  for (std::size_t c = 0; c < shape.types.size(); c += 2) std::swap(changed->connectivity[4 * c], changed->connectivity[4 * c + 1]);
+  shape.points = std::span<const Vec3d>(changed->points);
+  shape.connectivity = changed->connectivity;
+  dataset->grid.storage = changed;
+  dataset->bounds = dataset->grid.bounds();
+  return dataset;
+}
+
+TEST(CombineAgainstVtk, OnSliversOfEitherOrientation) {
+  const auto dataset = slivers();
+  add_array(*dataset, "lobes", [](Vec3d p) { return marschner_lobb({p.x, p.y, 100 * p.z}); });
+  add_array(*dataset, "slope", [](Vec3d p) { return p.x + 0.3 * p.y * p.y - 50 * p.z; });
+  compare(dataset, "distance", {"lobes", "slope"}, Pairs::some);
+}
+
+TEST(SharedDataCombineAgainstVtk, OnThePost) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   auto dataset = std::make_shared<Dataset>(*open(testing::shared_data() / "ug_post_tets" / "post.vtk"));
   add_array(*dataset, "radius", [](Vec3d p) { return std::hypot(p.x, p.y); });  // the file has one array only
   compare(dataset, "Pressure", {"radius"}, Pairs::all);
 }
 
-TEST(CombineAgainstVtk, OnThePatchAntenna) {
+TEST(SharedDataCombineAgainstVtk, OnThePatchAntenna) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   compare(only_tetrahedra(*open(testing::shared_data() / "ug_patch_antenna" / "patch_antenna.vtu")), "ElectricField",
           {"MagneticField", "MagneticField_x"}, Pairs::all);
 }
 
-TEST(CombineAgainstVtk, OnTheAneurysmsTetrahedra) {
+TEST(SharedDataCombineAgainstVtk, OnTheAneurysmsTetrahedra) {
   ISOSTRATA_NEEDS_SHARED_DATA();
   compare(only_tetrahedra(*open(testing::shared_data() / "ug_aneurysm_fem" / "output_fem.vtu")), "Umag", {"p", "u"}, Pairs::some);
 }
