@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include <sstream>
 
 #include "support/run_isostrata.h"
+#include "support/sample_files.h"
 #include "support/shared_data.h"
 
 namespace {
@@ -248,10 +250,41 @@ TEST(ExtractCommand, BenchReportsTheFloorBesideTheTimes) {
   EXPECT_GT(document.at("cpu").as_string().size(), 0u);
 }
 
+TEST(ExtractCommand, FilesOfEveryKindConformAndTile) {
+  const TemporaryFolder folder;
+  const auto files = write_sample_files(folder);
+  struct Example {
+    const char* file;
+    const char* array;
+    const char* split;
+  };
+  const Example examples[] = {
+      {"mixed.vtu", "distance", "0.4"},        // hexahedra, wedges and pyramids, and lines and vertices among them
+      {"both_handed.vtu", "slope", "0.8"},     // hexahedra of either handedness
+      {"slivers.vtu", "distance", "0.5"},      // flat tetrahedra
+      {"uniform.vti", "ties", "85"},           // 8-bit values that equal the isovalue
+      {"flow.xyz", "Density", "1.1"},          // PLOT3D, two blocks, a blanked cell
+      {"quadratic_tetrahedra.vtu", "cell", "5"},
+  };
+  for (const Example& example : examples) {
+    const std::string name = "'" + (folder / example.file).string() + "' --array " + example.array;
+    const std::string at = example.split;
+    const json::value split = extract_json(name + " --interval -1e6:" + at + " --interval " + at + ":1e6");
+    ASSERT_TRUE(split.is_object());
+    EXPECT_EQ(number(split.at("unmatched_facets")), 0) << example.file;
+    for (const json::value& interval : split.at("intervals").as_array())
+      EXPECT_GT(number(interval.at("tetrahedra")), 0) << example.file;
+    const auto file =
+        std::find_if(files.begin(), files.end(), [&](const SampleFile& f) { return f.path.filename() == example.file; });
+    ASSERT_NE(file, files.end()) << example.file;
+    EXPECT_NEAR(signed_volume(split), file->volume, 1e-9 * file->volume) << example.file;
+  }
+}
+
 /// A partition of the array's range, by the printed range of `info`.
-TEST(ExtractCommand, BluntfinHasThePapersKindOfLayer) {
+TEST(SharedDataExtract, BluntfinHasThePapersKindOfLayer) {
+  ISOSTRATA_NEEDS_SHARED_DATA();
   const auto grid = shared_data() / "plot3d_bluntfin" / "bluntfinxyz.bin";
-  if (!std::filesystem::exists(grid)) GTEST_SKIP() << "no test data: " << grid << " is absent";
   const json::value layer = extract_json("'" + grid.string() + "' --array Density --interval 1.0:1.309");
   ASSERT_TRUE(layer.is_object());
   EXPECT_EQ(number(layer.at("cells")), 37479);
@@ -267,7 +300,8 @@ TEST(ExtractCommand, BluntfinHasThePapersKindOfLayer) {
   EXPECT_EQ(number(parts.at("unmatched_facets")), 0);
 }
 
-TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
+TEST(SharedDataExtract, RealMeshesOfAllCellTypesConformAndTile) {
+  ISOSTRATA_NEEDS_SHARED_DATA();
   // Where cell faces are curved two triangulations of a face differ by its own ambiguity: a looser bound, and why.
   struct Example {
     const char* file;
@@ -281,11 +315,8 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
       {"vtk_ironprot/ironProt.vtk", "128", 1e-9},        // 8-bit values that equal the isovalue
       {"plot3d_comb/combxyz.bin", "0.4", 1e-5},          // curved faces
   };
-  int found = 0;
   for (const Example& example : examples) {
     const auto file = shared_data() / example.file;
-    if (!std::filesystem::exists(file)) continue;
-    ++found;
     const std::string name = "'" + file.string() + "'";
     const json::value whole = extract_json(name + " --interval -1e6:1e6");
     const json::value split = extract_json(name + " --interval -1e6:" + example.split + " --interval " + example.split + ":1e6");
@@ -295,7 +326,6 @@ TEST(ExtractCommand, RealMeshesOfAllCellTypesConformAndTile) {
     EXPECT_GT(number(split.at("intervals").as_array()[1].at("tetrahedra")), 0) << example.file;
     EXPECT_NEAR(signed_volume(split), signed_volume(whole), example.tolerance * signed_volume(whole)) << example.file;
   }
-  if (found == 0) GTEST_SKIP() << "no test data in " << shared_data();
 }
 
 TEST(ExtractCommand, TermsApplyInTheOrderOfTheCommandLine) {

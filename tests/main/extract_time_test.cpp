@@ -7,6 +7,7 @@
 #include <random>
 
 #include "support/run_isostrata.h"
+#include "support/sample_files.h"
 #include "support/shared_data.h"
 #include "support/vtk_text.h"
 
@@ -121,36 +122,53 @@ TEST(ExtractAtTime, RefusesWithOneClearLine) {
   EXPECT_EQ(run_isostrata("extract torus:8 --interval 0:1 --time 0 --time-mode spacetime").status, 0) << "its only step";
 }
 
-TEST(ExtractAtTime, RealSeriesConformAndPassSmoothlyFromStepToStep) {
-  struct Example {
-    const char* file;
-    const char* layer;
-    double from, to;  // times of two successive steps
+struct SeriesExample {
+  std::filesystem::path file;
+  const char* layer;
+  double from, to;  // times of two successive steps
+};
+
+void expect_smooth_passage(const SeriesExample& example) {
+  const auto at = [&](double part, const char* mode) {
+    return extract_json("'" + example.file.string() + "' " + example.layer + " --time " +
+                        std::to_string(example.from + part * (example.to - example.from)) + " --time-mode " + mode);
   };
-  const Example examples[] = {{"ts_tornado/tornado.pvd", "--array speed --interval 0.2:0.25", 1, 2},
-                              {"exo_mug_transient/mug.pvd", "--array convected --interval 0.3:0.6", 0.5, 0.6},
-                              {"exo_mug_transient/mug.e", "--array diffused --interval 0.3:0.6", 0.5, 0.6}};
-  int found = 0;
-  for (const Example& example : examples) {
-    const auto file = shared_data() / example.file;
-    if (!std::filesystem::exists(file)) continue;
-    ++found;
-    const auto at = [&](double part, const char* mode) {
-      return extract_json("'" + file.string() + "' " + example.layer + " --time " +
-                          std::to_string(example.from + part * (example.to - example.from)) + " --time-mode " + mode);
-    };
-    const json::value begin = at(0.001, "spacetime"), middle = at(0.5, "spacetime"), end = at(0.999, "spacetime");
-    ASSERT_TRUE(begin.is_object() && middle.is_object() && end.is_object());
-    for (const json::value* document : {&begin, &middle, &end}) {
-      EXPECT_EQ(number(document->at("unmatched_facets")), 0) << example.file;
-      EXPECT_EQ(number(document->at("intervals").at(0).at("inverted")), 0) << example.file;
-    }
-    // The steps' own cells are hexahedra, a slice's are split: near, not equal.
-    EXPECT_NEAR(volume(begin), volume(at(0, "step")), 0.03 * volume(begin)) << example.file;
-    EXPECT_NEAR(volume(end), volume(at(1, "step")), 0.03 * volume(end)) << example.file;
-    EXPECT_NEAR(volume(middle), volume(at(0.5, "interpolate")), 0.03 * volume(middle)) << example.file;
+  const json::value begin = at(0.001, "spacetime"), middle = at(0.5, "spacetime"), end = at(0.999, "spacetime");
+  ASSERT_TRUE(begin.is_object() && middle.is_object() && end.is_object());
+  for (const json::value* document : {&begin, &middle, &end}) {
+    EXPECT_EQ(number(document->at("unmatched_facets")), 0) << example.file;
+    EXPECT_EQ(number(document->at("intervals").at(0).at("inverted")), 0) << example.file;
   }
-  if (found == 0) GTEST_SKIP() << "no test data in " << shared_data();
+  // The steps' own cells are hexahedra, a slice's are split: near, not equal.
+  EXPECT_NEAR(volume(begin), volume(at(0, "step")), 0.03 * volume(begin)) << example.file;
+  EXPECT_NEAR(volume(end), volume(at(1, "step")), 0.03 * volume(end)) << example.file;
+  EXPECT_NEAR(volume(middle), volume(at(0.5, "interpolate")), 0.03 * volume(middle)) << example.file;
+}
+
+TEST(ExtractAtTime, SeriesOfFilesConformAndPassSmoothlyFromStepToStep) {
+  const TemporaryFolder folder;
+  const std::array<int, 3> dims{17, 15, 16};
+  std::vector<std::pair<double, std::string>> images, meshes;
+  for (int step = 0; step < 3; ++step) {
+    const SampleGridArrays arrays = sample_grid_arrays(dims, 0.05 * step);
+    images.emplace_back(0.5 + step, "image_" + std::to_string(step) + ".vti");
+    folder.write(images.back().second, vti_text({0, 0, 0}, dims, arrays.points));
+    VtuText mesh;
+    const CubeLattice lattice(mesh, 10, 0.1);
+    for (const auto& cube : lattice.cubes()) mesh.add(12, {cube.begin(), cube.end()});
+    add_sample_arrays(mesh, 0.05 * step);
+    meshes.emplace_back(0.25 * step, "mesh_" + std::to_string(step) + ".vtu");
+    folder.write(meshes.back().second, mesh.text());
+  }
+  expect_smooth_passage({folder.write("image.pvd", pvd_text(images)), "--array distance --interval 0.3:0.5", 0.5, 1.5});
+  expect_smooth_passage({folder.write("mesh.pvd", pvd_text(meshes)), "--array distance --interval 0.3:0.5", 0.25, 0.5});
+}
+
+TEST(SharedDataExtractAtTime, RealSeriesConformAndPassSmoothlyFromStepToStep) {
+  ISOSTRATA_NEEDS_SHARED_DATA();
+  expect_smooth_passage({shared_data() / "ts_tornado/tornado.pvd", "--array speed --interval 0.2:0.25", 1, 2});
+  expect_smooth_passage({shared_data() / "exo_mug_transient/mug.pvd", "--array convected --interval 0.3:0.6", 0.5, 0.6});
+  expect_smooth_passage({shared_data() / "exo_mug_transient/mug.e", "--array diffused --interval 0.3:0.6", 0.5, 0.6});
 }
 
 }  // namespace

@@ -3,15 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <string>
 
 #include "base/error.h"
-#include "support/shared_data.h"
+#include "rendering/published_maps.h"
 
 namespace isostrata {
 namespace {
@@ -101,25 +97,15 @@ TEST(Style, CoolwarmMeetsThePublishedColours) {
 
 // They are splines; the error must not be seen.
 TEST(Style, MapsMeetThePublishedTables) {
-  const auto folder = testing::shared_data() / "colormaps";
-  const std::pair<const char*, const char*> tables[] = {
-      {"viridis", "matplotlib/viridis.csv"}, {"plasma", "matplotlib/plasma.csv"}, {"inferno", "matplotlib/inferno.csv"},
-      {"magma", "matplotlib/magma.csv"},     {"batlow", "crameri/batlow.txt"},    {"vik", "crameri/vik.txt"}};
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no published tables at " << folder;
-  for (const auto& [name, file] : tables) {
-    std::ifstream in(folder / file);
-    int row = 0;
-    for (std::string line; std::getline(in, line); ++row) {
-      std::replace(line.begin(), line.end(), ',', ' ');
-      std::istringstream numbers(line);
-      const Rgb ours = sample(color_map(name), static_cast<float>(row) / 255.0f);
-      for (std::size_t c = 0; c < 3; ++c) {
-        double published = -1;
-        numbers >> published;
-        EXPECT_NEAR(ours[c], published, 1.1 / 255) << name << " row " << row;
-      }
+  for (const auto& [name, rows] : testing::kPublishedMaps) {
+    const ColorMap map = color_map(name);
+    ASSERT_EQ(rows.size(), 6u * testing::kPublishedRows) << name;
+    for (int row = 0; row < testing::kPublishedRows; ++row) {
+      const Rgb ours = sample(map, static_cast<float>(testing::kPublishedStep * row) / 255.0f);
+      const Rgb published = parse_rgb("#" + std::string(rows.substr(6 * static_cast<std::size_t>(row), 6)));
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(ours[c], published[c], 1.6 / 255) << name << " row " << testing::kPublishedStep * row;
     }
-    EXPECT_EQ(row, 256) << file;
   }
 }
 
