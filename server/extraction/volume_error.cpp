@@ -22,6 +22,8 @@ std::span<const int> corners_of(CellType type) {
   static constexpr std::array<int, 8> kWedge{0, 1, 2, 2, 3, 4, 5, 5}, kPyramid{0, 1, 3, 2, 4, 4, 4, 4}, kCube{0, 1, 3, 2, 4, 5, 7, 6};
   switch (type) {
     case CellType::tetrahedron:
+    case CellType::triangle:
+    case CellType::quadrilateral:
       return {};
     case CellType::wedge:
       return kWedge;
@@ -169,6 +171,7 @@ class VolumeErrors {
 
 std::vector<double> volume_errors(const Grid& grid, const PointArray& array, const IntervalMesh& mesh, const Task& task,
                                   const VolumeErrorOptions& options) {
+  if (grid.flat()) return std::vector<double>(mesh.summaries.size(), 0.0);  // no volume to be wrong about
   return VolumeErrors(grid, array, mesh, task, options).run();
 }
 
