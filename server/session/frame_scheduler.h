@@ -113,8 +113,6 @@ class FrameScheduler {
     double ms = 0;        // with the round trip; 0: nothing is known
   };
   Passing passing(Codec codec, double most_scale, TimePoint now) const;
-  int width() const { return width_; }
-  int height() const { return height_; }
 
  private:
   FrameOrder order_of(FramePhase phase) const;
