@@ -97,6 +97,7 @@ std::vector<std::uint8_t> listed_facets(const IntervalMesh& mesh, const Task& ta
 }  // namespace
 
 std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) {
+  if (mesh.tetrahedra.empty()) return 0;  // of a flat grid facets are areas, and bound nothing
   const std::vector<std::uint8_t> listed = listed_facets(mesh, task);
 
   const auto count = static_cast<std::int64_t>(mesh.tetrahedra.size());
