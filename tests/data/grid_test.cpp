@@ -39,10 +39,11 @@ TEST(Grid, EveryStructuredCellIsAUnitCubeInVtkOrder) {
   }
 }
 
-TEST(Grid, ThatIsOnePointThickHasNoCells) {
-  EXPECT_EQ(uniform({5, 1, 5}).cell_count(), 0);
+TEST(Grid, ThatIsOnePointThickInOneDirectionHasQuadrilateralsInMoreNoCells) {
+  EXPECT_EQ(count_cell_types(uniform({5, 1, 5})), (std::map<std::string, std::int64_t>{{"quadrilateral", 16}}));
+  EXPECT_EQ(uniform({5, 1, 1}).cell_count(), 0);
   EXPECT_EQ(uniform({1, 1, 1}).cell_count(), 0);
-  EXPECT_TRUE(count_cell_types(uniform({5, 1, 5})).empty());
+  EXPECT_TRUE(count_cell_types(uniform({1, 1, 5})).empty());
 }
 
 TEST(Grid, AllKindsAgreeOnTheSamePoints) {
