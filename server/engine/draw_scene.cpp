@@ -243,7 +243,8 @@ bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& r
   return true;
 }
 
-IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const ExtractedScene& extracted) {
+/// own_array: its ends are ends of the colours' values.
+IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const ExtractedScene& extracted, bool own_array) {
   IntervalStyle style;
   style.color = interval.color;
   SceneInterval closed = interval;  // an end that is open is where the array's range ends
@@ -251,8 +252,7 @@ IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const 
   if (!std::isfinite(closed.upper)) closed.upper = std::max(extracted.color_upper, closed.lower);
   if (closed.whole && !(std::isfinite(closed.whole->lower) && std::isfinite(closed.whole->upper)))
     closed.whole = Interval{closed.lower, closed.upper};
-  set_colors(style, closed, scene.color_range, extracted.color_lower, extracted.color_upper,
-             extracted.color_by == extracted.array);
+  set_colors(style, closed, scene.color_range, extracted.color_lower, extracted.color_upper, own_array);
   style.priority = interval.priority;
   style.visible = interval.visible;
   style.surface = interval.surface;
@@ -262,14 +262,12 @@ IntervalStyle style_of(const Scene& scene, const SceneInterval& interval, const 
 }
 
 IntervalStyle style_of(const Scene& scene, const SceneTerm& term, const SceneInterval& first, const ExtractedScene& extracted) {
-  // Its values lie anywhere, not between the first interval's ends.
   SceneInterval like = first;
   if (term.color || !term.color_map.empty()) like.color_map = term.color_map;
   if (term.color) like.color = *term.color;
   if (scene.color_range.log && !like.own_range && !like.whole) like.whole = {{like.lower, like.upper}};
-  IntervalStyle style;
-  style.color = like.color;
-  set_colors(style, like, scene.color_range, extracted.color_lower, extracted.color_upper, false);
+  // Its values lie anywhere, not between the first interval's ends.
+  IntervalStyle style = style_of(scene, like, extracted, false);
   if (term.opacity) style.opacity = *term.opacity, style.opacity_upper.reset();
   if (term.priority) style.priority = *term.priority;
   style.visible = term.visible;
@@ -294,7 +292,7 @@ SurfaceStyle area_surface(const IntervalStyle& style, const Box3d& bounds) {
 /// Of the intervals and of what terms bring in, as one step has them.
 std::vector<IntervalStyle> styles_of(const Scene& scene, const ExtractedScene& extracted, std::span<const IntervalSummary> of) {
   std::vector<IntervalStyle> styles;
-  for (const SceneInterval& interval : scene.intervals) styles.push_back(style_of(scene, interval, extracted));
+  for (const SceneInterval& interval : scene.intervals) styles.push_back(style_of(scene, interval, extracted, extracted.color_by == extracted.array));
   for (std::size_t i = scene.intervals.size(); i < of.size(); ++i) {
     const auto term = static_cast<std::size_t>(of[i].term);
     styles.push_back(style_of(scene, scene.terms.at(term), scene.intervals.front(), extracted));
