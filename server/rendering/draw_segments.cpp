@@ -83,7 +83,7 @@ struct SegmentsRenderer::State {
   // Of the mesh and values that were drawn last:
   std::weak_ptr<const IntervalMesh> mesh;
   std::weak_ptr<const std::vector<float>> values;
-  std::vector<ValueRange> ranges;  // [intervals]
+  std::vector<SegmentRange> ranges;  // [intervals]
   std::mutex mutex;                // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
@@ -293,7 +293,7 @@ void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& f
     state_->values = input.color_values;
   }
   if (optics.cut) {
-    std::vector<ValueRange> inside;
+    std::vector<SegmentRange> inside;
     for (const Interval& interval : input.cut_intervals)
       inside.push_back({static_cast<float>(interval.lower), static_cast<float>(interval.upper)});
     straighten(inside, optics);

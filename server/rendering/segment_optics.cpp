@@ -119,14 +119,14 @@ SegmentOptics make_segment_optics(const DrawInput& input, double scale, ColorInt
   return optics;
 }
 
-std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values) {
-  std::vector<ValueRange> ranges(mesh.summaries.size());
+std::vector<SegmentRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values) {
+  std::vector<SegmentRange> ranges(mesh.summaries.size());
   if (!values) return ranges;
   std::mutex mutex;
   parallel_for(static_cast<std::int64_t>(mesh.tetrahedra.size()), 65536, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<ValueRange> mine(ranges.size());
+    std::vector<SegmentRange> mine(ranges.size());
     for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
-      ValueRange& range = mine[mesh.tetrahedron_interval[t]];
+      SegmentRange& range = mine[mesh.tetrahedron_interval[t]];
       for (const std::uint32_t point : mesh.tetrahedra[t]) {
         const float value = (*values)[point];
         if (std::isnan(value)) {
@@ -143,7 +143,7 @@ std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector
   return ranges;
 }
 
-void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics) {
+void straighten(const std::vector<SegmentRange>& ranges, SegmentOptics& optics) {
   const std::size_t count = optics.lower.size();
   optics.straight.assign(count, 0);
   optics.line_start.assign(count, {});

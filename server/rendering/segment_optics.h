@@ -50,13 +50,13 @@ SegmentOptics make_segment_optics(const DrawInput& input, double scale, ColorInt
 inline constexpr float kStraight = 1e-3f;
 
 /// The least and the greatest color-by value inside an interval; infinite where one is no number.
-struct ValueRange {
+struct SegmentRange {
   float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
 };
 /// [intervals]. O(tetrahedra), parallel. values may be null.
-std::vector<ValueRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values);
+std::vector<SegmentRange> value_ranges(const IntervalMesh& mesh, const std::vector<float>* values);
 
 /// Finds the intervals over which colours run along a line.
-void straighten(const std::vector<ValueRange>& ranges, SegmentOptics& optics);
+void straighten(const std::vector<SegmentRange>& ranges, SegmentOptics& optics);
 
 }  // namespace isostrata

@@ -248,10 +248,12 @@ TEST(Acknowledgement, OverRestTheStateComesAlsoWhereNothingChanges) {
   RunningServer server;
   const auto made = body_of(server.ask("POST", "/api/v1/sessions", R"({"dataset": "torus-12"})"));
   const std::string path = "/api/v1/sessions/" + std::string(made.at("id").as_string());
-  const auto state = body_of(server.ask("GET", path + "/state"));
+  const std::string got = server.ask("GET", path + "/state");
+  const std::string text = got.substr(got.find("\r\n\r\n") + 4);  // as it came: parsed and written again its numbers may differ in the last digit
+  const auto state = body_of(got);
   const std::string interval = path + "/intervals/" + json::serialize(state.at("intervals").at(0).at("id"));
   for (const auto& [method, target, body] :
-       {std::tuple{std::string("PATCH"), interval, std::string(R"({"visible": true})")}, std::tuple{std::string("PUT"), path + "/state", json::serialize(state)},
+       {std::tuple{std::string("PATCH"), interval, std::string(R"({"visible": true})")}, std::tuple{std::string("PUT"), path + "/state", text},
         std::tuple{std::string("POST"), path + "/commands", std::string(R"({"cancel": {"operation": 7}})")},
         std::tuple{std::string("POST"), path + "/commands", std::string(R"({"setAppearance": {}})")}}) {
     const auto answer = server.ask(method, target, body);

@@ -59,6 +59,7 @@ TEST_F(WebSocket, AFrameNamesTheInputAndTheRevisionThatItContains) {
 
 TEST_F(WebSocket, LayerFactsFollowTheLosslessFrame) {
   Client client(server_.client_options());
+  client.open_dataset("torus-12");
   const v1::Frame frame = client.lossless_frame();
   v1::LayerFacts told;
   for (int i = 0; i < 100 && told.intervals().empty(); ++i)
