@@ -116,7 +116,7 @@ test('every operation of the document can be called, and answers what the docume
   const at = { session };
   const happened = answers.call('watchSession', at);
   await answers.call('listSessions');
-  for (const id of ['getSession', 'getSessionDataset', 'getHistogram', 'getStatistics', 'listOperations']) await answers.call(id, at);
+  for (const id of ['getSession', 'getSessionDataset', 'getHistogram', 'getStatistics', 'getLayers', 'listOperations']) await answers.call(id, at);
 
   await answers.call('putTransferFunction', at, {
     points: [

@@ -21,12 +21,23 @@ export function luminance(color: Rgb): number {
 }
 
 /** What the server gives its layers: red, green, blue, yellow, then further distinct ones. */
-const palette = ['#e61f1f', '#26bf33', '#2659f2', '#f7d91a', '#f2800d', '#1accd9', '#d933bf', '#99e61a', '#804dd9', '#f299a6'];
-export const usualColor = (index: number): Rgb => rgbOfHex(palette[index % palette.length] as string) as Rgb;
+const palette: Rgb[] = [
+  [0.90, 0.12, 0.12],
+  [0.15, 0.75, 0.20],
+  [0.15, 0.35, 0.95],
+  [0.97, 0.85, 0.10],
+  [0.95, 0.50, 0.05],
+  [0.10, 0.80, 0.85],
+  [0.85, 0.20, 0.75],
+  [0.60, 0.90, 0.10],
+  [0.50, 0.30, 0.85],
+  [0.95, 0.60, 0.65],
+].map(([r, g, b]) => [Math.fround(r!), Math.fround(g!), Math.fround(b!)]);  // as the server has them, to the last bit
+export const usualColor = (index: number): Rgb => palette[index % palette.length] as Rgb;
 
 /** The first of them that no layer has. */
 export function newIntervalColor(used: readonly Rgb[]): Rgb {
   const taken = new Set(used.map(hexOf));
-  const free = palette.findIndex((hex) => !taken.has(hex));
+  const free = palette.findIndex((color) => !taken.has(hexOf(color)));
   return usualColor(free >= 0 ? free : used.length);
 }
