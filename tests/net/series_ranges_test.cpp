@@ -53,7 +53,8 @@ TEST_F(RestSeries, IsReadAsAnOperationOfTheSessionThatCanBeCancelled) {
   const std::string session = "/sessions/" + std::string(json::parse(created.substr(created.find("\r\n\r\n") + 4)).at("id").as_string());
   std::string operation;
   for (int i = 0; i < 1000 && operation.empty(); ++i) {
-    for (const json::value& of : get(session + "/operations").at("operations").as_array())
+    const json::value known = get(session + "/operations");
+    for (const json::value& of : known.at("operations").as_array())
       if (of.at("kind").as_string() == "ranges") operation = std::string(of.at("id").as_string());
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
