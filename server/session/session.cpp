@@ -45,6 +45,14 @@ Session::Holds Session::holds() const {
   return state_.scene.dataset.empty() && !opening_ ? Holds::nothing : Holds::look;
 }
 
+void Session::note_left(bool goodbye) {
+  vanished_ = vanished_ || !goodbye;
+  const bool left = !watched() && !vanished_;
+  if (left == left_) return;
+  left_ = left;
+  engine_.session_changed(*this, false);
+}
+
 Viewer* Session::living(ViewerKey key) {
   const auto it = viewers_.find(key);
   return it == viewers_.end() ? nullptr : it->second;
@@ -52,7 +60,7 @@ Viewer* Session::living(ViewerKey key) {
 
 void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
-  left_ = false;
+  left_ = vanished_ = false;
   viewer.session = key_;
   last_use_ = now;
   viewer.frames.set_codec(viewer.codec());

@@ -70,9 +70,11 @@ class Session {
   std::size_t viewer_count() const { return viewers_.size(); }
   /// What is lost with it: nothing, a first look that anyone can have again, what somebody has made of it.
   enum class Holds { nothing, look, work };
+  /// Who vanished may come back so long.
+  static constexpr Duration kComesBack = std::chrono::minutes(2);
   Holds holds() const;
-  /// Whether the last viewer was done with it.
-  void note_left(bool goodbye) { left_ = goodbye; }
+  /// A viewer is gone: done with it, or vanished and perhaps back in a moment.
+  void note_left(bool goodbye);
   TimePoint last_use() const { return last_use_; }
   void touch(TimePoint now) {
     last_use_ = now;
@@ -264,7 +266,8 @@ class Session {
   int histograms_ = 0;          // asked for and not answered
   TimePoint last_use_{};
   bool worked_on_ = false;  // somebody has changed what a dataset shows at first
-  bool left_ = false;       // by a viewer who was done
+  bool left_ = false;       // nobody who may come back has left it
+  bool vanished_ = false;   // somebody has, without a word, since somebody came
   std::optional<TimePoint> next_phase_;  // when a cycle that plays shows its next interval
 };
 

@@ -41,6 +41,7 @@ Session::Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept)
   }
   state_.scene.revision = std::max<std::uint64_t>(kept.state().revision(), 1);
   worked_on_ = state_.scene.revision > 2;  // nothing, and a first look
+  left_ = kept.left() || unix_ms_now() - kept.written_unix_ms() > std::chrono::duration_cast<std::chrono::milliseconds>(kComesBack).count();
 }
 
 journal::Entry Session::entry() const {
@@ -61,6 +62,8 @@ journal::Entry Session::entry() const {
     entry.add_clients()->set_id(client.id);
     entry.mutable_clients()->rbegin()->set_last_command(settled_command(client));
   }
+  entry.set_left(left_);
+  entry.set_written_unix_ms(unix_ms_now());
   return entry;
 }
 

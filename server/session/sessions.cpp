@@ -37,9 +37,10 @@ Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> p
   if (!journal_->usable()) journal_.reset();
   if (!journal_) return;
   // Each has its whole time to be found again, however long nobody could.
-  for (const journal::Entry& entry : journal_->take_found()) {
+  const std::vector<journal::Entry> found = journal_->take_found();
+  for (auto entry = found.rbegin(); entry != found.rend(); ++entry) {  // the oldest makes room first
     const SessionKey key = ++last_session_;
-    auto session = std::make_unique<Session>(key, *this, entry);
+    auto session = std::make_unique<Session>(key, *this, *entry);
     session->touch_asleep(std::chrono::steady_clock::now());
     sessions_[key] = std::move(session);
   }
@@ -302,7 +303,7 @@ Session* Sessions::create(TimePoint now, v1::Error& error, NewFor whom) {
       if (session->watched()) continue;
       const Session::Holds holds = session->holds();
       if ((whom == NewFor::nobody && holds != Session::Holds::nothing) ||
-          (holds == Session::Holds::work && now - session->last_use() < kComesBack)) {
+          (holds == Session::Holds::work && now - session->last_use() < Session::kComesBack)) {
         held = true;
         continue;
       }

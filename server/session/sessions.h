@@ -71,7 +71,6 @@ class Sessions final : public EngineDoor {
   /// longest unused. What a person has made of one is not given up for a session that is empty, nor for anyone while it was
   /// used a moment ago: that person may be on the way back.
   Session* create(TimePoint now, v1::Error& error, NewFor whom = NewFor::viewer);
-  static constexpr Duration kComesBack = std::chrono::minutes(2);
   Session* find(const std::string& id);
   /// Not from inside a session's reply: there, end_unwatched_soon.
   bool end(const std::string& id);

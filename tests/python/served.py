@@ -21,9 +21,11 @@ class Served:
     def _start(self, port: str) -> None:
         ready = self.folder / "ready.json"
         ready.unlink(missing_ok=True)
+        # A test leaves nothing behind.
+        keep = () if "--state-dir" in self.arguments else ("--state-dir", "none")
         with open(self.folder / "log", "wb") as log:
             self.process = subprocess.Popen(
-                [BIN / "isostrata", "serve", *self.arguments, "--port", port, "--ready-file", ready], stdout=log, stderr=log
+                [BIN / "isostrata", "serve", *self.arguments, *keep, "--port", port, "--ready-file", ready], stdout=log, stderr=log
             )
         end = time.monotonic() + 60
         while not ready.exists():

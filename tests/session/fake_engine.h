@@ -90,7 +90,7 @@ class SessionsOnAClock {
     message.set_seq(++client.seq);
     sessions->receive(client.key, message, now);
   }
-  void leave(FakeClient& client) { sessions->detach(client.key, now); }
+  void leave(FakeClient& client, bool goodbye = false) { sessions->detach(client.key, now, goodbye); }
 
   /// All requests of one kind since the last call.
   template <class Request>

@@ -277,5 +277,34 @@ TEST_F(Restart, MoreThanThereIsRoomForAreTheNewest) {
   EXPECT_FALSE(s_->sessions->find(clients[0]->outbox.welcome().session()));
 }
 
+// A server that begins with as many sessions as it may hold must not shut everyone else out.
+TEST_F(Restart, WhoSaidGoodbyeMakesRoomInTheNextLifeAndWhoVanishedDoesNot) {
+  std::vector<std::shared_ptr<FakeClient>> people;
+  for (int i = 0; i < 4; ++i) {
+    people.push_back(s_->connect(s_->looking()));
+    s_->open();
+    furnish(*s_, *people.back());
+  }
+  for (int i = 0; i < 4; ++i) s_->leave(*people[i], i >= 2);
+  restart();
+  ASSERT_EQ(s_->sessions->list().size(), 4u);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(s_->connect(s_->looking())->outbox.error().code(), "");
+  EXPECT_EQ(s_->connect(s_->looking())->outbox.error().code(), "unavailable");
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(s_->sessions->find(people[i]->outbox.welcome().session()) != nullptr, i < 2) << i;
+}
+
+TEST_F(Restart, AGoodbyeIsNotForWhoVanishedBefore) {
+  const auto person = s_->connect(s_->looking());
+  s_->open();
+  furnish(*s_, *person);
+  const auto other = s_->connect(s_->resuming(*person));
+  s_->leave(*person);
+  s_->leave(*other, true);
+  EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::work);
+  const auto back = s_->connect(s_->resuming(*person));
+  s_->leave(*back, true);
+  EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::look);
+}
+
 }  // namespace
 }  // namespace isostrata

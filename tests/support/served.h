@@ -1,6 +1,7 @@
 // The real programs: a server that is started, answers and ends with the test, and clients that run beside it.
 #pragma once
 
+#include <algorithm>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -121,6 +122,8 @@ class Served {
     std::filesystem::remove(folder_ / "ready");
     std::vector<std::string> command{program("isostrata"), "serve", "--port", port, "--ready-file", (folder_ / "ready").string()};
     command.insert(command.end(), arguments_.begin(), arguments_.end());
+    if (std::find(arguments_.begin(), arguments_.end(), "--state-dir") == arguments_.end())
+      command.insert(command.end(), {"--state-dir", "none"});  // a test leaves nothing behind
     server_ = std::make_unique<Process>(std::move(command));
     for (int i = 0; i < 6000 && !std::filesystem::exists(folder_ / "ready"); ++i) {
       if (server_->ended()) return;
