@@ -13,7 +13,8 @@ make_bare_root() {
   from=$(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' 'Created-By: Packages')
   own=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
   mirror=$(awk -v own="$own" '$2 == own { print $1; exit }' <<<"$from")
-  debootstrap --variant=minbase "$suite" "$dir" "${mirror:-http://deb.debian.org/debian}" "$script" >/dev/null
+  [[ $mirror ]] || { echo "apt has no source of $own here, so no mirror of $suite is known" >&2; return 1; }
+  debootstrap --variant=minbase "$suite" "$dir" "$mirror" "$script" >/dev/null
   # This machine's sources with the other suite's name; what is not released yet has neither updates nor security's.
   awk -v own="$own" -v suite="$suite" 'index($2, own) == 1 {
       part = substr($2, length(own) + 1)
