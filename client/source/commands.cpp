@@ -7,6 +7,15 @@
 #include "isostrata/client.h"
 
 namespace isostrata::client {
+namespace {
+
+v1::ClientMessage smear_of(const std::vector<v1::Rgb>& colors) {
+  v1::ClientMessage message;
+  message.mutable_set_smear()->mutable_smear()->mutable_colors()->Add(colors.begin(), colors.end());
+  return message;
+}
+
+}  // namespace
 
 void Client::select_array(const std::string& array) {
   v1::ClientMessage message;
@@ -157,18 +166,14 @@ void Client::set_cycle(const v1::SetCycle& cycle) {
 }
 
 void Client::set_smear(const std::vector<int>& steps, const std::vector<v1::Rgb>& colors) {
-  v1::ClientMessage message;
-  v1::Smear& smear = *message.mutable_set_smear()->mutable_smear();
-  smear.mutable_steps()->Add(steps.begin(), steps.end());
-  smear.mutable_colors()->Add(colors.begin(), colors.end());
+  v1::ClientMessage message = smear_of(colors);
+  message.mutable_set_smear()->mutable_smear()->mutable_steps()->Add(steps.begin(), steps.end());
   command(std::move(message));
 }
 
 void Client::set_smear_times(const std::vector<double>& times, const std::vector<v1::Rgb>& colors) {
-  v1::ClientMessage message;
-  v1::Smear& smear = *message.mutable_set_smear()->mutable_smear();
-  smear.mutable_times()->Add(times.begin(), times.end());
-  smear.mutable_colors()->Add(colors.begin(), colors.end());
+  v1::ClientMessage message = smear_of(colors);
+  message.mutable_set_smear()->mutable_smear()->mutable_times()->Add(times.begin(), times.end());
   command(std::move(message));
 }
 
