@@ -13,19 +13,21 @@ namespace {
 
 using Place = std::array<double, 3>;
 
+std::uint64_t mixed(std::uint64_t hash, std::uint64_t next) {
+  hash = (hash ^ next) * 0x9e3779b97f4a7c15ull;
+  return hash ^ hash >> 29;
+}
+
 std::uint64_t hash_of(const Place& at) {
   std::uint64_t hash = 0;
-  for (const double x : at) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ull;
-    hash ^= hash >> 29;
-  }
+  for (const double x : at) hash = mixed(hash, std::bit_cast<std::uint64_t>(x));
   return hash;
 }
 
 struct IdsHash {
   std::size_t operator()(const std::vector<std::int64_t>& ids) const {
     std::uint64_t hash = 0;
-    for (const std::int64_t id : ids) hash = (hash ^ static_cast<std::uint64_t>(id)) * 0x9e3779b97f4a7c15ull, hash ^= hash >> 29;
+    for (const std::int64_t id : ids) hash = mixed(hash, static_cast<std::uint64_t>(id));
     return static_cast<std::size_t>(hash);
   }
 };
@@ -44,14 +46,15 @@ class Joiner {
   void run(std::vector<std::string>& notes) {
     find_common_points();
     if (joined_ > 0) {
-      renumber();
+      const std::vector<std::int64_t> kept = renumber();
       hide_doubled_cells();
-      compact();
+      leave_out_all_but(kept);
     }
     const std::string pieces = std::to_string(first_points_.size()) + " pieces";
     if (joined_ > 0) notes.push_back(std::to_string(joined_) + " points that " + pieces + " share are one point each");
     if (apart_ > 0)
-      notes.push_back(std::to_string(apart_) + " points of " + pieces + " are at the places of others and stay apart, as their values differ");
+      notes.push_back(std::to_string(apart_) + " points of " + pieces +
+                      " are at the places of others and stay apart, as their values differ");
     if (doubled_ > 0) notes.push_back(std::to_string(doubled_) + " cells hidden that another piece has as well");
   }
 
@@ -75,7 +78,8 @@ class Joiner {
 
   void find_common_points() {
     std::vector<std::pair<std::uint64_t, std::int64_t>> order(stands_for_.size());  // by place, then by number
-    for (std::size_t p = 0; p < order.size(); ++p) order[p] = {hash_of(place(static_cast<std::int64_t>(p))), static_cast<std::int64_t>(p)};
+    for (std::size_t p = 0; p < order.size(); ++p)
+      order[p] = {hash_of(place(static_cast<std::int64_t>(p))), static_cast<std::int64_t>(p)};
     std::sort(order.begin(), order.end());
     struct Candidate {
       std::int64_t point = 0;
@@ -108,18 +112,29 @@ class Joiner {
     }
   }
 
-  void renumber() {
+  /// Makes stands_for_ the numbers that points have when only one of each place is left: those that are returned.
+  std::vector<std::int64_t> renumber() {
+    std::vector<std::int64_t> kept;
+    for (std::size_t p = 0; p < stands_for_.size(); ++p) {
+      const auto first = static_cast<std::size_t>(stands_for_[p]);  // at most p
+      if (first == p) {
+        stands_for_[p] = static_cast<std::int64_t>(kept.size());
+        kept.push_back(static_cast<std::int64_t>(p));
+        common_.push_back(false);
+      } else {
+        stands_for_[p] = stands_for_[first];
+        common_[static_cast<std::size_t>(stands_for_[p])] = true;
+      }
+    }
     auto [storage, ids] = allocate<std::int64_t>(grid_.connectivity.size());
     for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = stands_for_[static_cast<std::size_t>(grid_.connectivity[i])];
     grid_.connectivity = ids;
     keep(storage);
+    return kept;
   }
 
   /// Of the cells that have nothing but common points.
   void hide_doubled_cells() {
-    std::vector<bool> common(stands_for_.size());
-    for (std::size_t p = 0; p < stands_for_.size(); ++p)
-      if (stands_for_[p] != static_cast<std::int64_t>(p)) common[static_cast<std::size_t>(stands_for_[p])] = true;
     std::unordered_map<std::vector<std::int64_t>, std::size_t, IdsHash> piece_of;
     std::vector<std::size_t> doubled;
     std::size_t piece = 0;
@@ -128,7 +143,7 @@ class Joiner {
       const auto ids = grid_.connectivity.subspan(static_cast<std::size_t>(grid_.offsets[c]),
                                                   static_cast<std::size_t>(grid_.offsets[c + 1] - grid_.offsets[c]));
       if (block_.grid.hidden(static_cast<std::int64_t>(c)) ||
-          !std::all_of(ids.begin(), ids.end(), [&](std::int64_t id) { return common[static_cast<std::size_t>(id)]; }))
+          !std::all_of(ids.begin(), ids.end(), [&](std::int64_t id) { return common_[static_cast<std::size_t>(id)]; }))
         continue;
       std::vector<std::int64_t> key(ids.begin(), ids.end());
       std::sort(key.begin(), key.end());
@@ -144,19 +159,7 @@ class Joiner {
     keep(storage);
   }
 
-  /// Leaves out the points that another one stands for.
-  void compact() {
-    std::vector<std::int64_t> kept;
-    std::vector<std::int64_t> number(stands_for_.size());
-    for (std::size_t p = 0; p < stands_for_.size(); ++p)
-      if (stands_for_[p] == static_cast<std::int64_t>(p)) {
-        number[p] = static_cast<std::int64_t>(kept.size());
-        kept.push_back(static_cast<std::int64_t>(p));
-      }
-    auto [storage, ids] = allocate<std::int64_t>(grid_.connectivity.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = number[static_cast<std::size_t>(grid_.connectivity[i])];
-    grid_.connectivity = ids;
-    keep(storage);
+  void leave_out_all_but(const std::vector<std::int64_t>& kept) {
     std::visit(
         [&](auto points) {
           using V = std::remove_const_t<typename decltype(points)::element_type>;
@@ -179,13 +182,15 @@ class Joiner {
 
   template <class Storage>
   void keep(const Storage& storage) {
-    block_.grid.storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(block_.grid.storage, storage);
+    block_.grid.storage =
+        std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(block_.grid.storage, storage);
   }
 
   Block& block_;
   UnstructuredGrid& grid_;
   const std::span<const std::int64_t> first_points_, first_cells_;
   std::vector<std::int64_t> stands_for_;  // [np] the first of the points that are one with it
+  std::vector<bool> common_;              // of the points that are left: several pieces have it
   std::int64_t joined_ = 0, apart_ = 0, doubled_ = 0;
 };
 

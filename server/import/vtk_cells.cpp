@@ -62,14 +62,7 @@ Kept kept_as(int vtk_type) {
     case VTK_LAGRANGE_PYRAMID:
     case VTK_BEZIER_PYRAMID:
       return {CellType::pyramid, 5, true};
-    default:
-      return {};
-  }
-}
-
-/// Of cells with an area and no volume. VTK's pixel is a quadrilateral with its last two corners exchanged.
-Kept kept_flat(int vtk_type) {
-  switch (vtk_type) {
+    // Of cells with an area and no volume; VTK's pixel is a quadrilateral with its last two corners exchanged.
     case VTK_TRIANGLE:
       return {CellType::triangle, 3, false};
     case VTK_QUAD:
@@ -94,6 +87,11 @@ Kept kept_flat(int vtk_type) {
 bool is_split(int vtk_type) {
   return vtk_type == VTK_POLYHEDRON || vtk_type == VTK_PENTAGONAL_PRISM || vtk_type == VTK_HEXAGONAL_PRISM ||
          vtk_type == VTK_CONVEX_POINT_SET;
+}
+
+bool has_volume(int vtk_type) {
+  const Kept as = kept_as(vtk_type);
+  return is_split(vtk_type) || (as.corners > 0 && !is_flat(as.type));
 }
 
 /// "VTK_QUADRATIC_TETRA" is what people search for; VTK calls it "vtkQuadraticTetra".
@@ -122,11 +120,11 @@ class CellKeeper {
     kept_.types.reserve(static_cast<std::size_t>(count));
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
     flat_ = true;
-    for (vtkIdType c = 0; c < count && flat_; ++c)
-      flat_ = kept_as(types->GetValue(c)).corners == 0 && !is_split(types->GetValue(c));
+    for (vtkIdType c = 0; c < count && flat_; ++c) flat_ = !has_volume(types->GetValue(c));
     for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
     note(notes);
-    if (static_cast<vtkIdType>(kept_.types.size()) == count && skipped_.empty() && open_.empty() && split_.empty() && fans_.empty())
+    if (static_cast<vtkIdType>(kept_.types.size()) == count && skipped_.empty() && open_.empty() && split_.empty() &&
+        fans_.empty())
       kept_.source.clear();
     return std::move(kept_);
   }
@@ -190,8 +188,8 @@ class CellKeeper {
       keep_fan(c, vtk_type);
       return;
     }
-    const Kept as = flat_ ? kept_flat(vtk_type) : kept_as(vtk_type);
-    if (as.corners == 0) {
+    const Kept as = kept_as(vtk_type);
+    if (as.corners == 0 || is_flat(as.type) != flat_) {
       ++skipped_[vtk_type];
       return;
     }
@@ -335,9 +333,10 @@ class CellKeeper {
     for (const auto& [type, n] : skipped_)
       say(n,
           vtk_name(type) +
-              (flat_ ? " skipped: only cells with an area or a volume are read"
-                     : " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are "
-                       "read"));
+              (flat_
+                   ? " skipped: only cells with an area or a volume are read"
+                   : " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are "
+                     "read"));
     for (const auto& [type, row] : fans_)
       say(row.cells, vtk_name(type) + " read as " + std::to_string(row.pieces) + " triangles");
     for (const auto& [type, n] : open_) say(n, vtk_name(type) + " skipped: their faces do not close up");
