@@ -174,39 +174,36 @@ std::vector<CellCase> find_structured(const Search& search, std::span<const T> v
       });
 }
 
-template <class T>
-std::vector<CellCase> find_unstructured(const Search& search, std::span<const T> values) {
-  const Grid& grid = search.grid;
-  const auto& shape = std::get<UnstructuredGrid>(grid.shape);
+/// Cell by cell: ids_of(cell, room) are the cell's points.
+template <class T, class IdsOf>
+std::vector<CellCase> find_in_cells(const Search& search, std::span<const T> values, const IdsOf& ids_of) {
   constexpr std::int64_t kCellsPerBlock = 8192;
-  return join_blocks(search, grid.cell_count(), kCellsPerBlock,
+  return join_blocks(search, search.grid.cell_count(), kCellsPerBlock,
                      [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
+                       std::array<std::int64_t, kMaxCellVertices> room;
                        std::array<double, kMaxCellVertices> f;
                        for (std::int64_t cell = begin; cell < end; ++cell) {
-                         const std::int64_t first = shape.offsets[cell];
-                         const auto n = static_cast<std::size_t>(shape.offsets[cell + 1] - first);
-                         const auto ids = shape.connectivity.subspan(static_cast<std::size_t>(first), n);
-                         for (std::size_t v = 0; v < n; ++v) f[v] = static_cast<double>(values[ids[v]]);
-                         classify(grid, search.rules, cell, ids, f.data(), out);
+                         const std::span<const std::int64_t> ids = ids_of(cell, room);
+                         for (std::size_t v = 0; v < ids.size(); ++v) f[v] = static_cast<double>(values[ids[v]]);
+                         classify(search.grid, search.rules, cell, ids, f.data(), out);
                          if (cell % 16 == 0) check(out);
                        }
                      });
 }
 
 template <class T>
+std::vector<CellCase> find_unstructured(const Search& search, std::span<const T> values) {
+  return find_in_cells(search, values, [&shape = std::get<UnstructuredGrid>(search.grid.shape)](std::int64_t cell, auto&) {
+    return shape.connectivity.subspan(static_cast<std::size_t>(shape.offsets[cell]),
+                                      static_cast<std::size_t>(shape.offsets[cell + 1] - shape.offsets[cell]));
+  });
+}
+
+template <class T>
 std::vector<CellCase> find_flat(const Search& search, std::span<const T> values) {
-  constexpr std::int64_t kCellsPerBlock = 8192;
-  return join_blocks(search, search.grid.cell_count(), kCellsPerBlock,
-                     [&](std::int64_t begin, std::int64_t end, const auto& check, std::vector<CellCase>& out) {
-                       std::array<std::int64_t, kMaxCellVertices> ids;
-                       std::array<double, kMaxCellVertices> f;
-                       for (std::int64_t cell = begin; cell < end; ++cell) {
-                         const auto n = static_cast<std::size_t>(search.grid.cell_points(cell, ids));
-                         for (std::size_t v = 0; v < n; ++v) f[v] = static_cast<double>(values[static_cast<std::size_t>(ids[v])]);
-                         classify(search.grid, search.rules, cell, std::span(ids).first(n), f.data(), out);
-                         if (cell % 16 == 0) check(out);
-                       }
-                     });
+  return find_in_cells(search, values, [&grid = search.grid](std::int64_t cell, auto& room) {
+    return std::span<const std::int64_t>(room).first(static_cast<std::size_t>(grid.cell_points(cell, room)));
+  });
 }
 
 }  // namespace

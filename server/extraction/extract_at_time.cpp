@@ -108,7 +108,7 @@ std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSo
   Layers layers;
   TimePlace place = place_of(request, *any, layers.time);
   const int last = static_cast<int>(any->times.size()) - 1;
-  if (last == 0) return std::nullopt;
+  if (last == 0 || any->grid.flat()) return std::nullopt;
   const std::string name = array_name(request, *any);
   any.reset();
   if (place.first == place.second) {  // at a step: a pair that has it

@@ -31,8 +31,9 @@ void prepare_tables(const Grid& grid);
 
 /// Conforming: tetrahedra of neighbouring cells share whole facets, for any mix of cell types. The result does not depend on the
 /// number of threads. A cell that is hidden, or has a vertex whose value or position is not finite, holds no part of any
-/// interval; its neighbours' faces towards it bound the domain. Of a flat grid the areas come (extract_areas.h). Throws invalid_argument (lower >= upper, an end that is not
-/// finite, no interval, more than 65535, an array of another length than the grid's points), too_large, cancelled. Any thread.
+/// interval; its neighbours' faces towards it bound the domain. Of a flat grid the areas come (extract_areas.h). Ends may be
+/// infinite. Throws invalid_argument (lower >= upper, an end that is NaN, no interval, more than 65535, an array of another
+/// length than the grid's points), too_large, cancelled. Any thread.
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task);
 

@@ -17,7 +17,8 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
 void combine_terms(const LayerRequest& request, const Dataset& dataset, const PointArray& array,
                    std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
   std::vector<ArrayTerm> terms;
-  for (const RangeTerm& term : request.terms) terms.push_back({term.op, &dataset.array(term.array), with_finite_ends(term.range)});
+  for (const RangeTerm& term : request.terms)
+    terms.push_back({term.op, &dataset.array(term.array), with_finite_ends(term.range)});
   const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals, ExtractOptions options) {
     options.strict = request.triangulation == Triangulation::strict;
     return extract_intervals(grid, on, intervals, options, task);
@@ -35,16 +36,15 @@ void check_flat(const LayerRequest& request, const Dataset& dataset) {
     throw Error(ErrorCode::unsupported, dataset.name + ": its cells have an area and no volume; " + what);
   };
   if (!request.terms.empty()) refuse("ranges of several arrays are combined in cells with a volume only");
-  if (request.time && request.time_mode == TimeMode::spacetime) refuse("expected the time mode step or interpolate, not spacetime");
+  if (request.time && request.time_mode == TimeMode::spacetime)
+    refuse("expected the time mode step or interpolate, not spacetime");
 }
 
 }  // namespace
 
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids) {
-  if (request.time_mode == TimeMode::spacetime) {
-    if (const auto first = steps(request.step, task); first->grid.flat()) check_flat(request, *first);
+  if (request.time_mode == TimeMode::spacetime)
     if (auto sliced = slice_space_time(request, steps, aids.kept, task)) return std::move(*sliced);
-  }
   Layers layers;
   layers.dataset = dataset_at_time(request, steps, layers.time, task);
   const Dataset& dataset = *layers.dataset;
@@ -61,8 +61,9 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
     combine_terms(request, dataset, array, carry, layers, task);
     return layers;
   }
-  layers.mesh = aids.extractor && !options.strict && !dataset.grid.flat() ? aids.extractor(dataset.grid, array, request.intervals, options, task)
-                                                  : extract_intervals(dataset.grid, array, request.intervals, options, task);
+  layers.mesh = aids.extractor && !options.strict && !dataset.grid.flat()
+                    ? aids.extractor(dataset.grid, array, request.intervals, options, task)
+                    : extract_intervals(dataset.grid, array, request.intervals, options, task);
   for (const PointArray* other : carry) layers.carried.push_back({other->name, carry_array(layers.mesh, *other)});
   return layers;
 }

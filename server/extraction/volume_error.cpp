@@ -152,6 +152,7 @@ class VolumeErrors {
     return (left_handed(box) ? -curved : curved) - cut;
   }
 
+  /// Of the corners as they are mapped to a hexahedron, which turns some types over: not the handedness of the cell.
   static bool left_handed(const Hexahedron& box) {
     const Vec3d x = box.position[1] - box.position[0] + box.position[7] - box.position[6];
     const Vec3d y = box.position[2] - box.position[0] + box.position[7] - box.position[5];
