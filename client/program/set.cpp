@@ -1,4 +1,5 @@
 // set: changes what a session shows, for scripts; and its whole state as a file.
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <fstream>

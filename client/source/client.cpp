@@ -1,5 +1,7 @@
 #include "isostrata/client.h"
 
+#include <algorithm>
+
 #include <google/protobuf/util/json_util.h>
 
 #include <boost/json/parse.hpp>

@@ -1,5 +1,6 @@
 #include <libdeflate.h>
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <mutex>

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <utility>

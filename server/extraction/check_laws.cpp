@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <sstream>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "extraction/boundary_facets.h"

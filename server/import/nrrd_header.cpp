@@ -1,6 +1,7 @@
 #include "import/nrrd_header.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>

@@ -1,5 +1,6 @@
 #include "net/shaped_link.h"
 
+#include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/co_spawn.hpp>

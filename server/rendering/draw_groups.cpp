@@ -1,5 +1,6 @@
 #include "rendering/draw_groups.h"
 
+#include <algorithm>
 #include <map>
 
 namespace isostrata {
@@ -37,10 +38,13 @@ VisibilityOrder order_groups(const DrawInput& input) {
     VisibilityOrder group = order_group(input, members);
     all.exact = all.exact && group.exact;
     if (all.method == "none needed" || !group.exact) all.method = group.method;
-    if (all.tetrahedra.empty())
+    const std::size_t before = all.tetrahedra.size();
+    if (before == 0) {
       all.tetrahedra = std::move(group.tetrahedra);
-    else
-      all.tetrahedra.insert(all.tetrahedra.end(), group.tetrahedra.begin(), group.tetrahedra.end());
+      continue;
+    }
+    all.tetrahedra.resize(before + group.tetrahedra.size());
+    std::copy(group.tetrahedra.begin(), group.tetrahedra.end(), all.tetrahedra.begin() + static_cast<std::ptrdiff_t>(before));
   }
   if (input.mode == RenderMode::prioritized)
     all.method = all.method == "none needed" ? "priority (none needed)" : "priority, then " + all.method;

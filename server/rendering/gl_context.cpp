@@ -1,6 +1,7 @@
 #include "rendering/gl_context.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <functional>
 

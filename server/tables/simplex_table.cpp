@@ -4,6 +4,7 @@
 #include <bit>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace isostrata {
 namespace {
@@ -61,7 +62,7 @@ class Pulling {
       const auto v = static_cast<IsoVertex>(std::countr_zero(rest));
       if (key_[v] < key_[apex]) apex = v;
     }
-    pulled[depth] = apex;
+    pulled.at(static_cast<std::size_t>(depth)) = apex;
     if (std::has_single_bit(face)) {
       out.push_back(pulled);
       return;

@@ -1,4 +1,5 @@
 // Exodus files of every kind that people publish: most are meshes without time steps, or hold more than volumes.
+#include <tuple>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // The readers against others' files: what is in each, as VTK and the files' authors say.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
 #include <optional>
 

@@ -1,7 +1,9 @@
 // The streams that the page decodes at start, from the page's own source.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "data/analytic.h"
 #include "extraction/active_cells.h"

@@ -1,6 +1,7 @@
 #include "extraction/boundary_facets.h"
 
 #include <map>
+#include <tuple>
 
 #include "data/analytic.h"
 #include "extraction/small_grids.h"

@@ -1,5 +1,7 @@
 #include "session/link_model.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace isostrata {

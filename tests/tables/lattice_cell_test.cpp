@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <random>
+#include <utility>
 
 #include "base/error.h"
 #include "tables/interval_case.h"
