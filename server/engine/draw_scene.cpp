@@ -47,6 +47,7 @@ bool can_carry(const ExtractedScene& extracted) {
 bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, const StepSource& steps, const Task& task) {
   LayerRequest wanted = request;
   wanted.facets = wanted.facets || previous.request.facets;  // more than is asked for does no harm
+  wanted.normals = wanted.normals || previous.request.normals;
   return previous.request == wanted && std::all_of(previous.steps.begin(), previous.steps.end(),
                                                    [&](const auto& used) { return steps(used->step, task) == used; });
 }
@@ -70,6 +71,8 @@ std::vector<Values> extract(ExtractedScene& made, const LayerRequest& request, c
   made.dataset = std::move(layers.dataset);
   made.time = layers.time;
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
+  made.normals_wanted = request.normals;
+  if (!layers.normals.empty()) made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(layers.normals));
   std::vector<Values> carried;
   for (MeshArray& array : layers.carried) carried.push_back(std::make_shared<const std::vector<float>>(std::move(array.values)));
   return carried;
@@ -137,6 +140,7 @@ LayerRequest request_for(const Scene& scene, const std::string& array) {
   if (uses_color_values(scene)) request.carry.push_back(color_by);
   if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
   request.facets = draws_surfaces(scene) || !uses_color_values(scene);
+  request.normals = draws_surfaces(scene) && !scene.terms.empty();
   if (const std::vector<SmearMoment> moments = smear_moments(scene); !moments.empty()) {
     request.step = moments.front().step;
     request.time = moments.front().time;
@@ -209,6 +213,7 @@ std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, co
 bool ends_moved(const ExtractedScene* last, LayerRequest request) {
   if (!last) return false;
   request.facets = last->request.facets;
+  request.normals = last->request.normals;
   request.intervals = last->request.intervals;
   return last->request == request;
 }
@@ -401,6 +406,7 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
       sums[i].volume += more.volume;
       sums[i].signed_volume += more.signed_volume;
       sums[i].inverted += more.inverted;
+      sums[i].area += more.area;
     }
   return sums;
 }
@@ -411,17 +417,18 @@ std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const
   const bool plain = extracted.parts.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
   if (errors && extracted.base)
     of_each.resize(summaries.size());  // cut exactly
-  else if (errors && plain && !summaries.empty())
+  else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())
     of_each = volume_errors(extracted.dataset->grid, extracted.dataset->array(extracted.array), *extracted.mesh, task);
   std::vector<IntervalFacts> facts;
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     const std::uint32_t id = scene.intervals[i].id;
-    if (facts.empty() || facts.back().id != id) facts.push_back({id, 0, 0, 0, std::nullopt});
+    if (facts.empty() || facts.back().id != id) facts.push_back({id, 0, 0, 0, std::nullopt, std::nullopt});
     IntervalFacts& of = facts.back();
     of.active_cells += summaries[i].active_cells;
     of.tetrahedra += summaries[i].tetrahedra;
     of.volume += summaries[i].signed_volume;
     if (i < of_each.size()) of.volume_error = of.volume_error.value_or(0) + of_each[i];
+    if (extracted.dataset->grid.flat()) of.area = of.area.value_or(0) + summaries[i].area;
   }
   return facts;
 }
@@ -504,6 +511,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (textured)
       made->texture_values = kept_texture ? kept_texture : colored && texture == color_by ? made->color_values : carried(texture);
     plain.facets = last->request.facets;
+    plain.normals = last->request.normals;
   } else {
     if (request.time_mode == TimeMode::spacetime)
       made->kept = last && last->kept ? last->kept : std::make_shared<KeptSpaceTime>();

@@ -195,6 +195,7 @@ struct IntervalFacts {
   std::int64_t tetrahedra = 0;
   double volume = 0;                   // of the solid
   std::optional<double> volume_error;  // as volume_errors() has it; nothing where it is not defined, or not asked for
+  std::optional<double> area;          // of a flat grid, in place of a volume
 };
 
 struct StageTimes {

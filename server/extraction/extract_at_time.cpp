@@ -48,7 +48,7 @@ void combine_slice(const LayerRequest& request, SpaceTimeSlice& slice, const Car
   for (const std::string& other : request.carry) fields.push_back(carry(other));
   slice.points = {};
   Combined combined = combine_ranges(std::move(slice.mesh), request.intervals.size(), std::move(fields), chain,
-                                     {request.facets, request.max_bytes}, task);
+                                     {.facets = request.facets, .max_bytes = request.max_bytes}, task);
   layers.mesh = std::move(combined.mesh);
   for (std::size_t i = 0; i < request.carry.size(); ++i) {
     const Buffer<double>& values = combined.fields[carried + i];

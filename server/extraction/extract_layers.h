@@ -39,6 +39,7 @@ struct LayerRequest {
   Triangulation triangulation = Triangulation::table;
   std::vector<std::string> carry;         // other arrays to bring to the mesh's points
   bool facets = false;                    // fill IntervalMesh::facets
+  bool normals = false;                   // with terms and facets: fill Layers::normals
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
 
   bool operator==(const LayerRequest&) const = default;
@@ -61,6 +62,7 @@ struct Layers {
                                            // points move or the field is interpolated, one of that time with the arrays asked for
   IntervalMesh mesh;                       // without origins in space-time mode
   std::vector<MeshArray> carried;          // one per LayerRequest::carry
+  std::vector<Vec3f> normals;              // [np] of the surfaces of combined ranges (combined_normals.h); not of slices
   LayerTime time;
 };
 

@@ -211,6 +211,7 @@ v1::IntervalFacts to_wire(const IntervalFacts& interval) {
   out.set_tetrahedra(interval.tetrahedra);
   out.set_volume(interval.volume);
   if (interval.volume_error) out.set_volume_error(*interval.volume_error);
+  if (interval.area) out.set_area(*interval.area);
   return out;
 }
 

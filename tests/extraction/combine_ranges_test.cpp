@@ -483,6 +483,50 @@ TEST(CombineRanges, FacetsLieOnWhatTheySay) {
     }
 }
 
+// A ball and a slab: on the sphere the normals are the radii, on the planes the axis, and on the edges between them there are none.
+TEST(CombineRanges, SurfacesHaveTheDirectionOfTheArrayThatTheyAreOf) {
+  for (const char* name : {"sphere:24", "tets:16"}) {
+    SCOPED_TRACE(name);
+    const auto dataset = analytic(name);
+    const Box3d box = dataset->bounds;
+    const Vec3d center = (box.lower + box.upper) / 2, axis = normalized(Vec3d{1, 2, 3});
+    const double size = box.diagonal();
+    std::vector<double> radius, height;
+    for (std::int64_t p = 0; p < dataset->grid.point_count(); ++p) {
+      const Vec3d at = dataset->grid.point(p) - center;
+      radius.push_back(length(at) / size);
+      height.push_back(dot(at, axis) / size);
+    }
+    const PointArray ball = point_array(radius, "radius"), slab = point_array(height, "height");
+    const std::vector<Interval> intervals{{-1, 0.22}};
+    const std::vector<ArrayTerm> terms{{kAnd, &slab, {-0.1, 0.13}}};
+    const auto extract = [&](const Grid& on, const PointArray& a, std::span<const Interval> i, const ExtractOptions& options) {
+      return extract_intervals(on, a, i, options, Task{});
+    };
+    const Combined all = combine_arrays(dataset->grid, ball, intervals, terms, {}, extract, {.facets = true, .normals = true}, Task{});
+    ASSERT_EQ(all.normals.size(), all.mesh.positions.size());
+    std::vector<std::set<int>> ranges(all.normals.size());
+    for (const BoundaryFacet& facet : all.mesh.facets)
+      for (const std::uint32_t p : facet.points) ranges[p].insert(facet.range);
+    std::size_t on_ball = 0, on_slab = 0, on_edge = 0;
+    for (std::size_t p = 0; p < ranges.size(); ++p) {
+      const Vec3d n{all.normals[p].x, all.normals[p].y, all.normals[p].z};
+      if (ranges[p].size() != 1) {
+        ASSERT_EQ(n, Vec3d{}) << p;
+        on_edge += ranges[p].size() == 2;
+        continue;
+      }
+      const bool of_ball = *ranges[p].begin() == 0;
+      ++(of_ball ? on_ball : on_slab);
+      ASSERT_GT(dot(n, of_ball ? normalized(all.mesh.positions[p] - center) : axis), of_ball ? 0.99 : 0.99999) << p;
+    }
+    EXPECT_GT(on_ball, 100u);
+    EXPECT_GT(on_slab, 100u);
+    EXPECT_GT(on_edge, 10u);
+    EXPECT_TRUE(combine_all(dataset->grid, ball, intervals, terms).normals.empty());
+  }
+}
+
 TEST(CombineRanges, TetrahedraLieWhereTheirLabelSays) {
   for (const Field& f : all_kinds(false, 11)) {
     SCOPED_TRACE(f.name);

@@ -268,6 +268,20 @@ TEST_F(RestRoutes, LayersHoldTheSolidsVolumeAndSayHowSureItIs) {
   EXPECT_LT(error, 0.2 * volume);
 }
 
+TEST(RestLayers, OfAFlatGridHaveAnAreaInPlaceOfAVolume) {
+  ServerOptions options;
+  options.engine.catalogue = Catalogue::from_sources({"diamond:8"});
+  RunningServer server(std::move(options));
+  const auto made = body_of(server.ask("POST", "/api/v1/sessions", R"({"dataset": "diamond-8"})"));
+  const auto layers = body_of(server.ask("GET", "/api/v1/sessions/" + std::string(made.at("id").as_string()) + "/layers"));
+  double area = 0;
+  for (const auto& layer : layers.at("intervals").as_array()) {
+    area += layer.at("area").to_number<double>();
+    EXPECT_FALSE(layer.as_object().contains("volumeError"));
+  }
+  EXPECT_GT(area, 0);
+}
+
 TEST_F(RestRoutes, RequestsHaveNames) {
   const auto given = ask("GET", "/datasets", "", "X-Request-Id: run-7.b_2\r\n");
   EXPECT_EQ(header_of(given, "X-Request-Id"), "run-7.b_2");
