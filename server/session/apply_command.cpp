@@ -869,7 +869,7 @@ bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
     for (std::size_t i = 0; i < layers; ++i) {
       SceneInterval interval;
       interval.id = i < before.size() ? before[i].id : ++state.last_interval_id;
-        interval.number = static_cast<std::uint32_t>(i + 1);
+      interval.number = static_cast<std::uint32_t>(i + 1);
       interval.lower = dataset.first_layers[i].lower;
       interval.upper = dataset.first_layers[i].upper;
       interval.color = default_interval_color(i);

@@ -434,12 +434,16 @@ void Session::ranges_read(const EngineEvent& event, TimePoint now) {
   const std::optional<Scene> first_look = std::exchange(first_look_, std::nullopt);
   const auto* ready = std::get_if<DatasetReady>(&event);
   if (!ready) return;
+  const ColorRange colors_before = drawn().color_range;
   dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
   broadcast(dataset_message(*dataset_));
   // Layers that nobody has touched were chosen by what was known then.
   if (first_look && first_look->array == state_.scene.array && first_look->intervals == state_.scene.intervals &&
       show_first_layers(state_, *dataset_))
-    changed(now);
+    return changed(now);
+  if (drawn().color_range == colors_before) return;
+  ++state_.scene.revision;
+  changed(now);
 }
 
 void Session::run_deferred(TimePoint now) {

@@ -80,6 +80,28 @@ TEST_F(RangesInASession, LayersThatSomebodyTouchedStay) {
   EXPECT_EQ(client->outbox.state().intervals(1).upper(), 20);
 }
 
+TEST_F(RangesInASession, ColoursOverAllStepsAreDrawnAgainWhenMoreIsKnown) {
+  DatasetFacts early = mug(true);
+  early.arrays.front().upper = 20;
+  early.missing_steps = 1;
+  const auto client = viewer_of(early);
+  const OpenRequest request = asked_for_all();
+  v1::ClientMessage look, touch;
+  look.mutable_set_appearance()->mutable_color_range()->set_span(v1::COLOR_SPAN_ALL_STEPS);
+  touch.mutable_patch_interval()->set_id(1);
+  touch.mutable_patch_interval()->set_opacity(0.875);
+  say(*client, look);
+  say(*client, touch);
+  take<SceneUpdate>();
+  const auto before = client->outbox.state().revision();
+  sessions->on_event(DatasetReady{request.session, request.request, mug(true)}, now);
+  const auto updates = take<SceneUpdate>();
+  ASSERT_EQ(updates.size(), 1u);
+  EXPECT_EQ(updates.front().scene.color_range.upper, 80);
+  EXPECT_EQ(updates.front().scene.revision, before + 1);
+  EXPECT_EQ(client->outbox.state().revision(), before + 1);
+}
+
 TEST_F(RangesInASession, LayersKeepTheirIdsWhenTheyFollow) {
   DatasetFacts early = mug(true);
   early.missing_steps = 1;
