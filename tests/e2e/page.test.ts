@@ -55,6 +55,8 @@ describe('the page', () => {
     const origin = new URL(server.ready.url).origin;
     for (const url of viewer.requests) expect(url.startsWith(origin) || url.startsWith('blob:'), url).toBe(true);
     await expect.poll(() => viewer.page.locator('footer').innerText()).toMatch(/Connected.*exact/s);
+    // Hexahedra are cut straight: the card says how far the volume may be off.
+    await expect.poll(() => viewer.page.locator('.facts').first().innerText()).toMatch(/volume [\d.]+ ± [\d.]/);
     expect(viewer.problems).toEqual([]);
   });
 

@@ -260,6 +260,15 @@ export interface IntervalFacts {
   activeCells: number;
   tetrahedra: number;
   volume: number;
+  /** Of a flat grid, in place of a volume. */
+  area?: number;
+}
+
+/** How far a layer's volume may be from that of the field as its cells interpolate it; 0: it is cut exactly. */
+export interface VolumeError {
+  id: number;
+  volume: number;
+  error: number;
 }
 
 /** moving: as good as the link carries; settled: of full size and quality, not yet lossless; exact: lossless. */
@@ -318,6 +327,7 @@ export type ServerEvent =
   | { kind: 'datasetInfo'; info: DatasetInfo }
   | { kind: 'histogram'; histogram: Histogram }
   | { kind: 'frame'; frame: Frame }
+  | { kind: 'volumeErrors'; errors: VolumeError[] }
   | { kind: 'progress'; progress: Progress }
   | { kind: 'done'; operation: bigint; cancelled: boolean; superseded: boolean }
   | { kind: 'error'; error: ServerError }

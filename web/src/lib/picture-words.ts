@@ -1,4 +1,5 @@
 // What a person is told about the picture: why there is nothing in it, and how far it can be trusted.
+import { formatNumber } from './ticks';
 import type { DatasetInfo, Frame, SceneState } from './model';
 
 type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'>;
@@ -42,4 +43,11 @@ export function badgeOf(frame: Shown, revision: number, empty: boolean, viewport
     return { word: 'older', kind: 'older', title: 'The picture shows an earlier state than the controls. Any change draws the newest one.' };
   if (empty) return { word: 'nothing to show', kind: 'empty', title: 'The words on the picture say why.' };
   return { word: 'exact', kind: 'exact', title: 'Lossless: the colours are exact.' };
+}
+
+/** Of a layer's volume. Tetrahedra are cut exactly, other cells straight. */
+export function sureness(error: number): string {
+  return error === 0
+    ? 'It is that of the interpolated field'
+    : `It is estimated to be within ${formatNumber(error, 2)} of the volume that the cells' own, curved interpolation gives`;
 }

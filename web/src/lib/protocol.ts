@@ -262,6 +262,11 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
     }
     case 'frame':
       return { kind: 'frame', frame: frameOf(body.value) };
+    case 'layerFacts':
+      return {
+        kind: 'volumeErrors',
+        errors: body.value.intervals.flatMap(({ id, volume, volumeError: error }) => (error === undefined ? [] : [{ id, volume, error }])),
+      };
     case 'progress': {
       const { operation, stage, fraction, background } = body.value;
       return { kind: 'progress', progress: { operation, stage, fraction, background } };
@@ -478,11 +483,12 @@ function frameOf(f: WireFrame): Frame {
     order: f.facts?.order ?? '',
     orderExact: f.facts?.orderExact ?? false,
     tetrahedra: Number(f.facts?.tetrahedra ?? 0n),
-    intervals: (f.facts?.intervals ?? []).map(({ id, activeCells, tetrahedra, volume }) => ({
+    intervals: (f.facts?.intervals ?? []).map(({ id, activeCells, tetrahedra, volume, area }) => ({
       id,
       activeCells: Number(activeCells),
       tetrahedra: Number(tetrahedra),
       volume,
+      area,
     })),
     camera: cameraOf(f.camera),
     streamId: Number(f.streamId),

@@ -20,6 +20,7 @@ import {
   type Role,
   type SceneState,
   type ServerEvent,
+  type VolumeError,
   type Welcome,
 } from './model';
 import { Notices, placeOf, type Place } from './notices.svelte';
@@ -63,6 +64,7 @@ export class Session {
   frame = $state.raw<FrameReadout | null>(null);
   /** The newest one that was shown while something changed. */
   moving = $state.raw<FrameReadout | null>(null);
+  volumeErrors = $state.raw<VolumeError[]>([]);
   progress = $state.raw<Progress[]>([]);
   roundTripMs = $state.raw<number | null>(null);
   /** Everyone at the session, this page among them. */
@@ -396,6 +398,9 @@ export class Session {
         return;
       case 'frame':
         return this.onFrame(event.frame);
+      case 'volumeErrors':
+        this.volumeErrors = event.errors;
+        return;
       case 'progress': {
         const others = this.progress.filter((p) => p.operation !== event.progress.operation);
         this.progress = [...others, event.progress];
