@@ -489,7 +489,7 @@ class WorkerEngine::Impl {
         ++facts_.deaths;
       }
       facts_.last_death = cause;
-            trial = ran && retry_.on_trial(now) && (trying_device_ || instead_.empty());
+      trial = ran && retry_.on_trial(now) && (trying_device_ || instead_.empty());
       fall_back = trial || (ran && history_.too_many() && instead_.empty());
       nobody_draws = ++never_ready_ >= kMostNeverReady && !fall_back;
       const bool native_already = !instead_.empty() || choice_.renderer == "native" || choice_.device == "native";
