@@ -30,8 +30,8 @@ const info: DatasetInfo = {
   notes: [],
 };
 const view: SceneState = { ...emptyState, dataset: 'fin', array: 'p', revision: 5, intervals: [interval(1)] };
-const full = { tetrahedra: 40 };
-const none = { tetrahedra: 0 };
+const full = { tetrahedra: 40, intervals: [] };
+const none = { tetrahedra: 0, intervals: [] };
 
 test('an empty picture is explained by what is missing, and a full one is not', () => {
   expect(emptyReason(view, info, full)).toBeNull();
@@ -43,6 +43,9 @@ test('an empty picture is explained by what is missing, and a full one is not', 
   expect(emptyReason(view, info, none)).toContain('no cell has values of p in any layer');
   expect(emptyReason(view, { ...info, times: [0, 1] }, none)).toContain('at this time');
   expect(emptyReason(view, { ...info, arrays: [{ ...info.arrays[0]!, lower: 1, upper: -1 }] }, none)).toContain('no finite value');
+  const flat = (area: number) => ({ tetrahedra: 0, intervals: [{ id: 1, activeCells: 3, tetrahedra: 0, volume: 0, area }] });
+  expect(emptyReason(view, info, flat(2))).toBeNull();
+  expect(emptyReason(view, info, flat(0))).toContain('in any layer');
   // Of another dataset than the one that is chosen nobody knows yet.
   expect(emptyReason({ ...view, dataset: 'other' }, { ...info, cells: 0 }, none)).toBeNull();
 });

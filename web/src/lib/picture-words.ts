@@ -4,8 +4,10 @@ import type { DatasetInfo, Frame, SceneState } from './model';
 
 type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'>;
 
+type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'>;
+
 /** Why the picture has to be empty; null where something is to be seen, or nobody knows yet. */
-export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Pick<Frame, 'tetrahedra'> | null): string | null {
+export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Drawn | null): string | null {
   if (!view.dataset || info?.id !== view.dataset) return null;
   if (info.cells === 0)
     return `Nothing to show: ${info.name} has ${info.points.toLocaleString('en')} points and no cells. Layers are cut out of cells.`;
@@ -13,7 +15,8 @@ export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: P
   if (view.intervals.length === 0) return 'No layers yet. Drag across the histogram below to make one.';
   const seen = view.intervals.filter((interval) => interval.visible);
   if (seen.length === 0 && !view.terms.some((term) => !term.hidden)) return 'Nothing to show: all layers are hidden.';
-  if (frame?.tetrahedra !== 0) return null;
+  const areas = frame?.intervals.some(({ id, area }) => area && seen.some((interval) => interval.id === id));
+  if (frame?.tetrahedra !== 0 || areas) return null;
   const array = info.arrays.find((a) => a.name === view.array);
   if (array && !(array.lower <= array.upper)) return `Nothing to show: ${view.array} has no finite value.`;
   const step = info.times.length > 1 ? ' at this time' : '';
