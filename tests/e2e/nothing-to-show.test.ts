@@ -50,7 +50,7 @@ beforeAll(async () => {
       '<DataSet timestep="0" part="0" file="a.vtu"/><DataSet timestep="0" part="1" file="b.vtu"/></Collection></VTKFile>',
   );
   writeFileSync(join(folder, 'points.vtk'), points(1234));
-  server = await Server.start({ data: [join(folder, 'points.vtk'), join(folder, 'two-parts.pvd'), 'sphere:16'] });
+  server = await Server.start({ data: [join(folder, 'points.vtk'), join(folder, 'two-parts.pvd'), 'sphere:16', 'diamond:16'] });
   browser = await launch();
 });
 afterAll(async () => {
@@ -99,6 +99,20 @@ test('facts are those of the dataset that is open, also where two notes are equa
   await lower.press('Enter');
   await expect.poll(() => viewer.page.locator('.viewport').innerText()).toContain('no cell has values');
   await expect.poll(() => badge.innerText()).toBe('nothing to show');
+  expect(viewer.problems).toEqual([]);
+  await viewer.close();
+});
+
+test('a flat grid is a picture of areas, and its layers say theirs', async () => {
+  const viewer = await Viewer.open(browser, server.ready.url);
+  const option = viewer.page.getByLabel('Dataset').locator('option').filter({ hasText: 'diamond' });
+  await viewer.page.getByLabel('Dataset').selectOption((await option.getAttribute('value')) as string);
+  await viewer.until('layers', (state) => state.dataset.startsWith('diamond') && state.intervals.length > 0);
+  await expect.poll(() => viewer.page.locator('footer .phase').innerText()).toBe('exact');
+  expect(drawnPixels(await viewer.exactPicture())).toBeGreaterThan(1000);
+  expect(await viewer.page.locator('.viewport').innerText()).not.toContain('Nothing to show');
+  await expect.poll(() => viewer.page.locator('.facts').first().innerText()).toMatch(/area [\d.]+/);
+  await viewer.photograph('areas.png');
   expect(viewer.problems).toEqual([]);
   await viewer.close();
 });
