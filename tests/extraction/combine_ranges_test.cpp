@@ -487,9 +487,9 @@ TEST(CombineRanges, FacetsLieOnWhatTheySay) {
 TEST(CombineRanges, SurfacesHaveTheDirectionOfTheArrayThatTheyAreOf) {
   for (const char* name : {"sphere:24", "tets:16"}) {
     SCOPED_TRACE(name);
-    const auto dataset = analytic(name);
+    const auto dataset = make_analytic(name, {}, Task{});
     const Box3d box = dataset->bounds;
-    const Vec3d center = (box.lower + box.upper) / 2, axis = normalized(Vec3d{1, 2, 3});
+    const Vec3d center = (box.lower + box.upper) / 2.0, axis = normalized(Vec3d{1, 2, 3});
     const double size = box.diagonal();
     std::vector<double> radius, height;
     for (std::int64_t p = 0; p < dataset->grid.point_count(); ++p) {
