@@ -5,6 +5,7 @@
 // some input waits for the same number before and after.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>

@@ -3,6 +3,7 @@
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/json/parse.hpp>
+#include <cstdint>
 #include <ostream>
 
 #include "isostrata/rest.h"

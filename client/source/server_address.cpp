@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <ranges>
 #include <string_view>
 
 namespace isostrata::client {

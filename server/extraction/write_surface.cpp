@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <set>

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "base/parallel.h"
 #include "data/analytic.h"

@@ -1,6 +1,7 @@
 // One mesh, whatever the processor.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <cstring>
 #include <limits>
 

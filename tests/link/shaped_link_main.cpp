@@ -1,5 +1,6 @@
 // Beside CI: a long thin line to a server on this machine, for a browser. Prints the port where it begins, and is there until its
 // input ends.
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <cstdint>
 #include <mutex>
 #include <random>
 

@@ -1,4 +1,5 @@
 // H.264 by whatever encoders the machine's libavcodec has. See avcodec_abi.h for the contract.
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <memory>
