@@ -111,7 +111,7 @@ test('a flat grid is a picture of areas, and its layers say theirs', async () =>
   await expect.poll(() => viewer.page.locator('footer .phase').innerText()).toBe('exact');
   expect(drawnPixels(await viewer.exactPicture())).toBeGreaterThan(1000);
   expect(await viewer.page.locator('.viewport').innerText()).not.toContain('Nothing to show');
-  await expect.poll(() => viewer.page.locator('.facts').first().innerText()).toMatch(/area [\d.]+/);
+  await expect.poll(() => viewer.row(viewer.state.intervals[0]!).locator('.facts').innerText()).toMatch(/area [\d.]+/);
   await viewer.photograph('areas.png');
   expect(viewer.problems).toEqual([]);
   await viewer.close();

@@ -56,7 +56,7 @@ describe('the page', () => {
     for (const url of viewer.requests) expect(url.startsWith(origin) || url.startsWith('blob:'), url).toBe(true);
     await expect.poll(() => viewer.page.locator('footer').innerText()).toMatch(/Connected.*exact/s);
     // Hexahedra are cut straight: the card says how far the volume may be off.
-    await expect.poll(() => viewer.page.locator('.facts').first().innerText()).toMatch(/volume [\d.]+ ± [\d.]/);
+    await expect.poll(() => viewer.row(viewer.state.intervals[0]!).locator('.facts').innerText()).toMatch(/volume [\d.]+ ± [\d.]/);
     expect(viewer.problems).toEqual([]);
   });
 
