@@ -50,7 +50,7 @@ class FrameScheduler {
   static constexpr int kMaxBands = 12;                 // of a lossless picture, on their way
   static constexpr Duration kBandQueue = std::chrono::milliseconds(60);            // that new input may wait behind them
   static constexpr std::size_t kMinBandBytes = 8 << 10, kMaxBandBytes = 60 << 10;  // 64 KiB with what a Frame says beside them
-  static constexpr double kUsualBytes = 0.3;                                       // of video by those of JPEG
+  static constexpr double kUsualBytes = 0.2;                                       // of video by those of JPEG
   static constexpr Duration kQueue = std::chrono::milliseconds(15);  // that a frame may wait on the way behind others
   static constexpr Duration kNoticed =
       std::chrono::milliseconds(250);  // a lossless frame that takes longer is preceded by a settled one
