@@ -607,10 +607,11 @@ class Engine::Impl {
   /// Why the device failed, where it did. instead: is added to the device's name.
   std::optional<std::string> draw(Renderer& renderer, DrawOrder order, const std::string& instead) {
     const FrameRequest& request = order.request;
-    send(FrameStarted{request.session, request.request});
-    Stopwatch watch;
+    // On the board before it is said: whoever hears of it and looks finds it there.
     const Doing drawing(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request,
                         patience_for(request, device_));
+    send(FrameStarted{request.session, request.request});
+    Stopwatch watch;
     try {
       DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
       if (request.still && is_float(*request.still)) input.float_image = true;
