@@ -1,9 +1,8 @@
 #include "isostrata/client.h"
 
-#include <algorithm>
-
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>

@@ -279,8 +279,8 @@ IntervalStyle style_of(const Scene& scene, const SceneTerm& term, const SceneInt
   return style;
 }
 
-/// An area is drawn as a surface: as opaque as the interval, in its very colours if the grid lies in a plane along two axes, shaded if it
-/// is bent. A surface that was asked for keeps its looks.
+/// An area is drawn as a surface: as opaque as the interval, in its very colours if the grid lies in a plane along two axes,
+/// shaded if it is bent. A surface that was asked for keeps its looks.
 SurfaceStyle area_surface(const IntervalStyle& style, const Box3d& bounds) {
   SurfaceStyle surface = style.surface;
   surface.domain = true;
@@ -297,7 +297,8 @@ SurfaceStyle area_surface(const IntervalStyle& style, const Box3d& bounds) {
 /// Of the intervals and of what terms bring in, as one step has them.
 std::vector<IntervalStyle> styles_of(const Scene& scene, const ExtractedScene& extracted, std::span<const IntervalSummary> of) {
   std::vector<IntervalStyle> styles;
-  for (const SceneInterval& interval : scene.intervals) styles.push_back(style_of(scene, interval, extracted, extracted.color_by == extracted.array));
+  for (const SceneInterval& interval : scene.intervals)
+    styles.push_back(style_of(scene, interval, extracted, extracted.color_by == extracted.array));
   for (std::size_t i = scene.intervals.size(); i < of.size(); ++i) {
     const auto term = static_cast<std::size_t>(of[i].term);
     styles.push_back(style_of(scene, scene.terms.at(term), scene.intervals.front(), extracted));
@@ -417,7 +418,7 @@ std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const
   const bool plain = extracted.parts.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
   if (errors && extracted.base)
     of_each.resize(summaries.size());  // cut exactly
-  else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())
+  else if (errors && plain && !summaries.empty())
     of_each = volume_errors(extracted.dataset->grid, extracted.dataset->array(extracted.array), *extracted.mesh, task);
   std::vector<IntervalFacts> facts;
   for (std::size_t i = 0; i < summaries.size(); ++i) {

@@ -16,7 +16,7 @@ struct CodecCandidate {
   Codec codec = Codec::jpeg;
   double scale = 1;       // of each side of the viewport, by what the machines make in time
   double making_ms = 0;   // draw, encode, decode
-  double passing_ms = 0;  // the way: round trip and bytes by rate
+  double passing_ms = 0;  // the wait for the frame before it, and the way: round trip and bytes by rate
   double likeness = 1;    // to the picture: how much of its pixels and of its quality is there
 
   double ms() const { return making_ms + passing_ms; }

@@ -62,9 +62,11 @@ void FrameScheduler::set_codec(Codec codec, double most_scale) {
 FrameScheduler::Passing FrameScheduler::passing(Codec codec, double most_scale, TimePoint now) const {
   const PictureLadder& of = ladder(codec);
   const PictureStep step = PictureLadder::at(of.step());
-  Passing passing{std::min(step.scale, most_scale), is_video(codec) ? kFullQuality : static_cast<double>(step.quality), 0};
-  const double rate = link_.bytes_per_second(now);
-  if (rate > 0) passing.ms = 1000 * (seconds(link_.shortest_round_trip()) + of.expected_bytes_at(most_scale) / rate);
+  Passing passing{std::min(step.scale, most_scale), is_video(codec) ? kFullQuality : static_cast<double>(step.quality)};
+  if (const double rate = link_.bytes_per_second(now); rate > 0) {
+    passing.line_ms = 1000 * of.expected_bytes_at(most_scale) / rate;
+    passing.round_trip_ms = 1000 * seconds(link_.shortest_round_trip());
+  }
   return passing;
 }
 

@@ -110,7 +110,8 @@ class FrameScheduler {
   struct Passing {
     double scale = 1;     // of each side of the viewport
     double quality = 90;  // JPEG's
-    double ms = 0;        // with the round trip; 0: nothing is known
+    double line_ms = 0;   // its bytes by the line's rate; 0: nothing is known
+    double round_trip_ms = 0;
   };
   Passing passing(Codec codec, double most_scale, TimePoint now) const;
 

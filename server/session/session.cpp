@@ -60,7 +60,8 @@ Viewer* Session::living(ViewerKey key) {
 
 void Session::attach(Viewer& viewer, TimePoint now) {
   viewers_[viewer.key] = &viewer;
-  left_ = vanished_ = false;
+  vanished_ = false;
+  if (std::exchange(left_, false)) engine_.session_changed(*this, false);
   viewer.session = key_;
   last_use_ = now;
   viewer.frames.set_codec(viewer.codec());
@@ -74,7 +75,8 @@ void Session::set_viewport(Viewer& viewer, const v1::Viewport& viewport, TimePoi
   if (viewer.role == v1::ROLE_VIEWER && pixels > kMaxViewerPixels) {
     const double scale = std::sqrt(kMaxViewerPixels / pixels);
     const auto scaled = [&](int side, int other) {
-      return std::clamp(static_cast<int>(side * scale), 1, static_cast<int>(kMaxViewerPixels / std::max(1, static_cast<int>(other * scale))));
+      return std::clamp(static_cast<int>(side * scale), 1,
+                        static_cast<int>(kMaxViewerPixels / std::max(1, static_cast<int>(other * scale))));
     };
     const int wide = scaled(width, height);
     height = scaled(height, width);
@@ -92,9 +94,10 @@ std::optional<v1::Error> Session::refuse_still(Viewer& viewer, const v1::Request
                           std::to_string(kMaxViewerPixels) + " for who may only look",
                       "width");
   if (const Duration wait = viewer.stills.wait(now); wait > Duration::zero())
-    return wire_error("unavailable", "who may only look gets a still every " + std::to_string(static_cast<int>(1 / kViewerStillsPerSecond)) +
-                                         " s; ask again in " +
-                                         std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) + " ms");
+    return wire_error("unavailable", "who may only look gets a still every " +
+                                         std::to_string(static_cast<int>(1 / kViewerStillsPerSecond)) + " s; ask again in " +
+                                         std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(wait).count()) +
+                                         " ms");
   viewer.stills.take(1);
   return std::nullopt;
 }
@@ -162,7 +165,8 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     else if (Viewer* again = back_again(client))
       again->outbox->send(error_message(std::move(*error)));
   };
-  if (message.body_case() != v1::ClientMessage::kRequestStill && done_before(viewer, message)) {  // a picture may be asked for again
+  if (message.body_case() != v1::ClientMessage::kRequestStill &&
+      done_before(viewer, message)) {  // a picture may be asked for again
     viewer.heeded = std::max(viewer.heeded, seq);
     return viewer.outbox->send_state(wire_state(), viewer.heeded);
   }
@@ -254,7 +258,8 @@ void Session::keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoi
   const bool as_shown = wanted.width() == 0 && wanted.height() == 0;
   const int width = as_shown ? viewer.frames.width() : static_cast<int>(wanted.width());
   const int height = as_shown ? viewer.frames.height() : static_cast<int>(wanted.height());
-  if (width < 1) return refuse("invalid_argument", "there is no viewport whose size the picture could have; say width and height");
+  if (width < 1)
+    return refuse("invalid_argument", "there is no viewport whose size the picture could have; say width and height");
   announce(now);
   FrameRequest request{key_, 0, width, height, true, false};
   request.still = StillFormat::png;
@@ -291,7 +296,12 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
     return viewer.outbox->send(error_message(
         wire_error("unavailable", std::to_string(kMaxHistograms) + " histograms are being counted; ask again later"), seq));
   ++histograms_;
-  HistogramRequest request{key_, 0, state_.scene.dataset, state_.scene.step, wanted.array(), static_cast<int>(wanted.bins()),
+  HistogramRequest request{key_,
+                           0,
+                           state_.scene.dataset,
+                           state_.scene.step,
+                           wanted.array(),
+                           static_cast<int>(wanted.bins()),
                            dataset_->find_array(wanted.array())->range()};
   engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
     --histograms_;

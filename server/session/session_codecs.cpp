@@ -67,15 +67,16 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
       const FrameScheduler::Passing passing = viewer.frames.passing(codec, scale, now);
       const double pixels = whole * passing.scale * passing.scale;
       const double drawing = costs_.drawn_pixels.scaled(costs_.drawing.expected(codec, now), 1, pixels, now);
-      const double encoding = pixels * costs_.encoding.expected(codec, now), decoding = pixels * viewer.decoding.expected(codec, now);
+      const double encoding = pixels * costs_.encoding.expected(codec, now),
+                   decoding = pixels * viewer.decoding.expected(codec, now);
       CodecCandidate candidate;
       candidate.codec = codec;
       candidate.scale = scale;
       candidate.making_ms = drawing + encoding + decoding;
       if (others > 0 && with[is_video(codec)] == 0) candidate.making_ms += drawing;
       // A change waits for the frame under way: as long as the slowest of the places takes that hold one frame at a time.
-      const double line = std::max(0.0, passing.ms - std::chrono::duration<double, std::milli>(viewer.frames.link().shortest_round_trip()).count());
-      candidate.passing_ms = passing.ms + std::max({drawing + encoding, line, decoding});
+      const double wait = std::max({drawing + encoding, passing.line_ms, decoding});
+      candidate.passing_ms = wait + passing.round_trip_ms + passing.line_ms;
       candidate.likeness = passing.scale * passing.scale * passing.quality / 90;
       candidates.push_back(candidate);
     }

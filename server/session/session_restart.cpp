@@ -41,7 +41,8 @@ Session::Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept)
   }
   state_.scene.revision = std::max<std::uint64_t>(kept.state().revision(), 1);
   worked_on_ = state_.scene.revision > 2;  // nothing, and a first look
-  left_ = kept.left() || unix_ms_now() - kept.written_unix_ms() > std::chrono::duration_cast<std::chrono::milliseconds>(kComesBack).count();
+  left_ = kept.left() ||
+          unix_ms_now() - kept.written_unix_ms() > std::chrono::duration_cast<std::chrono::milliseconds>(kComesBack).count();
 }
 
 journal::Entry Session::entry() const {

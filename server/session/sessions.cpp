@@ -11,6 +11,7 @@ namespace isostrata {
 namespace {
 
 constexpr Duration kLookAtEngine = std::chrono::milliseconds(500);
+constexpr Duration kKeepWatched = Session::kComesBack / 4;  // between entries of the journal that say who is there
 constexpr std::uint16_t kCloseGoingAway = 1001;
 constexpr std::uint16_t kCloseProtocolError = 1002;
 constexpr std::uint16_t kClosePolicy = 1008;
@@ -178,8 +179,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   viewer.client_id = hello.client_id();
   session->attach(viewer, now);
   for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
-  if (hello.has_viewport())
-    session->set_viewport(viewer, hello.viewport(), now);
+  if (hello.has_viewport()) session->set_viewport(viewer, hello.viewport(), now);
 
   welcome(viewer, *session);
   session->touch(now);  // one that has slept since a restart opens its dataset again
@@ -421,8 +421,12 @@ TimePoint Sessions::tick(TimePoint now) {
   for (const SessionKey key : std::exchange(over_, {}))
     if (const Session* session = find(key); session && !session->watched()) over.push_back(key);
   const UnixMs clock = unix_ms_now();
+  // Who only looks changes nothing, and is there all the same if the server is killed.
+  const bool keep = now - watched_kept_ >= kKeepWatched;
+  if (keep) watched_kept_ = now;
   for (auto& [key, session] : sessions_) {
     session->expire_invitations(clock);
+    if (keep && session->watched()) session_changed(*session, false);
     if (session->watched())
       session->pump(now);
     else if (now - session->last_use() >= options_.session_ttl)

@@ -137,7 +137,7 @@ class Sessions final : public EngineDoor {
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   std::string engine_trouble_;  // as everyone has been told
-  TimePoint engine_looked_at_{};
+  TimePoint engine_looked_at_{}, watched_kept_{};
   SessionKey last_session_ = 0;
   TimePoint now_{};
 };

@@ -306,5 +306,15 @@ TEST_F(Restart, AGoodbyeIsNotForWhoVanishedBefore) {
   EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::look);
 }
 
+TEST_F(Restart, WhoCameBackAfterAGoodbyeIsThereInTheNextLife) {
+  const auto person = s_->connect(s_->looking());
+  s_->open();
+  furnish(*s_, *person);
+  s_->leave(*person, true);
+  const auto back = s_->connect(s_->resuming(*person));
+  restart();
+  EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::work);
+}
+
 }  // namespace
 }  // namespace isostrata

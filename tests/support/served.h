@@ -1,13 +1,13 @@
 // The real programs: a server that is started, answers and ends with the test, and clients that run beside it.
 #pragma once
 
-#include <algorithm>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/json/parse.hpp>
 #include <boost/json/value.hpp>
 #include <chrono>
