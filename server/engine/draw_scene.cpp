@@ -418,7 +418,7 @@ std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const
   const bool plain = extracted.parts.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
   if (errors && extracted.base)
     of_each.resize(summaries.size());  // cut exactly
-  else if (errors && plain && !summaries.empty())
+  else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())  // an area has no volume to be wrong about
     of_each = volume_errors(extracted.dataset->grid, extracted.dataset->array(extracted.array), *extracted.mesh, task);
   std::vector<IntervalFacts> facts;
   for (std::size_t i = 0; i < summaries.size(); ++i) {
