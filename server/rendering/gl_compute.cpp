@@ -66,7 +66,8 @@ ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context) : context_(std:
 }
 
 void ComputeDevice::set_budget(std::uint64_t bytes) {
-  std::uint64_t most = free_bytes(gl_);
+  // A device that is software tells what no file is cached in: next to nothing on a machine that has been busy.
+  std::uint64_t most = context_->software() ? 0 : free_bytes(gl_);
   if (most > 0) most += allocated_;  // what is free is what is free beside our own
   const std::uint64_t known = most > 0 ? most - most / 10 : kUnknownBudget;
   budget_ = bytes == 0 ? known : most > 0 ? std::min(bytes, known) : bytes;
