@@ -12,9 +12,8 @@ import traceback
 import uuid
 from collections import deque
 from dataclasses import dataclass
-from typing import Callable, Deque, List, Optional
+from typing import Any, Callable, Deque, List, Optional
 
-import websockets
 from google.protobuf.message import DecodeError
 
 from .address import Address
@@ -22,6 +21,7 @@ from .errors import IsostrataError
 from .rest import untrusted
 from .sent import Sent
 from .v1 import isostrata_pb2 as v1
+from .web_socket import ConnectionClosed, Refused, WebSocketException, close_code, connect, is_open
 
 _MAX_MESSAGE = 512 << 20  # a lossless frame of the largest size
 _KEPT_FRAMES = 8  # that nobody has asked for yet; older ones are forgotten
@@ -94,7 +94,7 @@ class Connection:
         self._for_good = False  # the server has said that it does not come back
         self._closing = False
         self._loop = asyncio.new_event_loop()
-        self._socket: Optional[websockets.WebSocketClientProtocol] = None
+        self._socket: Any = None  # of web_socket.connect
         self._serving = self._loop.create_task(self._serve())
         self._thread = threading.Thread(target=self._run, name="isostrata", daemon=True)
         self._thread.start()
@@ -240,7 +240,7 @@ class Connection:
             self._loop.close()
 
     async def _end(self) -> None:
-        if self._socket is not None and self._socket.open:
+        if self._socket is not None and is_open(self._socket):
             await self._socket.close()
         self._serving.cancel()
 
@@ -309,25 +309,18 @@ class Connection:
         """One connection, to its end. Raises _Lost where it may be tried again."""
         host = self._address.host
         try:
-            socket = await websockets.connect(
-                self._address.socket,
-                subprotocols=[websockets.Subprotocol("isostrata.v1")],
-                extra_headers=self._address.headers,
-                compression=None,
-                max_size=_MAX_MESSAGE,
-                open_timeout=self.timeout,
-                close_timeout=2,
-                **({"ssl": self._context} if self._context else {}),
+            socket = await connect(
+                self._address.socket, "isostrata.v1", self._address.headers, self._context, self.timeout, _MAX_MESSAGE
             )
-        except websockets.InvalidStatusCode as refused:
-            if refused.status_code == 401:
+        except Refused as refused:
+            if refused.status == 401:
                 raise IsostrataError(
                     "unauthorized", f"{host}: a token is needed; use the address that the server printed"
                 ) from None
-            raise _Lost(f"{host}: the server refused the WebSocket with {refused.status_code}") from None
+            raise _Lost(f"{host}: {refused}") from None
         except ssl.SSLCertVerificationError as why:
             raise untrusted(self._address, why) from None
-        except (OSError, EOFError, websockets.WebSocketException, asyncio.TimeoutError) as wrong:
+        except (OSError, EOFError, WebSocketException, asyncio.TimeoutError) as wrong:
             raise _Lost(f"{host}: {wrong or type(wrong).__name__}") from None
         try:
             self._check_closing()
@@ -339,14 +332,14 @@ class Connection:
                 first = self._sent.put(hello)
             await socket.send(first)
             await self._listen(socket)
-        except websockets.ConnectionClosed as closed:
-            self._for_good = self._for_good or closed.code in _FINAL
+        except ConnectionClosed as closed:
+            self._for_good = self._for_good or close_code(closed) in _FINAL
             # What was refused long ago is no reason; what was said with a goodbye is.
             raise _Lost((closed.rcvd and (self._last_words or closed.rcvd.reason)) or str(closed)) from None
         finally:
             await socket.close()
 
-    async def _listen(self, socket: websockets.WebSocketClientProtocol) -> None:
+    async def _listen(self, socket: Any) -> None:
         early: Optional[List[v1.ServerMessage]] = []  # until the session is awake
         async for data in socket:
             message = v1.ServerMessage()
@@ -429,8 +422,8 @@ class Connection:
         if self.on_event:
             _call(self.on_event, event)
 
-    def _write(self, socket: websockets.WebSocketClientProtocol, data: bytes) -> None:
-        if socket.open:
+    def _write(self, socket: Any, data: bytes) -> None:
+        if is_open(socket):
             # Tasks start in the order they are made, and writes are in the order of their tasks.
             self._loop.create_task(_send(socket, data))
 
@@ -502,8 +495,8 @@ def _call(listener: Callable[..., None], *what: object) -> None:
         traceback.print_exc()
 
 
-async def _send(socket: websockets.WebSocketClientProtocol, data: bytes) -> None:
+async def _send(socket: Any, data: bytes) -> None:
     try:
         await socket.send(data)
-    except websockets.ConnectionClosed:
+    except ConnectionClosed:
         pass  # the reader says so
