@@ -143,17 +143,19 @@ class Client::Impl {
     v1::ClientMessage message;
     message.mutable_open_dataset()->set_id(id);
     const std::uint64_t number = send(std::move(message)), command = connection_.last_command();
-    bool described = false;
+    bool described = false, lost = false;
     wait("dataset '" + id + "' was not open in time", [&](const v1::ServerMessage& answer) {
       if (answer.has_error() && answer.error().in_reply_to() == number) refuse(answer.error());
       if (answer.has_welcome()) {
         if (answer.welcome().last_command() == command && answer.welcome().has_last_command_error())
           refuse(answer.welcome().last_command_error());
+        lost = true;
         described = answer.welcome().last_command() >= command && dataset_.id() == id;
         return described && state_.dataset() == id;
       }
       described = described || (answer.has_dataset_info() && answer.dataset_info().id() == id);
-      return described && answer.has_state() && state_.dataset() == id;
+      // Not before it has been read: a newcomer's session opens a dataset by itself, and what was asked for would come later.
+      return described && answer.has_state() && state_.dataset() == id && (lost || answer.heeded() >= number);
     });
   }
 

@@ -15,6 +15,7 @@ import numpy as np
 
 import isostrata
 from isostrata import Interval, IsostrataError, Surface, Term, decode_png, v1
+from isostrata.connection import Connection
 
 from served import Served
 
@@ -369,6 +370,24 @@ class States(WithServer):
 
 
 class Troubles(unittest.TestCase):
+    def test_nothing_that_opens_a_dataset_is_on_its_way_when_it_is_open(self):
+        server = Served("torus:100", "cylinder:12x12x8x3")  # a newcomer's session opens the first by itself, which takes a moment
+        self.addCleanup(server.close)
+        s = isostrata.connect(server.url, "cylinder:12x12x8x3", size=(64, 48))
+        self.addCleanup(s.close)
+        saved = s.save_state()
+        write = Connection._write
+
+        def late(connection, socket, data):  # as over a long line
+            connection._loop.call_later(0.4, write, connection, socket, data)
+
+        with mock.patch.object(Connection, "_write", late):
+            other = isostrata.connect(server.url, "torus:100", size=(64, 48))
+            self.addCleanup(other.close)
+            other.load_state(saved)
+            time.sleep(0.6)
+            self.assertEqual(other.message.dataset, saved["dataset"])
+
     def test_progress_is_told_and_work_can_be_cancelled(self):
         server = Served("torus:12", "torus:300")
         self.addCleanup(server.close)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import ssl
 import time
@@ -116,7 +117,7 @@ def connect(
     )
 
     def bring_back(session: str, state: v1.State) -> None:
-        rest.json("PUT", f"sessions/{session}/state", json_format.MessageToDict(state, including_default_value_fields=True))
+        rest.json("PUT", f"sessions/{session}/state", _document(state))
 
     connection = Connection(
         address,
@@ -224,7 +225,7 @@ class Session:
     @property
     def state(self) -> dict[str, Any]:
         """The newest state, as save_state writes it."""
-        return json_format.MessageToDict(self.message, including_default_value_fields=True)
+        return _document(self.message)
 
     @property
     def revision(self) -> int:
@@ -236,7 +237,6 @@ class Session:
         """By name or id; waits until it is open."""
         entries = self._connection.welcome.datasets
         wanted = next((e.id for e in entries if e.id == dataset), next((e.id for e in entries if e.name == dataset), dataset))
-        before = self.revision
         if self.message.dataset == wanted and self.info.id == wanted:
             return
         session = self.id
@@ -244,8 +244,9 @@ class Session:
 
         def is_open() -> bool:
             self._connection._refuse(seq)
-            newer = self.revision > before or self.id != session or self._connection.heeded >= seq
-            return self.info.id == wanted and self.message.dataset == wanted and newer
+            # Not before it has been read: a newcomer's session opens a dataset by itself, and what was asked for would come later.
+            heeded = self.id != session or self._connection.heeded >= seq
+            return self.info.id == wanted and self.message.dataset == wanted and heeded
 
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
 
@@ -571,6 +572,13 @@ class Session:
     def command(self, **body: Any) -> None:
         """One message of the protocol: ``command(set_view=v1.SetView(view="+x"))``."""
         self._connection.command(v1.ClientMessage(**body))
+
+
+def _document(state: v1.State) -> dict[str, Any]:
+    """With every member, also those that have their default; protobuf 5.26 gave the switch another name."""
+    names = inspect.signature(json_format.MessageToDict).parameters
+    new = "always_print_fields_with_no_presence"
+    return json_format.MessageToDict(state, **{new if new in names else "including_default_value_fields": True})
 
 
 def _choice(known: dict[str, int], given: str, field: str) -> int:
