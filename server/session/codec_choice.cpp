@@ -11,6 +11,8 @@ namespace {
 constexpr double kSpare = 0.8;      // of kInTimeMs, that a larger size must do with
 constexpr double kFarBetter = 1.5;  // what promises so much is tried again in spite of its having been a mistake
 constexpr double kAlike = 0.02;     // likenesses that differ by less are the same
+constexpr double kFarLighter = 0.5;  // of the bytes, that are a reason of their own...
+constexpr double kLineMs = 8;        // ...where they take the line so long
 constexpr Duration kEarly = std::chrono::seconds(3);  // what is left so soon after it was chosen was a mistake
 
 }  // namespace
@@ -67,11 +69,19 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
   }
   const auto ms = [&](std::size_t place) { return candidates[place].ms(); };
   const double least = ms(*std::min_element(sized.begin(), sized.end(), [&](auto a, auto b) { return ms(a) < ms(b); }));
+  const auto lighter = [&](std::size_t a, std::size_t b) {
+    return candidates[b].line_ms >= kLineMs && candidates[a].line_ms < kFarLighter * candidates[b].line_ms;
+  };
   std::size_t best = candidates.size();
   for (const std::size_t place : sized) {
     if (ms(place) > kAsGood * least) continue;
-    const double more = best == candidates.size() ? 1 : candidates[place].likeness - candidates[best].likeness;
-    if (more > kAlike || (more > -kAlike && ms(place) < ms(best))) best = place;
+    if (best == candidates.size()) {
+      best = place;
+      continue;
+    }
+    const double more = candidates[place].likeness - candidates[best].likeness;
+    const bool sooner = lighter(place, best) || (!lighter(best, place) && ms(place) < ms(best));
+    if (more > kAlike || (more > -kAlike && sooner)) best = place;
   }
 
   const auto change = [&] {
@@ -82,7 +92,7 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
   };
   if (gone) return change();
   const bool less_like = candidates[best].likeness > candidates[current].likeness + kAlike;
-  if (candidates[best].codec == codec_ || (ms(current) <= kWorse * least && !less_like)) {
+  if (candidates[best].codec == codec_ || (ms(current) <= kWorse * least && !less_like && !lighter(best, current))) {
     worse_since_.reset();
     return current;
   }

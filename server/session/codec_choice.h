@@ -18,13 +18,15 @@ struct CodecCandidate {
   double making_ms = 0;   // draw, encode, decode
   double passing_ms = 0;  // the wait for the frame before it, and the way: round trip and bytes by rate
   double likeness = 1;    // to the picture: how much of its pixels and of its quality is there
+  double line_ms = 0;     // of passing_ms, its bytes by rate: what grows when the rate falls
 
   double ms() const { return making_ms + passing_ms; }
 };
 
 /// The size is the largest that one of the codecs makes in time; at that size, the least forecast wins. What is no more than
-/// kAsGood worse and shows a better picture is taken instead. What is in use stays until it is kWorse than the least, or as good
-/// and less like, for a while. Not thread-safe.
+/// kAsGood worse and shows a better picture is taken instead, or the same picture in a fraction of the bytes: that is late by less
+/// when the rate falls. What is in use stays until it is kWorse than the least, or as good and less like or far heavier, for a
+/// while. Not thread-safe.
 class CodecChoice {
  public:
   static constexpr double kAsGood = 1.05, kWorse = 1.10, kMistake = 1.25;  // by the least forecast

@@ -77,6 +77,7 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
       // A change waits for the frame under way: as long as the slowest of the places takes that hold one frame at a time.
       const double wait = std::max({drawing + encoding, passing.line_ms, decoding});
       candidate.passing_ms = wait + passing.round_trip_ms + passing.line_ms;
+      candidate.line_ms = passing.line_ms;
       candidate.likeness = passing.scale * passing.scale * passing.quality / 90;
       candidates.push_back(candidate);
     }

@@ -245,5 +245,15 @@ TEST(CodecByTime, IsNowhereMuchLaterThanTheBetterOfTheTwo) {
       }
 }
 
+// Whatever is on its way when a line gets slower is late: by less, the less it is.
+TEST(CodecByTime, IsNowhereMuchLaterWhereALineBecomesTenTimesSlower) {
+  World world;
+  world.round_trip_ms = 40;
+  world.bits_per_second = [](double ms) { return 20e6 * std::pow(0.1, std::clamp((ms - 5000) / 1000, 0.0, 1.0)); };
+  const double mine = watch(world, 9).p95(3000);
+  const double jpeg = watch(world, 9, "jpeg").p95(3000), video = watch(world, 9, "vp9-444").p95(3000);
+  EXPECT_LE(mine, 1.12 * std::min(jpeg, video) + 1) << "jpeg " << jpeg << ", video " << video;
+}
+
 }  // namespace
 }  // namespace isostrata

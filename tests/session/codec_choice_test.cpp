@@ -101,6 +101,19 @@ TEST_F(Choice, OfTwoThatAreAsSoonTheBetterPictureIsShown) {
   EXPECT_EQ(run({whole(kJpeg, 10, 100, 0.5), whole(kVideo, 40, 100)}, seconds(3)).codec, kJpeg);
 }
 
+TEST_F(Choice, OfTwoThatAreAsSoonTheOneOfFarFewerBytesIsShownWhereTheyTakeTime) {
+  const auto candidates = [](double jpeg_line_ms) {
+    std::vector<CodecCandidate> both{whole(kJpeg, 20, 60), whole(kVideo, 22, 60)};
+    both[0].line_ms = jpeg_line_ms;
+    both[1].line_ms = jpeg_line_ms / 5;
+    return both;
+  };
+  EXPECT_EQ(run(candidates(1), seconds(5)).codec, kJpeg) << "on a fast line bytes are no reason";
+  EXPECT_EQ(run(candidates(20), seconds(5)).codec, kVideo);
+  EXPECT_EQ(run(candidates(6), seconds(5)).codec, kVideo) << "and none to go back";
+  EXPECT_EQ(changes_.size(), 1u);
+}
+
 TEST_F(Choice, AMistakeIsLeftAtOnceAndNotRepeatedSoon) {
   bool looks_good = true;
   int tried = 0;
