@@ -8,11 +8,12 @@
 namespace isostrata {
 namespace {
 
-constexpr double kSpare = 0.8;      // of kInTimeMs, that a larger size must do with
-constexpr double kFarBetter = 1.5;  // what promises so much is tried again in spite of its having been a mistake
-constexpr double kAlike = 0.02;     // likenesses that differ by less are the same
+constexpr double kSpare = 0.8;       // of kInTimeMs, that a larger size must do with
+constexpr double kFarBetter = 1.5;   // what promises so much is tried again in spite of its having been a mistake
+constexpr double kAlike = 0.02;      // likenesses that differ by less are the same
 constexpr double kFarLighter = 0.5;  // of the bytes, that are a reason of their own...
-constexpr double kLineMs = 8;        // ...where they take the line so long
+constexpr double kLineMs = 5;        // ...where they take the line so long...
+constexpr double kLighter = 1.2;     // ...and the forecast is no worse than that
 constexpr Duration kEarly = std::chrono::seconds(3);  // what is left so soon after it was chosen was a mistake
 
 }  // namespace
@@ -68,13 +69,14 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
     if (!regretted || gone || kFarBetter * candidates[place].ms() < candidates[current].ms()) sized.push_back(place);
   }
   const auto ms = [&](std::size_t place) { return candidates[place].ms(); };
-  const double least = ms(*std::min_element(sized.begin(), sized.end(), [&](auto a, auto b) { return ms(a) < ms(b); }));
+  const std::size_t soonest = *std::min_element(sized.begin(), sized.end(), [&](auto a, auto b) { return ms(a) < ms(b); });
+  const double least = ms(soonest);
   const auto lighter = [&](std::size_t a, std::size_t b) {
     return candidates[b].line_ms >= kLineMs && candidates[a].line_ms < kFarLighter * candidates[b].line_ms;
   };
   std::size_t best = candidates.size();
   for (const std::size_t place : sized) {
-    if (ms(place) > kAsGood * least) continue;
+    if (ms(place) > kAsGood * least && !(ms(place) <= kLighter * least && lighter(place, soonest))) continue;
     if (best == candidates.size()) {
       best = place;
       continue;
@@ -92,7 +94,8 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
   };
   if (gone) return change();
   const bool less_like = candidates[best].likeness > candidates[current].likeness + kAlike;
-  if (candidates[best].codec == codec_ || (ms(current) <= kWorse * least && !less_like && !lighter(best, current))) {
+  if (candidates[best].codec == codec_ ||
+      (ms(current) <= (lighter(current, best) ? kMistake : kWorse) * least && !less_like && !lighter(best, current))) {
     worse_since_.reset();
     return current;
   }
