@@ -37,7 +37,7 @@ void MinMaxBricks::measure(std::span<const T> values, const Task& task) {
   ranges.lowest.resize(bricks);
   ranges.highest.resize(bricks);
   if (std::is_floating_point_v<T>) not_finite_.resize(bricks);
-  const auto [ni, nj, nk] = layout_.dims;
+  const std::int64_t ni = layout_.dims[0], nj = layout_.dims[1];
   const BrickSimd<T> simd = brick_simd<T>();
   // A row of bricks at a time: its 9 x 9 rows of points are read as they lie in memory.
   parallel_for(layout_.bricks[1] * layout_.bricks[2], 1, [&](std::int64_t begin, std::int64_t end) {
