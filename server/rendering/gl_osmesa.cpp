@@ -29,7 +29,7 @@ Osmesa load_osmesa() {
   for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"})
     if (!library) library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
   if (!library) {
-    osmesa.failure = "libOSMesa.so.8 and libOSMesa.so.6 cannot be loaded (Debian: libosmesa6)";
+    osmesa.failure = "libOSMesa.so.8 and libOSMesa.so.6 cannot be loaded (Debian: libosmesa6, up to 13; Mesa has had none since 25.1)";
     return osmesa;
   }
   const auto find = [&](auto& function, const char* name) {

@@ -142,7 +142,11 @@ void expect_equal_meshes(const Case& c, const IntervalMesh& mesh, const Task& ta
     const std::size_t j = number.at(origins[i]);
     for (int axis = 0; axis < 3; ++axis)
       ASSERT_NEAR(static_cast<double>(positions[i][axis]) + anchor[axis], mesh.positions[j][axis], tolerance) << c.name;
-    ASSERT_EQ(positions[i][3], static_cast<float>(mesh.values[j])) << c.name;
+    // A device may take what is too small for a whole mantissa for 0.
+    const auto value = static_cast<float>(mesh.values[j]);
+    if (positions[i][3] != 0 || std::abs(value) >= std::numeric_limits<float>::min()) {
+      ASSERT_EQ(positions[i][3], value) << c.name;
+    }
   }
   std::vector<double> volumes(c.intervals.size());
   for (std::size_t t = 0; t < tetrahedra.size(); ++t) {
