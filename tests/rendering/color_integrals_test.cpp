@@ -24,8 +24,9 @@ TEST(ColorIntegrals, DifferencesAreTheMapsMeanAndMoment) {
     const auto integrals = make_color_integrals(map);
     ASSERT_TRUE(integrals) << name;
     const double pieces = static_cast<double>(integrals->pieces);
-    for (const auto& [from, to] : {std::pair{0.0, 1.0}, {0.1, 0.9}, {0.33, 0.4}, {0.7, 0.72}, {0.99, 1.0}})
+    for (const auto& range : {std::pair{0.0, 1.0}, {0.1, 0.9}, {0.33, 0.4}, {0.7, 0.72}, {0.99, 1.0}})
       for (std::size_t c = 0; c < 3; ++c) {
+        const double from = range.first, to = range.second;
         double mean = 0, moment = 0;
         constexpr int kSteps = 4000;
         for (int i = 0; i < kSteps; ++i) {

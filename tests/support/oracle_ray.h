@@ -96,7 +96,8 @@ inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* s
   if (scalars) {
     double value[4];
     for (std::size_t v = 0; v < 4; ++v) value[v] = (*scalars)[ids[v]];
-    const auto [least, most] = std::minmax_element(value, value + 4);
+    const auto* const least = std::min_element(value, value + 4);
+    const auto* const most = std::max_element(value, value + 4);
     const auto scalar_at = [&](Vec3d x) {
       const double w0 = orient3d(x, p[1], p[2], p[3]), w1 = orient3d(p[0], x, p[2], p[3]), w2 = orient3d(p[0], p[1], x, p[3]),
                    w3 = orient3d(p[0], p[1], p[2], x);
