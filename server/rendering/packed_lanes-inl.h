@@ -1,4 +1,4 @@
-// Packing lanes of vectors; included by the files of kernels once per target.
+// Packing lanes of vectors, and runs of numbers for vectors to look up; included by the files of kernels once per target.
 #if defined(ISOSTRATA_PACKED_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef ISOSTRATA_PACKED_LANES_INL
 #undef ISOSTRATA_PACKED_LANES_INL
@@ -50,6 +50,16 @@ class Packer {
   std::size_t count_;
   hn::Vec<DI> from_;
 };
+
+/// Writes start, start + step, ...: at least `count` numbers, in whole vectors without a branch where they are few.
+HWY_INLINE void write_run(std::uint16_t* out, std::size_t count, unsigned start, unsigned step) {
+  const hn::CappedTag<std::uint16_t, 16> d;
+  const auto steps = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint16_t>(step)));
+  const auto run = hn::Add(steps, hn::Set(d, static_cast<std::uint16_t>(start)));
+  hn::StoreU(run, d, out);
+  for (std::size_t i = hn::Lanes(d); HWY_UNLIKELY(i < count); i += hn::Lanes(d))
+    hn::StoreU(hn::Add(run, hn::Set(d, static_cast<std::uint16_t>(i * step))), d, out + i);
+}
 
 }  // namespace isostrata::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

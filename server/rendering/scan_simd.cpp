@@ -41,6 +41,12 @@ HWY_INLINE void for_depths(const DepthRow& row, int count, const Visit& visit) {
   }
 }
 
+/// first_center of many.
+template <class D>
+HWY_INLINE hn::Vec<D> first_centers(D d, hn::Vec<D> coordinates) {
+  return hn::ShiftRight<kSubpixelBits>(hn::Add(coordinates, hn::Set(d, kSubpixels / 2 - 1)));
+}
+
 /// Which of the facets [first, end) of the set hold a pixel centre of the rect within their bounds: as may_cover, many at a time,
 /// because which do cannot be predicted. Returns how many it wrote to `out`, which has room for a vector more.
 HWY_INLINE std::size_t covering_facets(const CrossingFrame& frame, std::uint32_t first, std::uint32_t end, const PixelRect& rect,
@@ -50,11 +56,8 @@ HWY_INLINE std::size_t covering_facets(const CrossingFrame& frame, std::uint32_t
   using VI = hn::Vec<decltype(di)>;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(du));
   const auto* const vertices = reinterpret_cast<const std::int32_t*>(frame.vertices.data());
-  const auto first_centers = [&](VI low, VI high, int from, int to) __attribute__((always_inline)) {
-    const VI half = hn::Set(di, kSubpixels / 2 - 1);
-    const VI a = hn::Max(hn::ShiftRight<kSubpixelBits>(hn::Add(low, half)), hn::Set(di, from));
-    const VI b = hn::Min(hn::ShiftRight<kSubpixelBits>(hn::Add(high, half)), hn::Set(di, to));
-    return hn::Lt(a, b);
+  const auto hold_a_center = [&](VI low, VI high, int from, int to) __attribute__((always_inline)) {
+    return hn::Lt(hn::Max(first_centers(di, low), hn::Set(di, from)), hn::Min(first_centers(di, high), hn::Set(di, to)));
   };
   std::size_t count = 0;
   std::uint32_t f = first;
@@ -66,8 +69,8 @@ HWY_INLINE std::size_t covering_facets(const CrossingFrame& frame, std::uint32_t
     };
     const VI py = coordinate(p, 1), qy = coordinate(q, 1), ry = coordinate(r, 1);
     const VI px = coordinate(p, 0), qx = coordinate(q, 0), rx = coordinate(r, 0);
-    const auto in_rows = first_centers(hn::Min(py, hn::Min(qy, ry)), hn::Max(py, hn::Max(qy, ry)), rect.y0, rect.y1);
-    const auto in_columns = first_centers(hn::Min(px, hn::Min(qx, rx)), hn::Max(px, hn::Max(qx, rx)), rect.x0, rect.x1);
+    const auto in_rows = hold_a_center(hn::Min(py, hn::Min(qy, ry)), hn::Max(py, hn::Max(qy, ry)), rect.y0, rect.y1);
+    const auto in_columns = hold_a_center(hn::Min(px, hn::Min(qx, rx)), hn::Max(px, hn::Max(qx, rx)), rect.x0, rect.x1);
     const auto covers = hn::And(in_rows, in_columns);
     const auto numbers = hn::Add(hn::Set(du, f), hn::Iota(du, 0));
     const Packer<decltype(du)> packed(du, hn::RebindMask(du, covers));
@@ -149,7 +152,7 @@ HWY_INLINE void set_up(const PixelRect& rect, FacetGroup& g) {
     y[v] = hn::Sub(y[v], hn::Set(di, rect.y0 * kSubpixels));
     z[v] = hn::BitCast(d, iz);
   }
-  const auto center = [&](VI at) { return hn::ShiftRight<kSubpixelBits>(hn::Add(at, hn::Set(di, kSubpixels / 2 - 1))); };
+  const auto center = [&](VI at) { return first_centers(di, at); };
   const auto pixels = [&](VI at) { return hn::MulSub(hn::ConvertTo(d, at), hn::Set(d, 1.0f / kSubpixels), hn::Set(d, 0.5f)); };
   const VI height = hn::Set(di, rect.y1 - rect.y0);
   VI first_row = height, end_row = hn::Zero(di);
@@ -196,12 +199,7 @@ HWY_INLINE void scan_group(const PixelRect& rect, const FacetGroup& g, std::size
   std::size_t count = 0;
   for (std::size_t f = 0; f < facets; ++f) {
     const auto here = static_cast<std::size_t>(g.rows[f]);
-    const auto start = static_cast<std::uint16_t>(f << kLaneShift | static_cast<std::size_t>(g.first_row[f]));
-    const hn::CappedTag<std::uint16_t, 16> many;
-    const auto run = hn::Add(hn::Iota(many, 0), hn::Set(many, start));
-    hn::StoreU(run, many, rows + count);
-    for (std::size_t i = hn::Lanes(many); HWY_UNLIKELY(i < here); i += hn::Lanes(many))
-      hn::StoreU(hn::Add(run, hn::Set(many, static_cast<std::uint16_t>(i))), many, rows + count + i);
+    write_run(rows + count, here, static_cast<unsigned>(f) << kLaneShift | static_cast<unsigned>(g.first_row[f]), 1);
     count += here;
   }
   HWY_ALIGN std::int32_t first[kLanes], width[kLanes], enters[kLanes];

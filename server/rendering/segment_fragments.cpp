@@ -196,16 +196,6 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   hn::Store(faces, di, g.faces);
 }
 
-/// Writes start, start + step, ...: at least `count` numbers, in whole vectors without a branch where they are few.
-HWY_INLINE void write_run(std::uint16_t* out, std::size_t count, unsigned start, unsigned step) {
-  const hn::CappedTag<std::uint16_t, 16> d;
-  const auto steps = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint16_t>(step)));
-  const auto run = hn::Add(steps, hn::Set(d, static_cast<std::uint16_t>(start)));
-  hn::StoreU(run, d, out);
-  for (std::size_t i = hn::Lanes(d); HWY_UNLIKELY(i < count); i += hn::Lanes(d))
-    hn::StoreU(hn::Add(run, hn::Set(d, static_cast<std::uint16_t>(i * step))), d, out + i);
-}
-
 /// The rows of pixels that the group's tetrahedra cover, as tetrahedron << 10 | row << 5.
 HWY_INLINE std::size_t list_rows(const Group& g, std::size_t tetrahedra, std::uint16_t* rows) {
   std::size_t count = 0;
