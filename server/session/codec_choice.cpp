@@ -76,7 +76,7 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
   };
   std::size_t best = candidates.size();
   for (const std::size_t place : sized) {
-    if (ms(place) > kAsGood * least && !(ms(place) <= kLighter * least && lighter(place, soonest))) continue;
+    if (ms(place) > (lighter(place, soonest) ? kLighter : kAsGood) * least) continue;
     if (best == candidates.size()) {
       best = place;
       continue;

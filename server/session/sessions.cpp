@@ -426,11 +426,12 @@ TimePoint Sessions::tick(TimePoint now) {
   if (keep) watched_kept_ = now;
   for (auto& [key, session] : sessions_) {
     session->expire_invitations(clock);
-    if (keep && session->watched()) session_changed(*session, false);
-    if (session->watched())
+    if (session->watched()) {
+      if (keep) session_changed(*session, false);
       session->pump(now);
-    else if (now - session->last_use() >= options_.session_ttl)
+    } else if (now - session->last_use() >= options_.session_ttl) {
       over.push_back(key);
+    }
     if (const auto at = session->wake_at(now)) next = std::min(next, std::max(*at, now + std::chrono::milliseconds(1)));
   }
   for (const SessionKey key : over) remove(key);
