@@ -26,7 +26,8 @@ struct CodecCandidate {
 /// The size is the largest that one of the codecs makes in time; at that size, the least forecast wins. What is no more than
 /// kAsGood worse and shows a better picture is taken instead. So is the same picture in less than half the bytes, if these take
 /// the line time and its forecast is no more than a fifth worse: it is late by far less when the rate falls. What is in use stays
-/// until it is kWorse than the least, or as good and less like or far heavier, for a while. Not thread-safe.
+/// until it is kWorse than the least (kMistake, where it is the far lighter one), or as good and less like or far heavier, for a
+/// while. Not thread-safe.
 class CodecChoice {
  public:
   static constexpr double kAsGood = 1.05, kWorse = 1.10, kMistake = 1.25;  // by the least forecast
