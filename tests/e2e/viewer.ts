@@ -121,8 +121,9 @@ export class Viewer {
         const { phase, revision } = canvas.dataset;
         const size = [canvas.width, canvas.height].join('x');
         const wanted = [viewport.clientWidth, viewport.clientHeight].map((n) => Math.floor(n * devicePixelRatio)).join('x');
-        const there = phase === 'exact' && revision === viewport.dataset.revision && size === wanted;
-        return { there, what: `${phase} ${size} of revision ${revision}; expected exact ${wanted} of ${viewport.dataset.revision}` };
+        const newest = `${viewport.dataset.revision}${viewport.dataset.waits ? ' and of edits without an answer' : ''}`;
+        const there = phase === 'exact' && revision === newest && size === wanted;
+        return { there, what: `${phase} ${size} of revision ${revision}; expected exact ${wanted} of ${newest}` };
       });
       if (there) return this.picture();
       if (Date.now() - begun > timeoutMs) throw new Error(`no exact picture after ${timeoutMs} ms: it is ${what}`);

@@ -52,8 +52,10 @@ test('an empty picture is explained by what is missing, and a full one is not', 
 
 test('the badge says exact only of the newest state, losslessly, where there is something', () => {
   const frame = { phase: 'exact' as const, revision: 5, tetrahedra: 40, height: 600 };
-  const word = (change: object, revision = 5, empty = false) => badgeOf({ ...frame, ...change }, revision, empty, 600).word;
+  const word = (change: object, revision = 5, empty = false, waits = false) =>
+    badgeOf({ ...frame, ...change }, { revision, waits }, empty, 600).word;
   expect(word({})).toBe('exact');
+  expect(word({}, 5, false, true)).toBe('older');
   expect(word({}, 6)).toBe('older');
   expect(word({}, 5, true)).toBe('nothing to show');
   expect(word({}, 6, true)).toBe('older');

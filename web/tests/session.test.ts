@@ -242,7 +242,7 @@ describe('the store', () => {
     const { session, says } = harness();
     says(welcome('s', interval(1, 0, 1)));
     const frame = (revision: bigint): Body => ({ case: 'frame', value: { revision, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
-    const word = () => session.frame && badgeOf(session.frame, session.view.revision, false, 600).word;
+    const word = () => session.frame && badgeOf(session.frame, { revision: session.view.revision, waits: session.waits }, false, 600).word;
     says(frame(1n));
     expect(word()).toBe('exact');
     says({ case: 'state', value: state(2, interval(1, 0, 3)) });
@@ -251,6 +251,24 @@ describe('the store', () => {
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
     expect(word()).toBe('older');
     says(frame(2n));
+    expect(word()).toBe('exact');
+  });
+
+  test('a picture is not called exact while an edit has no answer', () => {
+    const { session, says, clock } = harness();
+    says(welcome('s', interval(1, 0, 1)));
+    const word = () => session.frame && badgeOf(session.frame, { revision: session.view.revision, waits: session.waits }, false, 600).word;
+    says({ case: 'frame', value: { revision: 1n, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
+    session.patchInterval(1, { upper: 3 });
+    expect(word()).toBe('older');
+    says({ case: 'state', value: state(2, interval(1, 0, 3)) });
+    says({ case: 'frame', value: { revision: 2n, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
+    expect(word()).toBe('exact');
+    // One whose answer never comes is not waited for without end.
+    session.patchInterval(1, { upper: 4 });
+    expect(word()).toBe('older');
+    clock.now += 5000;
+    session.heartbeat();
     expect(word()).toBe('exact');
   });
 

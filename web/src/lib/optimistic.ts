@@ -55,6 +55,11 @@ export class OptimisticState {
     this.order = null;
   }
 
+  /** Whether the view differs from the server's last word, or may. */
+  get waits(): boolean {
+    return this.fields.size + this.whole.size + this.removed.size > 0 || this.order !== null;
+  }
+
   /** Nobody could answer so far: all of it has its whole patience again. */
   renew(nowMs: number): void {
     for (const fields of this.fields.values()) for (const pending of fields.values()) pending.sinceMs = nowMs;

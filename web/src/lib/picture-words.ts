@@ -29,8 +29,8 @@ export interface Badge {
   title: string;
 }
 
-/** "exact" only where the newest state is in the picture, losslessly, and something to be exact about. */
-export function badgeOf(frame: Shown, revision: number, empty: boolean, viewportHeight: number): Badge {
+/** "exact" only if what the controls show is in the picture, losslessly, and there is something to be exact about. */
+export function badgeOf(frame: Shown, state: { revision: number; waits: boolean }, empty: boolean, viewportHeight: number): Badge {
   if (frame.phase === 'moving') {
     // Of the viewport's height, where the connection is too slow for all of it.
     const share = frame.height / viewportHeight;
@@ -42,7 +42,9 @@ export function badgeOf(frame: Shown, revision: number, empty: boolean, viewport
   }
   if (frame.phase === 'settled')
     return { word: 'settled', kind: 'settled', title: 'Of full size and good quality; the exact picture is on its way.' };
-  if (frame.revision < revision)
+  if (state.waits)
+    return { word: 'older', kind: 'older', title: 'The picture shows an earlier state than the controls: the server has not answered yet.' };
+  if (frame.revision < state.revision)
     return { word: 'older', kind: 'older', title: 'The picture shows an earlier state than the controls. Any change draws the newest one.' };
   if (empty) return { word: 'nothing to show', kind: 'empty', title: 'The words on the picture say why.' };
   return { word: 'exact', kind: 'exact', title: 'Lossless: the colours are exact.' };

@@ -59,6 +59,8 @@ export class Session {
   welcome = $state.raw<Welcome | null>(null);
   /** As the person sees it: the server's newest State under their own newest edits. */
   view = $state.raw<SceneState>(emptyState);
+  /** Whether the server has not yet said what the person's newest edits have become. */
+  waits = $state.raw(false);
   info = $state.raw<DatasetInfo | null>(null);
   histogram = $state.raw<Histogram | null>(null);
   frame = $state.raw<FrameReadout | null>(null);
@@ -575,6 +577,7 @@ export class Session {
   }
   private refresh(): void {
     this.view = this.optimistic.view(this.server);
+    this.waits = this.optimistic.waits;
   }
 
   /** The message's seq, or 0 where it cannot go out now; what changes the session then goes out when it can. */
