@@ -114,31 +114,36 @@ export class Viewer {
   async exactPicture(timeoutMs = 60_000): Promise<Picture> {
     const begun = Date.now();
     for (;;) {
-      // Not waitForFunction: it needs eval, which the page's policy forbids.
-      const { there, what } = await this.page.evaluate(() => {
-        const canvas = document.querySelector('canvas') as HTMLCanvasElement;
-        const viewport = canvas.parentElement as HTMLElement;
-        const { phase, revision } = canvas.dataset;
-        const size = [canvas.width, canvas.height].join('x');
-        const wanted = [viewport.clientWidth, viewport.clientHeight].map((n) => Math.floor(n * devicePixelRatio)).join('x');
-        const newest = `${viewport.dataset.revision}${viewport.dataset.waits ? ' and of edits without an answer' : ''}`;
-        const there = phase === 'exact' && revision === newest && size === wanted;
-        return { there, what: `${phase} ${size} of revision ${revision}; expected exact ${wanted} of ${newest}` };
-      });
-      if (there) return this.picture();
+      const { picture, what } = await this.look(true);
+      if (picture) return picture;
       if (Date.now() - begun > timeoutMs) throw new Error(`no exact picture after ${timeoutMs} ms: it is ${what}`);
       await this.page.waitForTimeout(50);
     }
   }
   async picture(): Promise<Picture> {
-    const { width, height, base64 } = await this.page.evaluate(() => {
+    const { picture } = await this.look(false);
+    if (!picture) throw new Error('there is no picture');
+    return picture;
+  }
+  /** What the canvas shows at one moment: another frame may be drawn between two looks. exact: nothing else counts as a picture. */
+  private async look(exact: boolean): Promise<{ picture: Picture | null; what: string }> {
+    // Not waitForFunction: it needs eval, which the page's policy forbids.
+    const { width, height, base64, what } = await this.page.evaluate((onlyExact) => {
       const canvas = document.querySelector('canvas') as HTMLCanvasElement;
-      const { data } = (canvas.getContext('2d') as CanvasRenderingContext2D).getImageData(0, 0, canvas.width, canvas.height);
+      const viewport = canvas.parentElement as HTMLElement;
+      const { width, height } = canvas;
+      const { phase, revision } = canvas.dataset;
+      const newest = `${viewport.dataset.revision}${viewport.dataset.waits ? ' and of edits without an answer' : ''}`;
+      const wanted = [viewport.clientWidth, viewport.clientHeight].map((n) => Math.floor(n * devicePixelRatio)).join('x');
+      const what = `${phase} ${width}x${height} of revision ${revision}; expected exact ${wanted} of ${newest}`;
+      const there = phase === 'exact' && revision === newest && `${width}x${height}` === wanted;
+      if (onlyExact && !there) return { width, height, base64: '', what };
+      const { data } = (canvas.getContext('2d') as CanvasRenderingContext2D).getImageData(0, 0, width, height);
       let text = '';
       for (let i = 0; i < data.length; i += 0x8000) text += String.fromCharCode(...data.subarray(i, i + 0x8000));
-      return { width: canvas.width, height: canvas.height, base64: btoa(text) };
-    });
-    return { width, height, pixels: new Uint8Array(Buffer.from(base64, 'base64')) };
+      return { width, height, base64: btoa(text), what };
+    }, exact);
+    return { picture: base64 ? { width, height, pixels: new Uint8Array(Buffer.from(base64, 'base64')) } : null, what };
   }
 
   /** Of a PNG, as this browser decodes it. */
