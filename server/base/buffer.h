@@ -7,15 +7,13 @@
 #include <utility>
 #include <vector>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
+#include "base/kept_blocks.h"
 
 namespace isostrata {
 
 /// An allocator that leaves new elements as the memory is. From kHugePage bytes on, memory is aligned to huge pages and the
 /// kernel is asked for them: a mesh of 200 MB then takes 100 page faults instead of 50,000, which was a third of the time of
-/// extracting it. Only for types that are their bytes.
+/// extracting it; and what was freed last is taken again (kept_blocks.h). Only for types that are their bytes.
 template <class T>
 struct BufferAllocator {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -28,13 +26,13 @@ struct BufferAllocator {
   T* allocate(std::size_t count) {
     if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
     const std::size_t bytes = count * sizeof(T);
-    void* const at = ::operator new(bytes, alignment(bytes));
-#if defined(__linux__)
-    if (bytes >= kHugePage) ::madvise(at, bytes, MADV_HUGEPAGE);  // advice: where it is not taken, pages are small
-#endif
+    void* const at = bytes >= kHugePage ? take_block(bytes) : ::operator new(bytes, kCacheLine);
     return static_cast<T*>(at);
   }
-  void deallocate(T* at, std::size_t count) { ::operator delete(at, alignment(count * sizeof(T))); }
+  void deallocate(T* at, std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    bytes >= kHugePage ? give_block(at, bytes) : ::operator delete(at, kCacheLine);
+  }
 
   /// T is an implicit-lifetime type, so the element is there once its memory is.
   template <class U>
@@ -50,9 +48,7 @@ struct BufferAllocator {
   }
 
  private:
-  static constexpr std::size_t kHugePage = std::size_t{2} << 20;
-  static constexpr std::size_t kCacheLine = 64;
-  static std::align_val_t alignment(std::size_t bytes) { return std::align_val_t(bytes >= kHugePage ? kHugePage : kCacheLine); }
+  static constexpr std::align_val_t kCacheLine{64};
 };
 
 /// A std::vector whose resize() and sized constructor leave new elements unwritten: write them before reading them.

@@ -17,6 +17,7 @@
 #include <thread>
 #include <tuple>
 
+#include "base/kept_blocks.h"
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
@@ -484,15 +485,20 @@ class Engine::Impl {
   }
 
   void take(CloseSession& request) {
+    if (close_session(request.session)) free_kept_blocks();  // nobody is there who would want them soon
+  }
+  /// Whether it was the last.
+  bool close_session(SessionKey session) {
     std::shared_ptr<const ExtractedScene> freed_outside_the_lock;
     std::lock_guard lock(mutex_);
     for (auto& [id, operation] : operations_)
-      if (const auto living = operation.lock(); living && living->session() == request.session) living->task().cancel();
-    const auto it = sessions_.find(request.session);
-    if (it == sessions_.end()) return;
+      if (const auto living = operation.lock(); living && living->session() == session) living->task().cancel();
+    const auto it = sessions_.find(session);
+    if (it == sessions_.end()) return false;
     freed_outside_the_lock = std::move(it->second.ready);
     sessions_.erase(it);
-    encoders_.close_session(request.session);
+    encoders_.close_session(session);
+    return sessions_.empty();
   }
 
   void take(CloseStream& request) {
