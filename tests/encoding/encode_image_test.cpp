@@ -10,10 +10,12 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <random>
+#include <thread>
 
 #include "base/error.h"
 #include "support/temporary_folder.h"
@@ -226,6 +228,14 @@ TEST(EncodeStill, WebpIsLosslessAndTheSameAsTheFile) {
   const ReadImage back = read(folder / "a.webp");
   EXPECT_EQ(back.values.size(), std::size_t{64} * 48 * back.names.size());
   EXPECT_EQ(bytes, encode_still(image, StillFormat::webp)) << "the same picture gives the same bytes";
+}
+
+TEST(EncodeStill, TheSamePictureGivesTheSameBytesInAnotherSecond) {
+  const Image image = noise(40, 30, false, 5);
+  const Bytes exr = encode_still(image, StillFormat::exr), png = encode_still(image, StillFormat::png);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  EXPECT_EQ(encode_still(image, StillFormat::exr), exr);
+  EXPECT_EQ(encode_still(image, StillFormat::png), png);
 }
 
 TEST(WriteImage, ExrIsLinearPremultipliedAndHasDepth) {

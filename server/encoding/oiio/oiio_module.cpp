@@ -18,6 +18,7 @@ class OiioWriter final : public PictureWriter {
       if (wanted.channels == 5) spec.channelnames.emplace_back("Z"), spec.z_channel = 4;
       spec.attribute("oiio:ColorSpace", "Linear");
       spec.attribute("compression", "zip");
+      spec.attribute("DateTime", "");  // else it is the time of writing, and the same picture gives other bytes a second later
     } else {
       spec.attribute("oiio:ColorSpace", "sRGB");
       if (wanted.channels == 4) spec.attribute("oiio:UnassociatedAlpha", 1);
