@@ -374,7 +374,8 @@ class Splitter {
     }
   }
 
-  /// Keeps the mean where it sees every face, else looks for a point that does.
+  /// Keeps the mean if it lies inside every face, else looks for a point that does. One in the plane of a face would make flat
+  /// pieces, of which nobody can say how they are turned.
   void choose_center(const std::vector<Vec3d>& p, const Vec3d& mean, double size) {
     double six_volume = 0;
     for (const Cycle& cycle : cycles_)
@@ -384,10 +385,12 @@ class Splitter {
     out_.kind = SplitKind::star;
     const double tolerance = 1e-6 * size;  // single precision does not place points better
     std::size_t nearest = 0;
-    if (planes.empty() || !(depth(planes, mean, nearest) < -tolerance)) return;
+    const double inside = depth(planes, mean, nearest);
+    if (planes.empty() || inside > tolerance) return;
     set_weights(p, mean, deepest(planes, mean, size));
-    if (!(depth(planes, out_.added, nearest) < 0)) return;
-    out_.kind = SplitKind::overlapping;
+    const double deeper = depth(planes, out_.added, nearest);
+    if (deeper > inside && deeper >= 0) return;
+    if (inside < -tolerance) out_.kind = SplitKind::overlapping;
     set_weights(p, mean, mean);
   }
 

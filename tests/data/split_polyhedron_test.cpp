@@ -196,6 +196,32 @@ TEST(SplitPolyhedron, FindsAPointThatSeesAllOfAnLShape) {
   EXPECT_NEAR(length(at - split.added), 0, 1e-12) << "a linear field stays linear";
 }
 
+TEST(SplitPolyhedron, LeavesNoPieceFlatWhereTheMeanLiesInTheEdgeOfAnL) {
+  // A prism of six sides; the mean of its points is the middle of the edge that points inwards.
+  const std::vector<std::array<double, 2>> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  std::vector<Vec3d> points;
+  for (const double z : {0.0, 1.0})
+    for (const auto& [x, y] : outline) points.push_back({x, y, z});
+  std::vector<Cycle> cycles{{5, 4, 3, 2, 1, 0}, {6, 7, 8, 9, 10, 11}};
+  for (std::int64_t i = 0; i < 6; ++i) cycles.push_back({i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i});
+  PolyhedronSplit split;
+  split_polyhedron(faces_of(cycles), positions(points), split);
+  ASSERT_EQ(split.kind, SplitKind::star);
+  std::size_t at = 0;
+  double sum = 0;
+  for (const CellType type : split.types) {
+    PolyhedronSplit piece = split;
+    piece.types = {type};
+    const auto count = static_cast<std::size_t>(topology(type).vertex_count);
+    piece.connectivity.assign(split.connectivity.begin() + static_cast<std::ptrdiff_t>(at),
+                              split.connectivity.begin() + static_cast<std::ptrdiff_t>(at + count));
+    at += count;
+    EXPECT_GT(volume(piece, points), 0.01);
+    sum += volume(piece, points);
+  }
+  EXPECT_NEAR(sum, 3, 1e-12);
+}
+
 TEST(SplitPolyhedron, SaysWhereNoPointSeesAllFaces) {
   const auto points = lattice(4);
   PolyhedronSplit split;
