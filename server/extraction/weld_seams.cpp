@@ -6,32 +6,10 @@
 #include <tuple>
 #include <vector>
 
+#include "data/grid_sheets.h"
+
 namespace isostrata {
 namespace {
-
-constexpr std::int64_t kLeastCells = 3;  // along a seam's axis: fewer do not go around anything
-
-/// Walks the sheets of one axis.
-struct Sheets {
-  std::array<std::int64_t, 3> dims;
-  int axis;
-
-  std::int64_t stride() const { return axis == 0 ? 1 : axis == 1 ? dims[0] : dims[0] * dims[1]; }
-  std::int64_t last() const { return (dims[static_cast<std::size_t>(axis)] - 1) * stride(); }  // from a point to the last sheet's
-  std::int64_t index(std::int64_t point) const { return point / stride() % dims[static_cast<std::size_t>(axis)]; }
-  bool on_last(std::int64_t point) const { return index(point) + 1 == dims[static_cast<std::size_t>(axis)]; }
-  bool on_first(std::int64_t point) const { return index(point) == 0; }
-
-  template <class Fits>
-  bool all_of(const Fits& fits) const {  // of the points of the first sheet
-    const auto u = static_cast<std::size_t>(axis == 0 ? 1 : 0), v = static_cast<std::size_t>(axis == 2 ? 1 : 2);
-    const std::int64_t row = u == 0 ? 1 : dims[0], plane = v == 1 ? dims[0] : dims[0] * dims[1];
-    for (std::int64_t k = 0; k < dims[v]; ++k)
-      for (std::int64_t j = 0; j < dims[u]; ++j)
-        if (!fits(j * row + k * plane)) return false;
-    return true;
-  }
-};
 
 template <class T>
 bool same(const T& a, const T& b) {
@@ -78,7 +56,7 @@ class Welder {
   }
 
   void weld(int axis) {
-    const Sheets sheets{dims_, axis};
+    const GridSheets sheets{dims_, axis};
     std::vector<SheetPoint> found;
     std::vector<bool> seen(mesh_.positions.size());
     visit_beside(sheets, [&](std::array<std::uint32_t, 4>& tetrahedron) {
@@ -137,9 +115,9 @@ class Welder {
  private:
   /// The tetrahedra of the cells beside the seam.
   template <class Visit>
-  void visit_beside(const Sheets& sheets, const Visit& visit) {
+  void visit_beside(const GridSheets& sheets, const Visit& visit) {
     const std::array<std::int64_t, 3> cells{dims_[0] - 1, dims_[1] - 1, dims_[2] - 1};
-    const Sheets of_cells{cells, sheets.axis};
+    const GridSheets of_cells{cells, sheets.axis};
     for (std::size_t r = 0; r < mesh_.cell_runs.size(); ++r) {
       if (!of_cells.on_first(mesh_.cell_runs[r].cell) && !of_cells.on_last(mesh_.cell_runs[r].cell)) continue;
       const std::size_t end = r + 1 < mesh_.cell_runs.size() ? mesh_.cell_runs[r + 1].first_tetrahedron : mesh_.tetrahedra.size();
@@ -161,8 +139,8 @@ std::array<bool, 3> find_seams(const Grid& grid, const PointArray& array) {
   const auto* curvilinear = std::get_if<CurvilinearGrid>(&grid.shape);
   if (!curvilinear) return seams;
   for (int axis = 0; axis < 3; ++axis) {
-    if (curvilinear->dims[static_cast<std::size_t>(axis)] <= kLeastCells) continue;
-    const Sheets sheets{curvilinear->dims, axis};
+    const GridSheets sheets{curvilinear->dims, axis};
+    if (!sheets.may_close()) continue;
     const auto last = static_cast<std::size_t>(sheets.last());
     seams[static_cast<std::size_t>(axis)] = std::visit(
         [&](auto points, auto values) {

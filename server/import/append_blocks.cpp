@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "import/close_seams.h"
 #include "import/join_pieces.h"
 
 namespace isostrata {
@@ -99,6 +100,7 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   if (imported.blocks.empty()) throw Error(ErrorCode::bad_data, name + ": holds no grid");
   leave_out_flat(imported);
+  for (Block& block : imported.blocks) close_seams(block);
   if (imported.blocks.size() == 1) return std::move(imported.blocks.front());
 
   std::uint64_t bytes = 0;
@@ -123,7 +125,11 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
     first_points.push_back(points_before);
     const bool whole = !shared || &block == &imported.blocks.front();
     const std::int64_t common = whole ? 0 : file_points(block);  // these are there already
-    const auto number = [&](std::int64_t id) { return id < common ? id : points_before + id - common; };
+    const bool seams = block.seams != std::array<bool, 3>{} && arrays_close(block);
+    const auto number = [&](std::int64_t id) {
+      if (seams) id = without_seams(block, id);
+      return id < common ? id : points_before + id - common;
+    };
     for (std::int64_t p = common; p < block.grid.point_count(); ++p) {
       const Vec3d at = block.grid.point(p);
       if (doubles)

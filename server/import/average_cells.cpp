@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "import/close_seams.h"
+
 namespace isostrata {
 namespace {
 
@@ -22,7 +24,7 @@ FileArray mean_over_cells(const Block& block, const FileArray& array) {
           if (grid.hidden(cell)) continue;
           const int n = grid.cell_points(cell, ids);
           for (int v = 0; v < n; ++v) {
-            const auto point = static_cast<std::size_t>(ids[static_cast<std::size_t>(v)]);
+            const auto point = static_cast<std::size_t>(without_seams(block, ids[static_cast<std::size_t>(v)]));
             if (!counted.empty()) {
               const std::int64_t source = block.source[static_cast<std::size_t>(cell)];
               if (counted[point] == source) continue;
@@ -37,10 +39,12 @@ FileArray mean_over_cells(const Block& block, const FileArray& array) {
       scalar_span(array.type, array.values));
 
   auto [storage, means] = allocate<Out>(points * components);
-  for (std::size_t p = 0; p < points; ++p)
+  for (std::size_t p = 0; p < points; ++p) {
+    const auto from = static_cast<std::size_t>(without_seams(block, static_cast<std::int64_t>(p)));
     for (std::size_t c = 0; c < components; ++c)
       means[p * components + c] =
-          uses[p] ? static_cast<Out>(sums[p * components + c] / uses[p]) : std::numeric_limits<Out>::quiet_NaN();
+          uses[from] ? static_cast<Out>(sums[from * components + c] / uses[from]) : std::numeric_limits<Out>::quiet_NaN();
+  }
   FileArray out = array;
   out.type = sizeof(Out) == 4 ? ScalarType::float32 : ScalarType::float64;
   out.values = std::as_bytes(means);

@@ -2,6 +2,7 @@
 // split.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -33,6 +34,7 @@ struct Block {
   /// [cells] which cell of the file each is (a part of), not decreasing; empty where each is one of its own.
   std::vector<std::int64_t> source;
   std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
+  std::array<bool, 3> seams{};    // by axis: the first and the last sheet of a curvilinear grid are the same places (close_seams.h)
 };
 
 /// One time step of one file.
