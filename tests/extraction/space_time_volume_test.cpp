@@ -118,7 +118,7 @@ TEST(SpaceTimeVolume, ConformsWhereValuesTieWithEndsAndWithEachOther) {
   for (const auto& [name, grid] : grids_of_every_kind(35))
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       std::mt19937_64 random(seed);
-      const auto values = [&] { return point_array(random_values<std::uint8_t>(grid.point_count(), 0, 4.999, random)); };
+      const auto values = [&, &grid = grid] { return point_array(random_values<std::uint8_t>(grid.point_count(), 0, 4.999, random)); };
       const Series series = series_of(grid, values(), values());
       const SpaceTimeVolume volume = space_time(series, tiling({0, 1, 2, 3, 4}));
       for (const double weight : {0.0, 0.25, 1.0 / 3, 0.5, 0.75, 1.0}) {
@@ -162,7 +162,7 @@ TEST(SpaceTimeVolume, LabelsEveryBoundaryFacetByWhereItLies) {
 TEST(SpaceTimeVolume, OfAFieldLinearInSpaceAndTimeIsTheFieldBetweenTheSteps) {
   // f = 2 x + y - z + 3 t: a slab that moves. Every way is exact.
   for (const auto& [name, grid] : grids_of_every_kind(37)) {
-    const auto values = [&](double t) {
+    const auto values = [&, &grid = grid](double t) {
       std::vector<double> f;
       for (std::int64_t i = 0; i < grid.point_count(); ++i) {
         const Vec3d p = grid.point(i);

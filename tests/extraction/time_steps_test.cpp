@@ -107,7 +107,7 @@ TEST(TimeModes, AgreeAtTheStepsOnTetrahedra) {
 TEST(TimeModes, AgreeBetweenStepsOnAFieldLinearInSpaceAndTime) {
   for (const auto& [name, grid] : grids_of_every_kind(52)) {
     if (name == "curvilinear") continue;  // its bent cells are not their split
-    const auto values = [&](double t) {
+    const auto values = [&, &grid = grid](double t) {
       std::vector<double> f;
       for (std::int64_t i = 0; i < grid.point_count(); ++i) f.push_back(dot(grid.point(i), Vec3d{0.5, 0.4, -0.3}) + t);
       return point_array(f);
