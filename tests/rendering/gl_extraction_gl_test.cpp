@@ -324,7 +324,7 @@ TEST(GlExtraction, LeavesOutCellsThatAreHiddenOrNotFinite) {
     const std::vector<double> doubles(values.begin(), values.end());
     expect_equal({"double, hidden and not finite" + name, grid, typed_array(doubles), {{0.2, 0.6}}});
     std::vector<std::uint8_t> bytes;
-    for (const float v : values) bytes.push_back(std::isfinite(v) ? static_cast<std::uint8_t>(60 * (v + 2)) : 0);
+    for (const float v : values) bytes.push_back(std::isfinite(v) ? static_cast<std::uint8_t>(std::clamp(60 * (v + 2), 0.0f, 255.0f)) : 0);
     expect_equal({"bytes, hidden" + name, grid, typed_array(bytes), {{100, 160}}});
   }
 }
