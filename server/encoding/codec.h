@@ -1,26 +1,22 @@
 // The codecs that frames are sent in, and their names on the wire.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 
 namespace isostrata {
 
 enum class Codec {
-  png,       // lossless
-  jpeg,      // 4:4:4, BT.601 full range, as JFIF has it
-  webp,      // lossless
-  vp9_444,   // VP9 profile 1, 8 bits, colour as kVideoColor
-  h264_420,  // H.264, 8 bits, colour as kVideoColor; halved chroma is wrong by up to 115 of 255 at edges of saturated colours
+  png,      // lossless
+  jpeg,     // 4:4:4, BT.601 full range, as JFIF has it
+  vp9_444,  // VP9 profile 1, 8 bits, colour as kVideoColor
 };
 
-/// "png", "jpeg", "webp", "vp9-444", "h264-420": Frame.format, Hello.moving_formats and Hello.still_formats.
+/// "png", "jpeg", "vp9-444": Frame.format, Hello.moving_formats and Hello.still_formats.
 std::string_view name_of(Codec codec);
-std::optional<Codec> codec_named(std::string_view name);
 
 /// Whether a frame is coded as its difference from the one before, so that none of a stream may be left out.
-constexpr bool is_video(Codec codec) { return codec == Codec::vp9_444 || codec == Codec::h264_420; }
+constexpr bool is_video(Codec codec) { return codec == Codec::vp9_444; }
 
 /// How video's Y, Cb and Cr are meant, written into the bitstream and told to the decoder again beside it: the matrix of BT.601
 /// in the limited range, primaries and transfer those of sRGB. It is what browsers show best (server/README.md, "Colour"):

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "encoding/encode_h264.h"
 #include "encoding/yuv.h"
 
 namespace isostrata {
@@ -72,7 +71,6 @@ class Vp9Decoder final : public Decoder {
 std::unique_ptr<Decoder> make_decoder(Codec codec) {
   if (codec == Codec::jpeg) return std::make_unique<JpegDecoder>();
   if (codec == Codec::vp9_444) return std::make_unique<Vp9Decoder>();
-  if (codec == Codec::h264_420) return make_h264_decoder();
   throw Error(ErrorCode::unavailable, std::string(name_of(codec)) + ": no decoder for it in this program");
 }
 

@@ -53,7 +53,7 @@ void check_image_path(const std::filesystem::path& path);
 
 /// What this build can write, each tried on a small picture, for `isostrata doctor`.
 struct CodecProbe {
-  std::string name;  // "vp9-444", "h264-420", "jpeg", "png", "png-bands", "webp", "tiff", "openexr"
+  std::string name;  // "vp9-444", "jpeg", "png", "png-bands", "webp", "tiff", "openexr"
   bool ok = false;
   std::string detail;  // by what library, or why it failed
 };

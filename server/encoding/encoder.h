@@ -29,11 +29,11 @@ class Encoder {
   virtual ~Encoder() = default;
 
   /// One picture in, its frame out: nothing is held back and nothing is dropped. The first frame, and the first of another size,
-  /// is a key frame. Alpha is ignored by all but PNG and WebP. Throws what check_image throws, invalid_argument for an order out
+  /// is a key frame. Alpha is ignored by all but PNG. Throws what check_image throws, invalid_argument for an order out
   /// of range, too_large for a size that the codec cannot hold, unavailable where its library fails.
   virtual EncodedFrame encode(const Image& image, const EncodeOrder& order) = 0;
   virtual Codec codec() const = 0;
-  /// Who does the work: "libvpx v1.12.0", "h264_nvenc of libavcodec 59".
+  /// Who does the work: "libvpx v1.12.0", "libjpeg-turbo".
   virtual const std::string& implementation() const = 0;
 };
 

@@ -1,7 +1,6 @@
 #include <mutex>
 
 #include "base/error.h"
-#include "encoding/encode_h264.h"
 #include "encoding/encode_vp9.h"
 #include "encoding/encoder.h"
 
@@ -14,14 +13,7 @@ class StillEncoder final : public Encoder {
   explicit StillEncoder(Codec codec)
       : codec_(codec), implementation_(codec == Codec::jpeg ? "libjpeg-turbo" : std::string(name_of(codec))) {}
   EncodedFrame encode(const Image& image, const EncodeOrder& order) override {
-    switch (codec_) {
-      case Codec::jpeg:
-        return {encode_jpeg(image, order.quality), true};
-      case Codec::webp:
-        return {encode_webp(image), true};
-      default:
-        return {encode_png(image), true};
-    }
+    return {codec_ == Codec::jpeg ? encode_jpeg(image, order.quality) : encode_png(image), true};
   }
   Codec codec() const override { return codec_; }
   const std::string& implementation() const override { return implementation_; }
@@ -47,23 +39,16 @@ std::unique_ptr<Encoder> make_encoder(Codec codec, const EncoderOptions& options
   switch (codec) {
     case Codec::png:
     case Codec::jpeg:
-    case Codec::webp:
       return std::make_unique<StillEncoder>(codec);
     case Codec::vp9_444:
       return make_vp9_encoder(options);
-    case Codec::h264_420:
-      return make_h264_encoder(options);
   }
   throw Error(ErrorCode::internal, "no such codec");
 }
 
 const std::vector<Codec>& moving_codecs() {
   static const std::vector<Codec> codecs = [] {
-    std::vector<Codec> found;
-    for (const Codec codec : {Codec::vp9_444, Codec::h264_420})
-      if (works(codec)) found.push_back(codec);
-    found.push_back(Codec::jpeg);
-    return found;
+    return works(Codec::vp9_444) ? std::vector{Codec::vp9_444, Codec::jpeg} : std::vector{Codec::jpeg};
   }();
   return codecs;
 }

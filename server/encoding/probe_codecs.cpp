@@ -4,9 +4,7 @@
 #include <functional>
 
 #include "base/error.h"
-#include "encoding/avcodec_module.h"
 #include "encoding/decoder.h"
-#include "encoding/encode_h264.h"
 #include "encoding/encode_image.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"
@@ -46,13 +44,8 @@ CodecProbe probe_video(Codec codec) {
     const auto decoder = make_decoder(codec);
     const Image image = slope();
     const Bytes first = encoder->encode(image, {}).bytes, second = encoder->encode(image, {}).bytes;
-    std::string detail = encoder->implementation() + ", " + std::to_string(first.size()) + " and " +
+    const std::string detail = encoder->implementation() + ", " + std::to_string(first.size()) + " and " +
                          std::to_string(second.size()) + " bytes for two frames of 320x240";
-    if (codec == Codec::h264_420) {
-      detail += ", by " + avcodec_module().path;
-      for (const H264Attempt& attempt : h264_attempts())
-        if (!attempt.ok) detail += "; not " + attempt.problem;
-    }
     for (const Bytes* frame : {&first, &second}) {
       const PictureDistance distance = picture_distance(image, decoder->decode(*frame));
       if (distance.psnr < kLeastPsnr)
@@ -70,7 +63,6 @@ CodecProbe probe_video(Codec codec) {
 std::vector<CodecProbe> probe_codecs() {
   Image image{16, 16, std::vector<std::uint8_t>(16 * 16 * 4, 200)};
   std::vector<CodecProbe> probes{probe_video(Codec::vp9_444),
-                                 probe_video(Codec::h264_420),
                                  probe("jpeg", "libjpeg-turbo", [&] { return encode_jpeg(image, 90).size(); }),
                                  probe("png", std::string("zlib ") + zlibVersion(), [&] { return encode_png(image).size(); }),
                                  probe("png-bands", std::string("libdeflate ") + LIBDEFLATE_VERSION_STRING,

@@ -30,7 +30,7 @@ constexpr Triangulation last_of<Triangulation> = Triangulation::strict;
 template <>
 constexpr TetrahedraWay last_of<TetrahedraWay> = TetrahedraWay::cut;
 template <>
-constexpr Codec last_of<Codec> = Codec::h264_420;
+constexpr Codec last_of<Codec> = Codec::vp9_444;
 template <>
 constexpr StillFormat last_of<StillFormat> = StillFormat::exr;
 template <>

@@ -189,8 +189,8 @@ void add_bench_encode_command(CLI::App& bench) {
       ->allow_extra_args(false)
       ->capture_default_str();
   command
-      ->add_option("--codec", arguments->codecs, "vp9-444, h264-420, jpeg or png; may be repeated (default: all that work here)")
-      ->check(CLI::IsMember({"vp9-444", "h264-420", "jpeg", "png"}))
+      ->add_option("--codec", arguments->codecs, "vp9-444, jpeg or png; may be repeated (default: all that work here)")
+      ->check(CLI::IsMember({"vp9-444", "jpeg", "png"}))
       ->allow_extra_args(false);
   command->add_option("--frames", arguments->frames, "Frames to encode")->check(CLI::Range(2, 10000))->capture_default_str();
   command->add_option("--degrees", arguments->degrees, "The camera turns so far from one frame to the next")

@@ -170,7 +170,8 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
       viewer.ladder.push_back(codec);
   if (viewer.ladder.empty()) viewer.ladder.push_back(Codec::jpeg);
   // One that this server lacks is left to its choice.
-  const auto wanted = std::find(viewer.ladder.begin(), viewer.ladder.end(), codec_named(hello.moving_format()));
+  const auto wanted = std::find_if(viewer.ladder.begin(), viewer.ladder.end(),
+                                   [&](Codec codec) { return name_of(codec) == hello.moving_format(); });
   viewer.chooses = wanted == viewer.ladder.end();
   if (!viewer.chooses) viewer.ladder.erase(viewer.ladder.begin(), wanted);
   viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");

@@ -46,7 +46,7 @@ FrameReady full_frame(std::size_t bytes) {
   frame.device = "plain";
   frame.intervals = {{1, 2, 3, 4.5}};
   frame.bytes = std::make_shared<const Bytes>(bytes, std::uint8_t{42});
-  frame.video = VideoFacts{Codec::h264_420, 8, true};
+  frame.video = VideoFacts{Codec::vp9_444, 8, true};
   return frame;
 }
 
@@ -90,7 +90,7 @@ TEST(MessageBytes, AFrameArrivesWithItsPictureBesideIt) {
   EXPECT_EQ(frame.intervals[0].volume, 4.5);
   EXPECT_EQ(*frame.bytes, Bytes(1000, 42));
   ASSERT_TRUE(frame.video);
-  EXPECT_EQ(frame.video->codec, Codec::h264_420);
+  EXPECT_EQ(frame.video->codec, Codec::vp9_444);
   EXPECT_TRUE(frame.video->key);
 }
 

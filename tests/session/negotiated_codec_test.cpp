@@ -30,7 +30,7 @@ class NegotiatedCodec : public ::testing::Test {
  protected:
   NegotiatedCodec() {
     SessionsOptions options;
-    options.moving_codecs = {Codec::vp9_444, Codec::h264_420, Codec::jpeg};
+    options.moving_codecs = {Codec::vp9_444, Codec::jpeg};
     options.datasets.emplace_back().set_id("torus");
     sessions_ = std::make_unique<Sessions>(std::move(options), [this](EngineRequest request) {
       if (const auto* close = std::get_if<CloseStream>(&request)) closed_streams_.push_back(close->stream);
@@ -51,10 +51,8 @@ class NegotiatedCodec : public ::testing::Test {
     message.mutable_hello()->mutable_viewport()->set_width(64);
     message.mutable_hello()->mutable_viewport()->set_height(48);
     for (const std::string& format : formats) message.mutable_hello()->add_moving_formats(format);
-    for (const char* best : {"vp9-444", "h264-420"})
-      if (!chosen_by_time && message.hello().moving_format().empty() &&
-          std::find(formats.begin(), formats.end(), best) != formats.end())
-        message.mutable_hello()->set_moving_format(best);
+    if (!chosen_by_time && std::find(formats.begin(), formats.end(), "vp9-444") != formats.end())
+      message.mutable_hello()->set_moving_format("vp9-444");
     receive(message);
     for (const auto& answer : outbox_.messages)
       if (answer.has_welcome()) {
@@ -123,7 +121,7 @@ class NegotiatedCodec : public ::testing::Test {
 Names names(const v1::Welcome& welcome) { return {welcome.moving_formats().begin(), welcome.moving_formats().end()}; }
 
 TEST_F(NegotiatedCodec, IsTheBestThatBothHaveAndItsFramesNameStreamKeyAndDecoder) {
-  EXPECT_EQ(names(hello({"jpeg", "h264-420", "vp9-444", "av2"})), (Names{"vp9-444", "h264-420", "jpeg"}));
+  EXPECT_EQ(names(hello({"jpeg", "vp9-444", "av2"})), (Names{"vp9-444", "jpeg"}));
   const auto first = take<FrameRequest>();
   ASSERT_TRUE(first && first->video);
   EXPECT_EQ(first->video->codec, Codec::vp9_444);
@@ -147,8 +145,8 @@ TEST_F(NegotiatedCodec, IsJpegForWhoNamesNoVideo) {
 }
 
 TEST_F(NegotiatedCodec, LeavesOutWhatTheClientLacks) {
-  EXPECT_EQ(names(hello({"h264-420", "jpeg"})), (Names{"h264-420", "jpeg"}));
-  EXPECT_EQ(take<FrameRequest>()->video->codec, Codec::h264_420);
+  EXPECT_EQ(names(hello({"av2", "jpeg"})), (Names{"jpeg"}));
+  EXPECT_FALSE(take<FrameRequest>()->video);
 }
 
 TEST_F(NegotiatedCodec, RefusesWhoDoesNotTakeJpeg) {
@@ -156,23 +154,18 @@ TEST_F(NegotiatedCodec, RefusesWhoDoesNotTakeJpeg) {
   EXPECT_NE(outbox_.closed, 0);
 }
 
-TEST_F(NegotiatedCodec, EachFailedDecoderIsAStepDownAndBelowJpegThereIsNone) {
-  hello({"jpeg", "h264-420", "vp9-444"});
+TEST_F(NegotiatedCodec, AFailedDecoderIsAStepDownAndBelowJpegThereIsNone) {
+  hello({"jpeg", "vp9-444"});
   auto request = take<FrameRequest>();
-  for (const auto next : {std::optional(Codec::h264_420), std::optional<Codec>()}) {
-    start(*request);
-    finish(*request, true);
-    acknowledge();
-    const StreamId stream = request->video->stream;
-    decoder_failed(stream);
-    EXPECT_EQ(closed_streams_.back(), stream);
-    request = take<FrameRequest>();
-    ASSERT_TRUE(request);
-    EXPECT_EQ(request->video.has_value(), next.has_value());
-    if (next) {
-      EXPECT_EQ(request->video->codec, *next);
-    }
-  }
+  start(*request);
+  finish(*request, true);
+  acknowledge();
+  const StreamId stream = request->video->stream;
+  decoder_failed(stream);
+  EXPECT_EQ(closed_streams_.back(), stream);
+  request = take<FrameRequest>();
+  ASSERT_TRUE(request);
+  EXPECT_FALSE(request->video);
   start(*request);
   finish(*request, true);
   EXPECT_EQ(outbox_.frames.back().format(), "jpeg");

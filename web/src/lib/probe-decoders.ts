@@ -1,6 +1,6 @@
-// What this browser decodes, found by decoding: a frame of each format with a known picture goes in, and the right pixels must come out. A
+// What this browser decodes, found by decoding: a frame with a known picture goes in, and the right pixels must come out. A
 // browser's own word (isConfigSupported) is not taken: decoders hold frames back, and read colours in a way of their own.
-import { insideBlock, probeColor, probeSide, probeStreams, type ProbeStream } from './probe-streams';
+import { insideBlock, probeColor, probeSide, probeStream, type ProbeStream } from './probe-stream';
 import { browserVideo, videoColor } from './video-decoder';
 
 const patienceMs = 1500;
@@ -14,13 +14,12 @@ export interface ProbeDoors {
   setTimeout(callback: () => void, ms: number): unknown;
 }
 
-/** The blocks' middles, and with full chroma every pixel, are what they should be. */
-export function rightPixels(pixels: Uint8ClampedArray, fullChroma: boolean): boolean {
+/** Every pixel is what it should be, which takes full chroma. */
+export function rightPixels(pixels: Uint8ClampedArray): boolean {
   for (let y = 0; y < probeSide; y++)
     for (let x = 0; x < probeSide; x++) {
       const color = probeColor(x, y);
       const inside = insideBlock(x, y);
-      if (!inside && !fullChroma) continue;
       for (let c = 0; c < 3; c++) {
         const apart = Math.abs((pixels[4 * (y * probeSide + x) + c] as number) - (color[c] as number));
         if (apart > (inside ? tolerance : 4 * tolerance)) return false;
@@ -33,16 +32,12 @@ export function rightPixels(pixels: Uint8ClampedArray, fullChroma: boolean): boo
 export async function probeDecoders(doors: ProbeDoors | null): Promise<string[]> {
   if (!doors) return ['jpeg'];
   const late = new Promise<false>((resolve) => doors.setTimeout(() => resolve(false), patienceMs));
-  const right = probeStreams.map(async (stream) => {
-    try {
-      const pixels = await Promise.race([doors.decode(stream), late]);
-      return pixels !== false && rightPixels(pixels, stream.fullChroma);
-    } catch {
-      return false;
-    }
-  });
-  const found = await Promise.all(right);
-  return [...probeStreams.filter((_stream, i) => found[i]).map((stream) => stream.format), 'jpeg'];
+  try {
+    const pixels = await Promise.race([doors.decode(probeStream), late]);
+    return pixels !== false && rightPixels(pixels) ? [probeStream.format, 'jpeg'] : ['jpeg'];
+  } catch {
+    return ['jpeg'];
+  }
 }
 
 /** null where the browser has no VideoDecoder: an insecure context, or an old browser. */
