@@ -16,7 +16,6 @@ class PngStream {
 
   /// The file's next bytes, for its next rows from the top. After the last row the file is complete.
   Bytes put(const Image& rows);
-  int rows_left() const { return rows_left_; }
 
  private:
   int width_, rows_left_, channels_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "base/parallel.h"
 #include "encoding/codec.h"
@@ -45,30 +44,6 @@ void rgb_to_yuv444(const Image& image, const YuvPlanes& out) {
     for (auto y = begin; y < end; ++y)
       yuv_row(kWeights, row_of(image, static_cast<int>(y)), static_cast<std::size_t>(image.width),
               {out.plane[0] + y * out.stride[0], out.plane[1] + y * out.stride[1], out.plane[2] + y * out.stride[2]});
-  });
-}
-
-void rgb_to_yuv420(const Image& image, const YuvPlanes& out) {
-  const auto width = static_cast<std::size_t>(image.width), half = (width + 1) / 2;
-  parallel_for((image.height + 1) / 2, kRowsPerTask / 2, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<std::uint8_t> means(half * 4), unused(2 * half);
-    for (auto pair = begin; pair < end; ++pair) {
-      const int top = static_cast<int>(2 * pair), bottom = std::min(top + 1, image.height - 1);
-      const std::uint8_t *above = row_of(image, top), *below = row_of(image, bottom);
-      for (std::size_t i = 0; i < half; ++i) {
-        const std::size_t left = 8 * i, right = 4 * std::min(2 * i + 1, width - 1);
-        for (std::size_t c = 0; c < 3; ++c)
-          means[4 * i + c] =
-              static_cast<std::uint8_t>((above[left + c] + above[right + c] + below[left + c] + below[right + c] + 2) / 4);
-      }
-      yuv_row(kWeights, means.data(), half,
-              {unused.data(), out.plane[1] + pair * out.stride[1], out.plane[2] + pair * out.stride[2]});
-      for (int k = 0; k < 2; ++k) {
-        std::uint8_t* luma = out.plane[0] + (2 * pair + k) * out.stride[0];
-        luma_row(kWeights, k == 0 ? above : below, width, luma);
-        if (width % 2 == 1) luma[width] = luma[width - 1];
-      }
-    }
   });
 }
 

@@ -19,10 +19,6 @@ struct YuvPlanes {
 /// worker pool.
 void rgb_to_yuv444(const Image& image, const YuvPlanes& out);
 
-/// Halved chroma: Cb and Cr have [(height + 1) / 2][(width + 1) / 2] bytes, each the mean of two by two pixels (at an odd edge
-/// the last column or row counts twice). Y must hold rows and columns for even sizes; the edge is repeated there.
-void rgb_to_yuv420(const Image& image, const YuvPlanes& out);
-
 /// The way back for one pixel, rounded and clamped: what a decoder shows.
 std::array<std::uint8_t, 3> rgb_of_yuv(std::uint8_t y, std::uint8_t cb, std::uint8_t cr);
 

@@ -10,9 +10,8 @@ HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Whole vectors of 32-bit lanes, a pixel each, then the last few one at a time. kPlanes: Y, or Y, Cb and Cr.
-template <std::size_t kPlanes>
-void Convert(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, std::uint8_t* const* out) {
+/// Whole vectors of 32-bit lanes, a pixel each, then the last few one at a time.
+void YuvRow(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, const std::array<std::uint8_t*, 3>& out) {
   const auto visit = [&](auto d, std::size_t i) {
     const hn::RebindToUnsigned<decltype(d)> du;
     const hn::Rebind<std::uint8_t, decltype(d)> d8;
@@ -22,7 +21,7 @@ void Convert(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t co
     const auto r = hn::BitCast(d, hn::And(word, low));
     const auto g = hn::BitCast(d, hn::And(hn::ShiftRight<8>(word), low));
     const auto b = hn::BitCast(d, hn::And(hn::ShiftRight<16>(word), low));
-    for (std::size_t p = 0; p < kPlanes; ++p) {
+    for (std::size_t p = 0; p < 3; ++p) {
       const auto sum = hn::Add(hn::Add(hn::Mul(r, hn::Set(d, weights.rgb[p][0])), hn::Mul(g, hn::Set(d, weights.rgb[p][1]))),
                                hn::Add(hn::Mul(b, hn::Set(d, weights.rgb[p][2])), hn::Set(d, weights.offset[p])));
       hn::StoreU(hn::DemoteTo(d8, hn::ShiftRight<16>(sum)), d8, out[p] + i);  // saturates: pure blue is 255.5 full range
@@ -35,13 +34,6 @@ void Convert(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t co
   for (; i < count; ++i) visit(single, i);
 }
 
-void YuvRow(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, const std::array<std::uint8_t*, 3>& out) {
-  Convert<3>(weights, rgba, count, out.data());
-}
-void LumaRow(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, std::uint8_t* out) {
-  Convert<1>(weights, rgba, count, &out);
-}
-
 }  // namespace isostrata::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -49,13 +41,9 @@ HWY_AFTER_NAMESPACE();
 namespace isostrata {
 
 HWY_EXPORT(YuvRow);
-HWY_EXPORT(LumaRow);
 
 void yuv_row(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, const std::array<std::uint8_t*, 3>& out) {
   HWY_DYNAMIC_DISPATCH(YuvRow)(weights, rgba, count, out);
-}
-void luma_row(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, std::uint8_t* out) {
-  HWY_DYNAMIC_DISPATCH(LumaRow)(weights, rgba, count, out);
 }
 
 }  // namespace isostrata

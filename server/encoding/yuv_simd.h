@@ -15,6 +15,5 @@ struct YuvWeights {
 
 /// `count` pixels of four bytes to one byte in each of three planes.
 void yuv_row(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, const std::array<std::uint8_t*, 3>& out);
-void luma_row(const YuvWeights& weights, const std::uint8_t* rgba, std::size_t count, std::uint8_t* out);
 
 }  // namespace isostrata

@@ -46,7 +46,6 @@ class UnstructuredCells {
   const UnstructuredGrid& shape() const { return shape_; }
   const std::int64_t* ids(std::int64_t cell) const { return shape_.connectivity.data() + shape_.offsets[cell]; }
   int vertex_count(std::int64_t cell) const { return static_cast<int>(shape_.offsets[cell + 1] - shape_.offsets[cell]); }
-  bool is_tetrahedron(std::int64_t cell) const { return shape_.types[cell] == static_cast<std::uint8_t>(CellType::tetrahedron); }
 
  private:
   const UnstructuredGrid& shape_;

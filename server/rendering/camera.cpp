@@ -109,44 +109,6 @@ Mat4d view_from_world(const Camera& camera) {
   return m;
 }
 
-Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds) {
-  const Mat4d view = view_from_world(camera);
-  double nearest = std::numeric_limits<double>::infinity(), deepest = -nearest;
-  if (!bounds.empty())
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d p{corner & 1 ? bounds.upper.x : bounds.lower.x, corner & 2 ? bounds.upper.y : bounds.lower.y,
-                    corner & 4 ? bounds.upper.z : bounds.lower.z};
-      const double depth = -(view * std::array<double, 4>{p.x, p.y, p.z, 1})[2];
-      nearest = std::min(nearest, depth);
-      deepest = std::max(deepest, depth);
-    }
-  const double farthest = deepest > 0 ? deepest : 2 * length(camera.eye - camera.at);
-  if (!std::isfinite(deepest)) deepest = farthest;
-  // The planes stand a little off the box, and near stays in front of an eye inside it.
-  const double far_plane = farthest * 1.001;
-  const double near_plane = std::clamp(nearest * 0.999, far_plane * 1e-4, far_plane * 0.9);
-  const double scale = 1 / std::tan(radians(camera.fov_deg / 2));
-  Mat4d m;
-  if (camera.orthographic) {
-    const double half = half_height(camera);
-    const double low = std::isfinite(nearest) ? nearest : -farthest;
-    const double margin = 1e-3 * std::max(deepest - low, length(camera.eye - camera.at));
-    const double depth_near = low - margin, depth_far = deepest + margin;
-    m.m[0][0] = 1 / (half * aspect);
-    m.m[1][1] = 1 / half;
-    m.m[2][2] = -2 / (depth_far - depth_near);
-    m.m[3][2] = -(depth_far + depth_near) / (depth_far - depth_near);
-    m.m[3][3] = 1;
-    return m;
-  }
-  m.m[0][0] = scale / aspect;
-  m.m[1][1] = scale;
-  m.m[2][2] = -(far_plane + near_plane) / (far_plane - near_plane);
-  m.m[2][3] = -1;
-  m.m[3][2] = -2 * far_plane * near_plane / (far_plane - near_plane);
-  return m;
-}
-
 Camera parse_camera(std::string_view text, const Camera& base, const Box3d& bounds, double aspect) {
   Vec3d direction, up;
   Camera camera = base;

@@ -29,9 +29,6 @@ Camera view_of(const Box3d& bounds, std::string_view side, double aspect = 1);
 
 /// Right-handed, looking down -z.
 Mat4d view_from_world(const Camera& camera);
-/// OpenGL's clip space; near and far enclose the box as seen from the eye. An orthographic camera sees what lies behind its eye
-/// too: its depths run from before the box to beyond it.
-Mat4d clip_from_view(const Camera& camera, double aspect, const Box3d& bounds);
 
 /// "eye=x,y,z;at=x,y,z;up=x,y,z;fov=deg;projection=perspective|orthographic", every part optional over `base`, or a view name
 /// that view_of knows, alone or as its first part ("+x;projection=orthographic"). Throws invalid_argument naming the part.

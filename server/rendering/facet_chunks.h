@@ -27,7 +27,6 @@ struct FacetSet {
   std::vector<std::uint32_t> first_chunk;  // [intervals + 1]
   Box3d bounds;                            // of all facets
 
-  std::size_t interval_count() const { return first_chunk.size() - 1; }
 };
 
 /// From mesh.facets, or, where it has none, from the tetrahedra. An interval whose facets enclose a negative volume (a mesh of

@@ -74,33 +74,5 @@ TEST(Yuv, ThereAndBackIsWithinTwoOfEveryColour) {
   EXPECT_LE(worst, 2);
 }
 
-TEST(Yuv, HalvedChromaIsTheMeanOfFourAndOddEdgesAreRepeated) {
-  for (const auto [width, height] : {std::array{6, 4}, std::array{7, 5}, std::array{1, 1}}) {
-    const Image image = random_image(width, height, 9);
-    const int half = (width + 1) / 2, rows = (height + 1) / 2;
-    std::vector<std::uint8_t> y(static_cast<std::size_t>(4 * half * rows)), cb(static_cast<std::size_t>(half * rows)), cr = cb;
-    rgb_to_yuv420(image, {{y.data(), cb.data(), cr.data()}, {2 * half, half, half}});
-    const Planes full = convert_444(image);
-    const auto at = [&](int px, int py, int c) {
-      px = std::min(px, width - 1), py = std::min(py, height - 1);
-      return static_cast<double>(image.rgba[static_cast<std::size_t>(4 * (py * width + px) + c)]);
-    };
-    for (int j = 0; j < 2 * rows; ++j)
-      for (int i = 0; i < 2 * half; ++i)
-        ASSERT_EQ(y[static_cast<std::size_t>(j * 2 * half + i)],
-                  full.y[static_cast<std::size_t>(std::min(j, height - 1) * width + std::min(i, width - 1))]);
-    for (int j = 0; j < rows; ++j)
-      for (int i = 0; i < half; ++i) {
-        std::array<double, 3> mean{};
-        for (int c = 0; c < 3; ++c)
-          mean[static_cast<std::size_t>(c)] =
-              (at(2 * i, 2 * j, c) + at(2 * i + 1, 2 * j, c) + at(2 * i, 2 * j + 1, c) + at(2 * i + 1, 2 * j + 1, c)) / 4;
-        const auto wanted = by_definition(mean[0], mean[1], mean[2]);
-        ASSERT_NEAR(cb[static_cast<std::size_t>(j * half + i)], wanted[1], 1.0);
-        ASSERT_NEAR(cr[static_cast<std::size_t>(j * half + i)], wanted[2], 1.0);
-      }
-  }
-}
-
 }  // namespace
 }  // namespace isostrata

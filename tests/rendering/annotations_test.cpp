@@ -6,6 +6,7 @@
 #include <random>
 
 #include "rendering/glyphs.h"
+#include "support/project_point.h"
 
 namespace isostrata {
 namespace {
@@ -98,11 +99,10 @@ TEST(Annotations, TheBoxIsDrawnWhereTheCameraSeesIt) {
     AnnotationInput input = some_input(400, 300);
     input.show = {false, true, false};
     input.camera.orthographic = orthographic;
-    const Mat4d clip = clip_from_view(input.camera, 400.0 / 300, input.bounds) * view_from_world(input.camera);
     std::vector<Point2> corners;
     for (int i = 0; i < 8; ++i) {
-      const auto c = clip * std::array<double, 4>{i & 1 ? 1.0 : -1.0, i & 2 ? 2.0 : -2.0, i & 4 ? 3.0 : -3.0, 1};
-      corners.push_back({200 * (1 + c[0] / c[3]), 150 * (1 - c[1] / c[3])});
+      const auto at = project_point(input.camera, 400.0 / 300, {i & 1 ? 1.0 : -1.0, i & 2 ? 2.0 : -2.0, i & 4 ? 3.0 : -3.0});
+      corners.push_back({200 * (1 + at[0]), 150 * (1 - at[1])});
     }
     Drawing drawing = annotate(input);
     drawing.over.insert(drawing.over.end(), drawing.under.begin(), drawing.under.end());
