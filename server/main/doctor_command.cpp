@@ -133,12 +133,10 @@ void print_text(const Findings& findings) {
   std::printf("\nextraction in OpenGL compute (extract --device)\n  %-5s %s\n", findings.compute.empty() ? "ok" : "no",
               findings.compute.empty() ? "equals the CPU's on a small field" : findings.compute.c_str());
   const WorkerProbe& worker = findings.worker;
-  std::printf("\nprocess that draws (serve --worker process)\n  %-5s %s\n", worker.ok ? "ok" : "no", worker.detail.c_str());
+  std::printf("\nprocess that draws\n  %-5s %s\n", worker.ok ? "ok" : "no", worker.detail.c_str());
   if (worker.ok)
     std::printf("        on %s; started in %.0f ms, first frame after %.0f ms, replaced in %.0f ms\n", worker.device.c_str(),
                 worker.start_ms, worker.frame_ms, worker.replace_ms);
-  else if (!findings.device.empty())
-    std::printf("        serve --worker thread draws in the server's own process\n");
   std::printf("\nvector instructions (--simd)\n  used: %s; this machine has", simd_level().c_str());
   for (const std::string& level : simd_levels()) std::printf(" %s", level.c_str());
   std::printf("\n\ncodecs\n");

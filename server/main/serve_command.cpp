@@ -46,7 +46,6 @@ struct ServeArguments {
   std::vector<std::string> allowed_hosts;
   std::string tls_certificate, tls_key;
   std::string renderer = "auto", device = "auto", tetrahedra = "auto";
-  std::string worker = "process";
   std::size_t max_sessions = 32;
   std::size_t max_viewers = 64;
   std::string state_dir;
@@ -171,16 +170,14 @@ void serve(const ServeArguments& arguments) {
                                    " files are offered; name a smaller directory to see others");
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
-  if (arguments.worker == "process") {
-    options.worker.emplace();
-    options.worker->threads = arguments.threads;
-    options.worker->log = [&log](std::string_view event, const std::string& text) {
-      if (event == "worker_replaced")
-        log.info(std::string(event), text);
-      else
-        log.warn(std::string(event), text);
-    };
-  }
+  options.worker.emplace();
+  options.worker->threads = arguments.threads;
+  options.worker->log = [&log](std::string_view event, const std::string& text) {
+    if (event == "worker_replaced")
+      log.info(std::string(event), text);
+    else
+      log.warn(std::string(event), text);
+  };
   options.engine.tetrahedra = arguments.tetrahedra == "cut"     ? TetrahedraWay::cut
                               : arguments.tetrahedra == "split" ? TetrahedraWay::split
                                                                 : TetrahedraWay::automatic;
@@ -269,13 +266,6 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--worker", arguments->worker,
-          "process: the engine runs in a process of its own, which is replaced where it crashes or hangs; thread: in the "
-          "server's")
-      ->check(CLI::IsMember({"process", "thread"}))
       ->capture_default_str();
   command
       ->add_option("--tetrahedra", arguments->tetrahedra,

@@ -242,7 +242,7 @@ class Asked {
 
 TEST_F(ServeCommand, WhatWasAnsweredSurvivesAKillAtThatMoment) {
   const std::string token = "the-same-token-in-every-life";
-  SERVE_OR_SKIP({"torus:12", "--token", token, "--worker", "thread"});
+  SERVE_OR_SKIP({"torus:12", "--token", token});
   auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
   constexpr int kSessions = 16;
   std::vector<std::string> sessions;
@@ -261,7 +261,7 @@ TEST_F(ServeCommand, WhatWasAnsweredSurvivesAKillAtThatMoment) {
     for (const std::string& path : paths) changes.push_back(std::make_unique<Asked>(port, token, "PATCH", path, change));
     for (auto& asked : changes) asked->answer(200);
     stop(SIGKILL);
-    ASSERT_TRUE(serve({"torus:12", "--token", token, "--worker", "thread"}, std::to_string(port)));
+    ASSERT_TRUE(serve({"torus:12", "--token", token}, std::to_string(port)));
     for (const std::string& session : sessions)
       EXPECT_NEAR(first(session).at("upper").to_number<double>(), 0.2 + 0.1 * life, 1e-9) << "after kill " << life;
   }
@@ -451,15 +451,6 @@ TEST_F(ServeCommand, AKilledWorkerIsReplaced) {
       << read_text(errors());
   EXPECT_TRUE(read_text(picture).starts_with("\x89PNG"));
   EXPECT_EQ(stop(SIGTERM), 0);
-}
-
-TEST_F(ServeCommand, TheEngineCanStayInTheServersProcess) {
-  SERVE_OR_SKIP({"torus:12", "--worker", "thread"});
-  EXPECT_TRUE(ready_.at("worker").is_null());
-  EXPECT_EQ(run("isostrata-client",
-                {url_, "snapshot", "--interval", "0.2:0.5", "--size", "120x90", "--out", (directory_ / "a.png").string()}),
-            0)
-      << read_text(errors());
 }
 
 TEST_F(ServeCommand, TextThatIsNoUtf8IsRefusedAndFillsNoLog) {
