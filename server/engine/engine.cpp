@@ -389,7 +389,7 @@ class Engine::Impl {
       SceneAids aids;
       aids.bricks = &bricks_;
       aids.bases = &bases_;
-      aids.tetrahedra = cuts_intervals_ ? options_.tetrahedra : TetrahedraWay::split;
+      aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
       extracted = extract_scene(steps, scene, previous, operation->task(), aids);
     } catch (...) {
       failure = std::current_exception();
@@ -422,9 +422,9 @@ class Engine::Impl {
 
   /// Intervals that were moved once will be moved again: the grid that they are cut out of then is made meanwhile.
   void prepare_base(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
-    if (!cuts_intervals_ || options_.tetrahedra != TetrahedraWay::automatic || extracted.base || !previous ||
-        previous->steps != extracted.steps || previous->request.intervals == extracted.request.intervals ||
-        !cuts_exactly(scene, extracted.array) || !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
+    if (!cuts_intervals_ || extracted.base || !previous || previous->steps != extracted.steps ||
+        previous->request.intervals == extracted.request.intervals || !cuts_exactly(scene, extracted.array) ||
+        !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
       return;
     jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);

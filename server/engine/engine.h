@@ -12,7 +12,6 @@
 
 #include "engine/activity.h"
 #include "engine/dataset_store.h"
-#include "engine/draw_scene.h"
 #include "engine/frame_engine.h"
 #include "rendering/renderer.h"
 
@@ -22,7 +21,6 @@ struct EngineOptions {
   Catalogue catalogue;
   RendererChoice renderer_choice;
   DatasetStoreOptions store;
-  TetrahedraWay tetrahedra = TetrahedraWay::automatic;  // where the renderer cuts_intervals()
   /// Makes the renderer, called on the render thread; empty: make_renderer(renderer_choice). Tests bring their own.
   std::function<std::unique_ptr<Renderer>()> renderer;
   /// The renderer from then on, made on the render thread when the device has failed three frames in a row

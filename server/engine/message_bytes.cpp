@@ -28,8 +28,6 @@ constexpr TimeMode last_of<TimeMode> = TimeMode::spacetime;
 template <>
 constexpr Triangulation last_of<Triangulation> = Triangulation::strict;
 template <>
-constexpr TetrahedraWay last_of<TetrahedraWay> = TetrahedraWay::cut;
-template <>
 constexpr Codec last_of<Codec> = Codec::vp9_444;
 template <>
 constexpr StillFormat last_of<StillFormat> = StillFormat::exr;

@@ -27,7 +27,6 @@ EngineOptions options_of(WorkerSetup setup, ActivityBoard* board) {
   options.store.importer = setup.importer;
   options.store.timeout_s = setup.import_timeout_s;
   options.store.keep = setup.keep;
-  options.tetrahedra = setup.tetrahedra;
   options.board = board;
   return options;
 }

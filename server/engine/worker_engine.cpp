@@ -545,7 +545,6 @@ class WorkerEngine::Impl {
     setup.importer = options_.store.importer.string();
     setup.import_timeout_s = options_.store.timeout_s;
     setup.keep = keep_.string();
-    setup.tetrahedra = options_.tetrahedra;
     setup.threads = worker_.threads;
     return setup;
   }

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "engine/catalogue.h"
-#include "engine/draw_scene.h"
 #include "engine/messages.h"
 
 namespace isostrata {
@@ -20,7 +19,6 @@ struct WorkerSetup {
   std::string importer;
   double import_timeout_s = 0;
   std::string keep;
-  TetrahedraWay tetrahedra = TetrahedraWay::automatic;
   int threads = 0;  // set_thread_count
 };
 

@@ -45,7 +45,7 @@ struct ServeArguments {
   bool no_auth = false;
   std::vector<std::string> allowed_hosts;
   std::string tls_certificate, tls_key;
-  std::string renderer = "auto", device = "auto", tetrahedra = "auto";
+  std::string renderer = "auto", device = "auto";
   std::size_t max_sessions = 32;
   std::size_t max_viewers = 64;
   std::string state_dir;
@@ -178,9 +178,6 @@ void serve(const ServeArguments& arguments) {
     else
       log.warn(std::string(event), text);
   };
-  options.engine.tetrahedra = arguments.tetrahedra == "cut"     ? TetrahedraWay::cut
-                              : arguments.tetrahedra == "split" ? TetrahedraWay::split
-                                                                : TetrahedraWay::automatic;
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
   options.port = static_cast<unsigned short>(arguments.port);
@@ -266,12 +263,6 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
-      ->capture_default_str();
-  command
-      ->add_option("--tetrahedra", arguments->tetrahedra,
-                   "Grids of nothing but tetrahedra: split by extraction, or cut in the rays by the native renderer; auto: cut "
-                   "while intervals are moved")
-      ->check(CLI::IsMember({"auto", "split", "cut"}))
       ->capture_default_str();
   command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
       ->check(CLI::Range(1, 10000))
