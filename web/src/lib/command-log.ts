@@ -26,7 +26,6 @@ const kept = new Set<Command['case']>([
   'setView',
   'setAppearance',
   'setCombination',
-  'setTriangulation',
   'setCycle',
   'setSmear',
   'setTransferFunction',

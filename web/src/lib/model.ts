@@ -108,7 +108,6 @@ export interface ColorRange extends Range {
 export const stepRange: ColorRange = { span: 'step', lower: 0, upper: 0, log: false };
 
 export type RenderMode = 'sorted' | 'prioritized' | 'cycled' | 'smear';
-export type Integral = 'exact' | 'table2d';
 
 /** Of the mode "cycled": one layer at a time. */
 export interface Cycle {
@@ -138,7 +137,6 @@ export interface RangeTerm extends Range {
 }
 
 export type TimeMode = 'step' | 'interpolate' | 'spacetime';
-export type Triangulation = 'table' | 'strict';
 
 export interface SceneState {
   revision: number;
@@ -154,8 +152,6 @@ export interface SceneState {
   terms: RangeTerm[];
   time: number | null; // null: the step
   timeMode: TimeMode;
-  triangulation: Triangulation;
-  integral: Integral;
   texture: string; // the array of the surfaces' textures; empty: colorBy
   cycle: Cycle;
   smear: Smear;
@@ -352,8 +348,6 @@ export const emptyState: SceneState = {
   terms: [],
   time: null,
   timeMode: 'step',
-  triangulation: 'table',
-  integral: 'exact',
   texture: '',
   cycle: { seconds: 1, phase: 0, playing: true },
   smear: { steps: [], times: [], colors: [] },

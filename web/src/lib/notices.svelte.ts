@@ -34,7 +34,6 @@ export function placeOf(body: Command): { place: Place; interval: number | null 
     case 'reorderPriorities':
       return { place: 'layers', interval: null };
     case 'setAppearance':
-    case 'setTriangulation':
       return { place: 'appearance', interval: null };
     default:
       return { place: 'page', interval: null };

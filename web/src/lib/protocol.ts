@@ -4,13 +4,11 @@ import {
   ClientMessageSchema,
   ColorSpan as WireSpan,
   FramePhase,
-  Integral as WireIntegral,
   RangeOperator as WireOperator,
   RenderMode as WireMode,
   Role as WireRole,
   ServerMessageSchema,
   TimeMode as WireTimeMode,
-  Triangulation as WireTriangulation,
   type Camera as WireCamera,
   type DatasetInfo as WireDatasetInfo,
   type Frame as WireFrame,
@@ -32,7 +30,6 @@ import type {
   Cycle,
   DatasetInfo,
   Frame,
-  Integral,
   Interval,
   IntervalPatch,
   Invitation,
@@ -47,7 +44,6 @@ import type {
   Surface,
   TimeMode,
   TransferPoint,
-  Triangulation,
   Vec3,
   Welcome,
 } from './model';
@@ -79,10 +75,6 @@ const modes = byWire<RenderMode, WireMode>([
   ['cycled', WireMode.CYCLED],
   ['smear', WireMode.SMEAR],
 ]);
-const integrals = byWire<Integral, WireIntegral>([
-  ['exact', WireIntegral.EXACT],
-  ['table2d', WireIntegral.TABLE2D],
-]);
 const spans = byWire<ColorSpan, WireSpan>([
   ['step', WireSpan.STEP],
   ['all_steps', WireSpan.ALL_STEPS],
@@ -102,10 +94,6 @@ const timeModes = byWire<TimeMode, WireTimeMode>([
 const roles = byWire<Role, WireRole>([
   ['controller', WireRole.CONTROLLER],
   ['viewer', WireRole.VIEWER],
-]);
-const triangulations = byWire<Triangulation, WireTriangulation>([
-  ['table', WireTriangulation.TABLE],
-  ['strict', WireTriangulation.STRICT],
 ]);
 
 const wireSurface = ({ color, ...rest }: Surface) => ({ ...rest, ...(color ? { color: wireRgb(color) } : {}) });
@@ -192,10 +180,6 @@ export const command = {
     case: 'setTime',
     value: { mode: timeModes.wire(mode), ...(time !== null ? { time } : {}) },
   }),
-  setTriangulation: (triangulation: Triangulation): Command => ({
-    case: 'setTriangulation',
-    value: { triangulation: triangulations.wire(triangulation) },
-  }),
   setCycle: (cycle: Partial<Cycle>): Command => ({ case: 'setCycle', value: cycle }),
   setSmear: ({ steps, times, colors }: Smear): Command => ({
     case: 'setSmear',
@@ -205,13 +189,11 @@ export const command = {
     mode?: RenderMode;
     background?: Rgb;
     unitDistance?: number;
-    integral?: Integral;
     colorRange?: ColorRange;
   }): Command => ({
     case: 'setAppearance',
     value: {
       mode: change.mode ? modes.wire(change.mode) : WireMode.UNSPECIFIED,
-      integral: change.integral ? integrals.wire(change.integral) : WireIntegral.UNSPECIFIED,
       ...(change.background ? { background: wireRgb(change.background) } : {}),
       ...(change.unitDistance !== undefined ? { unitDistance: change.unitDistance } : {}),
       ...(change.colorRange ? { colorRange: { ...change.colorRange, span: spans.wire(change.colorRange.span) } } : {}),
@@ -397,8 +379,6 @@ function stateOf(s: WireState): SceneState {
     terms: s.terms.map(termOf),
     time: s.time ?? null,
     timeMode: timeModes.name(s.timeMode),
-    triangulation: triangulations.name(s.triangulation),
-    integral: integrals.name(s.integral),
     texture: s.texture,
     cycle: s.cycle
       ? { seconds: s.cycle.seconds || 1, phase: s.cycle.phase, playing: s.cycle.playing }

@@ -32,7 +32,6 @@ export function restoreStep(
   commands.push(command.setIntervals(saved.intervals.map((interval) => ({ ...interval, id: 0 }))));
   if (saved.texture && has(saved.texture)) commands.push(command.selectArrays('', '', saved.texture));
   if (saved.terms?.length && saved.terms.every((term) => has(term.array))) commands.push(command.setCombination(saved.terms));
-  if (saved.triangulation && saved.triangulation !== current.triangulation) commands.push(command.setTriangulation(saved.triangulation));
   const last = info.times.at(-1) ?? 0;
   const timeFits = saved.time == null || (saved.time >= (info.times[0] ?? 0) && saved.time <= last);
   if (saved.timeMode && timeFits && (saved.time ?? null) !== null) commands.push(command.setTime(saved.time, saved.timeMode));
@@ -45,7 +44,6 @@ export function restoreStep(
       mode: saved.mode,
       background: saved.background,
       unitDistance: saved.unitDistance,
-      ...(saved.integral ? { integral: saved.integral } : {}),
       ...(saved.colorRange ? { colorRange: saved.colorRange } : {}),
     }),
   );

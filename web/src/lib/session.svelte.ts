@@ -185,14 +185,6 @@ export class Session {
     this.notices.clear('layers');
     this.outbox.put('terms', command.setCombination(terms));
   }
-  setTriangulation(triangulation: SceneState['triangulation']): void {
-    this.edit({ triangulation });
-    this.sendInOrder(command.setTriangulation(triangulation));
-  }
-  setIntegral(integral: SceneState['integral']): void {
-    this.edit({ integral });
-    this.sendInOrder(command.setAppearance({ integral }));
-  }
   setCycle(change: Partial<SceneState['cycle']>): void {
     // Not laid over the view: the server moves the phase on meanwhile, and its word on that is the newer one.
     this.outbox.put(`cycle ${Object.keys(change).join()}`, command.setCycle(change));
