@@ -123,21 +123,9 @@ void Client::set_transfer_function(std::uint32_t id, const std::vector<v1::Trans
   patch_interval(patch);
 }
 
-void Client::set_triangulation(v1::Triangulation triangulation) {
-  v1::ClientMessage message;
-  message.mutable_set_triangulation()->set_triangulation(triangulation);
-  command(std::move(message));
-}
-
 void Client::set_mode(v1::RenderMode mode) {
   v1::ClientMessage message;
   message.mutable_set_appearance()->set_mode(mode);
-  command(std::move(message));
-}
-
-void Client::set_integral(v1::Integral integral) {
-  v1::ClientMessage message;
-  message.mutable_set_appearance()->set_integral(integral);
   command(std::move(message));
 }
 

@@ -90,7 +90,6 @@ class Client {
   void set_transfer_function(const std::vector<v1::TransferPoint>& points);
   /// The same for one interval, whose ends become those of the points; none: it looks as it did without.
   void set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points);
-  void set_triangulation(v1::Triangulation triangulation);
   /// What each interval holds (cells, tetrahedra, the solid's volume) and how far that is from the interpolated field's.
   v1::LayerFacts layer_facts();
 
@@ -98,7 +97,6 @@ class Client {
   // ------------------------------------------------------------------------------------------------------------
 
   void set_mode(v1::RenderMode mode);
-  void set_integral(v1::Integral integral);
   void set_background(const v1::Rgb& color);
   /// The thickness that opacities are meant for, in world units; 0: the default.
   void set_unit_distance(double world);

@@ -30,9 +30,7 @@ _MODES = {
     "smear": v1.RENDER_MODE_SMEAR,
 }
 _TIME_MODES = {"": 0, "step": v1.TIME_MODE_STEP, "interpolate": v1.TIME_MODE_INTERPOLATE, "spacetime": v1.TIME_MODE_SPACETIME}
-_INTEGRALS = {"exact": v1.INTEGRAL_EXACT, "table2d": v1.INTEGRAL_TABLE2D}
 _SPANS = {"step": v1.COLOR_SPAN_STEP, "all_steps": v1.COLOR_SPAN_ALL_STEPS}
-_TRIANGULATIONS = {"table": v1.TRIANGULATION_TABLE, "strict": v1.TRIANGULATION_STRICT}
 
 
 @dataclass(frozen=True)
@@ -344,8 +342,6 @@ class Session:
         self,
         *,
         mode: str | None = None,
-        integral: str | None = None,
-        triangulation: str | None = None,
         background: Color | None = None,
         unit_distance: float | None = None,
         color_range: str | tuple[float, float] | None = None,
@@ -356,8 +352,6 @@ class Session:
         look = v1.SetAppearance()
         if mode is not None:
             look.mode = _choice(_MODES, mode, "mode")
-        if integral is not None:
-            look.integral = _choice(_INTEGRALS, integral, "integral")
         if background is not None:
             look.background.CopyFrom(rgb(background))
         if unit_distance is not None:
@@ -372,11 +366,7 @@ class Session:
             look.color_range.lower, look.color_range.upper = lower, upper
         if color_log is not None:
             look.color_range.log = color_log
-        cut = None if triangulation is None else _choice(_TRIANGULATIONS, triangulation, "triangulation")
-        if look.ByteSize() or look.HasField("unit_distance"):
-            self.command(set_appearance=look)
-        if cut is not None:
-            self.command(set_triangulation=v1.SetTriangulation(triangulation=cut))
+        self.command(set_appearance=look)
 
     def cycle(self, *, seconds: float | None = None, phase: float | None = None, playing: bool | None = None) -> None:
         given = {name: value for name, value in (("seconds", seconds), ("phase", phase), ("playing", playing)) if value is not None}
