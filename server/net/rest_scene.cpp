@@ -47,15 +47,11 @@ constexpr auto kPriorities = [](const v1::State& state, v1::ReorderPriorities& b
   for (const v1::Interval* interval : order) body.add_ids(interval->id());
 };
 constexpr auto kCombination = [](const v1::State& state, v1::SetCombination& body) { *body.mutable_terms() = state.terms(); };
-constexpr auto kTriangulation = [](const v1::State& state, v1::SetTriangulation& body) {
-  body.set_triangulation(state.triangulation());
-};
 constexpr auto kCamera = [](const v1::State& state, v1::Camera& body) { body = state.camera(); };
 constexpr auto kAppearance = [](const v1::State& state, v1::SetAppearance& body) {
   body.set_mode(state.mode());
   *body.mutable_background() = state.background();
   body.set_unit_distance(state.unit_distance());
-  body.set_integral(state.integral());
   *body.mutable_color_range() = state.color_range();
 };
 constexpr auto kCycle = [](const v1::State& state, v1::SetCycle& body) {
@@ -80,11 +76,9 @@ const ScenePart kParts[] = {
      "all intervals, as a piecewise linear transfer function", nullptr},
     {"combination", "Combination", "PUT", "set_combination", "", "ranges of other arrays, combined with all intervals",
      read_as<v1::SetCombination, kCombination>},
-    {"triangulation", "Triangulation", "PUT", "set_triangulation", "", "how cells become tetrahedra",
-     read_as<v1::SetTriangulation, kTriangulation>},
     {"camera", "Camera", "PUT", "set_camera", "camera", "the camera", read_as<v1::Camera, kCamera>},
     {"view", "View", "PUT", "set_view", "", "a camera that shows the whole dataset from a side", nullptr},
-    {"appearance", "Appearance", "PATCH", "set_appearance", "", "mode, integral, background, unit distance and the range of colours (that one as a whole)",
+    {"appearance", "Appearance", "PATCH", "set_appearance", "", "mode, background, unit distance and the range of colours (that one as a whole)",
      read_as<v1::SetAppearance, kAppearance>},
     {"cycle", "Cycle", "PATCH", "set_cycle", "", "which interval a cycle shows, and how fast it plays",
      read_as<v1::SetCycle, kCycle>},

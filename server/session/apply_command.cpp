@@ -332,21 +332,6 @@ void apply(SceneState& state, const v1::SetCombination& command, const CommandCo
   state.scene.terms = std::move(terms);
 }
 
-void apply(SceneState& state, const v1::SetTriangulation& command, const CommandContext&) {
-  switch (command.triangulation()) {
-    case v1::TRIANGULATION_TABLE:
-      state.scene.triangulation = Triangulation::table;
-      break;
-    case v1::TRIANGULATION_STRICT:
-      state.scene.triangulation = Triangulation::strict;
-      break;
-    default:
-      refuse("invalid_argument",
-             "triangulation is " + std::to_string(command.triangulation()) + "; expected table (1) or strict (2)",
-             "triangulation");
-  }
-}
-
 void apply(SceneState& state, const v1::SetCycle& command, const CommandContext&) {
   SceneCycle& cycle = state.scene.cycle;
   if (command.has_seconds()) cycle.seconds = within(command.seconds(), kMinCycleSeconds, kMaxCycleSeconds, "seconds");
@@ -581,19 +566,6 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
                  " is not known; expected sorted (1), prioritized (2), cycled (3) or smear (4)",
              "mode");
   }
-  switch (command.integral()) {
-    case v1::INTEGRAL_UNSPECIFIED:
-      break;
-    case v1::INTEGRAL_EXACT:
-      scene.integral = Integral::exact;
-      break;
-    case v1::INTEGRAL_TABLE2D:
-      scene.integral = Integral::table2d;
-      break;
-    default:
-      refuse("unsupported", "integral " + std::to_string(command.integral()) + " is not known; expected exact (1) or table2d (2)",
-             "integral");
-  }
   if (command.has_color_range()) scene.color_range = color_range_of(command.color_range());
   if (command.has_background()) scene.background = rgb_of(command.background(), "background");
   if (command.has_unit_distance()) {
@@ -648,8 +620,8 @@ bool same_scene(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && a.step == b.step && a.array == b.array && a.color_by == b.color_by &&
          a.intervals == b.intervals && a.mode == b.mode && a.camera == b.camera && a.background == b.background &&
          a.unit_distance == b.unit_distance && a.terms == b.terms && a.time == b.time && a.time_mode == b.time_mode &&
-         a.triangulation == b.triangulation && a.integral == b.integral && a.texture == b.texture && a.cycle == b.cycle &&
-         a.smear == b.smear && a.color_range == b.color_range && a.clip_planes == b.clip_planes && a.annotations == b.annotations;
+         a.texture == b.texture && a.cycle == b.cycle && a.smear == b.smear && a.color_range == b.color_range &&
+         a.clip_planes == b.clip_planes && a.annotations == b.annotations;
 }
 
 // Does `change` to a copy and keeps it where it was not refused.
@@ -682,7 +654,6 @@ bool is_scene_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kSetAppearance:
     case v1::ClientMessage::kSetCombination:
     case v1::ClientMessage::kSetTime:
-    case v1::ClientMessage::kSetTriangulation:
     case v1::ClientMessage::kSetCycle:
     case v1::ClientMessage::kSetSmear:
     case v1::ClientMessage::kSetTransferFunction:
@@ -725,8 +696,6 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
         return apply(next, message.set_combination(), context);
       case v1::ClientMessage::kSetTime:
         return apply(next, message.set_time(), context);
-      case v1::ClientMessage::kSetTriangulation:
-        return apply(next, message.set_triangulation(), context);
       case v1::ClientMessage::kSetCycle:
         return apply(next, message.set_cycle(), context);
       case v1::ClientMessage::kSetSmear:
@@ -764,11 +733,6 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       v1::SetCombination combination;
       *combination.mutable_terms() = wanted.terms();
       apply(next, combination, context);
-      if (wanted.triangulation() != v1::TRIANGULATION_UNSPECIFIED) {
-        v1::SetTriangulation triangulation;
-        triangulation.set_triangulation(wanted.triangulation());
-        apply(next, triangulation, context);
-      }
       if (wanted.has_smear()) {
         v1::SetSmear smear;
         *smear.mutable_smear() = wanted.smear();
@@ -810,7 +774,6 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
     }
     v1::SetAppearance appearance;
     appearance.set_mode(wanted.mode());
-    appearance.set_integral(wanted.integral());
     if (wanted.has_background()) *appearance.mutable_background() = wanted.background();
     if (wanted.has_color_range()) *appearance.mutable_color_range() = wanted.color_range();
     appearance.set_unit_distance(wanted.unit_distance());

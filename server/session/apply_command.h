@@ -29,15 +29,14 @@ struct SceneState {
 };
 
 /// Whether the message is one that apply_command takes: SelectArrays, SetTimeStep, SetIntervals, PatchInterval, RemoveInterval,
-/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetTriangulation, SetCycle, SetSmear,
-/// SetTransferFunction.
+/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetCycle, SetSmear, SetTransferFunction.
 bool is_scene_command(const v1::ClientMessage& message);
 
 /// Does the command to the scene, or to nothing at all. A command that changes nothing does not make a revision.
 CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message, const CommandContext& context);
 
-/// Makes the scene what `wanted` says, as one change: array, colour array, step or time, terms, triangulation, intervals,
-/// mode, camera, background and unit distance; its dataset must be the open one, its revision is ignored. Empty and absent fields
+/// Makes the scene what `wanted` says, as one change: array, colour array, step or time, terms, intervals, mode,
+/// camera, background and unit distance; its dataset must be the open one, its revision is ignored. Empty and absent fields
 /// stay as they are, except that the lists of intervals and terms are always taken, and that no time means the step.
 CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context);
 

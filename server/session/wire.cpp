@@ -136,7 +136,6 @@ v1::State to_wire(const Scene& scene) {
                : scene.mode == SceneMode::cycled    ? v1::RENDER_MODE_CYCLED
                : scene.mode == SceneMode::smear     ? v1::RENDER_MODE_SMEAR
                                                     : v1::RENDER_MODE_SORTED);
-  out.set_integral(scene.integral == Integral::table2d ? v1::INTEGRAL_TABLE2D : v1::INTEGRAL_EXACT);
   out.set_texture(scene.texture);
   out.mutable_cycle()->set_seconds(scene.cycle.seconds);
   out.mutable_cycle()->set_phase(scene.cycle.phase);
@@ -157,7 +156,6 @@ v1::State to_wire(const Scene& scene) {
   out.set_time_mode(scene.time_mode == TimeMode::interpolate ? v1::TIME_MODE_INTERPOLATE
                     : scene.time_mode == TimeMode::spacetime ? v1::TIME_MODE_SPACETIME
                                                              : v1::TIME_MODE_STEP);
-  out.set_triangulation(scene.triangulation == Triangulation::strict ? v1::TRIANGULATION_STRICT : v1::TRIANGULATION_TABLE);
   return out;
 }
 

@@ -190,7 +190,6 @@ TEST_F(RestRoutes, WhatAPartAnswersItTakesBack) {
                                                                        {"time-step", "PUT"},
                                                                        {"priorities", "PUT"},
                                                                        {"combination", "PUT"},
-                                                                       {"triangulation", "PUT"},
                                                                        {"camera", "PUT"},
                                                                        {"appearance", "PATCH"},
                                                                        {"cycle", "PATCH"},

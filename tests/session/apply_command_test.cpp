@@ -236,8 +236,6 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"setTime":{"time":-0.001}})", "invalid_argument", "time"},
         Refusal{R"({"setTime":{"time":"NaN"}})", "invalid_argument", "time"},
         Refusal{R"({"setTime":{"time":1,"mode":9}})", "unsupported", "mode"},
-        Refusal{R"({"setTriangulation":{}})", "invalid_argument", "triangulation"},
-        Refusal{R"({"setTriangulation":{"triangulation":7}})", "invalid_argument", "triangulation"},
         Refusal{R"({"setCombination":{"terms":[{"array":"Energy","lower":1,"upper":2}]}})", "invalid_argument", "terms[0].op"},
         Refusal{R"({"setCombination":{"terms":[{"op":1,"array":"Nosuch","lower":1,"upper":2}]}})", "not_found", "terms[0].array"},
         Refusal{R"({"setCombination":{"terms":[{"op":1,"array":"Energy","lower":1,"upper":2},
@@ -349,7 +347,6 @@ TEST_F(ApplyCommand, ItsOwnStateIsTakenBackAsItIs) {
                                                     {"op":3,"array":"Density","lower":1,"upper":2,"colorMap":"viridis"}]}})")
                    .error);
   ASSERT_FALSE(apply(R"({"setTime":{"time":0.5,"mode":3}})").error);
-  ASSERT_FALSE(apply(R"({"setTriangulation":{"triangulation":"TRIANGULATION_STRICT"}})").error);
   const auto outcome = apply_state(state_, to_wire(state_.scene), {&facts_});
   EXPECT_FALSE(outcome.error);
   EXPECT_FALSE(outcome.changed);
@@ -358,14 +355,12 @@ TEST_F(ApplyCommand, ItsOwnStateIsTakenBackAsItIs) {
 TEST_F(ApplyCommand, AStateBringsAnotherSessionToTheSameLayers) {
   ASSERT_FALSE(apply(R"({"setCombination":{"terms":[{"op":2,"array":"Energy","lower":1,"upper":2}]}})").error);
   ASSERT_FALSE(apply(R"({"setTime":{"time":0.5,"mode":2}})").error);
-  ASSERT_FALSE(apply(R"({"setTriangulation":{"triangulation":2}})").error);
   SceneState other;
   open_in_scene(other, facts_);
   ASSERT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
   EXPECT_EQ(other.scene.terms, state_.scene.terms);
   EXPECT_EQ(other.scene.time, 0.5);
   EXPECT_EQ(other.scene.time_mode, TimeMode::interpolate);
-  EXPECT_EQ(other.scene.triangulation, Triangulation::strict);
 
   v1::State plain = to_wire(other.scene);
   plain.clear_time();

@@ -147,7 +147,6 @@ TEST_F(ModesCommands, WhatIsOutOfRangeNamesItsFieldAndChangesNothing) {
   expect_refused(R"({"setIntervals":{"intervals":[{"lower":0,"upper":1,"surface":{"specular":5}}]}})", "invalid_argument",
                  "intervals[0].surface.specular");
   expect_refused(R"({"setAppearance":{"mode":9}})", "unsupported", "mode");
-  expect_refused(R"({"setAppearance":{"integral":9}})", "unsupported", "integral");
   expect_refused(R"({"setCycle":{"seconds":0}})", "invalid_argument", "seconds");
   expect_refused(R"({"setCycle":{"phase":"NaN"}})", "invalid_argument", "phase");
   expect_refused(R"({"setSmear":{"smear":{"steps":[0,3]}}})", "not_found", "steps[1]");
@@ -170,7 +169,7 @@ TEST_F(ModesCommands, WhatIsOutOfRangeNamesItsFieldAndChangesNothing) {
 
 TEST_F(ModesCommands, AWholeStateComesBackAsItWas) {
   for (const char* json :
-       {R"({"setAppearance":{"mode":"RENDER_MODE_SMEAR","integral":"INTEGRAL_TABLE2D"}})",
+       {R"({"setAppearance":{"mode":"RENDER_MODE_SMEAR"}})",
         R"({"setSmear":{"smear":{"steps":[2,0],"colors":[{"g":1}]}}})",
         R"({"setCycle":{"seconds":0.5,"phase":1,"playing":false}})", R"({"selectArrays":{"texture":"Energy"}})",
         R"({"patchInterval":{"id":1,"opacityUpper":0.9,"ownRange":true,"surface":{"domain":true,"opacity":0.25}}})",
@@ -182,7 +181,6 @@ TEST_F(ModesCommands, AWholeStateComesBackAsItWas) {
   const CommandOutcome outcome = apply_state(other, saved, {&facts_});
   ASSERT_FALSE(outcome.error) << outcome.error->message();
   EXPECT_EQ(other.scene.mode, SceneMode::smear);
-  EXPECT_EQ(other.scene.integral, Integral::table2d);
   EXPECT_EQ(other.scene.smear, state_.scene.smear);
   EXPECT_EQ(other.scene.cycle, state_.scene.cycle);
   EXPECT_EQ(other.scene.texture, "Energy");
