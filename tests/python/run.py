@@ -10,6 +10,7 @@ package, file = sys.argv[1:3]
 try:
     import google.protobuf  # noqa: F401
     import numpy  # noqa: F401
+    import PIL  # noqa: F401
     import websockets  # noqa: F401
 except ImportError as missing:
     print(f"{missing}; deploy/setup test installs it")

@@ -17,7 +17,7 @@ except ImportError as missing:  # pragma: no cover
 from .connection import ConnectionEvent
 from .errors import IsostrataError
 from .intervals import Intervals
-from .png import decode_png, encode_png
+from .picture import decode_image
 from .scene import Camera, Interval, Surface, Term
 from .session import Change, Frame, Histogram, Session, connect, sessions
 from .show import View
@@ -37,8 +37,7 @@ __all__ = [
     "Term",
     "View",
     "connect",
-    "decode_png",
-    "encode_png",
+    "decode_image",
     "sessions",
     "v1",
 ]

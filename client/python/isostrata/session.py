@@ -17,7 +17,7 @@ from .address import Address, tls_context
 from .connection import Connection, ConnectionEvent
 from .errors import IsostrataError
 from .intervals import Intervals
-from .png import decode_png
+from .picture import decode_image
 from .rest import Rest
 from .scene import Camera, Color, Point, Term, rgb, to_points, vec3
 from .show import View
@@ -56,17 +56,8 @@ class Frame:
     message: v1.Frame  # all that the server says of it: stage times, tetrahedra, device, ...
 
     def image(self) -> np.ndarray:
-        """uint8 [height, width, channels]. JPEG needs Pillow (python3-pil); lossless frames need nothing."""
-        if self.format == "png":
-            return decode_png(self.payload)
-        try:
-            import io
-
-            from PIL import Image
-        except ImportError:
-            raise IsostrataError("unsupported", f"a frame as {self.format} needs Pillow (python3-pil); lossless ones need nothing") from None
-        with Image.open(io.BytesIO(self.payload)) as picture:
-            return np.asarray(picture.convert("RGB"))
+        """uint8 [height, width, channels]."""
+        return decode_image(self.payload)
 
 
 @dataclass(frozen=True)
@@ -409,7 +400,7 @@ class Session:
 
     def image(self, width: int = 0, height: int = 0) -> np.ndarray:
         """The lossless picture of the newest state: uint8 [height, width, 3], or 4 where the background is transparent."""
-        return decode_png(self.png(width, height))
+        return decode_image(self.png(width, height))
 
     def save_image(self, path: str | PathLike[str], width: int = 0, height: int = 0) -> None:
         """As a file; its end says the format."""
