@@ -1,5 +1,5 @@
 // The REST API as its own document describes it, on a real server: the document is linted, every operation in it is called and its
-// answers are held against its schemas; the README's curl lines are run; a browser watches what scripts do.
+// answers are held against its schemas; the curl lines of docs/scripts.md are run; a browser watches what scripts do.
 import { createConfig, lint as lintDocument } from '@redocly/openapi-core';
 import { Ajv2020, type ValidateFunction } from 'ajv/dist/2020';
 import type { Browser } from 'playwright-core';
@@ -180,10 +180,10 @@ test('every operation of the document can be called, and answers what the docume
   expect([...answers.called].sort()).toEqual(described.sort());
 });
 
-test("the README's curl lines do what they say", async () => {
-  const readme = readFileSync(join(repository, 'README.md'), 'utf8');
-  const block = readme.match(/```sh\nURL=.*TOKEN=.*\n([\s\S]*?)```/);
-  expect(block, 'the README has no curl lines').not.toBeNull();
+test('the curl lines of docs/scripts.md do what they say', async () => {
+  const page = readFileSync(join(repository, 'docs/scripts.md'), 'utf8');
+  const block = page.match(/```sh\nURL=.*TOKEN=.*\n([\s\S]*?)```/);
+  expect(block, 'there are no curl lines').not.toBeNull();
   const folder = mkdtempSync(join(tmpdir(), 'isostrata-curl-'));
   try {
     const { stdout } = await promisify(execFile)('bash', ['-euo', 'pipefail', '-c', block?.[1] as string], {
