@@ -429,6 +429,15 @@ describe('the rest of the page', () => {
     await viewer.photograph('narrow-light.png');
   });
 
+  test('keeps every button of a layer in sight, however long its facts are', async () => {
+    await open();
+    await expect.poll(async () => (await viewer.page.locator('.row .facts').allInnerTexts()).join(), { timeout: 20_000 }).toMatch(/±/); // comes after the picture at rest
+    for (const interval of viewer.state.intervals) {
+      const box = await viewer.row(interval).getByRole('button', { name: /delete/ }).boundingBox();
+      expect((box?.x ?? Infinity) + (box?.width ?? 0)).toBeLessThanOrEqual(1100);
+    }
+  });
+
   test('gives every control a name', async () => {
     await open();
     const nameless = await viewer.page.evaluate(() =>
