@@ -31,6 +31,8 @@ struct Slices {
 
 /// Everything that lives in one context.
 class GlExtraction::State {
+  ComputeDevice device_;  // the first, so that it outlives what lives on it
+
  public:
   explicit State(std::string_view device) : device_(open_context(device)) {}
   ~State() {
@@ -95,7 +97,6 @@ class GlExtraction::State {
     device_.barrier();
   }
 
-  ComputeDevice device_;
   std::optional<GlField> field_;
   ComputeBuffer tables_;
   ComputeBuffer grid_block_, rules_, levels_, tally_, bricks_, ranks_, rows_, groups_, sums_, partials_, slots_, owned_;
