@@ -30,6 +30,7 @@ bool same_place(const Point& first, const Point& last, const Point& next) {
 template <class T>
 bool same_value(T first, T last, double range) {
   if (first == last || (first != first && last != last)) return true;
+  if constexpr (std::is_integral_v<T>) return false;  // whole numbers are never rounded
   const auto a = static_cast<double>(first), b = static_cast<double>(last);
   const double rounding = kRoundings * static_cast<double>(std::numeric_limits<T>::epsilon()) * std::max(std::abs(a), std::abs(b));
   return std::abs(a - b) <= std::max(kOfTheRange * range, rounding);
@@ -65,11 +66,17 @@ struct Tuples {
   }
 };
 
-/// A copy that may be changed. What the storage kept alive it still keeps: other spans may lie there.
+/// A copy whose last sheet is the first. What the storage kept alive it still keeps: other spans may lie there.
 template <class T>
-std::span<T> own(std::span<const T> values, std::shared_ptr<const void>& storage) {
+std::span<const T> closed(std::span<const T> values, std::size_t components, const GridSheets& sheets,
+                          std::shared_ptr<const void>& storage) {
   auto [kept, copy] = allocate<T>(values.size());
   std::copy(values.begin(), values.end(), copy.begin());
+  sheets.all_of([&, to = copy](std::int64_t p) {
+    std::copy_n(&to[static_cast<std::size_t>(p) * components], components,
+                &to[static_cast<std::size_t>(p + sheets.last()) * components]);
+    return true;
+  });
   storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<T[]>>>(storage, kept);
   return copy;
 }
@@ -85,34 +92,24 @@ bool close_places(CurvilinearGrid& grid, const GridSheets& sheets, std::shared_p
           same = same && std::memcmp(&at(p), &at(p + sheets.last()), sizeof(Point)) == 0;
           return same_place(at(p), at(p + sheets.last()), at(p + sheets.stride()));
         });
-        if (!near || same) return near;
-        const auto copy = own<Point>(points, storage);
-        sheets.all_of([&](std::int64_t p) {
-          copy[static_cast<std::size_t>(p + sheets.last())] = copy[static_cast<std::size_t>(p)];
-          return true;
-        });
-        grid.points = std::span<const Point>(copy);
-        return true;
+        if (near && !same) grid.points = closed<Point>(points, 1, sheets, storage);
+        return near;
       },
       grid.points);
 }
 
-void close_values(FileArray& array, const GridSheets& sheets) {
-  std::visit(
+/// Whether both sheets have the same values, then to the last bit.
+bool close_values(FileArray& array, const GridSheets& sheets) {
+  return std::visit(
       [&](auto values) {
         using T = typename decltype(values)::value_type;
         const auto components = static_cast<std::size_t>(array.components);
         const Tuples<T> tuples{values, components};
-        if (sheets.all_of([&](std::int64_t p) { return tuples.same(p, p + sheets.last()); })) return;
+        if (sheets.all_of([&](std::int64_t p) { return tuples.same(p, p + sheets.last()); })) return true;
         const std::vector<double> ranges = tuples.ranges();
-        if (!sheets.all_of([&](std::int64_t p) { return tuples.near(p, p + sheets.last(), ranges); })) return;
-        const auto copy = own<T>(values, array.storage);
-        sheets.all_of([&](std::int64_t p) {
-          std::copy_n(&copy[static_cast<std::size_t>(p) * components], components,
-                      &copy[static_cast<std::size_t>(p + sheets.last()) * components]);
-          return true;
-        });
-        array.values = std::as_bytes(copy);
+        if (!sheets.all_of([&](std::int64_t p) { return tuples.near(p, p + sheets.last(), ranges); })) return false;
+        array.values = std::as_bytes(closed<T>(values, components, sheets, array.storage));
+        return true;
       },
       scalar_span(array.type, array.values));
 }
@@ -127,7 +124,7 @@ void close_seams(Block& block) {
     if (!sheets.may_close() || !close_places(*grid, sheets, block.grid.storage)) continue;
     block.seams[static_cast<std::size_t>(axis)] = true;
     for (FileArray& array : block.arrays)
-      if (!array.on_cells) close_values(array, sheets);
+      if (!array.on_cells && !close_values(array, sheets)) block.jumps = true;
   }
 }
 
@@ -138,20 +135,6 @@ std::int64_t without_seams(const Block& block, std::int64_t point) {
     if (block.seams[static_cast<std::size_t>(axis)] && sheets.on_last(point)) point -= sheets.last();
   }
   return point;
-}
-
-bool arrays_close(const Block& block) {
-  return std::all_of(block.arrays.begin(), block.arrays.end(), [&](const FileArray& array) {
-    if (array.on_cells) return true;
-    const Tuples<std::byte> tuples{array.values, static_cast<std::size_t>(array.components) * size_of(array.type)};
-    for (int axis = 0; axis < 3; ++axis) {
-      const GridSheets sheets{block.grid.dims(), axis};
-      if (block.seams[static_cast<std::size_t>(axis)] &&
-          !sheets.all_of([&](std::int64_t p) { return tuples.same(p, p + sheets.last()); }))
-        return false;
-    }
-    return true;
-  });
 }
 
 }  // namespace isostrata

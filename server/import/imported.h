@@ -35,6 +35,7 @@ struct Block {
   std::vector<std::int64_t> source;
   std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
   std::array<bool, 3> seams{};    // by axis: the first and the last sheet of a curvilinear grid are the same places (close_seams.h)
+  bool jumps = false;             // a point array has other values on the two sides of a seam
 };
 
 /// One time step of one file.

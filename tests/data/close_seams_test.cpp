@@ -16,10 +16,11 @@ using test::Scratch;
 
 constexpr std::array<int, 3> kDims{9, 4, 3};  // around, outward, up
 
-/// A part of a hollow cylinder from `bottom` up, as a script makes it: 'f' is of the places, 'jump' counts around, 'cell' is of cells.
+/// A part of a hollow cylinder from `bottom` up, as a script makes it: 'f' is of the places, 'jump' and 'id' count around, 'cell' is of cells.
 std::string ring(double bottom) {
   std::vector<Vec3d> points;
   std::vector<double> values, jump, cells;
+  std::vector<std::int64_t> id;
   for (int k = 0; k < kDims[2]; ++k)
     for (int j = 0; j < kDims[1]; ++j)
       for (int i = 0; i < kDims[0]; ++i) {
@@ -27,10 +28,11 @@ std::string ring(double bottom) {
         points.push_back({r * std::cos(around), r * std::sin(around), bottom + k});
         values.push_back(points.back().y + points.back().z / 7);
         jump.push_back(i);
+        id.push_back(i + 100'000'000 * j);  // of a range beside which a step around is no more than rounding
         if (i + 1 < kDims[0] && j + 1 < kDims[1] && k + 1 < kDims[2]) cells.push_back(i + 10 * j + 100 * k);
       }
   using testing::data_array;
-  return testing::vts_text(kDims, points, data_array("f", "Float64", values) + data_array("jump", "Float64", jump),
+  return testing::vts_text(kDims, points, data_array("f", "Float64", values) + data_array("id", "Int64", id) + data_array("jump", "Float64", jump),
                            data_array("cell", "Float64", cells));
 }
 
@@ -44,7 +46,7 @@ TEST(CloseSeams, TheLastSheetIsTheFirstToTheLastBitWhereRoundingAloneIsBetween) 
   const Scratch scratch;
   const auto data = test::open(scratch.write("ring.vts", ring(0)));
   const GridSheets sheets{data->grid.dims(), 0};
-  const PointArray &f = array_of(*data, "f"), &jump = array_of(*data, "jump"), &cell = array_of(*data, "cell");
+  const PointArray &f = array_of(*data, "f"), &jump = array_of(*data, "jump"), &cell = array_of(*data, "cell"), &id = array_of(*data, "id");
   int points = 0;
   sheets.all_of([&](std::int64_t p) {
     const auto first = static_cast<std::size_t>(p), last = static_cast<std::size_t>(p + sheets.last());
@@ -52,6 +54,7 @@ TEST(CloseSeams, TheLastSheetIsTheFirstToTheLastBitWhereRoundingAloneIsBetween) 
     EXPECT_EQ(f.at(first), f.at(last));
     EXPECT_EQ(jump.at(first), 0);
     EXPECT_EQ(jump.at(last), 8) << "a jump in the file stays one";
+    EXPECT_EQ(id.at(last), id.at(first) + 8) << "whole numbers are never rounded";
     EXPECT_EQ(cell.at(first), cell.at(last)) << "cells of both sides meet there";
     ++points;
     return true;
@@ -77,11 +80,14 @@ TEST(CloseSeams, WhatIsFartherApartThanRoundingStaysOpen) {
 
 TEST(CloseSeams, RingsThatBecomeOneGridHaveNoWallInThem) {
   const Scratch scratch;
-  // 'jump' would keep the two sides of the seam apart, for all arrays share the points.
+  // 'id' and 'jump' would keep the two sides of the seam apart, for all arrays share the points.
   for (const auto& [name, bottom] : {std::pair{"low.vts", 0.0}, {"high.vts", 2.0}}) {
     std::string text = ring(bottom);
-    const auto begin = text.find("<DataArray Name=\"jump\""), end = text.find("</DataArray>", begin);
-    scratch.write(name, text.erase(begin, end + 12 - begin));
+    for (const char* array : {"id", "jump"}) {
+      const auto begin = text.find(std::string("<DataArray Name=\"") + array + "\""), end = text.find("</DataArray>", begin);
+      text.erase(begin, end + 12 - begin);
+    }
+    scratch.write(name, text);
   }
   const auto data = test::open(scratch.write("both.pvd", testing::pvd_text({{0, "low.vts"}, {0, "high.vts"}})));
   ASSERT_EQ(data->grid.cell_count(), 2 * 8 * 3 * 2);
