@@ -89,7 +89,7 @@ void confine(const std::filesystem::path& directory, const std::filesystem::path
   limit(RLIMIT_NOFILE, 256);
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails with EFBIG instead
   limit(RLIMIT_FSIZE, memory_bytes);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef ISOSTRATA_SANITIZED
   limit(RLIMIT_AS, memory_bytes);  // sanitizers reserve terabytes of address space
 #endif
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;  // what follows needs it
