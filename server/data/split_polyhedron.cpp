@@ -386,7 +386,7 @@ class Splitter {
     const double tolerance = 1e-6 * size;  // single precision does not place points better
     std::size_t nearest = 0;
     const double inside = depth(planes, mean, nearest);
-    if (planes.empty() || inside > tolerance) return;
+    if (inside > tolerance) return;
     set_weights(p, mean, deepest(planes, mean, size));
     const double deeper = depth(planes, out_.added, nearest);
     if (deeper > inside && deeper >= 0) return;
