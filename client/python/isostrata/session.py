@@ -357,7 +357,8 @@ class Session:
             look.color_range.lower, look.color_range.upper = lower, upper
         if color_log is not None:
             look.color_range.log = color_log
-        self.command(set_appearance=look)
+        if look.ByteSize():
+            self.command(set_appearance=look)
 
     def cycle(self, *, seconds: float | None = None, phase: float | None = None, playing: bool | None = None) -> None:
         given = {name: value for name, value in (("seconds", seconds), ("phase", phase), ("playing", playing)) if value is not None}
