@@ -22,6 +22,7 @@ export default defineConfig({
     fileParallelism: false,
     testTimeout: 120_000,
     hookTimeout: 120_000,
+    retry: 1, // deploy/test names each test that needed it
     reporters: ['verbose'],
   },
 });

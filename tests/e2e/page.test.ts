@@ -84,8 +84,9 @@ describe('the page', () => {
     await viewer.page.getByLabel('Dataset').selectOption({ index: 1 });
     await viewer.until('the other dataset', (state) => state.dataset !== first && state.intervals.length > 0);
     for (const side of ['+z', 'Reset']) {
+      const { revision } = viewer.state;
       await viewer.page.getByRole('group', { name: 'Views' }).getByText(side, { exact: true }).click();
-      await viewer.page.waitForTimeout(300);
+      await viewer.until(`the view ${side}`, (state) => state.revision > revision);
       const { width, height, pixels } = await viewer.exactPicture();
       let [left, right, top, bottom] = [width, 0, height, 0];
       for (let y = 0; y < height; y++)

@@ -42,6 +42,7 @@ test('a drag goes on over a killed worker, on the same connection and session', 
   viewer = await Viewer.open(browser, server.ready.url);
   await viewer.until('layers', (state) => state.intervals.length > 0);
   const before = await viewer.exactPicture();
+  const { camera } = viewer.state;
   const session = viewer.sessionId;
   const welcomes = () => viewer.events.filter((event) => event.kind === 'welcome').length;
 
@@ -80,7 +81,7 @@ test('a drag goes on over a killed worker, on the same connection and session', 
   // The same view from the new process is the picture of the old one.
   const viewport = viewer.page.getByRole('application');
   await viewport.dblclick({ position: { x: 30, y: 200 } });
-  await viewer.page.waitForTimeout(600);
+  await viewer.until('the camera of before', (state) => JSON.stringify(state.camera) === JSON.stringify(camera));
   expect(difference(before, await viewer.exactPicture())).toBe(0);
 });
 
