@@ -72,12 +72,19 @@ class Child {
   pid_t id_;
 };
 
-pid_t start(const std::filesystem::path& program, const std::vector<std::string>& arguments, int out, int err) {
-  std::vector<std::string> words{program.string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+/// As execve wants them: pointers into `words`, and a null.
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> out;
+  for (std::string& word : words) out.push_back(word.data());
+  out.push_back(nullptr);
+  return out;
+}
+
+pid_t start(const ChildProgram& child, int out, int err) {
+  std::vector<std::string> words{child.program.string()};
+  words.insert(words.end(), child.arguments.begin(), child.arguments.end());
+  std::vector<std::string> variables = child.environment.value_or(std::vector<std::string>());
+  std::vector<char*> environment = pointers(variables);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -86,9 +93,10 @@ pid_t start(const std::filesystem::path& program, const std::vector<std::string>
   posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
   posix_spawn_file_actions_addclosefrom_np(&actions, 3);
   pid_t id = 0;
-  const int error = spawn_in_group(id, program, actions, argv.data(), environ);
+  const int error =
+      spawn_in_group(id, child.program, actions, pointers(words).data(), child.environment ? environment.data() : environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw Error(ErrorCode::unavailable, program.string() + ": cannot be started: " + std::strerror(error));
+  if (error != 0) throw Error(ErrorCode::unavailable, child.program.string() + ": cannot be started: " + std::strerror(error));
   return id;
 }
 
@@ -114,11 +122,11 @@ class Lines {
 
 }  // namespace
 
-ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, double timeout_s,
-                      const Task& task, const std::function<void(std::string_view)>& on_line) {
+ChildResult run_child(const ChildProgram& program, double timeout_s, const Task& task,
+                      const std::function<void(std::string_view line)>& on_line) {
   const Stopwatch clock;
   Pipe out, err;
-  Child child(start(program, arguments, out.write, err.write));
+  Child child(start(program, out.write, err.write));
   Pipe::close_end(out.write);
   Pipe::close_end(err.write);
 

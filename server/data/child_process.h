@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,17 +12,23 @@
 
 namespace isostrata {
 
+struct ChildProgram {
+  std::filesystem::path program;
+  std::vector<std::string> arguments;                   // no shell sees them
+  std::optional<std::vector<std::string>> environment;  // "NAME=VALUE" each; none: this process's
+};
+
 struct ChildResult {
   int exit_status = 0;  // where signal is 0
   int signal = 0;       // that ended it
   std::string errors;   // the last 64 KiB of its standard error
 };
 
-/// Runs program with arguments (no shell), in a process group of its own, without standard input and without the parent's other
+/// Runs a program, in a process group of its own, without standard input and without the parent's other
 /// descriptors, until it ends. Each line of its standard output goes to on_line. Throws cancelled when the task is, bad_data
 /// after timeout_s (both end the child's whole group first), unavailable where it cannot be started. Never leaves a zombie. Any
 /// thread.
-ChildResult run_child(const std::filesystem::path& program, const std::vector<std::string>& arguments, double timeout_s,
-                      const Task& task, const std::function<void(std::string_view line)>& on_line);
+ChildResult run_child(const ChildProgram& child, double timeout_s, const Task& task,
+                      const std::function<void(std::string_view line)>& on_line);
 
 }  // namespace isostrata

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -16,6 +17,7 @@
 
 #include "base/temporary_directory.h"
 #include "data/child_process.h"
+#include "data/sandbox.h"
 
 namespace isostrata {
 namespace {
@@ -87,6 +89,18 @@ std::shared_ptr<const Dataset> map_checked(const fs::path& directory, const fs::
   return dataset;
 }
 
+/// All that the child is told of ours: no token, no name, no path of programs.
+std::vector<std::string> environment() {
+  std::vector<std::string> out{"HDF5_USE_FILE_LOCKING=FALSE", "MALLOC_ARENA_MAX=1"};  // an arena is 64 MiB of address space a thread
+  for (const char* name : {"TMPDIR", "LD_LIBRARY_PATH", "ISOSTRATA_SIMD"})
+    if (const char* value = std::getenv(name)) out.push_back(std::string(name) + "=" + value);
+#ifdef ISOSTRATA_SANITIZED
+  for (const char* name : {"ASAN_OPTIONS", "UBSAN_OPTIONS", "TSAN_OPTIONS"})
+    if (const char* value = std::getenv(name)) out.push_back(std::string(name) + "=" + value);
+#endif
+  return out;
+}
+
 /// Has the child write into the directory.
 void run_import(const fs::path& file, const fs::path& directory, const OpenOptions& options, const Task& task) {
   const std::string name = file.filename().string();
@@ -94,9 +108,10 @@ void run_import(const fs::path& file, const fs::path& directory, const OpenOptio
   const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
   ChildResult result;
   try {
-    result = run_child(options.importer.empty() ? default_importer() : options.importer,
-                       {fs::absolute(file).string(), directory.string(), std::to_string(options.step),
-                        std::to_string(options.max_bytes), std::to_string(cpu_seconds)},
+    result = run_child({options.importer.empty() ? default_importer() : options.importer,
+                        {fs::absolute(file).string(), directory.string(), std::to_string(options.step),
+                         std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())},
+                        environment()},
                        options.timeout_s, task, [&](std::string_view line) {
                          if (!line.starts_with("progress ")) return;
                          double fraction = 0;

@@ -1,21 +1,26 @@
 #include "import/confine.h"
 
 #include <fcntl.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
+#include <linux/capability.h>
 #include <linux/landlock.h>
-#include <linux/seccomp.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <array>
 #include <csignal>
-#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <system_error>
+
+#include "base/error.h"
+#include "import/allowed_calls.h"
 
 namespace isostrata {
 namespace {
+
+namespace fs = std::filesystem;
 
 void limit(int resource, std::uint64_t value) {
   rlimit now{};
@@ -25,76 +30,113 @@ void limit(int resource, std::uint64_t value) {
   setrlimit(static_cast<__rlimit_resource>(resource), &now);
 }
 
-void allow_below(int ruleset, const std::filesystem::path& directory, std::uint64_t rights) {
+/// The kernel counts a user's threads on the whole machine, so the limit is the machine's present number and a few more. It
+/// binds nobody who is root.
+void limit_threads() {
+  constexpr long kMore = 64;
+  long running = 0, all = 0;
+  std::FILE* load = std::fopen("/proc/loadavg", "re");
+  if (!load) return;
+  if (std::fscanf(load, "%*s %*s %*s %ld/%ld", &running, &all) == 2 && all > 0)
+    limit(RLIMIT_NPROC, static_cast<std::uint64_t>(all + kMore));
+  std::fclose(load);
+}
+
+/// Root may go on reading what belongs to others, which is what it was started for.
+void drop_capabilities() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, 2> sets{};
+  if (syscall(SYS_capget, &header, sets.data()) != 0) return;
+  for (auto& set : sets) {
+    const bool first = &set == sets.data();
+    const std::uint32_t kept = first ? set.permitted & (1u << CAP_DAC_READ_SEARCH) : 0;
+    set.effective = set.permitted = kept;
+    set.inheritable = 0;
+  }
+  syscall(SYS_capset, &header, sets.data());
+}
+
+// What Landlock can refuse, by the version of its interface; older headers do not name the later rights.
+constexpr std::uint64_t kRights1 = (1ull << 13) - 1;  // reading, writing, executing, making and removing
+constexpr std::uint64_t kRefer = 1ull << 13;          // since 2: linking and renaming between directories
+constexpr std::uint64_t kTruncate = 1ull << 14;       // since 3
+constexpr std::uint64_t kDevices = 1ull << 15;        // since 5: ioctl of devices
+constexpr std::uint64_t kTcp = 3;                     // since 4: binding and connecting
+constexpr std::uint64_t kScopes = 3;                  // since 6: abstract sockets and signals of others
+
+struct Ruleset {
+  std::uint64_t files = 0, network = 0, scopes = 0;  // as the kernel's landlock_ruleset_attr
+};
+
+void allow_below(int ruleset, const fs::path& path, std::uint64_t rights, int flags = 0) {
   landlock_path_beneath_attr rule{};
-  rule.parent_fd = open(directory.c_str(), O_PATH | O_CLOEXEC);
+  rule.parent_fd = open(path.c_str(), O_PATH | O_CLOEXEC | flags);
   if (rule.parent_fd < 0) return;
   rule.allowed_access = rights;
   syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
   close(rule.parent_fd);
 }
 
-void confine_files(const std::filesystem::path& directory, const std::filesystem::path& file,
-                   const std::filesystem::path& output) {
-  constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
-  constexpr std::uint64_t kWrite = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
-  landlock_ruleset_attr attributes{};
-  attributes.handled_access_fs = kRead | kWrite | LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
-                                 LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_MAKE_SOCK |
-                                 LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK | LANDLOCK_ACCESS_FS_MAKE_SYM;
-  const auto ruleset = static_cast<int>(syscall(SYS_landlock_create_ruleset, &attributes, sizeof attributes, 0));
-  if (ruleset < 0) return;  // an older kernel, or Landlock is switched off
-  allow_below(ruleset, directory, kRead);
-  allow_below(ruleset, file, LANDLOCK_ACCESS_FS_READ_FILE);  // a link may lead out of its directory
-  allow_below(ruleset, output, kRead | kWrite);
-  syscall(SYS_landlock_restrict_self, ruleset, 0);
-  close(ruleset);
+constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+
+/// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut. In a directory of
+/// more entries than it takes a moment to list, that is given up.
+void allow_reading(int ruleset, const fs::path& directory) {
+  constexpr std::size_t kMost = 20000;
+  std::error_code error;
+  std::size_t count = 0;
+  allow_below(ruleset, directory, LANDLOCK_ACCESS_FS_READ_DIR);
+  for (fs::directory_iterator it(directory, error), end; !error && it != end; it.increment(error)) {
+    if (++count > kMost) return allow_below(ruleset, directory, kRead);
+    std::error_code ignored;
+    if (it->path().filename().native().starts_with('.') || it->is_symlink(ignored)) continue;
+    allow_below(ruleset, it->path(), it->is_directory(ignored) ? kRead : LANDLOCK_ACCESS_FS_READ_FILE, O_NOFOLLOW);
+  }
 }
 
-void refuse_network_and_programs() {
-#if defined(__x86_64__)
-  constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
-#elif defined(__aarch64__)
-  constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
-#else
-  return;
-#endif
-#if defined(__x86_64__) || defined(__aarch64__)
-  const auto refused = [](std::uint32_t call, std::uint8_t to_end) {
-    return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, to_end, 0);
-  };
-  sock_filter program[] = {
-      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch)),
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 0, 7),
-      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-      refused(SYS_socket, 5),
-      refused(SYS_connect, 4),
-      refused(SYS_execve, 3),
-      refused(SYS_execveat, 2),
-      refused(SYS_ptrace, 1),
-      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
-      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM),
-  };
-  const sock_fprog filter{static_cast<unsigned short>(sizeof program / sizeof program[0]), program};
-  prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter);
-#endif
+bool confine_files(const Confinement& to, int version) {
+  const std::uint64_t truncate = version >= 3 ? kTruncate : 0;
+  const Ruleset handled{.files = kRights1 | (version >= 2 ? kRefer : 0) | truncate | (version >= 5 ? kDevices : 0),
+                        .network = version >= 4 ? kTcp : 0,
+                        .scopes = version >= 6 ? kScopes : 0};
+  const auto ruleset = static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
+  if (ruleset < 0) return false;
+  allow_reading(ruleset, to.directory);
+  allow_below(ruleset, to.file, LANDLOCK_ACCESS_FS_READ_FILE);
+  allow_below(ruleset, to.output,
+              kRead | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE | truncate);
+  const bool done = syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
+  close(ruleset);
+  return done;
+}
+
+void check(const Confinement& to, const SandboxSupport& holds) {
+  const std::string missing = missing_of(holds);
+  if (to.sandbox == Sandbox::require && !missing.empty())
+    throw Error(ErrorCode::unavailable, to.file.filename().string() +
+                                            ": files are read in a sandbox alone (--sandbox require), and this machine lacks " +
+                                            missing);
 }
 
 }  // namespace
 
-void confine(const std::filesystem::path& directory, const std::filesystem::path& file, const std::filesystem::path& output,
-             std::uint64_t memory_bytes, std::uint64_t cpu_seconds) {
+void confine(const Confinement& to) {
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, cpu_seconds);
+  limit(RLIMIT_CPU, to.cpu_seconds);
   limit(RLIMIT_NOFILE, 256);
+  limit_threads();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails with EFBIG instead
-  limit(RLIMIT_FSIZE, memory_bytes);
+  limit(RLIMIT_FSIZE, to.memory_bytes);
 #ifndef ISOSTRATA_SANITIZED
-  limit(RLIMIT_AS, memory_bytes);  // sanitizers reserve terabytes of address space
+  limit(RLIMIT_AS, to.memory_bytes);  // sanitizers reserve terabytes of address space
 #endif
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;  // what follows needs it
-  confine_files(directory, file, output);
-  refuse_network_and_programs();
+  if (to.sandbox == Sandbox::off) return;
+  SandboxSupport holds = sandbox_support();
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) holds = {};  // both need it
+  if (holds.landlock > 0 && !confine_files(to, holds.landlock)) holds.landlock = 0;
+  drop_capabilities();
+  if (holds.seccomp) holds.seccomp = allow_only_reading_calls();
+  check(to, holds);
 }
 
 }  // namespace isostrata

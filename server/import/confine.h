@@ -1,16 +1,27 @@
-// The import child takes its own rights away before it looks at a foreign file.
+// The import child takes its own rights away before it looks at a foreign file. SECURITY.md has the table of what is left.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 
+#include "data/sandbox.h"
+
 namespace isostrata {
 
-/// What a broken or hostile file can still do afterwards: use up to memory_bytes of address space and cpu_seconds, write files of
-/// up to memory_bytes below `output`, and read `file` and what is below `directory`. The last two need a kernel with Landlock
-/// (5.13 or newer) and are otherwise not enforced. Sockets and new programs are refused by seccomp. Where a kernel lacks Landlock
-/// or seccomp the rest still holds.
-void confine(const std::filesystem::path& directory, const std::filesystem::path& file, const std::filesystem::path& output,
-             std::uint64_t memory_bytes, std::uint64_t cpu_seconds);
+struct Confinement {
+  std::filesystem::path directory;  // may be read, at any depth, but for what is hidden in it and links out of it
+  std::filesystem::path file;       // may be read, also where it is a link out of the directory
+  std::filesystem::path output;     // may be read, and files may be made, written, cut and removed in it
+  std::uint64_t memory_bytes = 0;   // of address space; also the largest file that may be written
+  std::uint64_t cpu_seconds = 0;
+  Sandbox sandbox = Sandbox::attempt;
+};
+
+/// Limits first; then Landlock, with every right that this kernel knows, refuses all paths but those above; then seccomp refuses
+/// every system call that is not on a list of those that readers use. No process can be made, no program started, no socket and
+/// no ring of io_uring opened, no signal sent to another process, no memory made executable; new threads can be started. Of
+/// root's rights only that to read files is kept. Throws unavailable where all of it is required and something is missing. Before
+/// there are threads.
+void confine(const Confinement& confinement);
 
 }  // namespace isostrata

@@ -3,9 +3,7 @@
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
 #include <sys/prctl.h>
-#include <sys/sysinfo.h>
 
-#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
@@ -20,6 +18,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "import/confine.h"
+#include "import/memory_limit.h"
 #include "import/read_file.h"
 #include "import/vtk_messages.h"
 #include "import/write_dataset.h"
@@ -52,15 +51,6 @@ std::uint64_t number(const char* text) {
   return value;
 }
 
-/// Address space: arrays exist twice for a moment, and libraries take their part; never more than the machine has.
-std::uint64_t memory_limit(std::uint64_t max_bytes) {
-  constexpr std::uint64_t kLibraries = std::uint64_t{3} << 30;
-  struct sysinfo info {};
-  const std::uint64_t machine =
-      sysinfo(&info) == 0 ? static_cast<std::uint64_t>(info.totalram) * info.mem_unit : ~std::uint64_t{0} >> 2;
-  return std::min(3 * std::min(max_bytes, ~std::uint64_t{0} >> 3), machine) + kLibraries;
-}
-
 void run(char** argv) {
   isostrata::ReadRequest request;
   request.file = std::filesystem::absolute(argv[1]);
@@ -76,7 +66,12 @@ void run(char** argv) {
   };
   isostrata::set_thread_count(1);
   isostrata::collect_vtk_messages();
-  isostrata::confine(request.file.parent_path(), request.file, output, memory_limit(request.max_bytes), number(argv[5]));
+  isostrata::confine({.directory = request.file.parent_path(),
+                      .file = request.file,
+                      .output = output,
+                      .memory_bytes = isostrata::memory_limit(request.file, request.max_bytes),
+                      .cpu_seconds = number(argv[5]),
+                      .sandbox = isostrata::sandbox_of(argv[6])});
   write_dataset(read_file(request), request, output);
 }
 
@@ -84,9 +79,10 @@ void run(char** argv) {
 
 int main(int argc, char** argv) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what a dead worker has asked for
-  if (argc != 6) {
+  if (argc != 7) {
     std::fprintf(stderr,
-                 "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS (started by isostrata, not by people)\n");
+                 "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS require|try|off (started by isostrata, not by "
+                 "people)\n");
     return 2;
   }
   const std::string name = std::filesystem::path(argv[1]).filename().string();

@@ -169,7 +169,7 @@ fs::path beside_this_program(const char* name) {
 json::value run_json(const fs::path& program, const std::vector<std::string>& arguments, double timeout_s) {
   std::string text;
   const ChildResult result =
-      run_child(program, arguments, timeout_s, command_task(), [&](std::string_view line) { text += line; });
+      run_child({program, arguments, {}}, timeout_s, command_task(), [&](std::string_view line) { text += line; });
   if (result.signal != 0 || result.exit_status != 0)
     throw Error(ErrorCode::unavailable, program.filename().string() + " failed: " + result.errors);
   return json::parse(text);
@@ -347,7 +347,7 @@ void run(BenchArguments arguments) {
   std::vector<std::string> words{"render",           arguments.data, "--size",         arguments.size, "--renderer",
                                  arguments.renderer, "--device",     arguments.device, "--out",        reference.path.string()};
   for (const std::string& interval : arguments.intervals) words.insert(words.end(), {"--interval", interval});
-  const ChildResult rendered = run_child(beside_this_program("isostrata"), words, 300, command_task(), [](std::string_view) {});
+  const ChildResult rendered = run_child({beside_this_program("isostrata"), words, {}}, 300, command_task(), [](std::string_view) {});
   if (rendered.exit_status != 0 || rendered.signal != 0)
     throw Error(ErrorCode::unavailable, "isostrata render failed: " + rendered.errors);
   json::array runs;

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/simd_level.h"
+#include "data/sandbox.h"
 #include "encoding/encode_image.h"
 #include "main/arguments.h"
 #include "main/commands.h"
@@ -36,6 +37,7 @@ struct Findings {
   WorkerProbe worker;
   std::vector<CodecProbe> codecs;
   Importer importer;
+  SandboxSupport sandbox;
   int cores = 0;
   std::int64_t memory_bytes = 0, memory_limit_bytes = 0;  // 0: unknown, no limit
 };
@@ -76,6 +78,7 @@ Findings examine(const std::string& device, bool trial) {
     findings.worker = probe_worker({"auto", device});
   findings.codecs = probe_codecs();
   findings.importer = find_importer();
+  findings.sandbox = sandbox_support();
   findings.cores = thread_count();
   findings.memory_bytes = static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
   findings.memory_limit_bytes = control_group_limit();
@@ -115,9 +118,27 @@ boost::json::object to_json(const Findings& findings) {
   for (const std::string& level : simd_levels()) levels.push_back(boost::json::string(level));
   out["simd"] = boost::json::object{{"used", simd_level()}, {"available", std::move(levels)}};
   out["importer"] = boost::json::object{{"found", findings.importer.found}, {"path", findings.importer.path}};
+  const std::string missing = missing_of(findings.sandbox);
+  out["sandbox"] = boost::json::object{{"ok", missing.empty()},
+                                       {"used", to_string(sandbox())},
+                                       {"landlock", findings.sandbox.landlock},
+                                       {"landlock_truncate", findings.sandbox.landlock >= 3},
+                                       {"seccomp", findings.sandbox.seccomp},
+                                       {"missing", missing}};
   out["limits"] = boost::json::object{
       {"cores", findings.cores}, {"memory_bytes", findings.memory_bytes}, {"memory_limit_bytes", findings.memory_limit_bytes}};
   return out;
+}
+
+void print_sandbox(const SandboxSupport& support) {
+  const std::string missing = missing_of(support);
+  std::printf("\nsandbox of the importer (--sandbox %s)\n  %-5s ", to_string(sandbox()), missing.empty() ? "ok" : "no");
+  if (missing.empty())
+    std::printf("Landlock %d%s, and seccomp\n", support.landlock,
+                support.landlock < 3 ? " (Linux 6.2 would also keep it from cutting files short by name, which seccomp does here)" : "");
+  else
+    std::printf("this machine lacks %s\n", missing.c_str());
+  if (!missing.empty()) std::printf("        serve wants all of it where --host is not a loopback address\n");
 }
 
 void print_text(const Findings& findings) {
@@ -144,6 +165,7 @@ void print_text(const Findings& findings) {
     std::printf("  %-5s %s: %s\n", codec.ok ? "ok" : "no", codec.name.c_str(), codec.detail.c_str());
   std::printf("\nimporter\n  %-5s %s\n", findings.importer.found ? "ok" : "no", findings.importer.path.c_str());
   if (!findings.importer.found) std::printf("        only analytic data can be opened without it\n");
+  print_sandbox(findings.sandbox);
   constexpr double kGiB = 1024.0 * 1024 * 1024;
   std::printf("\nlimits\n  %d cores, %.1f GiB of memory", findings.cores, static_cast<double>(findings.memory_bytes) / kGiB);
   if (findings.memory_limit_bytes > 0)

@@ -18,6 +18,7 @@
 #include "extraction/write_mesh.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/sandbox_option.h"
 #include "main/extract_device.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
@@ -380,6 +381,7 @@ void add_extract_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");
+  add_sandbox_option(*command);
   command->callback([arguments] { run(*arguments); });
 }
 

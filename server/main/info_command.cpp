@@ -8,6 +8,7 @@
 #include "data/series_ranges.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/sandbox_option.h"
 
 namespace isostrata {
 namespace {
@@ -149,6 +150,7 @@ void add_info_command(CLI::App& app) {
   command->add_flag("--this-step", arguments->this_step,
                     "Reads no other step: the arrays' ranges are those of this one, not of all");
   command->add_flag("--json", arguments->as_json, "One JSON document on standard output");
+  add_sandbox_option(*command);
   command->callback([arguments] {
     const auto dataset = open_argument(arguments->file, arguments->step);
     std::vector<std::string> notes = dataset->notes;

@@ -12,6 +12,7 @@
 #include "engine/draw_still.h"
 #include "engine/transfer_function.h"
 #include "main/commands.h"
+#include "main/sandbox_option.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
 #include "main/mode_arguments.h"
@@ -352,6 +353,7 @@ void add_render_command(CLI::App& app) {
           "pictures")
       ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
+  add_sandbox_option(*command);
   command->callback([arguments, command] { run(*arguments, *command); });
 }
 

@@ -1,5 +1,6 @@
 // isostrata serve: the server, from its flags to its last line.
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -20,6 +21,7 @@
 #include "base/parallel.h"
 #include "main/commands.h"
 #include "main/config_file.h"
+#include "main/sandbox_option.h"
 #include "main/server_log.h"
 #include "net/server.h"
 #include "net/static_files.h"
@@ -105,6 +107,20 @@ std::optional<std::chrono::system_clock::time_point> job_end(ServerLog& log) {
 
 bool loopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
 
+/// Of whoever reaches the port one may have written a file that another opens, so beyond this machine nothing is read without.
+void choose_sandbox(bool open_to_others, ServerLog& log) {
+  if (!sandbox_is_chosen()) use_sandbox(to_string(open_to_others ? Sandbox::require : Sandbox::attempt));
+  if (sandbox() == Sandbox::off)
+    return log.warn("sandbox", "--sandbox off: a broken or hostile file can do whatever this user can");
+  const std::string missing = missing_of(sandbox_support());
+  if (missing.empty()) return;
+  if (sandbox() == Sandbox::require)
+    throw Error(ErrorCode::unavailable, "this machine lacks " + missing +
+                                            "; files are read without that only where --sandbox try says so, which is the default "
+                                            "on a loopback address");
+  log.warn("sandbox", "files are read without " + missing);
+}
+
 // The process that draws first, where it is not the server's; it may be replaced (/api/v1/engine).
 json::value worker_of(const Server& server) {
   const EngineFacts facts = server.engine().facts();
@@ -159,6 +175,8 @@ void serve(const ServeArguments& arguments) {
   const ProtobufLines protobuf_lines(log);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
+  prctl(PR_SET_DUMPABLE, 0);  // no other process of this user reads the token or somebody's data from its memory
+  choose_sandbox(!loopback(arguments.host), log);
 
   std::vector<std::string> sources = arguments.paths;
   sources.insert(sources.end(), arguments.data_roots.begin(), arguments.data_roots.end());
@@ -295,6 +313,7 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   command->add_option("--web-root", arguments->web_root, "Directory of the built page")->check(CLI::ExistingDirectory);
+  add_sandbox_option(*command, "require where --host is not this machine alone, else try");
   add_config_option(*command);
   command->callback([arguments] { serve(*arguments); });
 }

@@ -1,4 +1,6 @@
 // isostrata worker: the process that draws for `isostrata serve`. Not for people, so it is not listed.
+#include <sys/prctl.h>
+
 #include <cstdlib>
 #include <memory>
 
@@ -14,7 +16,10 @@ void add_worker_command(CLI::App& app) {
   command->add_option("--socket", arguments->socket)->required();
   command->add_option("--board", arguments->board)->required();
   command->add_option("--parent", arguments->parent)->required();
-  command->callback([arguments] { std::exit(run_worker(*arguments)); });
+  command->callback([arguments] {
+    prctl(PR_SET_DUMPABLE, 0);  // as in serve
+    std::exit(run_worker(*arguments));
+  });
 }
 
 }  // namespace isostrata

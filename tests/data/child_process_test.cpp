@@ -10,7 +10,7 @@ namespace isostrata {
 namespace {
 
 ChildResult shell(const std::string& script, std::vector<std::string>* lines = nullptr, double timeout_s = 20) {
-  return run_child("/bin/sh", {"-c", script}, timeout_s, Task(), [&](std::string_view line) {
+  return run_child({"/bin/sh", {"-c", script}, {}}, timeout_s, Task(), [&](std::string_view line) {
     if (lines) lines->emplace_back(line);
   });
 }
@@ -26,8 +26,15 @@ TEST(ChildProcess, PassesLinesStatusAndErrorsOn) {
 
 TEST(ChildProcess, PassesArgumentsWithoutAShell) {
   std::vector<std::string> lines;
-  run_child("/bin/echo", {"$(id)", "a b", ";"}, 20, Task(), [&](std::string_view line) { lines.emplace_back(line); });
+  run_child({"/bin/echo", {"$(id)", "a b", ";"}, {}}, 20, Task(), [&](std::string_view line) { lines.emplace_back(line); });
   EXPECT_EQ(lines, (std::vector<std::string>{"$(id) a b ;"}));
+}
+
+TEST(ChildProcess, SeesNoVariableButThoseThatItIsGiven) {
+  std::vector<std::string> lines;
+  const ChildProgram program{"/bin/sh", {"-c", "tr '\\0' '\\n' < /proc/$$/environ"}, std::vector<std::string>{"ONE=1", "TWO=a b"}};
+  run_child(program, 20, Task(), [&](std::string_view line) { lines.emplace_back(line); });
+  EXPECT_EQ(lines, (std::vector<std::string>{"ONE=1", "TWO=a b"}));
 }
 
 TEST(ChildProcess, SaysWhichSignalEndedIt) { EXPECT_EQ(shell("kill -SEGV $$").signal, SIGSEGV); }
@@ -48,7 +55,7 @@ TEST(ChildProcess, EndsWhenCancelled) {
     task.cancel();
   });
   try {
-    run_child("/bin/sleep", {"1000"}, 1000, task, [](std::string_view) {});
+    run_child({"/bin/sleep", {"1000"}, {}}, 1000, task, [](std::string_view) {});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::cancelled);
@@ -73,7 +80,7 @@ TEST(ChildProcess, CutsEndlessLines) {
 
 TEST(ChildProcess, ThatIsNotThereIsSaid) {
   try {
-    run_child("/nonexistent/program", {}, 1, Task(), [](std::string_view) {});
+    run_child({"/nonexistent/program", {}, {}}, 1, Task(), [](std::string_view) {});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::unavailable);

@@ -41,6 +41,10 @@ TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
     }
   }
   EXPECT_TRUE(vp9);
+  const auto& sandbox = document.at("sandbox");
+  EXPECT_EQ(sandbox.at("used").as_string(), "try");
+  EXPECT_EQ(sandbox.at("ok").as_bool(), sandbox.at("landlock").to_number<int>() > 0 && sandbox.at("seccomp").as_bool());
+  EXPECT_EQ(sandbox.at("ok").as_bool(), sandbox.at("missing").as_string().empty());
   EXPECT_GE(document.at("limits").at("cores").to_number<int>(), 1);
   EXPECT_GT(document.at("limits").at("memory_bytes").to_number<long long>(), 1ll << 20);
 }

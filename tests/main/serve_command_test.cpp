@@ -62,6 +62,7 @@ class ServeCommand : public ::testing::Test {
   }
   static int end_of(pid_t pid) {
     int status = 0;
+    if (pid <= 0) return -1;  // nothing was started: to wait for -1 is to wait for every child, and to kill it is to kill every process
     for (int i = 0; i < 3000; ++i) {
       if (waitpid(pid, &status, WNOHANG) == pid) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
       std::this_thread::sleep_for(10ms);

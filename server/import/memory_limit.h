@@ -1,0 +1,17 @@
+// How much memory reading one file may take.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+namespace isostrata {
+
+/// Bytes of address space: the least of what a dataset of max_bytes needs (its arrays exist twice for a moment), of what files of
+/// this size can hold when they are packed as tightly as deflate can, and of what is free; and the libraries' part on top. A file
+/// that may name others (.pvd, .mhd) is taken with all that lies beside and below it.
+std::uint64_t memory_limit(const std::filesystem::path& file, std::uint64_t max_bytes);
+
+/// The second of these on its own: what `stored` bytes can unpack to.
+std::uint64_t unpacked_bytes(std::uint64_t stored);
+
+}  // namespace isostrata

@@ -1,0 +1,23 @@
+// --sandbox, which the commands that read files have.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "data/sandbox.h"
+
+namespace isostrata {
+
+/// Obeyed before the command's callback. `otherwise` says what holds where neither it nor $ISOSTRATA_SANDBOX is given.
+inline void add_sandbox_option(CLI::App& command, const std::string& otherwise = "try") {
+  command
+      .add_option_function<std::string>("--sandbox", [](const std::string& name) { use_sandbox(name); },
+                                        "Shut in the process that reads files: require (or read none), try (as far as the kernel can) or "
+                                        "off (default: $ISOSTRATA_SANDBOX, else " +
+                                            otherwise + ")")
+      ->check(CLI::IsMember({"require", "try", "off"}))
+      ->type_name("HOW")
+      ->trigger_on_parse();
+}
+
+}  // namespace isostrata

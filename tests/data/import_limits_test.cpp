@@ -1,0 +1,68 @@
+// What the import child is started with, and how much it may take.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "data/files.h"
+#include "data/sandbox.h"
+#include "support/exodus_file.h"
+
+namespace isostrata {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// What an importer that is this script says in its error.
+std::string told_by(const std::string& script) {
+  const test::Scratch scratch;
+  const auto program = scratch.write("reader", "#!/bin/sh\n" + script + "\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  OpenOptions options;
+  options.importer = program;
+  return test::refusal(scratch.write("x.vti", "x"), options).what();
+}
+
+TEST(ImportLimits, TheChildSeesAtMostFiveVariables) {
+  setenv("ISOSTRATA_TOKEN", "a secret", 1);
+  const std::string seen = told_by("echo \"error unsupported $(tr '\\0' ' ' < /proc/$$/environ)\" >&2; exit 1");
+  unsetenv("ISOSTRATA_TOKEN");
+  EXPECT_THAT(seen, Not(HasSubstr("a secret")));
+  EXPECT_THAT(seen, HasSubstr("HDF5_USE_FILE_LOCKING=FALSE"));
+#ifndef ISOSTRATA_SANITIZED
+  EXPECT_LE(std::count(seen.begin(), seen.end(), '='), 5) << seen;
+#endif
+}
+
+TEST(ImportLimits, TheChildIsToldHowStrictToBe) {
+  EXPECT_EQ(told_by("echo \"error unsupported $6\" >&2; exit 1"), to_string(sandbox()));
+}
+
+#ifndef ISOSTRATA_SANITIZED
+// 400 million points would be 9.6 GB.
+TEST(ImportLimits, ASmallFileThatDeclaresGigabytesTakesNoneOfThem) {
+  testing::ExodusFile file;
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < 2; ++i) file.points.push_back({double(i), double(j), double(k)});
+  file.blocks = {{"HEX8", 8, {1, 2, 4, 3, 5, 6, 8, 7}, 0}};
+  std::string bytes = file.bytes();
+  const std::string name("num_nodes\0\0\0", 12);
+  const auto at = bytes.find(name);
+  ASSERT_NE(at, std::string::npos);
+  const std::uint32_t many = 400'000'000;
+  for (std::size_t i = 0; i < 4; ++i) bytes[at + name.size() + i] = static_cast<char>(many >> (24 - 8 * i));
+  const test::Scratch scratch;
+  const Error error = test::refusal(scratch.write("x.e", bytes));
+  EXPECT_TRUE(error.code() == ErrorCode::too_large || error.code() == ErrorCode::bad_data) << error.what();
+  EXPECT_THAT(error.what(), Not(HasSubstr("crashed"))) << "it says what is wrong";
+  rusage children{};
+  getrusage(RUSAGE_CHILDREN, &children);
+  EXPECT_LT(children.ru_maxrss, 1300 << 10) << "KiB of the largest child of this test";
+}
+#endif
+
+}  // namespace
+}  // namespace isostrata
