@@ -125,6 +125,8 @@ struct Scene {
   std::vector<ClipPlane> clip_planes;  // what is kept by all of them is shown
   Annotations annotations;             // drawn by the server, beside the volume
   ColorRange color_range;
+
+  bool operator==(const Scene&) const = default;
 };
 
 }  // namespace isostrata

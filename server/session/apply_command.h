@@ -28,8 +28,7 @@ struct SceneState {
   std::uint32_t last_interval_id = 0;
 };
 
-/// Whether the message is one that apply_command takes: SelectArrays, SetTimeStep, SetIntervals, PatchInterval, RemoveInterval,
-/// ReorderPriorities, SetCamera, SetView, SetAppearance, SetCombination, SetTime, SetCycle, SetSmear, SetTransferFunction.
+/// Whether the message is one that apply_command takes.
 bool is_scene_command(const v1::ClientMessage& message);
 
 /// Does the command to the scene, or to nothing at all. A command that changes nothing does not make a revision.
