@@ -30,7 +30,7 @@ bool offers(const Format& formats, std::string_view wanted) {
 
 }  // namespace
 
-Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post)
+Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post, TimePoint now)
     : options_(std::move(options)), post_(std::move(post)) {
   if (options_.journal.empty()) return;
   journal_ = std::make_unique<Journal>(
@@ -42,7 +42,7 @@ Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> p
   for (auto entry = found.rbegin(); entry != found.rend(); ++entry) {  // the oldest makes room first
     const SessionKey key = ++last_session_;
     auto session = std::make_unique<Session>(key, *this, *entry);
-    session->touch_asleep(std::chrono::steady_clock::now());
+    session->touch_asleep(now);
     sessions_[key] = std::move(session);
   }
 }

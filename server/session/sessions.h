@@ -34,10 +34,11 @@ struct SessionsOptions {
       isostrata::moving_codecs();  // that frames in motion may be sent in, the best first, JPEG last
 };
 
-/// Not thread-safe: lives on the io thread. `post` is Engine::post.
+/// Not thread-safe: lives on the io thread. `post` is Engine::post. `now` is the moment of the clock by which all other calls are told the
+/// time: sessions that the journal kept are as if used then.
 class Sessions final : public EngineDoor {
  public:
-  Sessions(SessionsOptions options, std::function<void(EngineRequest)> post);
+  Sessions(SessionsOptions options, std::function<void(EngineRequest)> post, TimePoint now = std::chrono::steady_clock::now());
   ~Sessions() override;
 
   // ---- connections ----

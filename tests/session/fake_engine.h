@@ -62,7 +62,7 @@ class SessionsOnAClock {
     v1::DatasetEntry entry;
     entry.set_id("fin");
     options.datasets = {entry};
-    sessions = std::make_unique<Sessions>(std::move(options), [this](EngineRequest r) { requests.push_back(std::move(r)); });
+    sessions = std::make_unique<Sessions>(std::move(options), [this](EngineRequest r) { requests.push_back(std::move(r)); }, now);
   }
 
   std::shared_ptr<FakeClient> connect(v1::Hello hello = {}, Sessions::Admission admission = {}) {
