@@ -1,8 +1,8 @@
 // A group of several colours, or with surfaces, over one tile: each pixel's crossings in their order.
 //
 // Every crossing of a ray with a surface of an interval is written down, each pixel's are sorted by depth, and the ray is walked
-// from front to back with the intervals that are open: between two crossings colour and extinction are constant, so one
-// exponential for each piece is exact. Where several intervals are open (ranges that overlap) their extinctions add and their
+// from front to back (walk_simd.h) with the intervals that are open: between two crossings colour and extinction are constant, so
+// one exponential for each piece is exact. Where several intervals are open (ranges that overlap) their extinctions add and their
 // colours mix by them. Where a surface is drawn it is blended at its crossing. That is the exact order on every kind of grid,
 // with no order of cells, and needs no more than the crossings of one tile at a time.
 #pragma once
@@ -21,23 +21,13 @@ class CrossingListTile {
   std::int64_t draw(const CrossingFrame& frame, std::span<const TileEntry> entries, bool wants_depth, TilePixels& tile);
 
  private:
-  struct Open {
-    std::uint16_t interval;
-    std::int32_t count;
-  };
-  struct Ray;
-
   std::int64_t draw_part(const CrossingFrame& frame, std::span<const TileEntry> entries, bool wants_depth, const PixelRect& part,
                          TilePixels& tile);
-  void sort_by_pixel();
-  void walk(const CrossingFrame& frame, int x, int y, std::span<const std::uint64_t> crossings, bool wants_depth,
-            TilePixels& tile);
-  void open(std::uint16_t interval, int change);
+  void sort_by_pixel(std::size_t pixels);
 
   CrossingRecords records_;
   std::vector<std::uint64_t> sorted_;  // the records' keys by pixel
-  std::vector<std::uint32_t> first_;   // [pixels + 1] into sorted_
-  std::vector<Open> open_;
+  std::vector<std::uint32_t> first_;   // [pixels + 1, padded] into sorted_
 };
 
 }  // namespace isostrata

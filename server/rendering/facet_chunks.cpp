@@ -41,8 +41,7 @@ void place_facets(const std::vector<BoundaryFacet>& facets, std::size_t interval
     const auto& p = facet.points;
     const std::size_t least = p[0] < p[1] ? (p[0] < p[2] ? 0 : 2) : (p[1] < p[2] ? 1 : 2);
     set.points[to] = {p[least], p[(least + 1) % 3], p[(least + 2) % 3]};
-    set.labels[to] = facet.label;
-    set.intervals[to] = facet.interval;
+    set.parts[to] = facet_part(facet.interval, facet.label);
     ++to;
   });
 }
@@ -56,8 +55,7 @@ FacetSet make_facet_set(const IntervalMesh& mesh) {
   if (mesh.facets.empty() && !mesh.tetrahedra.empty()) found = find_closed_facets(mesh, Task());
   const std::vector<BoundaryFacet>& facets = mesh.facets.empty() ? found : mesh.facets;
   set.points.resize(facets.size());
-  set.labels.resize(facets.size());
-  set.intervals.resize(facets.size());
+  set.parts.resize(facets.size());
   std::vector<std::uint32_t> first;
   place_facets(facets, intervals, set, first);
 

@@ -10,6 +10,14 @@
 
 namespace isostrata {
 
+/// Whose facet it is: the interval, and 1 << its label below it, as vectors look it up.
+using FacetPart = std::int32_t;
+inline constexpr int kFacetLabelBits = 3;
+constexpr FacetPart facet_part(std::uint16_t interval, FacetLabel label) {
+  return FacetPart{interval} << kFacetLabelBits | 1 << static_cast<int>(label);
+}
+constexpr std::uint16_t interval_of(FacetPart part) { return static_cast<std::uint16_t>(part >> kFacetLabelBits); }
+
 struct FacetChunk {
   std::uint32_t first = 0, end = 0;  // of FacetSet::points
   std::uint16_t interval = 0;
@@ -21,12 +29,10 @@ struct FacetSet {
   // Counter-clockwise seen from outside the interval, the smallest first: facets on the same points then have the same depths to
   // the last bit.
   Buffer<std::array<std::uint32_t, 3>> points;
-  Buffer<FacetLabel> labels;        // as points; meaningless where the mesh has no facets
-  Buffer<std::uint16_t> intervals;  // as points
+  Buffer<FacetPart> parts;  // as points; labels are meaningless where the mesh has no facets
   std::vector<FacetChunk> chunks;
   std::vector<std::uint32_t> first_chunk;  // [intervals + 1]
   Box3d bounds;                            // of all facets
-
 };
 
 /// From mesh.facets, or, where it has none, from the tetrahedra. An interval whose facets enclose a negative volume (a mesh of

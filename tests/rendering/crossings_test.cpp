@@ -148,6 +148,16 @@ TEST(Crossings, ClipPlanesCutExactly) {
   }
 }
 
+/// Unit vectors that turn slowly from point to point.
+std::shared_ptr<const std::vector<Vec3f>> smooth_normals(const IntervalMesh& mesh) {
+  std::vector<Vec3f> normals;
+  for (const Vec3d& p : mesh.positions) {
+    const Vec3d n = normalized(p + Vec3d{0.1, 0.01, -0.2});
+    normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+  }
+  return std::make_shared<const std::vector<Vec3f>>(std::move(normals));
+}
+
 TEST(Crossings, SurfacesMeetTheOracle) {
   for (const char* name : {"torus:13", "tets:8", "mixed:7"}) {
     DrawInput input = extracted(name, {{0.1, 0.3}, {0.3, 0.45}}, 0.6);
@@ -161,21 +171,71 @@ TEST(Crossings, SurfacesMeetTheOracle) {
     input.styles[1].surface.texture = "stripes";
     input.styles[1].surface.texture_repeat = 3;
     std::vector<float> texture;
-    std::vector<Vec3f> normals;
-    for (const Vec3d& p : input.mesh->positions) {
-      texture.push_back(static_cast<float>(p.z));
-      const Vec3d n = normalized(p + Vec3d{0.1, 0.01, -0.2});
-      normals.push_back({static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-    }
+    for (const Vec3d& p : input.mesh->positions) texture.push_back(static_cast<float>(p.z));
     input.texture_values = std::make_shared<const std::vector<float>>(texture);
     for (const Camera& camera : cameras(input.bounds, 10)) {
       input.camera = camera;
       input.normals = nullptr;
       expect_like_oracle(input, std::string(name) + " with the facets' normals", 0.01);
-      input.normals = std::make_shared<const std::vector<Vec3f>>(normals);
+      input.normals = smooth_normals(*input.mesh);
       expect_like_oracle(input, std::string(name) + " with given normals", 0.01);
     }
   }
+}
+
+/// More of them than a vector has lanes.
+TEST(Crossings, ADozenLitIntervalsMeetTheOracle) {
+  std::vector<Interval> shares;
+  for (int i = 0; i < 12; ++i) shares.push_back({0.07 * i + 0.02, 0.07 * i + (i % 3 ? 0.09 : 0.07)});
+  DrawInput input = extracted("tets:8", shares, 0.3);
+  input.normals = smooth_normals(*input.mesh);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    SurfaceStyle& surface = input.styles[i].surface;
+    surface.lower = i % 2, surface.upper = i % 3 == 0, surface.domain = i % 5 == 0;
+    surface.opacity = 0.1 + 0.07 * static_cast<double>(i);
+    surface.specular = i % 4 ? 0.4 : 0;
+    surface.silhouette = i % 7 ? 0 : 0.8;
+  }
+  for (const Camera& camera : cameras(input.bounds, 12)) {
+    input.camera = camera;
+    expect_like_oracle(input, "twelve", 0.01);
+  }
+}
+
+/// Where a ray has become opaque it ends, and what light can hardly change is not lit: in pictures of 8 bits, not in those of
+/// floats.
+TEST(Crossings, WhatIsLeftOutForEightBitsIsLessThanHalfAStep) {
+  std::vector<Interval> shares;
+  for (int i = 0; i < 15; ++i) shares.push_back({0.06 * i, 0.06 * (i + 1)});
+  DrawInput input = extracted("marschner-lobb:21", shares, 0.01);
+  input.normals = smooth_normals(*input.mesh);
+  input.width = 200;
+  input.height = 150;
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> unit(0, 1);
+  double largest = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    const double faint = trial % 3 == 0 ? 0.0005 : trial % 3 == 1 ? 0.003 : 0.05;
+    for (IntervalStyle& style : input.styles) {
+      style.color = {unit(random), unit(random), unit(random)};
+      style.surface.lower = true, style.surface.upper = trial % 2;
+      style.surface.opacity = unit(random) < 0.2 ? 0.9 + 0.1 * static_cast<double>(unit(random)) : faint;
+      style.surface.ambient = 0, style.surface.diffuse = 1;  // all that light can do
+      style.surface.specular = static_cast<double>(unit(random));
+    }
+    const FloatImage exact = draw_floats(input, native());
+    with_each_simd_level([&](const std::string& level) {
+      const Image drawn = draw_bytes(input, native());
+      for (std::size_t i = 0; i < exact.rgba.size(); i += 4)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double off = std::abs(drawn.rgba[i + c] / 255.0 - exact.rgba[i + c]);
+          largest = std::max(largest, off);
+          ASSERT_LT(off, 2 * kHalfStep + 1e-5)
+              << level << ", seed 13, trial " << trial << ", pixel " << i / 4;  // with the rounding
+        }
+    });
+  }
+  EXPECT_GT(largest, 1.05 * kHalfStep) << "nothing was left out";
 }
 
 /// Rays through points, edges and faces of the tetrahedra: every pixel shows the box's whole thickness or nothing.
