@@ -11,6 +11,7 @@
 #include "net/message_budget.h"
 #include "net/places.h"
 #include "net/site.h"
+#include "net/wrong_tokens.h"
 #include "session/sessions.h"
 
 namespace isostrata {
@@ -24,6 +25,7 @@ struct Connections {
   std::chrono::milliseconds write_timeout{10000};  // one that does not take 64 KiB within that time is closed
   /// Called after a message has changed what is due.
   std::function<void()> wake;
+  WrongTokens wrong_tokens{};
   double messages_per_second = MessageBudget::kPerSecond;  // of one WebSocket; more are passed over or read later
 };
 

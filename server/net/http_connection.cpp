@@ -1,5 +1,6 @@
 // HTTP on one socket. Beast 1.81 needs care: it is compiled with NDEBUG, bodies in chunks are refused, and any parse error ends
 // the connection.
+#include <algorithm>
 #include <array>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -15,6 +16,7 @@
 #include "net/connections.h"
 #include "net/event_stream.h"
 #include "net/problem.h"
+#include "net/security_headers.h"
 #include "net/websocket_connection.h"
 #include "session/limits.h"
 
@@ -35,6 +37,51 @@ constexpr auto kAnswerTimeout = std::chrono::seconds(600);  // loading a dataset
 constexpr auto kHeartbeat = std::chrono::seconds(15);       // a comment in an event stream that has no news
 constexpr std::uint32_t kMaxHeaderBytes = 16384;
 
+using Parser = http::request_parser<http::string_body>;
+
+constexpr std::size_t kReadAtOnce = 16384;
+
+/// A header line that goes on in the next one. Beast reads it as one line, other programs as two, or end the head there: RFC 9112,
+/// section 5.2, has a server refuse it. What is not consumed yet is enough to see it, since Beast waits for the first byte of the next line.
+bool has_folded_line(const beast::flat_buffer& buffer) {
+  std::string_view bytes(static_cast<const char*>(buffer.data().data()), buffer.size());
+  if (bytes.starts_with(' ') || bytes.starts_with('\t')) return true;
+  bytes = bytes.substr(0, bytes.find("\r\n\r\n"));
+  return bytes.find("\r\n ") != std::string_view::npos || bytes.find("\r\n\t") != std::string_view::npos;
+}
+
+/// As Beast's, but that folded lines are an error. More than the head may be left in the buffer.
+asio::awaitable<void> read_head(beast::tcp_stream& stream, beast::flat_buffer& buffer, Parser& parser, boost::system::error_code& error) {
+  for (bool needs_more = buffer.size() == 0; !parser.is_header_done();) {
+    if (needs_more) {
+      const std::size_t room = std::min(kReadAtOnce, buffer.max_size() - buffer.size());
+      const std::size_t count = co_await stream.async_read_some(buffer.prepare(room), asio::redirect_error(asio::use_awaitable, error));
+      if (error == asio::error::eof) error = parser.got_some() ? http::error::partial_message : http::error::end_of_stream;
+      if (error) co_return;
+      buffer.commit(count);
+    }
+    if (has_folded_line(buffer)) {
+      error = http::error::bad_obs_fold;
+      co_return;
+    }
+    buffer.consume(parser.put(buffer.data(), error));
+    needs_more = error == http::error::need_more;
+    if (needs_more) error = {};
+    if (error) co_return;
+  }
+}
+
+/// What is well formed and still means one thing here and another elsewhere; nothing where there is none.
+std::optional<std::string> ambiguous(const http::request<http::string_body>& request) {
+  const auto lengths = request.count(http::field::content_length);
+  const std::string_view length = request[http::field::content_length];
+  if (lengths > 1 || (lengths == 1 && (length.empty() || length.find_first_not_of("0123456789") != std::string_view::npos)))
+    return "Content-Length is to stand once, with one number";
+  for (const http::field once : {http::field::authorization, http::field::content_type})
+    if (request.count(once) > 1) return std::string(http::to_string(once)) + " is to stand once";
+  return std::nullopt;
+}
+
 HttpRequest plain(const http::request<http::string_body>& request) {
   HttpRequest out;
   out.method = std::string(request.method_string());
@@ -53,6 +100,7 @@ http::response<Body> wire_head(const HttpResponse& response, unsigned version, b
   http::response<Body> out{static_cast<http::status>(response.status), version};
   out.set(http::field::server, "isostrata");
   if (!response.content_type.empty()) out.set(http::field::content_type, response.content_type);
+  for (const auto& [name, value] : security_headers(response)) out.insert(name, value);
   for (const auto& [name, value] : response.headers) out.insert(name, value);
   out.keep_alive(keep_alive);
   return out;
@@ -157,18 +205,18 @@ asio::awaitable<void> drain(beast::tcp_stream& stream) {
     drained += co_await stream.async_read_some(asio::buffer(piece), asio::redirect_error(asio::use_awaitable, error));
 }
 
-asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections, Places::Place& place) {
+asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address, Connections& connections, Places::Place& place) {
   beast::flat_buffer buffer(kMaxHeaderBytes + kMaxMessageBytes);
   place.set_close([&stream] { stream.close(); });
 
   for (bool more = true; more;) {
     boost::system::error_code error;
-    http::request_parser<http::string_body> parser;
+    Parser parser;
     parser.header_limit(kMaxHeaderBytes);
     parser.body_limit(kMaxMessageBytes);
     stream.expires_after(place.caller() == Caller::stranger ? kHeaderTimeout : kIdleTimeout);
     place.be_idle(true);
-    co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, error));
+    co_await read_head(stream, buffer, parser, error);
     place.be_idle(false);
     if (error) {
       // Only what is a malformed request deserves an answer; a socket that ended does not hear it.
@@ -192,9 +240,18 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections, 
                      wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
       break;
     }
+    if (const auto what = ambiguous(parser.get())) {
+      connections.site.refused(400);
+      co_await write(stream, wire(problem(400, "malformed", *what), 11, false, false));
+      break;
+    }
     HttpRequest asked = plain(parser.get());
     const Site::Head head_says = connections.site.look_at_head(asked);
     place.show(head_says.caller);
+    if (head_says.wrong_token) {
+      asio::steady_timer later(stream.get_executor(), connections.wrong_tokens.note(address, std::chrono::steady_clock::now()));
+      co_await later.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
     if (beast::websocket::is_upgrade(parser.get())) {
       Sessions::Admission admission;
       auto refusal = connections.site.refuse_upgrade(asked, admission);
@@ -205,7 +262,9 @@ asio::awaitable<void> serve(beast::tcp_stream stream, Connections& connections, 
         co_await write(stream, wire(std::move(*refusal), 11, false, false));
         break;
       }
-      co_return co_await serve_websocket(std::move(stream), parser.release(), connections, place, std::move(admission));
+      // A client may say something before it has heard that it is welcome.
+      PrefixedStream socket(std::move(stream), std::string(static_cast<const char*>(buffer.data().data()), buffer.size()));
+      co_return co_await serve_websocket(std::move(socket), parser.release(), connections, place, std::move(admission));
     }
     // Whoever may send no body is answered by the head alone.
     const bool unread = !head_says.may_send_body && !parser.is_done();
@@ -253,10 +312,10 @@ std::string address_of(const asio::ip::tcp::socket& socket) {
 
 boost::asio::awaitable<void> serve_connection(asio::ip::tcp::socket socket, std::string address, Connections& connections) {
   try {
-    Places::Place place(connections.places, std::move(address), [] {});
+    Places::Place place(connections.places, address, [] {});
     boost::system::error_code ignored;
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-    co_await serve(beast::tcp_stream(std::move(socket)), connections, place);
+    co_await serve(beast::tcp_stream(std::move(socket)), address, connections, place);
   } catch (const std::exception&) {
     // Out of memory or a broken invariant in one connection ends that connection.
   }

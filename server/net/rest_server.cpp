@@ -62,7 +62,7 @@ void add_server_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "getHealth",
                     .tag = "server",
                     .summary = "That the server answers, and how many use it",
-                    .description = "Needs no token. The same is at /healthz; /readyz says whether new work is welcome.",
+                    .description = "Without a token, or by another name, the status alone. The same is at /healthz; /readyz says whether new work is welcome.",
                     .answers = {{200, "It answers", "Health"}},
                     .open = true,
                     .handler = [&context](Call call) {

@@ -30,7 +30,8 @@ constexpr std::size_t kMoreConnections = 256;  // than two for each session: pag
 // Whoever comes when every place is taken is told so, as far as that goes without waiting for them.
 void turn_away(tcp::socket& socket) {
   static constexpr std::string_view kAnswer =
-      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nContent-Length: 52\r\nConnection: close\r\n\r\n"
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\nX-Content-Type-Options: nosniff\r\nContent-Length: 52\r\n"
+      "Connection: close\r\n\r\n"
       "Too many connections are open; try again in a while\n";
   boost::system::error_code ignored;
   socket.non_blocking(true, ignored);
@@ -124,6 +125,7 @@ class Server::Impl {
                      options_.hello_timeout,
                      options_.write_timeout,
                      [this] { wake(); },
+                     {},
                      options_.messages_per_second},
         tls_(make_gate(options_)),
         io_(1),

@@ -1,5 +1,6 @@
 #include "net/site.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "base/error.h"
@@ -10,15 +11,49 @@
 namespace isostrata {
 namespace {
 
-void harden(HttpResponse& response) {
-  response.headers.emplace_back("X-Content-Type-Options", "nosniff");
-  response.headers.emplace_back("Referrer-Policy", "no-referrer");
-  response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
-  if (response.content_type.starts_with("text/html"))
-    response.headers.emplace_back(
-        "Content-Security-Policy",
-        "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; "
-        "connect-src 'self' ws: wss:; object-src 'none'; base-uri 'self'; frame-ancestors 'self'");
+/// 16 bytes as base64, by RFC 6455, section 4.1.
+bool is_websocket_key(std::string_view key) {
+  constexpr std::string_view kLastOf16 = "AQgw";  // the 22nd character holds two bits of the last byte
+  return key.size() == 24 && key.ends_with("==") && kLastOf16.find(key[21]) != std::string_view::npos &&
+         key.substr(0, 22).find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/") == std::string_view::npos;
+}
+
+/// The subprotocols, of one header or several.
+std::vector<std::string> protocols_offered(const HttpRequest& request) {
+  std::vector<std::string> names;
+  for (const auto& [header, value] : request.headers) {
+    if (header != "sec-websocket-protocol") continue;
+    std::string_view rest = value;
+    for (bool more = true; more;) {
+      const auto comma = rest.find(',');
+      std::string_view name = rest.substr(0, comma);
+      while (name.starts_with(' ') || name.starts_with('\t')) name.remove_prefix(1);
+      while (name.ends_with(' ') || name.ends_with('\t')) name.remove_suffix(1);
+      names.emplace_back(name);
+      more = comma != std::string_view::npos;
+      if (more) rest.remove_prefix(comma + 1);
+    }
+  }
+  return names;
+}
+
+/// What RFC 6455, section 4.2.1, has a server check of an upgrade, and our subprotocol.
+std::optional<HttpResponse> refuse_handshake(const HttpRequest& request) {
+  for (const char* once : {"sec-websocket-key", "sec-websocket-version", "upgrade"})
+    if (request.header_count(once) != 1) return problem(400, "malformed", std::string(once) + " is to stand once in an upgrade");
+  if (!is_websocket_key(request.header("sec-websocket-key")))
+    return problem(400, "malformed", "Sec-WebSocket-Key is to be 16 bytes in base64");
+  if (request.header("sec-websocket-version") != "13") {
+    HttpResponse response = problem(426, "unsupported_version", "the WebSocket's version is 13");
+    response.headers.emplace_back("Sec-WebSocket-Version", "13");
+    return response;
+  }
+  if (request.header_count("content-length") > 0 && request.header("content-length") != "0")
+    return problem(400, "malformed", "an upgrade has no body");
+  const std::vector<std::string> names = protocols_offered(request);
+  if (std::find(names.begin(), names.end(), "isostrata.v1") != names.end()) return std::nullopt;
+  const std::string first = names.empty() ? "" : names.front().substr(0, 64);
+  return problem(400, "unsupported_version", "the WebSocket's subprotocol is '" + first + "'; expected isostrata.v1");
 }
 
 std::vector<std::string> segments_of(const std::string& base_path) {
@@ -76,7 +111,8 @@ Site::Head Site::look_at_head(const HttpRequest& head) const {
   if (!target) return {};
   if (access_.token_accepted(head, *target))
     return {Caller::owner, access_.host_allowed(head) && access_.origin_allowed(head)};
-  return {invited(head, *target) ? Caller::guest : Caller::stranger, false};
+  if (invited(head, *target)) return {Caller::guest};
+  return {.caller = Caller::stranger, .wrong_token = !access_.tokens_offered(head, *target).empty()};
 }
 
 HttpResponse Site::unauthorized(bool page) const {
@@ -122,7 +158,6 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
   const HttpReply reply = [this, begun, id, route, send = std::move(send), method = request.method,
                            path = target ? target->path() : "",
                            session = target ? session_in(target->segments) : ""](HttpResponse response) {
-    harden(response);
     response.headers.emplace_back("X-Request-Id", id);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     metrics_.http_answered(method, *route, response.status, seconds, response.body.size());
@@ -160,8 +195,12 @@ void Site::dispatch(const HttpRequest& request, const std::optional<RequestTarge
     return found;
   };
   if (is_probe("readyz")) return reply(ready());
-  if (is_probe("healthz") || (reads && below && *below == Path{"api", "v1", "health"}))
+  if (is_probe("healthz") || (reads && below && *below == Path{"api", "v1", "health"})) {
+    // Strangers hear the same whatever goes on here.
+    if (!access_.host_allowed(request) || !access_.origin_allowed(request) || !access_.token_accepted(request, *target))
+      return reply(json_response(200, boost::json::object{{"status", "ok"}}));
     return api_.handle(request, *target, {"health"}, reply, route);
+  }
 
   if (!access_.host_allowed(request))
     return reply(problem(403, "forbidden", "this Host is not served here; start the server with --allow-host NAME to allow it"));
@@ -217,21 +256,7 @@ std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request, Ses
     if (!guest) return unauthorized(false);
   }
   admission = guest.value_or(Sessions::Admission{});
-  const std::string_view offered = request.header("sec-websocket-protocol");
-  bool speaks = false;
-  for (std::size_t at = 0; at <= offered.size();) {
-    auto comma = offered.find(',', at);
-    if (comma == std::string_view::npos) comma = offered.size();
-    std::string_view name = offered.substr(at, comma - at);
-    while (name.starts_with(' ')) name.remove_prefix(1);
-    while (name.ends_with(' ')) name.remove_suffix(1);
-    speaks = speaks || name == "isostrata.v1";
-    at = comma + 1;
-  }
-  if (!speaks)
-    return problem(400, "unsupported_version",
-                   "the WebSocket's subprotocol is '" + std::string(offered.substr(0, 64)) + "'; expected isostrata.v1");
-  return std::nullopt;
+  return refuse_handshake(request);
 }
 
 }  // namespace isostrata

@@ -47,6 +47,7 @@ class Site {
   struct Head {
     Caller caller = Caller::stranger;
     bool may_send_body = false;  // it is answered without its body where not
+    bool wrong_token = false;    // it brings one, and no right one
   };
   Head look_at_head(const HttpRequest& head) const;
   /// Nothing where the upgrade is welcome, else the refusal. admission: which session an invitation opens; empty for the server's

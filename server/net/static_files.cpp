@@ -8,6 +8,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "net/security_headers.h"
+
 namespace isostrata {
 namespace {
 
@@ -90,7 +92,7 @@ HttpResponse message_page(int status, const std::string& title, const std::strin
   return {status,
           "text/html; charset=utf-8",
           "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>" + title +
-              "</title><style>body{font:16px/1.5 system-ui,sans-serif;max-width:40em;margin:4em auto;padding:0 1em}</style><h1>" +
+              "</title><style>" + std::string(kPageStyle) + "</style><h1>" +
               title + "</h1><p>" + text + "</p></html>\n",
           {{"Cache-Control", "no-store"}}};
 }

@@ -78,7 +78,7 @@ Outgoing frame_bytes(v1::ServerMessage message, Waiting&& waiting) {
 /// Kept alive by its coroutines.
 class WebSocketConnection final : public Outbox, public std::enable_shared_from_this<WebSocketConnection> {
  public:
-  WebSocketConnection(beast::tcp_stream stream, Connections& connections, Places::Place& place, Sessions::Admission admission)
+  WebSocketConnection(PrefixedStream stream, Connections& connections, Places::Place& place, Sessions::Admission admission)
       : socket_(std::move(stream)),
         wake_writer_(socket_.get_executor()),
         watch_(socket_.get_executor()),
@@ -160,7 +160,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
 
  private:
   asio::awaitable<void> read_all() {
-    beast::flat_buffer buffer(kMaxMessageBytes);
+    beast::flat_buffer buffer(kMaxMessageBytes + kPieceBytes);  // so that Beast, which says 1009, is the one to count
     while (!ended_) {
       boost::system::error_code error;
       buffer.clear();
@@ -369,7 +369,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
     go_on_reading_.cancel();
   }
 
-  websocket::stream<beast::tcp_stream> socket_;
+  websocket::stream<PrefixedStream> socket_;
   asio::steady_timer wake_writer_;
   asio::steady_timer watch_;
   asio::steady_timer next_ping_;
@@ -397,7 +397,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
 
 }  // namespace
 
-boost::asio::awaitable<void> serve_websocket(beast::tcp_stream stream, beast::http::request<beast::http::string_body> request,
+boost::asio::awaitable<void> serve_websocket(PrefixedStream stream, beast::http::request<beast::http::string_body> request,
                                              Connections& connections, Places::Place& place, Sessions::Admission admission) {
   co_await std::make_shared<WebSocketConnection>(std::move(stream), connections, place, std::move(admission))->run(std::move(request));
 }

@@ -27,8 +27,17 @@ TEST_F(Http, HealthNeedsNoTokenAndNoHost) {
   for (const std::string path : {"/healthz", "/api/v1/health"}) {
     const auto response = server_.raw("GET " + path + " HTTP/1.1\r\nHost: 10.0.0.7:1\r\n" + kEnd);
     EXPECT_EQ(status_of(response), 200) << response;
-    EXPECT_TRUE(has(response, "\"status\":\"ok\"")) << response;
+    EXPECT_TRUE(response.ends_with("\r\n\r\n{\"status\":\"ok\"}")) << response;
   }
+}
+
+TEST_F(Http, HealthTellsStrangersTheSameWhateverGoesOn) {
+  const auto body = [](const std::string& response) { return response.substr(response.find("\r\n\r\n")); };
+  const std::string stranger = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n" + kEnd, before = body(server_.raw(stranger));
+  client::Client client(server_.client_options());
+  EXPECT_EQ(body(server_.raw(stranger)), before);
+  EXPECT_EQ(body(server_.ask("GET", "/healthz", "", "Origin: http://evil.example\r\n")), before);
+  EXPECT_TRUE(has(server_.health(), "\"viewers\":1")) << server_.health();
 }
 
 TEST_F(Http, EverythingElseNeedsTheToken) {

@@ -82,14 +82,16 @@ class RawSocket {
   /// Upgrades; the response's head.
   std::string open_websocket(const std::string& target, const std::string& headers = "", const std::string& host = "localhost",
                              const std::string& protocol = "isostrata.v1") {
-    send("GET " + target + " HTTP/1.1\r\nHost: " + host +
-         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n" +
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " + protocol + "\r\n" + headers + "\r\n");
-    std::string head;
-    while (head.find("\r\n\r\n") == std::string::npos)
-      if (read_some(head, 8000) <= 0) return head;
-    kept_ = head.substr(head.find("\r\n\r\n") + 4);
-    return head;
+    return upgrade("GET " + target + " HTTP/1.1\r\nHost: " + host +
+                   "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n" +
+                   "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: " + protocol + "\r\n" + headers + "\r\n");
+  }
+  /// With bytes behind the upgrade, in the same segment.
+  std::string open_websocket_with(const std::string& target, const std::string& early) {
+    return upgrade("GET " + target +
+                   " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                   "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: isostrata.v1\r\n\r\n" +
+                   early);
   }
   struct Frame {
     bool last;
@@ -139,6 +141,14 @@ class RawSocket {
   }
 
  private:
+  std::string upgrade(const std::string& request) {
+    send(request);
+    std::string head;
+    while (head.find("\r\n\r\n") == std::string::npos)
+      if (read_some(head, 8000) <= 0) return head;
+    kept_ = head.substr(head.find("\r\n\r\n") + 4);
+    return head;
+  }
   // 1: some came; 0: nothing for the time; -1: closed.
   int read_some(std::string& to, int timeout_ms) {
     pollfd poll_fd{fd_, POLLIN, 0};

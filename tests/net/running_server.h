@@ -53,6 +53,8 @@ class RunningServer {
                 body);
     return socket.read_all();
   }
+  /// What /healthz says to whoever has the token.
+  std::string health() const { return ask("GET", "/healthz"); }
   bool answers() const {
     return raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n").starts_with("HTTP/1.1 200");
   }

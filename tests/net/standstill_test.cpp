@@ -142,7 +142,7 @@ TEST(Standstill, WhoseSocketIsBlockedIsClosedWhileOthersGetFrames) {
   ASSERT_TRUE(soon([&] { return server.control->drawn > 0; }));
   Client other(server.client_options());
   other.open_dataset("torus-12");
-  const auto viewers = [&] { return server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"); };
+  const auto viewers = [&] { return server.health(); };
   int frames = 0;
   const bool closed = soon(
       [&] {
@@ -176,7 +176,7 @@ TEST(Standstill, ASlowReaderIsNotABlockedOne) {
     std::this_thread::sleep_for(milliseconds(10));
   }
   EXPECT_TRUE(slow.send_frame("x"));
-  EXPECT_TRUE(has(server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), "\"viewers\":1"));
+  EXPECT_TRUE(has(server.health(), "\"viewers\":1"));
 }
 
 TEST(Standstill, WhoReadsAByteNowAndThenIsClosedWhileOthersGetFrames) {
@@ -196,7 +196,7 @@ TEST(Standstill, WhoReadsAByteNowAndThenIsClosedWhileOthersGetFrames) {
         dripping.read_at_most(1, 1);
         EXPECT_EQ(other.lossless_frame().width(), 64u);
         ++frames;
-        return has(server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), "\"viewers\":1");
+        return has(server.health(), "\"viewers\":1");
       },
       milliseconds(20000));
   EXPECT_TRUE(closed);
@@ -345,7 +345,7 @@ TEST(Vanishing, AtAnyMomentAndWithoutGoodbyeLeavesNothingBehind) {
     EXPECT_GE(other.lossless_frame().revision(), other.state().revision());
   }
   EXPECT_TRUE(
-      soon([&] { return has(server.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"), "\"viewers\":1"); }));
+      soon([&] { return has(server.health(), "\"viewers\":1"); }));
 }
 
 TEST(TwoClients, OfOneSessionSeeEachOthersChangesAndEachGetsFrames) {

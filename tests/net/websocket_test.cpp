@@ -204,7 +204,7 @@ TEST_F(WebSocket, VanishingClientsLeaveNothingBehind) {
   expect_still_serving();
   std::string health;
   for (int i = 0; i < 100 && !has(health, "\"viewers\":0"); ++i) {
-    health = server_.raw("GET /healthz HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+    health = server_.health();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   EXPECT_TRUE(has(health, "\"viewers\":0")) << health;
