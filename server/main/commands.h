@@ -8,6 +8,7 @@ namespace isostrata {
 
 void add_serve_command(CLI::App& app);
 void add_info_command(CLI::App& app);
+void add_first_view_command(CLI::App& app);
 void add_extract_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_bench_command(CLI::App& app);

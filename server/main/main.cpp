@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   isostrata::add_serve_command(app);
   isostrata::add_info_command(app);
+  isostrata::add_first_view_command(app);
   isostrata::add_extract_command(app);
   isostrata::add_render_command(app);
   isostrata::add_bench_command(app);

@@ -10,6 +10,7 @@
 #include "engine/color_range.h"
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
+#include "engine/first_scene.h"
 #include "engine/transfer_function.h"
 #include "main/commands.h"
 #include "main/sandbox_option.h"
@@ -26,7 +27,7 @@ namespace {
 struct RenderArguments {
   std::string file, state, array, color_by, out;
   std::vector<std::string> intervals;
-  std::string size = "800x600", camera = "reset", renderer = "auto", background, device = "auto", tetrahedra = "auto";
+  std::string size = "800x600", camera, renderer = "auto", background, device = "auto", tetrahedra = "auto";
   double unit_distance = 0;
   LayerArguments layers;
   StillArguments still;
@@ -39,16 +40,36 @@ struct Timing {
   double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
 };
 
-Scene make_scene(const RenderArguments& arguments, const Dataset& dataset, double aspect) {
-  const PointArray& array = array_argument(dataset, arguments.array);
+/// Where no layers were said: what the page would show, of the array and the time that were said, if any.
+FirstView chosen_view(const RenderArguments& arguments, const CLI::App& command, const StepSource& steps, const Dataset& dataset) {
+  const bool timed = command.count("--step") > 0 || arguments.layers.time || arguments.modes.mode == "smear";
+  FirstView view = first_view(dataset, steps, {arguments.array, timed ? dataset.step : -1}, command_task());
+  if (view.array.empty()) throw Error(ErrorCode::not_found, arguments.file + ": nothing to show: " + view.array_reason + "; give --interval");
+  return view;
+}
+
+Scene make_scene(const RenderArguments& arguments, const CLI::App& command, const StepSource& steps, const Dataset& dataset, double aspect) {
   Scene scene;
   scene.dataset = arguments.file;
   set_layers(scene, arguments.layers);
-  scene.array = array.name;
+  Camera camera = view_of(dataset.bounds, "reset", aspect);
+  const Dataset* shown = &dataset;
+  std::shared_ptr<const Dataset> other;
+  if (arguments.intervals.empty() && arguments.modes.transfer.empty()) {
+    const FirstView view = chosen_view(arguments, command, steps, dataset);
+    if (view.step != dataset.step) shown = (other = steps(view.step, command_task())).get();
+    scene.step = view.step;
+    scene.array = view.array;
+    scene.intervals = first_intervals(view);
+    camera = view.camera(aspect);
+  } else {
+    const PointArray& array = array_argument(dataset, arguments.array);
+    scene.array = array.name;
+    if (arguments.modes.transfer.empty()) scene.intervals = parse_intervals(arguments.intervals, dataset, array);
+  }
   scene.color_by = arguments.color_by;
-  if (arguments.modes.transfer.empty()) scene.intervals = parse_intervals(arguments.intervals, dataset, array);
-  set_modes(scene, arguments.modes, array);
-  scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset", aspect), dataset.bounds, aspect);
+  set_modes(scene, arguments.modes, shown->array(scene.array));
+  scene.camera = command.count("--camera") == 0 ? camera : parse_camera(arguments.camera, camera, dataset.bounds, aspect);
   if (!arguments.background.empty() && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
   scene.unit_distance = arguments.unit_distance;
   set_still(scene, arguments.still);
@@ -154,6 +175,8 @@ boost::json::object to_json(const RenderArguments& arguments, const Scene& scene
     }
   }
   return {{"out", arguments.out},
+          {"array", extracted.array},
+          {"step", scene.step},
           {"size", boost::json::array{input.width, input.height}},
           {"renderer", facts.renderer},
           {"device", facts.device},
@@ -224,7 +247,7 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   const double aspect = static_cast<double>(width) / height;
   Scene wanted;
   if (arguments.state.empty()) {
-    wanted = make_scene(arguments, *dataset, aspect);
+    wanted = make_scene(arguments, command, steps, *dataset, aspect);
   } else {
     wanted = read_state_file(arguments.state, *dataset, aspect);
     override_scene(wanted, arguments, command, *dataset, aspect);
@@ -306,15 +329,15 @@ void add_render_command(CLI::App& app) {
                    "A session's state, as GET api/v1/sessions/ID/state gives it: the picture that the page shows. Other options "
                    "override what it says; a cycle is one picture, of the state's phase")
       ->type_name("FILE");
-  command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
+  command->add_option("--array", arguments->array, "The point array to extract on (default: the first; without --interval the one that shows most)");
   command
       ->add_option(
           "--interval", arguments->intervals,
           "LOWER:UPPER (-inf and inf leave an end open) and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N; may be repeated. opacity is that of a "
           "layer one unit distance thick; A..B runs as colours do. Its boundary is drawn with ,surface=lower|upper|both|domain|"
           "all (some joined by +) and ,surface-color=#rrggbb ,surface-opacity=X ,specular=X ,shininess=X ,silhouette=X "
-          ",texture=stripes|NAME ,repeat=X. A map may be a ramp: map:#0000ff-#ffffff. Default: four equal parts of the array's "
-          "range in red, green, blue and yellow with opacity 0.3")
+          ",texture=stripes|NAME ,repeat=X. A map may be a ramp: map:#0000ff-#ffffff. Default: what the page shows first, with its "
+          "camera (isostrata first-view FILE says what, and why)")
       ->allow_extra_args(false);
   command->add_option("--color-by", arguments->color_by,
                       "The array that colour maps run over, over its whole range (default: --array)");
@@ -324,8 +347,7 @@ void add_render_command(CLI::App& app) {
       ->add_option(
           "--camera", arguments->camera,
           "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees;projection=perspective|orthographic (any of them), or reset, +x, -x, +y, -y, "
-          "+z, -z, or such a view with changes: +x;projection=orthographic")
-      ->capture_default_str();
+          "+z, -z, or such a view with changes: +x;projection=orthographic. Default: reset; without --interval where the layers show best");
   add_mode_options(*command, arguments->modes);
   command
       ->add_option("--renderer", arguments->renderer,

@@ -42,17 +42,6 @@ TEST(RenderCommand, SaysWhatItDrew) {
   EXPECT_EQ(document.at("camera").at("up").as_array()[2].to_number<double>(), 1.0);
 }
 
-TEST(RenderCommand, DividesTheRangeIntoFourWithoutIntervals) {
-  const TemporaryFolder folder;
-  const CommandResult result =
-      run_isostrata("render sphere:8 --size 32x32 --device surfaceless --json --out '" + (folder / "a.png").string() + "'");
-  ASSERT_EQ(result.status, 0) << result.err;
-  const auto document = boost::json::parse(result.out);
-  const auto& intervals = document.at("intervals").as_array();
-  ASSERT_EQ(intervals.size(), 4u);
-  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(intervals[i].at("lower"), intervals[i - 1].at("upper"));
-}
-
 TEST(RenderCommand, TetrahedraAreSplitOrCutAsAsked) {
   const TemporaryFolder folder;
   const auto render = [&](const std::string& options) {
