@@ -10,6 +10,7 @@
 #include "base/buffer.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "base/work.h"
 #include "rendering/segment_bins.h"
 #include "rendering/segment_fragments.h"
 #include "rendering/segment_lists.h"
@@ -220,6 +221,7 @@ class TilePainter {
     };
     const auto& entries = memory.nearest_first;
     for (std::size_t begin = 0; begin < entries.size(); begin += CoverBatch::kCapacity) {
+      checkpoint();  // a tile of hundreds of layers takes far longer than others should wait
       CoverBatch& batch = memory.batch;
       batch.count = std::min(CoverBatch::kCapacity, entries.size() - begin);
       gather(entries, begin, batch);

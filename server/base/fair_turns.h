@@ -1,0 +1,71 @@
+// Whose turn it is on cores that many share. Pure decisions on times that the caller passes in: no thread, no clock, no lock.
+//
+// One piece of work at a time has the turn. Work of a more urgent class takes it at once; within a class it goes, after each
+// kTurn, to the session that has had least time (start-time fair queueing after Goyal, Vin, Cheng, "Start-time Fair Queueing: A
+// Scheduling Algorithm for Integrated Services Packet Switching Networks", 1996, with sessions as flows). Less urgent classes are
+// not starved: what was passed over for kPatience gets one turn.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+
+namespace isostrata {
+
+/// In the order of their urgency.
+enum class WorkClass : std::uint8_t {
+  interactive,  // what somebody waits for with a hand on the mouse: frames, and the extraction that they show
+  still,        // single pictures, numbers
+  background    // exports, and what is made in advance
+};
+
+/// Not thread-safe. Times are of any one clock that does not go back.
+class FairTurns {
+ public:
+  using Time = std::chrono::nanoseconds;
+  using Id = std::uint64_t;
+  static constexpr Time kTurn = std::chrono::milliseconds(15);
+  /// So much less than the others' a session's time may be that comes back after a pause: it does not save up while it is away.
+  static constexpr Time kCredit = std::chrono::milliseconds(100);
+  static constexpr Time kPatience = 3 * kTurn;  // a quarter of the time is the least that a class gets
+
+  /// Work that wants the turn from now on, until end().
+  Id begin(std::uint64_t session, WorkClass of, Time now);
+  void end(Id id, Time now);
+  /// The work goes on. Work that did not say so in a whole turn (it waits for a disk, or is at what cannot be divided) gets no other
+  /// one before it does.
+  void step(Id id);
+  /// Who has the turn now; 0: nobody wants it.
+  Id holder(Time now);
+  /// When holder() is to be asked again, unless something begins, ends or steps.
+  Time turn_ends() const { return turn_began_ + kTurn; }
+
+ private:
+  struct Session {
+    Time used{0};
+    int works = 0;
+  };
+  struct Work {
+    std::uint64_t session = 0;
+    WorkClass of = WorkClass::interactive;
+    bool goes_on = true;  // said so since its turn began, or has had none
+  };
+  static constexpr std::size_t kClasses = 3;
+
+  void charge(Time now);
+  Id best() const;
+  bool is_before(Id a, Id b) const;
+  Time passed_over(WorkClass of) const { return passed_over_[static_cast<std::size_t>(of)]; }
+
+  std::map<Id, Work> works_;
+  std::map<std::uint64_t, Session> sessions_;  // that have work, and those whose time is not forgotten yet
+  std::array<Time, kClasses> passed_over_{};   // of classes that have work, less what they got
+  Id holder_ = 0, next_ = 1;
+  bool due_ = false;  // the turn was given to a class that had been passed over: nobody takes it away
+  Time turn_began_{0}, charged_{0};
+  Time least_{0};  // the time that was used by whoever had the turn last: where newcomers begin
+};
+
+}  // namespace isostrata
