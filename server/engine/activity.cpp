@@ -36,13 +36,14 @@ Activity* Doing::take(ActivityBoard* board, Stage stage) {
   return nullptr;
 }
 
-Doing::Doing(ActivityBoard* board, Stage stage, std::uint64_t session, std::uint64_t request, std::uint64_t operation)
+Doing::Doing(ActivityBoard* board, Stage stage, std::uint64_t session, std::uint64_t request, std::uint64_t operation,
+             std::uint32_t patience)
     : slot_(take(board, stage)), scope_(slot_ ? &slot_->pulse : nullptr) {
   if (!slot_) return;
   slot_->session.store(session, kRelaxed);
   slot_->request.store(request, kRelaxed);
   slot_->operation.store(operation, kRelaxed);
-  slot_->patience.store(1, kRelaxed);
+  slot_->patience.store(patience, kRelaxed);
   pulse();
 }
 
@@ -72,7 +73,8 @@ std::vector<ActivityFacts> read(const ActivityBoard& board) {
     const bool known = stage <= number(Stage::encoding);
     if (i != ActivityBoard::kRenderThread && (!known || stage == number(Stage::idle))) continue;
     facts.push_back({i, known ? static_cast<Stage>(stage) : Stage::idle, of.patience.load(kRelaxed), of.session.load(kRelaxed),
-                     of.request.load(kRelaxed), of.operation.load(kRelaxed), of.pulse.load(kRelaxed)});
+                     of.request.load(kRelaxed), of.operation.load(kRelaxed), of.pulse.load(kRelaxed),
+                     of.waiting.load(kRelaxed) > 0});
   }
   return facts;
 }

@@ -19,6 +19,7 @@ std::string to_string(Stage stage);  // "drawing"
 struct Activity {
   std::atomic<std::uint32_t> stage{0};     // Stage
   std::atomic<std::uint32_t> patience{1};  // how many times longer than usual it may go without a pulse
+  std::atomic<std::uint32_t> waiting{0};   // threads of the work that wait for its turn: then it does nothing
   std::atomic<std::uint64_t> session{0}, request{0}, operation{0};
   Pulse pulse{0};
 };
@@ -35,13 +36,17 @@ static_assert(Pulse::is_always_lock_free && std::atomic<std::uint32_t>::is_alway
 /// every slot is taken it does nothing.
 class Doing {
  public:
-  Doing(ActivityBoard* board, Stage stage, std::uint64_t session, std::uint64_t request, std::uint64_t operation = 0);
+  Doing(ActivityBoard* board, Stage stage, std::uint64_t session, std::uint64_t request, std::uint64_t operation = 0,
+        std::uint32_t patience = 1);
   /// In the render thread's own slot.
   struct OnRenderThread {};
   Doing(OnRenderThread, ActivityBoard* board, Stage stage, std::uint64_t session, std::uint64_t request, std::uint32_t patience);
   ~Doing();
   Doing(const Doing&) = delete;
   Doing& operator=(const Doing&) = delete;
+
+  /// Where Work says that it waits for its turn; null without a slot.
+  std::atomic<std::uint32_t>* waiting() const { return slot_ ? &slot_->waiting : nullptr; }
 
  private:
   static Activity* take(ActivityBoard* board, Stage stage);
@@ -55,6 +60,7 @@ struct ActivityFacts {
   Stage stage = Stage::idle;
   std::uint32_t patience = 1;
   std::uint64_t session = 0, request = 0, operation = 0, pulse = 0;
+  bool waits = false;  // for its turn
 };
 
 /// Those that are not idle, and the render thread's, which is first. What stands there is not trusted: a stage that is none is

@@ -5,6 +5,7 @@
 #include <new>
 #include <vector>
 
+#include "base/work.h"
 #include "data/analytic.h"
 #include "data/import_door.h"
 #include "engine/dataset_facts.h"
@@ -64,7 +65,10 @@ std::shared_ptr<const Dataset> DatasetStore::acquire(const std::string& source, 
     *weak = slot;
     ++threads_;
     try {
-      std::thread([this, loading = slot, key] { load(loading, key); }).detach();
+      const Work* const asker = current_work();
+      std::thread([this, loading = slot, key, session = asker ? std::optional(asker->session()) : std::nullopt] {
+        load(loading, key, session);
+      }).detach();
     } catch (...) {
       --threads_;
       loading_.erase(key);
@@ -100,10 +104,12 @@ std::shared_ptr<const Dataset> DatasetStore::borrow(const std::string& source, i
   return loader_(source, step, task);
 }
 
-void DatasetStore::load(std::shared_ptr<Loading> loading, Key key) {
+void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional<std::uint64_t> session) {
   std::shared_ptr<const Dataset> dataset;
   std::exception_ptr failure;
   try {
+    std::optional<Work> work;
+    if (session) work.emplace(*session, WorkClass::interactive, Work::Options{&loading->task});
     dataset = loader_(key.first, key.second, loading->task);
   } catch (const std::bad_alloc&) {
     failure = std::make_exception_ptr(Error(ErrorCode::too_large, "the dataset does not fit in memory"));

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -54,7 +55,8 @@ class DatasetStore {
     std::uint64_t last_use = 0;
   };
 
-  void load(std::shared_ptr<Loading> loading, Key key);
+  /// session: whose work it is; nothing where it is nobody's.
+  void load(std::shared_ptr<Loading> loading, Key key, std::optional<std::uint64_t> session);
   void drop_unused();  // with mutex_ held
 
   const DatasetStoreOptions options_;

@@ -2,31 +2,31 @@
 
 namespace isostrata {
 
-Encoder& StreamEncoders::encoder(SessionKey session, StreamId stream, Codec codec) {
-  auto& slot = encoders_[{session, stream}];
+Encoder& StreamEncoders::encoder(StreamId stream, Codec codec) {
+  auto& slot = encoders_[stream];
   if (!slot || slot->codec() != codec) slot = make_encoder(codec);
   return *slot;
 }
 
-void StreamEncoders::close_session(SessionKey session) {
-  std::erase_if(encoders_, [session](const auto& entry) { return entry.first.first == session; });
-}
-
-EncoderThreads::EncoderThreads(int threads) {
-  for (int i = 0; i < threads; ++i) lanes_.push_back(std::make_unique<Lane>());
-}
-
 void EncoderThreads::post(SessionKey session, Job job) {
-  Lane& lane = *lanes_[session % lanes_.size()];
-  lane.thread.post([&lane, job = std::move(job)] { job(lane.streams); });
+  const std::lock_guard lock(mutex_);
+  auto& streams = streams_[session];
+  if (!streams) streams = std::make_shared<StreamEncoders>();
+  lanes_.post(session, [streams, job = std::move(job)] { job(*streams); });
 }
 
 void EncoderThreads::close(SessionKey session, StreamId stream) {
-  post(session, [=](StreamEncoders& streams) { streams.close(session, stream); });
+  const std::lock_guard lock(mutex_);
+  if (const auto it = streams_.find(session); it != streams_.end())
+    lanes_.post(session, [streams = it->second, stream] { streams->close(stream); });
 }
 
 void EncoderThreads::close_session(SessionKey session) {
-  post(session, [=](StreamEncoders& streams) { streams.close_session(session); });
+  const std::lock_guard lock(mutex_);
+  const auto it = streams_.find(session);
+  if (it == streams_.end()) return;
+  lanes_.post(session, [streams = std::move(it->second)]() mutable { streams.reset(); });
+  streams_.erase(it);
 }
 
 }  // namespace isostrata

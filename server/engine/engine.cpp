@@ -1,6 +1,5 @@
 #include "engine/engine.h"
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,15 +17,18 @@
 #include <tuple>
 
 #include "base/kept_blocks.h"
+#include "base/work.h"
 #include "data/histogram.h"
 #include "engine/draw_scene.h"
 #include "engine/draw_still.h"
 #include "engine/encoder_threads.h"
+#include "engine/kept_renderers.h"
 #include "engine/known_ranges.h"
+#include "engine/lanes.h"
 #include "engine/operation.h"
-#include "engine/worker_threads.h"
 #include "extraction/brick_memory.h"
 #include "extraction/first_layers.h"
+#include "rendering/native_renderer.h"
 
 namespace isostrata {
 namespace {
@@ -81,6 +83,13 @@ bool same_view(const Scene& a, const Scene& b) {
          a.annotations == b.annotations && a.color_range == b.color_range;
 }
 
+/// A picture that is being drawn or encoded.
+struct Picture {
+  std::shared_ptr<Task> task;
+  std::uint64_t revision = 0;
+  bool until_newer = false;  // a newer scene ends it
+};
+
 struct SessionState {
   std::optional<Scene> scene;  // the newest
   std::shared_ptr<const ExtractedScene> ready;
@@ -92,6 +101,8 @@ struct SessionState {
   std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
   std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
   std::deque<FrameRequest> waiting;
+  std::map<RequestId, Picture> pictures;
+  bool frame_in_lane = false, still_in_lane = false;  // a job that draws one is posted or at work
   std::set<StreamId> streams;  // ordered from and not closed
 };
 
@@ -100,7 +111,13 @@ struct DrawOrder {
   Scene scene;
   std::shared_ptr<const ExtractedScene> extracted;
   double extract_ms = 0;
+  std::shared_ptr<Task> task;
 };
+
+/// A script's picture or somebody's screenshot: nobody has a hand on it.
+bool is_still(const FrameRequest& request) { return request.still.has_value(); }
+
+WorkClass class_of(const FrameRequest& request) { return is_still(request) ? WorkClass::still : WorkClass::interactive; }
 
 }  // namespace
 
@@ -115,11 +132,8 @@ class Engine::Impl {
       : options_(std::move(options)),
         sink_(std::move(sink)),
         store_(options_.store),
-        bases_(options_.store.max_bytes),
-        loaders_(4),
-        readers_(1),
-        exporters_(1),
-        jobs_(std::max(2, static_cast<int>(std::thread::hardware_concurrency()))) {
+        bases_(options_.store.max_bytes) {
+    make_ = options_.renderer ? options_.renderer : [choice = options_.renderer_choice] { return make_renderer(choice); };
     std::promise<std::string> started;
     auto device = started.get_future();
     render_thread_ = std::thread([this, &started] { render(started); });
@@ -137,6 +151,8 @@ class Engine::Impl {
       stopping_ = true;
       for (auto& [id, operation] : operations_)
         if (const auto living = operation.lock()) living->task().cancel();
+      for (auto& [key, session] : sessions_)
+        for (auto& [request, picture] : session.pictures) picture.task->cancel();
     }
     base_task_.cancel();
     changed_.notify_all();
@@ -186,18 +202,23 @@ class Engine::Impl {
 
   // ---- requests ----
 
+  /// Of a session; of none: of the dataset, so that one that cannot be read holds up whoever asks for it and nobody else.
+  static std::uint64_t lane_of(SessionKey session, const std::string& dataset) {
+    return session != 0 ? session : std::hash<std::string>()(dataset) | std::uint64_t{1} << 63;
+  }
+
   void take(OpenRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
     auto operation = begin(request.session, request.request);
     if (request.all_ranges)
-      readers_.post([this, request, operation] { read_ranges(request, operation); });
+      readers_.post(std::hash<std::string>()(request.dataset), [this, request, operation] { read_ranges(request, operation); });
     else
-      loaders_.post([this, request, operation] { describe(request, operation); });
+      openers_.post(lane_of(request.session, request.dataset), [this, request, operation] { describe(request, operation); });
   }
 
   void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
-    run(request.session, request.request, *operation, [&] {
+    run(request.all_ranges ? WorkClass::background : WorkClass::interactive, request.session, request.request, *operation, [&] {
       const CatalogueEntry& source = entry(request.dataset);
       const auto dataset = acquire(source, 0, operation->task());
       const KnownRanges::Known known = ranges_.find(source.source).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}});
@@ -233,14 +254,14 @@ class Engine::Impl {
     return layers;
   }
 
-  // One more step, then whoever else waits has their turn: so series of several sessions advance side by side, and those that
-  // two sessions show are read once.
+  // One more step, then whoever else waits for the same series: what two sessions show is read once. The importers that are
+  // started here are as nice as the thread.
   void read_ranges(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
-    setpriority(PRIO_PROCESS, 0, 10);  // of this thread, and of the importers that it starts: pictures come first
     bool more = false;
     try {
       const Doing opening(options_.board, Stage::opening, request.session, request.request, operation->id());
       const Task& task = operation->task();
+      const Work work(request.session, WorkClass::background, {&task, true, opening.waiting()});
       task.check();
       const CatalogueEntry& source = entry(request.dataset);
       if (!ranges_.next(source.source)) acquire(source, 0, task);
@@ -257,7 +278,7 @@ class Engine::Impl {
       return operation->finish();
     }
     if (more)
-      readers_.post([this, request, operation] { read_ranges(request, operation); });
+      readers_.post(std::hash<std::string>()(request.dataset), [this, request, operation] { read_ranges(request, operation); });
     else
       describe(request, operation);
   }
@@ -274,8 +295,8 @@ class Engine::Impl {
   void take(HistogramRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
-    loaders_.post([this, request, operation = begin(request.session, request.request)] {
-      run(request.session, request.request, *operation, [&] {
+    counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
+      run(WorkClass::still, request.session, request.request, *operation, [&] {
         const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
         const ValueRange range = join(request.least, {array.lower, array.upper});
@@ -290,8 +311,8 @@ class Engine::Impl {
   void take(StatisticsRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
-    loaders_.post([this, request, operation = begin(request.session, request.request)] {
-      run(request.session, request.request, *operation, [&] {
+    counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
+      run(WorkClass::still, request.session, request.request, *operation, [&] {
         const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
         send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
                              statistics(dataset->array(request.array))});
@@ -302,8 +323,8 @@ class Engine::Impl {
   void take(ExportRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
-    exporters_.post([this, request, operation = begin(request.session, request.request)] {
-      run(request.session, request.request, *operation, [&] {
+    exporters_.post(request.session, [this, request, operation = begin(request.session, request.request)] {
+      run(WorkClass::background, request.session, request.request, *operation, [&] {
         const CatalogueEntry& source = entry(request.scene.dataset);
         const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
         const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, operation->task());
@@ -319,8 +340,8 @@ class Engine::Impl {
     const auto it = sessions_.find(request.session);
     if (it != sessions_.end() && it->second.ready && same_extraction(it->second.ready_scene, request.scene))
       ready = it->second.ready;
-    loaders_.post([this, request, ready, operation = begin(request.session, request.request)] {
-      run(request.session, request.request, *operation, [&] {
+    counters_.post(request.session, [this, request, ready, operation = begin(request.session, request.request)] {
+      run(WorkClass::still, request.session, request.request, *operation, [&] {
         const CatalogueEntry& source = entry(request.scene.dataset);
         const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
         const auto extracted = ready ? ready : extract_scene(steps, request.scene, nullptr, operation->task());
@@ -330,12 +351,13 @@ class Engine::Impl {
     });
   }
 
-  template <class Work>
-  void run(SessionKey session, RequestId request, Operation& operation, const Work& work) {
+  template <class Job>
+  void run(WorkClass of, SessionKey session, RequestId request, Operation& operation, const Job& job) {
     try {
       const Doing opening(options_.board, Stage::opening, session, request, operation.id());
       operation.task().check();
-      work();
+      const Work work(session, of, {&operation.task(), true, opening.waiting()});
+      job();
     } catch (...) {
       send(failure_of(std::current_exception(), session, request));
     }
@@ -343,16 +365,16 @@ class Engine::Impl {
   }
 
   void take(SceneUpdate& update) {
-    {
-      std::lock_guard lock(mutex_);
-      if (stopping_) return;
-      SessionState& session = sessions_[update.session];
-      const bool same = session.scene && same_extraction(*session.scene, update.scene);
-      session.scene = std::move(update.scene);
-      if (!same) session.extraction_failure.reset();
-      advance(update.session, session);
-    }
-    changed_.notify_all();
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    SessionState& session = sessions_[update.session];
+    const bool same = session.scene && same_extraction(*session.scene, update.scene);
+    session.scene = std::move(update.scene);
+    if (!same) session.extraction_failure.reset();
+    for (auto& [request, picture] : session.pictures)
+      if (picture.until_newer && picture.revision < session.scene->revision) picture.task->cancel();
+    advance(update.session, session);
+    draw_soon(update.session, session);
   }
 
   // Starts or overtakes the extraction that the newest scene needs. With mutex_ held.
@@ -372,7 +394,7 @@ class Engine::Impl {
     if (session.ready && same_extraction(session.ready_scene, scene)) return;
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
-    jobs_.post([this, key, operation = session.extraction, scene, previous = session.ready] {
+    extractors_.post(key, [this, key, operation = session.extraction, scene, previous = session.ready] {
       extract(key, operation, scene, previous);
     });
   }
@@ -384,6 +406,7 @@ class Engine::Impl {
     try {
       const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
       operation->task().check();
+      const Work work(key, WorkClass::interactive, {&operation->task(), true, extracting.waiting()});
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
       SceneAids aids;
@@ -415,8 +438,8 @@ class Engine::Impl {
         fail_waiting(session, events);
       }
       advance(key, session);
+      draw_soon(key, session);
     }
-    changed_.notify_all();
     for (EngineEvent& event : events) send(std::move(event));
   }
 
@@ -426,9 +449,10 @@ class Engine::Impl {
         previous->request.intervals == extracted.request.intervals || !cuts_exactly(scene, extracted.array) ||
         !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
       return;
-    jobs_.post([this, dataset = extracted.dataset, array = extracted.array] {
+    preparers_.post(0, [this, dataset = extracted.dataset, array = extracted.array] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
+        const Work work(0, WorkClass::background, {&base_task_, true, extracting.waiting()});
         bases_.make(dataset, array, base_task_);
       } catch (const std::exception&) {  // extraction goes on without it
       }
@@ -460,10 +484,10 @@ class Engine::Impl {
       } else {
         it->second.waiting.push_back(request);
         if (request.video) it->second.streams.insert(request.video->stream);
+        draw_soon(request.session, it->second);
       }
     }
     if (failed) send(std::move(*failed));
-    changed_.notify_all();
   }
 
   void take(CancelRequest& request) {
@@ -480,8 +504,10 @@ class Engine::Impl {
   void take(ForgetFrame& request) {
     std::lock_guard lock(mutex_);
     const auto it = sessions_.find(request.session);
-    if (it != sessions_.end())
-      std::erase_if(it->second.waiting, [&](const FrameRequest& f) { return f.request == request.request; });
+    if (it == sessions_.end()) return;
+    std::erase_if(it->second.waiting, [&](const FrameRequest& f) { return f.request == request.request; });
+    if (const auto picture = it->second.pictures.find(request.request); picture != it->second.pictures.end())
+      picture->second.task->cancel();
   }
 
   void take(CloseSession& request) {
@@ -496,7 +522,9 @@ class Engine::Impl {
     const auto it = sessions_.find(session);
     if (it == sessions_.end()) return false;
     freed_outside_the_lock = std::move(it->second.ready);
+    for (auto& [request, picture] : it->second.pictures) picture.task->cancel();
     sessions_.erase(it);
+    renderers_.drop(session);
     encoders_.close_session(session);
     return sessions_.empty();
   }
@@ -514,16 +542,15 @@ class Engine::Impl {
     return it != sessions_.end() && it->second.streams.contains(stream);
   }
 
-  // ---- the render thread ----
+  // ---- the render thread: of a device. Without one it only shows that the engine lives ----
 
   void render(std::promise<std::string>& started) {
     std::unique_ptr<Renderer> renderer;
-    int failures = 0;     // of the device, frames in a row
-    std::string instead;  // what this renderer replaces and why; empty: it is the one that was asked for
+    int failures = 0;  // of the device, frames in a row
     try {
       const Doing starting(Doing::OnRenderThread{}, options_.board, Stage::starting, 0, 0, 1);
-      renderer = options_.renderer ? options_.renderer() : make_renderer(options_.renderer_choice);
-      cuts_intervals_ = renderer->cuts_intervals();
+      renderer = make_();
+      take_renderer(*renderer);
       started.set_value(renderer->device());
     } catch (...) {
       started.set_exception(std::current_exception());
@@ -531,23 +558,29 @@ class Engine::Impl {
     }
     for (;;) {
       std::optional<DrawOrder> order;
+      std::string instead;
       {
         std::unique_lock lock(mutex_);
         while (!changed_.wait_for(lock, kIdlePulse, [&] { return stopping_ || (order = next_order()); })) beat();
         if (stopping_) return;
+        instead = instead_;
       }
-      const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead);
+      const std::optional<std::string> failure = draw(*renderer, std::move(*order), instead, false);
       failures = failure ? failures + 1 : 0;
       if (failures < kDeviceFailures || !instead.empty()) continue;
       instead = " in place of " + renderer->device() + ", which failed " + std::to_string(failures) +
                 " frames in a row, the last with: " + *failure;
       try {
-        renderer = options_.fallback_renderer ? options_.fallback_renderer() : make_renderer({"native", "native"});
-        take_renderer(*renderer);
+        auto make = options_.fallback_renderer ? options_.fallback_renderer : [] { return make_renderer({"native", "native"}); };
+        renderer = make();
+        const std::lock_guard lock(mutex_);
+        make_ = std::move(make);
+        instead_ = std::move(instead);
       } catch (const std::exception&) {
         failures = 0;  // go on as before; each frame says why it fails
-        instead.clear();
+        continue;
       }
+      take_renderer(*renderer);
     }
   }
 
@@ -559,20 +592,78 @@ class Engine::Impl {
   void take_renderer(const Renderer& renderer) {
     const std::lock_guard lock(mutex_);
     cuts_intervals_ = renderer.cuts_intervals();
-    if (cuts_intervals_) return;
+    in_lanes_ = needs_no_device(renderer);
     for (auto& [key, session] : sessions_) {
-      if (!session.ready || !session.ready->base) continue;
-      session.ready.reset();
-      advance(key, session);
+      if (!cuts_intervals_ && session.ready && session.ready->base) {
+        session.ready.reset();
+        advance(key, session);
+      }
+      draw_soon(key, session);
     }
+  }
+
+  // ---- lanes: each session draws for itself, its stills beside its frames ----
+
+  /// Has drawn what is waiting. With mutex_ held.
+  void draw_soon(SessionKey key, SessionState& session) {
+    if (stopping_) return;
+    if (!in_lanes_) return changed_.notify_all();
+    const auto start = [&](bool still, bool& in_lane, Lanes& lanes) {
+      if (in_lane || std::none_of(session.waiting.begin(), session.waiting.end(),
+                                  [&](const FrameRequest& f) { return is_still(f) == still; }))
+        return;
+      in_lane = true;
+      lanes.post(key, [this, key, still] { draw_in_lane(key, still); });
+    };
+    start(false, session.frame_in_lane, frames_);
+    start(true, session.still_in_lane, stills_);
+  }
+
+  /// One picture, so that others who wait for a lane have their turn.
+  void draw_in_lane(SessionKey key, bool still) {
+    std::optional<DrawOrder> order;
+    std::function<std::unique_ptr<Renderer>()> make;
+    std::string instead;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto it = sessions_.find(key);
+      if (stopping_ || it == sessions_.end()) return;
+      order = order_of(it->second, [still](const FrameRequest& f) { return is_still(f) == still; });
+      if (!order) {
+        (still ? it->second.still_in_lane : it->second.frame_in_lane) = false;
+        return;
+      }
+      make = make_;
+      instead = instead_;
+    }
+    std::unique_ptr<Renderer> renderer = renderers_.take(key, still);
+    try {
+      if (!renderer) renderer = make();
+      draw(*renderer, std::move(*order), instead, true);
+    } catch (...) {
+      end_picture(key, order->request.request);
+      send(failure_of(std::current_exception(), key, order->request.request, order->scene.revision));
+    }
+    const std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(key);
+    if (it == sessions_.end()) return;
+    if (renderer) renderers_.give(key, still, std::move(renderer));
+    (still ? it->second.still_in_lane : it->second.frame_in_lane) = false;
+    draw_soon(key, it->second);
+  }
+
+  void end_picture(SessionKey key, RequestId request) {
+    const std::lock_guard lock(mutex_);
+    if (const auto it = sessions_.find(key); it != sessions_.end()) it->second.pictures.erase(request);
   }
 
   // The next session in turn that has a frame to draw. With mutex_ held.
   std::optional<DrawOrder> next_order() {
+    if (in_lanes_) return std::nullopt;
     auto it = sessions_.upper_bound(last_drawn_);
     for (std::size_t n = sessions_.size(); n > 0; --n, ++it) {
       if (it == sessions_.end()) it = sessions_.begin();
-      if (auto order = order_of(it->second)) {
+      if (auto order = order_of(it->second, [](const FrameRequest&) { return true; })) {
         last_drawn_ = it->first;
         return order;
       }
@@ -580,11 +671,15 @@ class Engine::Impl {
     return std::nullopt;
   }
 
-  static std::optional<DrawOrder> order_of(SessionState& session) {
-    if (session.waiting.empty() || !session.ready || !session.scene) return std::nullopt;
+  /// Of the requests that fit. With mutex_ held.
+  template <class Fits>
+  static std::optional<DrawOrder> order_of(SessionState& session, const Fits& fits) {
+    if (!session.ready || !session.scene) return std::nullopt;
     const bool newest = same_extraction(session.ready_scene, *session.scene);
     DrawOrder order;
-    auto request = session.waiting.begin();
+    const auto request = std::find_if(session.waiting.begin(), session.waiting.end(),
+                                      [&](const FrameRequest& f) { return fits(f) && (newest || !f.lossless); });
+    if (request == session.waiting.end()) return std::nullopt;
     if (newest) {
       order.scene = *session.scene;
       session.ready_scene = *session.scene;
@@ -592,8 +687,6 @@ class Engine::Impl {
     } else {
       // The intervals of the newest scene are still being extracted. The camera need not wait for them.
       if (session.ready_scene.dataset != session.scene->dataset) return std::nullopt;
-      request = std::find_if(request, session.waiting.end(), [](const FrameRequest& f) { return !f.lossless; });
-      if (request == session.waiting.end()) return std::nullopt;
       order.scene = session.ready_scene;
       take_view(order.scene, *session.scene);
       const bool seen = session.ready_drawn && session.drawn_meanwhile
@@ -604,62 +697,96 @@ class Engine::Impl {
     }
     order.request = *request;
     session.waiting.erase(request);
+    order.task = std::make_shared<Task>();
+    session.pictures[order.request.request] = {order.task, order.scene.revision, order.request.band_bytes > 0};
     order.extracted = session.ready;
     order.extract_ms = session.ready_drawn ? 0 : session.ready->extract_ms;
     session.ready_drawn = true;
     return order;
   }
 
-  /// Why the device failed, where it did. instead: is added to the device's name.
-  std::optional<std::string> draw(Renderer& renderer, DrawOrder order, const std::string& instead) {
+  /// Why the device failed, where it did. instead: is added to the device's name. in_lane: the thread is the session's, so that
+  /// it may wait for its turn and end in the middle; a device is everybody's, so there turns are taken between pictures.
+  std::optional<std::string> draw(Renderer& renderer, DrawOrder order, const std::string& instead, bool in_lane) {
     const FrameRequest& request = order.request;
     // On the board before it is said: whoever hears of it and looks finds it there.
-    const Doing drawing(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request,
-                        patience_for(request, device_));
+    std::optional<Doing> drawing;
+    const std::uint32_t patience = patience_for(request, device_);
+    if (in_lane)
+      drawing.emplace(options_.board, Stage::drawing, request.session, request.request, 0, patience);
+    else
+      drawing.emplace(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request, patience);
     send(FrameStarted{request.session, request.request});
-    Stopwatch watch;
     try {
-      DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
-      if (request.still && is_float(*request.still)) input.float_image = true;
-      const auto annotations = std::make_shared<Drawing>();
-      if (request.annotations) order.scene.annotations = *request.annotations;
-      if (order.scene.annotations.any()) {
-        *annotations = annotate(annotation_input(*order.extracted, order.scene, input));
-        if (!annotations->empty()) ask_for_annotated(input, request.lossless);
+      Drawn drawn = [&] {
+        const Work work(request.session, class_of(request), {in_lane ? order.task.get() : nullptr, in_lane, drawing->waiting()});
+        return draw_scene(renderer, order, instead);
+      }();
+      drawing.reset();
+      order.extracted.reset();
+      if (in_lane && is_still(request)) {
+        encode(nullptr, drawn, order);
+      } else {
+        const std::lock_guard lock(mutex_);
+        if (!sessions_.contains(request.session)) throw Error(ErrorCode::cancelled, "the session has ended");
+        encoders_.post(request.session,
+                       [this, drawn = std::make_shared<Drawn>(std::move(drawn)), order](StreamEncoders& streams) mutable {
+                         encode(&streams, *drawn, order);
+                         drawn.reset();
+                       });
       }
-      DrawResult result = renderer.draw(input);
-      FrameReady frame;
-      frame.session = request.session;
-      frame.request = request.request;
-      frame.revision = order.scene.revision;
-      frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
-      frame.lossless = request.lossless;
-      frame.jpeg = request.jpeg;
-      if (request.video) frame.video = VideoFacts{request.video->codec, request.video->stream, false};
-      frame.width = request.width;
-      frame.height = request.height;
-      frame.camera = input.camera;
-      frame.stages = {order.extract_ms, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, 0, 0};
-      frame.device = result.facts.device + instead;
-      frame.order = std::move(result.facts.order);
-      frame.order_exact = result.facts.order_exact;
-      frame.tetrahedra = result.facts.tetrahedra;
-      frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
-      auto image = std::make_shared<AnyImage>(std::move(result.image));
-      EncodeOrder encode_order{request.jpeg_quality};
-      if (request.video) encode_order.bitrate_kbps = request.video->bitrate_kbps, encode_order.key = request.video->key;
-      encoders_.post(request.session, [this, image, annotations, background = input.background, frame = std::move(frame), watch,
-                                       encode_order, band_bytes = request.lossless ? request.band_bytes : 0,
-                                       still = request.still](StreamEncoders& streams) mutable {
-        encode(streams, *image, *annotations, background, std::move(frame), watch, encode_order, band_bytes, still);
-      });
+      return std::nullopt;
     } catch (const Error& error) {
+      end_picture(request.session, request.request);
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
       if (error.code() == ErrorCode::unavailable) return error.what();
     } catch (...) {
+      end_picture(request.session, request.request);
       send(failure_of(std::current_exception(), request.session, request.request, order.scene.revision));
     }
     return std::nullopt;
+  }
+
+  /// A picture before it has bytes.
+  struct Drawn {
+    AnyImage image;
+    Drawing annotations;
+    Rgb background{0, 0, 0};
+    FrameReady frame;
+    Stopwatch since_taken;
+  };
+
+  Drawn draw_scene(Renderer& renderer, DrawOrder& order, const std::string& instead) {
+    const FrameRequest& request = order.request;
+    Drawn drawn;
+    DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
+    if (request.still && is_float(*request.still)) input.float_image = true;
+    if (request.annotations) order.scene.annotations = *request.annotations;
+    if (order.scene.annotations.any()) {
+      drawn.annotations = annotate(annotation_input(*order.extracted, order.scene, input));
+      if (!drawn.annotations.empty()) ask_for_annotated(input, request.lossless);
+    }
+    DrawResult result = renderer.draw(input);
+    FrameReady& frame = drawn.frame;
+    frame.session = request.session;
+    frame.request = request.request;
+    frame.revision = order.scene.revision;
+    frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
+    frame.lossless = request.lossless;
+    frame.jpeg = request.jpeg;
+    if (request.video) frame.video = VideoFacts{request.video->codec, request.video->stream, false};
+    frame.width = request.width;
+    frame.height = request.height;
+    frame.camera = input.camera;
+    frame.stages = {order.extract_ms, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, 0, 0};
+    frame.device = result.facts.device + instead;
+    frame.order = std::move(result.facts.order);
+    frame.order_exact = result.facts.order_exact;
+    frame.tetrahedra = result.facts.tetrahedra;
+    frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
+    drawn.image = std::move(result.image);
+    drawn.background = input.background;
+    return drawn;
   }
 
   void send_encoded(FrameReady frame, const Stopwatch& encoding, const Stopwatch& since_taken) {
@@ -668,30 +795,46 @@ class Engine::Impl {
     send(std::move(frame));
   }
 
-  void encode(StreamEncoders& streams, AnyImage& drawn, const Drawing& annotations, const Rgb& background, FrameReady frame,
-              const Stopwatch& since_taken, const EncodeOrder& order, std::size_t band_bytes, std::optional<StillFormat> still) {
-    const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
+  /// Makes the picture's bytes and sends them. streams: null for a still.
+  void encode(StreamEncoders* streams, Drawn& drawn, const DrawOrder& of) {
+    FrameReady& frame = drawn.frame;
+    const FrameRequest& request = of.request;
     try {
-      Stopwatch watch;
-      if (!annotations.empty()) drawn = finish_annotated(std::move(drawn), annotations, background, false);
-      if (still) {
-        frame.bytes = std::make_shared<const Bytes>(std::visit([&](const auto& of) { return encode_still(of, *still); }, drawn));
-        return send_encoded(std::move(frame), watch, since_taken);
-      }
-      const Image& image = std::get<Image>(drawn);
-      if (frame.video) {
-        if (!encode_video(streams, image, order, frame)) return;
-      } else if (band_bytes > 0) {
-        auto bands = encode_png_bands(image, band_bytes, [&] { return overtaken(frame.session, frame.revision); });
-        if (bands.empty()) throw Error(ErrorCode::cancelled, "a newer scene came first");
-        frame.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
-      } else {
-        frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, order.quality) : encode_png(image));
-      }
-      send_encoded(std::move(frame), watch, since_taken);
+      const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
+      const Work work(frame.session, class_of(request), {of.task.get(), true, encoding.waiting()});
+      encode_bytes(streams, drawn, of);
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
     }
+    end_picture(request.session, request.request);
+  }
+
+  void encode_bytes(StreamEncoders* streams, Drawn& drawn, const DrawOrder& of) {
+    FrameReady& frame = drawn.frame;
+    const FrameRequest& request = of.request;
+    of.task->check();
+    Stopwatch watch;
+    if (!drawn.annotations.empty())
+      drawn.image = finish_annotated(std::move(drawn.image), drawn.annotations, drawn.background, false);
+    if (request.still) {
+      frame.bytes = std::make_shared<const Bytes>(
+          std::visit([&](const auto& image) { return encode_still(image, *request.still); }, drawn.image));
+      return send_encoded(std::move(frame), watch, drawn.since_taken);
+    }
+    const Image& image = std::get<Image>(drawn.image);
+    if (frame.video) {
+      EncodeOrder order{request.jpeg_quality};
+      order.bitrate_kbps = request.video->bitrate_kbps;
+      order.key = request.video->key;
+      if (!encode_video(*streams, image, order, frame)) return;
+    } else if (request.lossless && request.band_bytes > 0) {
+      auto bands = encode_png_bands(image, request.band_bytes, [&] { return overtaken(frame.session, frame.revision); });
+      if (bands.empty()) throw Error(ErrorCode::cancelled, "a newer scene came first");
+      frame.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
+    } else {
+      frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, request.jpeg_quality) : encode_png(image));
+    }
+    send_encoded(std::move(frame), watch, drawn.since_taken);
   }
 
   bool overtaken(SessionKey key, std::uint64_t revision) {
@@ -708,7 +851,7 @@ class Engine::Impl {
       return false;
     }
     try {
-      EncodedFrame encoded = streams.encoder(frame.session, stream, frame.video->codec).encode(image, order);
+      EncodedFrame encoded = streams.encoder(stream, frame.video->codec).encode(image, order);
       frame.bytes = std::make_shared<const Bytes>(std::move(encoded.bytes));
       frame.video->key = encoded.key;
       return true;
@@ -724,10 +867,14 @@ class Engine::Impl {
   const Sink sink_;
   std::string device_;
   std::atomic<bool> cuts_intervals_{false};  // the renderer of now
+  static constexpr int kStills = 4;          // sessions whose stills are drawn at once: each holds a picture
 
   std::mutex mutex_;  // guards the block below
   std::condition_variable changed_;
   bool stopping_ = false;
+  bool in_lanes_ = false;                            // the renderer of now needs no device
+  std::function<std::unique_ptr<Renderer>()> make_;  // makes another one like it
+  std::string instead_;                              // what it replaces and why; empty: it is the one that was asked for
   std::map<SessionKey, SessionState> sessions_;
   SessionKey last_drawn_ = 0;
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
@@ -739,13 +886,18 @@ class Engine::Impl {
   BrickMemory bricks_;                       // of all sessions
   BaseMeshes bases_;                         // likewise
   Task base_task_;                           // of making those that nobody waits for
-  std::atomic<bool> base_in_making_{false};  // one at a time, so that job threads are left for extraction
+  std::atomic<bool> base_in_making_{false};  // one at a time
   KnownRanges ranges_;
-  WorkerThreads loaders_;
-  WorkerThreads readers_;    // of steps for their ranges, one after the other
-  WorkerThreads exporters_;  // one mesh file after the other, so that scripts cannot take every core
-  WorkerThreads jobs_;
+  KeptRenderers renderers_;
   EncoderThreads encoders_;
+  Lanes openers_;                 // by session
+  Lanes counters_;                // of histograms and the like, by session
+  Lanes readers_{{8, 10}};        // of steps for their ranges, by dataset
+  Lanes exporters_{{2, 10}};      // of mesh files, by session
+  Lanes preparers_{{1, 10}};      // of base meshes
+  Lanes extractors_;              // by session
+  Lanes stills_{{kStills, 0}};    // by session
+  Lanes frames_;                  // by session
   std::thread render_thread_;
 };
 

@@ -1,9 +1,10 @@
 // The engine: scenes become frames. Plain messages in, plain messages out (messages.h); what happens in between is nobody else's
 // business.
 //
-// Threads: one render thread owns the renderer and its context; a few job threads load, extract and count; encoder threads make
-// bytes, each session always on the same one, so that its frames leave in the order they were drawn. Sessions take turns at the
-// render thread.
+// Threads: each session has lanes of its own (lanes.h) in which its files are opened, its scene is extracted, its frames and stills
+// are drawn and encoded, so that whatever one session asks for, the others' threads are free. Whose loops run is decided block by
+// block (base/work.h): frames before stills before exports, sessions by the time that they had. A device has one thread, the render
+// thread, at which sessions take turns between pictures.
 #pragma once
 
 #include <functional>
@@ -21,7 +22,8 @@ struct EngineOptions {
   Catalogue catalogue;
   RendererChoice renderer_choice;
   DatasetStoreOptions store;
-  /// Makes the renderer, called on the render thread; empty: make_renderer(renderer_choice). Tests bring their own.
+  /// Makes the renderer, called on the render thread, and on lanes' threads where it needs_no_device (native_renderer.h); empty:
+  /// make_renderer(renderer_choice). Tests bring their own.
   std::function<std::unique_ptr<Renderer>()> renderer;
   /// The renderer from then on, made on the render thread when the device has failed three frames in a row
   /// (ErrorCode::unavailable; after each the renderer has tried a new context). The frames' device says so. Empty: native.

@@ -128,7 +128,7 @@ std::vector<EngineEvent> RequestLedger::end_life(const std::vector<ActivityFacts
   std::map<SessionKey, bool> blamed;  // their scenes; whether one was being drawn
   std::set<RequestId> counted;
   for (const ActivityFacts& of : at) {
-    if (of.stage == Stage::idle || of.stage == Stage::starting) continue;
+    if (of.stage == Stage::idle || of.stage == Stage::starting || of.waits) continue;
     const auto it = requests_.find(of.request);
     const bool about_scene = of.request == 0 || it == requests_.end() || is_frame(it->second.request);
     if (about_scene)

@@ -20,14 +20,17 @@ Watchdog::Verdict Watchdog::look(const std::vector<ActivityFacts>& at, Duration 
         seen.cancelled = was.cancelled;
       }
     }
-    if (of.slot == ActivityBoard::kRenderThread) {
+    if (of.slot == ActivityBoard::kRenderThread || of.stage == Stage::drawing) {
       const int patience = ready ? static_cast<int>(std::clamp(of.patience, 1u, 1000u)) : kStarting;
-      verdict.fraction = static_cast<double>(seen.silent.count()) / static_cast<double>((hard_ * patience).count());
-      if (seen.silent >= soft_ * patience) {
-        verdict.hanging = true;
-        verdict.hung = seen.silent >= hard_ * patience;
-        verdict.silent = seen.silent;
-        verdict.stage = of.stage;
+      const double fraction = static_cast<double>(seen.silent.count()) / static_cast<double>((hard_ * patience).count());
+      if (fraction > verdict.fraction && !verdict.hung) {
+        verdict.fraction = fraction;
+        if (seen.silent >= soft_ * patience) {
+          verdict.hanging = true;
+          verdict.hung = seen.silent >= hard_ * patience;
+          verdict.silent = seen.silent;
+          verdict.stage = of.stage;
+        }
       }
     } else if (ready && seen.silent >= hard_ * kCancelled) {
       if (!std::exchange(seen.cancelled, true)) verdict.stuck.push_back(of);

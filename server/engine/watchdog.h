@@ -17,11 +17,11 @@ class Watchdog {
   Watchdog(Duration soft, Duration hard) : soft_(soft), hard_(hard) {}
 
   struct Verdict {
-    bool hanging = false;              // the render thread has passed the soft limit
+    bool hanging = false;              // the render thread, or a drawing, has passed the soft limit
     bool hung = false;                 // something has passed its last limit
     std::vector<ActivityFacts> stuck;  // other threads that have just become late: cancelling may help
     Duration silent{0};                // the longest silence in units of the usual patience, of what hangs
-    double fraction = 0;               // of the way to the end, of the render thread
+    double fraction = 0;               // of the way to the end, of that which is nearest to it
     Stage stage = Stage::idle;         // of what hangs
   };
   /// passed: since the last look. A look that comes late counts little: then whoever looks was stopped itself. ready: the worker

@@ -73,4 +73,6 @@ class NativeRenderer final : public Renderer {
 
 std::unique_ptr<Renderer> make_native_renderer() { return std::make_unique<NativeRenderer>(); }
 
+bool needs_no_device(const Renderer& renderer) { return dynamic_cast<const NativeRenderer*>(&renderer) != nullptr; }
+
 }  // namespace isostrata

@@ -139,6 +139,15 @@ TEST_F(RequestLedgerTest, WhoWasBusyByChanceIsNotWithheldWithIt) {
   EXPECT_EQ(count<RequestFailed>(ledger.end_life({both[0]}, "killed", true)), 0) << "it begins anew";
 }
 
+TEST_F(RequestLedgerTest, WhoWaitedForItsTurnIsNotBlamed) {
+  ActivityFacts waiting{1, Stage::drawing, 1, 1, 10};
+  waiting.waits = true;
+  ledger.ask(SceneUpdate{1, scene(1)});
+  ledger.ask(frame(1, 10));
+  for (int i = 0; i < 2 * RequestLedger::kMostSceneDeaths; ++i)
+    EXPECT_EQ(count<RequestFailed>(ledger.end_life({waiting}, "killed", true)), 0);
+}
+
 TEST_F(RequestLedgerTest, AFrameInBetweenClearsAScene) {
   ledger.ask(SceneUpdate{1, scene(1)});
   for (RequestId request = 1; request <= 10; ++request) {

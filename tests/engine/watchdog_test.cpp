@@ -40,6 +40,25 @@ TEST_F(WatchdogTest, WhatMovesIsNeverHung) {
   EXPECT_FALSE(verdict.hung);
 }
 
+TEST_F(WatchdogTest, ASessionsOwnDrawingIsLookedAtAsCloselyAsTheRenderThread) {
+  at = {{ActivityBoard::kRenderThread, Stage::idle, 1, 0, 0}, {5, Stage::drawing, 2, 1, 7}};
+  for (auto passed = 0ms; passed < 3900ms; passed += kTick) {
+    ++at.front().pulse;
+    pass(kTick);
+  }
+  EXPECT_FALSE(verdict.hanging);
+  for (auto passed = 0ms; passed < 16200ms; passed += kTick) {
+    ++at.front().pulse;
+    pass(kTick);
+    if (passed == 300ms) {
+      EXPECT_TRUE(verdict.hanging);
+      EXPECT_FALSE(verdict.hung);
+    }
+  }
+  EXPECT_TRUE(verdict.hung);
+  EXPECT_EQ(verdict.stage, Stage::drawing);
+}
+
 TEST_F(WatchdogTest, AnIdleThreadMustMoveToo) {
   at[0].stage = Stage::idle;
   pass(11s);

@@ -1,0 +1,190 @@
+// What one session asks for and what another one waits: the order of what happens, never how long it takes. Without turns each of
+// the heavy works here is done before anybody else's next picture.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "engine/engine.h"
+#include "engine/heard_events.h"
+
+namespace isostrata {
+namespace {
+
+constexpr SessionKey kHeavy = 1, kPolite = 2;
+
+class Neighbours : public ::testing::Test, protected HeardEvents {
+ protected:
+  Neighbours() {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"torus:12", "torus:32", "cylinder:64x64x32x4"});
+    options.renderer_choice = {"native", "native"};
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+    engine_->post(SceneUpdate{kPolite, scene(1)});
+    engine_->post(frame(kPolite, 1000));
+    frame_of(1000);
+  }
+  ~Neighbours() override { engine_.reset(); }
+
+  /// Many layers whose colours run: the most that a scene may ask of a renderer.
+  static Scene heavy_scene(std::uint64_t revision = 1) {
+    Scene heavy = scene(revision, 0.5, "torus-32");
+    heavy.intervals.clear();
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      SceneInterval layer{i + 1, 0.7 * i / 256, 0.7 * (i + 1) / 256, {1, 0, 0}, "", 0.02, 0, true};
+      layer.color_map = "viridis";
+      heavy.intervals.push_back(layer);
+    }
+    return heavy;
+  }
+  static FrameRequest still(RequestId request, int side) {
+    FrameRequest wanted = frame(kHeavy, request, true);
+    wanted.width = wanted.height = side;
+    wanted.still = StillFormat::png;
+    return wanted;
+  }
+  void wait_until_drawn(RequestId request) {
+    wait_for<FrameStarted>([=](const FrameStarted& f) { return f.request == request; });
+  }
+  /// A camera that turns, each picture awaited.
+  void drag(int frames) {
+    for (int i = 0; i < frames; ++i) {
+      Scene turned = scene(++revision_);
+      turned.camera->eye.x = 3 + 0.01 * i;
+      engine_->post(SceneUpdate{kPolite, turned});
+      engine_->post(frame(kPolite, ++request_));
+      EXPECT_EQ(frame_of(request_).revision, revision_);
+    }
+  }
+  /// Whether the request has been answered by now.
+  bool answered(RequestId request) {
+    std::lock_guard lock(mutex_);
+    return std::any_of(events_.begin(), events_.end(), [&](const EngineEvent& event) {
+      return !std::holds_alternative<FrameStarted>(event) && !std::holds_alternative<OperationProgress>(event) &&
+             !std::holds_alternative<OperationDone>(event) && request_of(event) == request;
+    });
+  }
+
+  std::unique_ptr<Engine> engine_;
+  std::uint64_t revision_ = 1;
+  RequestId request_ = 2000;
+};
+
+TEST_F(Neighbours, FramesAreDrawnBesideAHugeStill) {
+  engine_->post(SceneUpdate{kHeavy, scene(1, 0.5, "torus-32")});
+  engine_->post(still(1, 8192));
+  wait_until_drawn(1);
+  drag(20);
+  EXPECT_FALSE(answered(1)) << "the still came first";
+  EXPECT_EQ(frame_of(1).width, 8192);
+}
+
+TEST_F(Neighbours, FramesAreDrawnBesideAStillOf256MappedLayersAndItsSessionCanEnd) {
+  engine_->post(SceneUpdate{kHeavy, heavy_scene()});
+  engine_->post(still(1, 2048));
+  wait_until_drawn(1);
+  drag(20);
+  EXPECT_FALSE(answered(1)) << "the still came first";
+  engine_->post(CloseSession{kHeavy});
+  EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
+  drag(3);
+}
+
+TEST_F(Neighbours, FramesAreDrawnBesideAFrameThatIsFarHeavier) {
+  engine_->post(SceneUpdate{kHeavy, heavy_scene()});
+  FrameRequest wanted = frame(kHeavy, 1);
+  wanted.width = wanted.height = 2048;
+  engine_->post(wanted);
+  wait_until_drawn(1);
+  drag(20);
+  EXPECT_FALSE(answered(1)) << "the heavy frame came first";
+  engine_->post(ForgetFrame{kHeavy, 1});
+  EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
+}
+
+TEST_F(Neighbours, FramesAreDrawnBesideSpaceTime) {
+  Scene heavy = scene(1, 0.6, "cylinder-64x64x32x4");
+  heavy.array = "";
+  heavy.intervals = {{1, 0.9, 1.1, {1, 0, 0}, "", 0.5, 0, true}};
+  heavy.time = 0.5;
+  heavy.time_mode = TimeMode::spacetime;
+  engine_->post(SceneUpdate{kHeavy, heavy});
+  engine_->post(frame(kHeavy, 1));
+  drag(20);
+  EXPECT_FALSE(answered(1)) << "the slice of space-time came first";
+  engine_->post(CloseSession{kHeavy});
+}
+
+TEST_F(Neighbours, AStillThatNobodyWantsEndsAndTheNextOneIsDrawn) {
+  engine_->post(SceneUpdate{kHeavy, heavy_scene()});
+  engine_->post(still(1, 2048));
+  engine_->post(still(2, 16));
+  wait_until_drawn(1);
+  engine_->post(ForgetFrame{kHeavy, 1});
+  EXPECT_EQ(frame_of(2).width, 16);
+  EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
+}
+
+TEST_F(Neighbours, ASessionsFramesAreDrawnBesideItsStill) {
+  engine_->post(SceneUpdate{kPolite, heavy_scene(++revision_)});
+  FrameRequest wanted = still(1, 2048);
+  wanted.session = kPolite;
+  engine_->post(wanted);
+  wait_until_drawn(1);
+  engine_->post(frame(kPolite, 2));
+  frame_of(2);
+  EXPECT_FALSE(answered(1));
+  engine_->post(ForgetFrame{kPolite, 1});
+}
+
+TEST_F(Neighbours, ANewerSceneEndsALosslessFrameInTheMiddle) {
+  engine_->post(SceneUpdate{kHeavy, heavy_scene(1)});
+  FrameRequest wanted = frame(kHeavy, 1, true);
+  wanted.width = wanted.height = 2048;
+  wanted.band_bytes = 64 << 10;
+  engine_->post(wanted);
+  wait_until_drawn(1);
+  Scene turned = heavy_scene(2);
+  turned.camera->eye.x += 1;
+  engine_->post(SceneUpdate{kHeavy, turned});
+  EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
+  engine_->post(frame(kHeavy, 2));
+  EXPECT_EQ(frame_of(2).revision, 2u);
+}
+
+TEST_F(Neighbours, ManySessionsDrawAtOnceAndEachGetsItsOwn) {
+  constexpr int kSessions = 12, kFrames = 10;
+  RequestId request = 5000;
+  for (int f = 0; f < kFrames; ++f)
+    for (SessionKey s = 10; s < 10 + kSessions; ++s) {
+      engine_->post(SceneUpdate{s, scene(static_cast<std::uint64_t>(f + 1), 0.3 + 0.01 * static_cast<double>(s))});
+      FrameRequest wanted = frame(s, ++request, f + 1 == kFrames);
+      wanted.jpeg = true;
+      if (f % 3 == 2) wanted.still = StillFormat::png, wanted.lossless = true;
+      engine_->post(wanted);
+    }
+  for (SessionKey s = 10; s < 10 + kSessions; ++s) {
+    const FrameReady last = frame_of(5000 + static_cast<RequestId>((kFrames - 1) * kSessions) + (s - 9));
+    EXPECT_EQ(last.session, s);
+    EXPECT_EQ(last.revision, static_cast<std::uint64_t>(kFrames));
+  }
+  for (RequestId r = 5001; r <= request; ++r) EXPECT_EQ(frame_of(r).session, 10 + (r - 5001) % kSessions);
+}
+
+TEST_F(Neighbours, TheEngineEndsInTheMiddleOfAllThis) {
+  for (SessionKey s = 20; s < 24; ++s) {
+    engine_->post(SceneUpdate{s, heavy_scene()});
+    FrameRequest wanted = still(s, 4096);
+    wanted.session = s;
+    engine_->post(wanted);
+    FrameRequest moving = frame(s, 100 + s);
+    moving.width = moving.height = 1024;
+    engine_->post(moving);
+  }
+  wait_until_drawn(20);
+  engine_.reset();
+}
+
+}  // namespace
+}  // namespace isostrata
