@@ -27,6 +27,7 @@ struct Connections {
   std::function<void()> wake;
   WrongTokens wrong_tokens{};
   double messages_per_second = MessageBudget::kPerSecond;  // of one WebSocket; more are passed over or read later
+  std::size_t unread_bytes = 0;  // of HTTP answers that are being sent
 };
 
 /// Serves one socket until it ends: HTTP requests, of which one may become a WebSocket. address: of who is at its other end. Never

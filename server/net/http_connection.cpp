@@ -1,5 +1,7 @@
 // HTTP on one socket. Beast 1.81 needs care: it is compiled with NDEBUG, bodies in chunks are refused, and any parse error ends
 // the connection.
+#include <poll.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/asio/redirect_error.hpp>
@@ -35,6 +37,8 @@ constexpr auto kBodyTimeout = std::chrono::seconds(20);
 constexpr auto kWriteTimeout = std::chrono::seconds(60);
 constexpr auto kAnswerTimeout = std::chrono::seconds(600);  // loading a dataset may take that long
 constexpr auto kHeartbeat = std::chrono::seconds(15);       // a comment in an event stream that has no news
+constexpr auto kLookWhetherGone = std::chrono::milliseconds(20);
+constexpr std::size_t kMostUnread = std::size_t{256} << 20;  // bytes of answers on their way, of all connections together
 constexpr std::uint32_t kMaxHeaderBytes = 16384;
 
 using Parser = http::request_parser<http::string_body>;
@@ -114,15 +118,22 @@ http::response<http::string_body> wire(HttpResponse&& response, unsigned version
   return out;
 }
 
-// Waits for the site's one reply.
-asio::awaitable<HttpResponse> answer(Site& site, const HttpRequest& request) {
+// Whether nobody is at the other end any more, or nobody who would read.
+bool has_gone(beast::tcp_stream& stream) {
+  pollfd socket{stream.socket().native_handle(), POLLRDHUP, 0};
+  return ::poll(&socket, 1, 0) > 0 && (socket.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
+
+// Waits for the site's one reply. Where the client goes meanwhile, its work is ended and there is none.
+asio::awaitable<std::optional<HttpResponse>> answer(Site& site, HttpRequest request, beast::tcp_stream& stream) {
   struct Slot {
     explicit Slot(const asio::any_io_executor& executor) : arrived(executor) {}
     asio::steady_timer arrived;
     std::optional<HttpResponse> response;
   };
   const auto slot = std::make_shared<Slot>(co_await asio::this_coro::executor);
-  slot->arrived.expires_after(kAnswerTimeout);
+  const auto until = std::chrono::steady_clock::now() + kAnswerTimeout;
+  const auto gone = request.gone = std::make_shared<ClientGone>();
   try {
     site.handle(request, [slot](HttpResponse response) {
       if (slot->response) return;
@@ -134,9 +145,19 @@ asio::awaitable<HttpResponse> answer(Site& site, const HttpRequest& request) {
     site.refused(500);
   }
   boost::system::error_code error;
-  if (!slot->response) co_await slot->arrived.async_wait(asio::redirect_error(asio::use_awaitable, error));
-  if (!slot->response) slot->response = problem(503, "unavailable", "this took longer than ten minutes and was given up");
-  co_return std::move(*slot->response);
+  while (!slot->response && std::chrono::steady_clock::now() < until) {
+    slot->arrived.expires_after(kLookWhetherGone);
+    co_await slot->arrived.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    if (slot->response || !has_gone(stream)) continue;
+    if (gone->then) gone->then();
+    slot->response.emplace();  // what comes late is not taken
+    co_return std::nullopt;
+  }
+  if (!slot->response) {
+    if (gone->then) gone->then();
+    slot->response = problem(503, "unavailable", "this took longer than ten minutes and was given up");
+  }
+  co_return std::move(slot->response);
 }
 
 asio::awaitable<bool> write(beast::tcp_stream& stream, http::response<http::string_body> response) {
@@ -205,6 +226,21 @@ asio::awaitable<void> drain(beast::tcp_stream& stream) {
     drained += co_await stream.async_read_some(asio::buffer(piece), asio::redirect_error(asio::use_awaitable, error));
 }
 
+/// An answer that is being sent counts until it has been read, or its reader is given up.
+class Unread {
+ public:
+  Unread(Connections& connections, std::size_t bytes) : connections_(connections), bytes_(bytes) { connections_.unread_bytes += bytes_; }
+  ~Unread() { connections_.unread_bytes -= bytes_; }
+  Unread(const Unread&) = delete;
+  Unread& operator=(const Unread&) = delete;
+
+ private:
+  Connections& connections_;
+  const std::size_t bytes_;
+};
+
+std::string megabytes(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
+
 asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address, Connections& connections, Places::Place& place) {
   beast::flat_buffer buffer(kMaxHeaderBytes + kMaxMessageBytes);
   place.set_close([&stream] { stream.close(); });
@@ -269,8 +305,9 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
     // Whoever may send no body is answered by the head alone.
     const bool unread = !head_says.may_send_body && !parser.is_done();
     if (unread) {
-      HttpResponse response = co_await answer(connections.site, asked);
-      co_await write(stream, wire(std::move(response), parser.get().version(), false, parser.get().method() == http::verb::head));
+      std::optional<HttpResponse> response = co_await answer(connections.site, asked, stream);
+      if (!response) break;
+      co_await write(stream, wire(std::move(*response), parser.get().version(), false, parser.get().method() == http::verb::head));
       co_return co_await drain(stream);
     }
     stream.expires_after(kBodyTimeout);
@@ -287,8 +324,17 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
     stream.expires_never();
     asked.body = request.body();
     connections.site.set_connections(connections.places.taken());
-    HttpResponse response = co_await answer(connections.site, asked);
+    std::optional<HttpResponse> answered = co_await answer(connections.site, asked, stream);
     connections.wake();
+    if (!answered) break;
+    HttpResponse response = std::move(*answered);
+    if (connections.unread_bytes > 0 && connections.unread_bytes + response.body.size() > kMostUnread) {
+      connections.site.refused(503);
+      response = problem(503, "unavailable", "an answer of " + megabytes(response.body.size()) + " finds " + megabytes(connections.unread_bytes) +
+                                                 " of others that nobody has read yet; expected at most " + megabytes(kMostUnread) +
+                                                 " in all. Try again later");
+    }
+    const Unread counted(connections, response.body.size());
     if (response.events && !head) {
       co_await write_events(stream, std::move(response), request.version());
       break;

@@ -17,11 +17,17 @@ class EventStream;
 
 using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
 
+/// What is to be done where whoever asked is gone before the answer. Set by what answers, on the io thread; called there, once.
+struct ClientGone {
+  std::function<void()> then;
+};
+
 struct HttpRequest {
   std::string method;  // "GET"
   std::string target;  // as it came: "/a%20b?x=1"
   std::string body;
   HttpHeaders headers;  // names in lower case
+  std::shared_ptr<ClientGone> gone;  // null: nobody watches
 
   /// Empty where there is none.
   std::string_view header(std::string_view name) const {

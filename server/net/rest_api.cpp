@@ -5,6 +5,7 @@
 
 #include "net/openapi.h"
 #include "net/problem.h"
+#include "net/rest_routes.h"
 #include "session/wire.h"
 
 namespace isostrata {
@@ -75,6 +76,10 @@ std::optional<HttpResponse> refuse_revision(const HttpRequest& request, std::uin
 }
 
 }  // namespace
+
+void give_up_with(const Call& call, RestContext& context, RequestId request) {
+  if (call.request.gone) call.request.gone->then = [&sessions = context.sessions, request] { sessions.give_up(request); };
+}
 
 RestApi::RestApi(Sessions& sessions)
     : sessions_(sessions), operations_(sessions), events_(sessions, operations_), context_{sessions, operations_, events_}, router_(all_routes(context_, document_)) {

@@ -18,11 +18,11 @@ void with_dataset(RestContext& context, const Call& call, std::function<void(con
   if (ranges != "known" && ranges != "all")
     return call.reply(problem(
         wire_error("invalid_argument", "ranges '" + ranges.substr(0, 32) + "' is not known; expected known or all", "ranges")));
-  context.sessions.ask(OpenRequest{0, 0, call.path.at("dataset"), ranges == "all"},
+  give_up_with(call, context, context.sessions.ask(OpenRequest{0, 0, call.path.at("dataset"), ranges == "all"},
                        [reply = call.reply, go_on = std::move(go_on)](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          go_on(std::get<DatasetReady>(event).facts);
-                       });
+                       }));
 }
 
 // A call whose request is gone when the dataset has come: what later work needs of it, kept.
@@ -32,7 +32,9 @@ struct KeptCall {
   std::map<std::string, std::string> path;
   HttpReply reply;
 
-  explicit KeptCall(const Call& call) : target(call.target), path(call.path), reply(call.reply) {}
+  explicit KeptCall(const Call& call) : target(call.target), path(call.path), reply(call.reply) {
+    request.gone = call.request.gone;
+  }
   Call call() const { return {request, target, path, nullptr, {}, reply}; }
 };
 

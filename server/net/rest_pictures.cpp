@@ -32,7 +32,7 @@ std::optional<v1::Error> check_step(const DatasetFacts& facts, int step) {
 constexpr std::int64_t kMaxFloatPixels = 1 << 24;  // of an EXR: twenty bytes each, and a copy
 constexpr std::uint32_t kMaxWebpSide = 16383;      // by the format
 
-void image(const Call& call) {
+void image(RestContext& context, const Call& call) {
   std::uint32_t width = 800, height = 600;
   if (auto error = number_parameter(call, "width", width)) return call.reply(problem(*error));
   if (auto error = number_parameter(call, "height", height)) return call.reply(problem(*error));
@@ -56,7 +56,7 @@ void image(const Call& call) {
     unchanged.headers.emplace_back("ETag", revision_tag(call.session->scene().revision));
     return call.reply(std::move(unchanged));
   }
-  call.session->picture(
+  const RequestId request = call.session->picture(
       static_cast<int>(width), static_cast<int>(height), *format,
       [format = *format, expected = call.expected, reply = call.reply](const EngineEvent& event, TimePoint) {
         if (std::holds_alternative<FrameStarted>(event)) return;
@@ -74,6 +74,7 @@ void image(const Call& call) {
         reply(std::move(response));
       },
       rest_now());
+  give_up_with(call, context, request);
 }
 
 using AnswerNumbers = void (*)(RestContext&, const Call&, SessionKey, const DatasetFacts&, int, const std::string&);
@@ -98,12 +99,12 @@ void answer_histogram(RestContext& context, const Call& call, SessionKey session
   wanted.set_bins(bins);
   if (auto error = check_histogram(wanted, {&facts})) return call.reply(problem(*error));
   if (auto error = check_step(facts, step)) return call.reply(problem(*error));
-  context.sessions.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins),
+  give_up_with(call, context, context.sessions.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins),
                                         facts.find_array(wanted.array())->range()},
                        [reply = call.reply](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          reply(message_response(200, to_wire(std::get<HistogramReady>(event))));
-                       });
+                       }));
 }
 
 void answer_statistics(RestContext& context, const Call& call, SessionKey session, const DatasetFacts& facts, int step,
@@ -113,7 +114,7 @@ void answer_statistics(RestContext& context, const Call& call, SessionKey sessio
   wanted.set_bins(1);
   if (auto error = check_histogram(wanted, {&facts})) return call.reply(problem(*error));
   if (auto error = check_step(facts, step)) return call.reply(problem(*error));
-  context.sessions.ask(StatisticsRequest{session, 0, facts.id, step, wanted.array()},
+  give_up_with(call, context, context.sessions.ask(StatisticsRequest{session, 0, facts.id, step, wanted.array()},
                        [reply = call.reply](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          const auto& ready = std::get<StatisticsReady>(event);
@@ -128,18 +129,18 @@ void answer_statistics(RestContext& context, const Call& call, SessionKey sessio
                            document["standardDeviation"] = s.standard_deviation;
                          }
                          reply(json_response(200, document));
-                       });
+                       }));
 }
 
 namespace {
 
 void answer_layers(RestContext& context, const Call& call) {
   if (!call.session->dataset()) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
-  context.sessions.ask(MeasureRequest{call.session->key(), 0, call.session->scene()},
+  give_up_with(call, context, context.sessions.ask(MeasureRequest{call.session->key(), 0, call.session->scene()},
                        [reply = call.reply](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          reply(message_response(200, to_wire(std::get<LayersMeasured>(event))));
-                       });
+                       }));
 }
 
 }  // namespace
@@ -162,7 +163,7 @@ void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
        .answers = {{200, "The picture", "", "image/png", {"image/jpeg", "image/webp", "image/x-exr"}},
                    {304, "It is still that of If-None-Match", ""}},
        .conditional = true,
-       .handler = [](Call call) { image(call); }});
+       .handler = [&context](Call call) { image(context, call); }});
   routes.push_back({.method = "GET",
                     .path = "/sessions/{session}/histogram",
                     .id = "getHistogram",

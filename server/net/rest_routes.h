@@ -31,6 +31,9 @@ void add_people_routes(std::vector<Route>& routes, RestContext& context);     //
 
 TimePoint rest_now();
 
+/// Where the caller goes before the answer, the request to the engine is given up.
+void give_up_with(const Call& call, RestContext& context, RequestId request);
+
 /// The state with its ETag.
 HttpResponse state_response(int status, const Session& session);
 /// Does a scene command and answers the state, or the problem.

@@ -105,7 +105,20 @@ std::optional<v1::Error> Session::refuse_still(Viewer& viewer, const v1::Request
 void Session::detach(Viewer& viewer, TimePoint now) {
   announce(now);  // nobody may be there later to see to it
   leave_picture(viewer);
-  for (auto& [request, picture] : pictures_) picture.takers.erase(viewer.key);
+  for (const RequestId request : std::exchange(viewer.keepsakes, {})) {
+    engine_.post(ForgetFrame{key_, request});
+    engine_.forget(request);
+  }
+  for (auto it = pictures_.begin(); it != pictures_.end();) {
+    const bool was_taker = it->second.takers.erase(viewer.key) > 0;
+    if (!was_taker || !it->second.takers.empty() || it->second.request.video) {  // every frame of a stream has to come
+      ++it;
+      continue;
+    }
+    engine_.post(ForgetFrame{key_, it->first});
+    engine_.forget(it->first);
+    it = pictures_.erase(it);
+  }
   streams_.leave(viewer.key, true);
   viewer.stream = 0;
   end_streams();
@@ -247,13 +260,13 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
 
 // A picture that is not shown: neither credits nor the ladder have to do with it.
 void Session::keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoint now) {
-  constexpr int kMost = 2;
+  constexpr std::size_t kMost = 2;
   const std::uint64_t seq = message.seq();
   const v1::RequestStill& wanted = message.request_still();
   const auto refuse = [&](const char* code, const std::string& why) {
     viewer.outbox->send(error_message(wire_error(code, why), seq));
   };
-  if (viewer.keepsakes >= kMost)
+  if (viewer.keepsakes.size() >= kMost)
     return refuse("unavailable", std::to_string(kMost) + " pictures of this connection are being drawn; ask again later");
   const bool as_shown = wanted.width() == 0 && wanted.height() == 0;
   const int width = as_shown ? viewer.frames.width() : static_cast<int>(wanted.width());
@@ -264,12 +277,12 @@ void Session::keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoi
   FrameRequest request{key_, 0, width, height, true, false};
   request.still = StillFormat::png;
   request.annotations = annotations_of(wanted.annotations());
-  ++viewer.keepsakes;
-  engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
+  auto number = std::make_shared<RequestId>(0);
+  *number = engine_.ask(std::move(request), [this, key = viewer.key, seq, number](const EngineEvent& event, TimePoint) {
     if (std::holds_alternative<FrameStarted>(event)) return;
     Viewer* to = living(key);
     if (!to) return;
-    --to->keepsakes;
+    to->keepsakes.erase(*number);
     if (const auto* failed = std::get_if<RequestFailed>(&event)) return to->outbox->send(error_message(wire_error(*failed), seq));
     if (const auto* ready = std::get_if<FrameReady>(&event)) {
       v1::Frame frame = to_wire(*ready);
@@ -277,6 +290,7 @@ void Session::keepsake(Viewer& viewer, const v1::ClientMessage& message, TimePoi
       to->outbox->send_frame(std::move(frame), ready->bytes);
     }
   });
+  viewer.keepsakes.insert(*number);
 }
 
 void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {

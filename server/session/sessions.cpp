@@ -395,6 +395,15 @@ RequestId Sessions::ask(EngineRequest request, Listener listener) {
   return id;
 }
 
+void Sessions::give_up(RequestId request) {
+  const auto it = pending_.find(request);
+  if (it == pending_.end()) return;
+  const SessionKey session = it->second.session;
+  pending_.erase(it);
+  post_(CancelRequest{session, 0, request, true});
+  post_(ForgetFrame{session, request});
+}
+
 void Sessions::on_event(const EngineEvent& event, TimePoint now) {
   now_ = now;
   for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);

@@ -106,6 +106,8 @@ class Sessions final : public EngineDoor {
   void post(EngineRequest request) override { post_(std::move(request)); }
   RequestId ask(EngineRequest request, Listener listener) override;
   void forget(RequestId request) override { pending_.erase(request); }
+  /// Nobody wants the answer any more: the listener will not be called, and the work ends. One that was answered is ignored.
+  void give_up(RequestId request);
   ViewerBudget& viewer_budget() override { return viewer_budget_; }
   void session_changed(const Session& session, bool now) override;
   void invitation_ended(const Session& session, const std::string& invitation) override;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -65,7 +66,7 @@ struct Viewer {
   std::deque<Band> bands;         // of the newest one, that have not been sent
   StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
   RequestId ordered_request = 0;  // not started
-  int keepsakes = 0;              // pictures for keeping that are being drawn
+  std::set<RequestId> keepsakes;  // pictures for keeping that are being drawn
 
   Codec codec() const { return chooses ? choice.codec() : ladder.front(); }
 
