@@ -1,26 +1,17 @@
 #include "main/hostile_client.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <poll.h>
 #include <pthread.h>
-#include <sys/socket.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <optional>
 #include <thread>
-#include <utility>
 
 #include "base/error.h"
 #include "isostrata/v1/isostrata.pb.h"
+#include "main/plain_socket.h"
 
 namespace isostrata {
 namespace {
@@ -32,114 +23,6 @@ constexpr int kFloodEachMs = 10;  // messages
 constexpr int kPoliteEveryMs = 16;
 constexpr int kVanishEveryMs = 20;
 constexpr int kMalformedEveryMs = 500;
-
-/// A WebSocket of our own making: the bytes are ours to choose, and it costs the measurement next to nothing.
-class Socket {
- public:
-  Socket(unsigned short port, const std::string& token, int receive_buffer = 0)
-      : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    if (receive_buffer > 0) setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
-    const int one = 1;
-    setsockopt(fd_, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) return;
-    const std::string head = "GET /ws?token=" + token +
-                             " HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
-                             "Sec-WebSocket-Protocol: isostrata.v1\r\n\r\n";
-    if (!send(head)) return;
-    while (received_.find("\r\n\r\n") == std::string::npos)
-      if (!receive(4096, 5000)) return;
-    open_ = received_.find(" 101 ") != std::string::npos;
-    received_.erase(0, received_.find("\r\n\r\n") + 4);
-  }
-  ~Socket() { ::close(fd_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  bool open() const { return open_; }
-
-  void add(v1::ClientMessage message) {
-    message.set_seq(++seq_);
-    add_bytes(message.SerializeAsString());
-  }
-  // One masked frame with the mask 0, so its payload goes as it is.
-  void add_bytes(const std::string& payload) {
-    sending_ += '\x82';
-    if (payload.size() < 126) {
-      sending_ += static_cast<char>(0x80 | payload.size());
-    } else {
-      sending_ += static_cast<char>(0x80 | 126);
-      sending_ += static_cast<char>(payload.size() >> 8);
-      sending_ += static_cast<char>(payload.size());
-    }
-    sending_ += std::string(4, '\0') + payload;
-  }
-  /// What has been added, for at most that long; the rest waits for the next time. False once closed.
-  bool flush(int timeout_ms = 0) {
-    while (open_ && !sending_.empty()) {
-      const auto n = ::send(fd_, sending_.data(), sending_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-      if (n > 0) {
-        sending_.erase(0, static_cast<std::size_t>(n));
-        continue;
-      }
-      if (errno != EAGAIN && errno != EWOULDBLOCK) open_ = false;
-      pollfd poll_fd{fd_, POLLOUT, 0};
-      if (!open_ || poll(&poll_fd, 1, timeout_ms) != 1) break;
-    }
-    return open_;
-  }
-  std::size_t waiting() const { return sending_.size(); }
-
-  /// False once closed or where nothing comes in time.
-  bool receive(std::size_t most, int timeout_ms) {
-    pollfd poll_fd{fd_, POLLIN, 0};
-    if (poll(&poll_fd, 1, timeout_ms) != 1) return false;
-    std::array<char, 65536> buffer{};
-    const auto n = recv(fd_, buffer.data(), std::min(most, buffer.size()), 0);
-    if (n <= 0) {
-      open_ = false;
-      return false;
-    }
-    received_.append(buffer.data(), static_cast<std::size_t>(n));
-    return true;
-  }
-  /// The next whole message that has come, without waiting. A frame of another kind, as a ping, is an empty one.
-  std::optional<std::string> next() {
-    const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(received_[i]); };
-    if (received_.size() < 2) return std::nullopt;
-    const std::size_t size_bytes = (byte(1) & 127) == 127 ? 8 : (byte(1) & 127) == 126 ? 2 : 0;
-    if (received_.size() < 2 + size_bytes) return std::nullopt;
-    std::size_t size = size_bytes == 0 ? byte(1) & 127u : 0;
-    for (std::size_t i = 0; i < size_bytes; ++i) size = size << 8 | byte(2 + i);
-    if (received_.size() < 2 + size_bytes + size) return std::nullopt;
-    const int kind = byte(0) & 15;
-    const bool whole = (byte(0) & 128) != 0;
-    std::string payload = received_.substr(2 + size_bytes, size);
-    received_.erase(0, 2 + size_bytes + size);
-    if (kind == 9) pong(payload);
-    if (kind == 8) open_ = false;
-    if (kind > 2) return "";
-    message_ += payload;
-    return whole ? std::exchange(message_, "") : "";
-  }
-
- private:
-  bool send(const std::string& bytes) { return ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) > 0; }
-  void pong(const std::string& payload) {
-    sending_ += '\x8a';
-    sending_ += static_cast<char>(0x80 | payload.size());
-    sending_ += std::string(4, '\0') + payload;
-  }
-
-  const int fd_;
-  bool open_ = false;
-  std::uint64_t seq_ = 0;
-  std::string sending_, received_, message_;
-};
 
 v1::ClientMessage camera_at(double angle) {
   v1::ClientMessage message;
@@ -184,7 +67,7 @@ class HostileClient::Impl {
   std::atomic<std::uint64_t> messages_{0}, connections_{0};
 
  private:
-  std::unique_ptr<Socket> connect() const { return std::make_unique<Socket>(port_, token_, manners_ == "reader" ? 4096 : 0); }
+  std::unique_ptr<PlainSocket> connect() const { return std::make_unique<PlainSocket>(port_, token_, manners_ == "reader" ? 4096 : 0); }
 
   /// Hello, the dataset, and the viewport last, since whoever shows one at first gets the server's first dataset.
   bool begin() {
@@ -263,7 +146,7 @@ class HostileClient::Impl {
 
   const unsigned short port_;
   const std::string token_, dataset_, manners_;
-  std::unique_ptr<Socket> socket_;
+  std::unique_ptr<PlainSocket> socket_;
   double angle_ = 0;
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -1,0 +1,35 @@
+// The heavy things that a session can ask for, as its neighbours know them: for `isostrata bench neighbours`.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace isostrata {
+
+/// A session of the server under test.
+struct HeavySession {
+  unsigned short port = 0;
+  std::string token;
+  std::string id;  // of the session
+
+  /// Throws unavailable where the answer is an error.
+  std::string ask(const std::string& method, const std::string& path, const std::string& body = {}) const;
+};
+
+struct NeighbourWork {
+  std::string name;
+  std::string dataset;          // as the catalogue has it
+  bool ends = true;             // by itself: then it can be timed
+  /// Makes the session what the work needs.
+  std::function<void(const HeavySession&)> prepare;
+  /// Until it is done, or soon after `stop`. False where it failed.
+  std::function<bool(const HeavySession&, const std::atomic<bool>& stop)> work;
+};
+
+/// What `serve` is started with for them.
+std::vector<std::string> neighbour_data();
+std::vector<NeighbourWork> neighbour_works();
+
+}  // namespace isostrata
