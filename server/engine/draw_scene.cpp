@@ -173,7 +173,7 @@ std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, co
   }
 
   std::vector<std::shared_ptr<const ExtractedScene>> parts;
-  const std::uint64_t max_bytes = layer_request(scene).max_bytes;
+  const std::uint64_t max_bytes = std::min(layer_request(scene).max_bytes, aids.max_bytes);
   std::uint64_t bytes = 0;
   for (const SmearMoment& moment : wanted) {
     Scene one = scene;
@@ -516,7 +516,9 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   } else {
     if (request.time_mode == TimeMode::spacetime)
       made->kept = last && last->kept ? last->kept : std::make_shared<KeptSpaceTime>();
-    const std::vector<Values> carried = extract(*made, request, steps, task, aids);
+    LayerRequest limited = request;
+    limited.max_bytes = std::min(limited.max_bytes, aids.max_bytes);
+    const std::vector<Values> carried = extract(*made, limited, steps, task, aids);
     if (colored) made->color_values = carried.front();
     if (textured) made->texture_values = carried.back();
   }
@@ -538,6 +540,14 @@ std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Datase
     return dataset;
   };
   return extract_scene(one, scene, previous, task);
+}
+
+std::uint64_t scene_bytes(const ExtractedScene& extracted) {
+  const auto bytes = [](const auto& values) -> std::uint64_t { return values ? values->size() * sizeof((*values)[0]) : 0; };
+  if (extracted.base) return 0;  // everybody's
+  // What is drawn is the mesh's points and tetrahedra, or its facets, once more.
+  return 2 * mesh_bytes(*extracted.mesh) + bytes(extracted.color_values) + bytes(extracted.texture_values) + bytes(extracted.normals) +
+         extracted.time.bytes;
 }
 
 DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int width, int height) {

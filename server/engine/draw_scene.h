@@ -58,6 +58,7 @@ enum class TetrahedraWay {
 struct SceneAids : LayerAids {
   TetrahedraWay tetrahedra = TetrahedraWay::split;  // another one only where the renderer cuts_intervals()
   BaseMeshes* bases = nullptr;                      // null: split
+  std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, where the scene would need more
 };
 
 /// A mesh and what it was made from. Immutable, shared between threads.
@@ -92,6 +93,9 @@ struct ExtractedScene {
 /// one field at one step, colours that run along it or are constant, no surfaces, no combined ranges, no intervals that overlap.
 /// `array` is the scene's.
 bool cuts_exactly(const Scene& scene, const std::string& array);
+
+/// What it takes in memory beside its datasets, and what a renderer makes of it.
+std::uint64_t scene_bytes(const ExtractedScene& extracted);
 
 /// The tetrahedra and cells of each of the scene's intervals; of a smear, added over its steps.
 std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene);

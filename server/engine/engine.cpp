@@ -26,6 +26,7 @@
 #include "engine/known_ranges.h"
 #include "engine/lanes.h"
 #include "engine/operation.h"
+#include "engine/scene_ledger.h"
 #include "extraction/brick_memory.h"
 #include "extraction/first_layers.h"
 #include "rendering/native_renderer.h"
@@ -413,6 +414,7 @@ class Engine::Impl {
       aids.bricks = &bricks_;
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
+      aids.max_bytes = room_for(key);
       extracted = extract_scene(steps, scene, previous, operation->task(), aids);
     } catch (...) {
       failure = std::current_exception();
@@ -420,6 +422,7 @@ class Engine::Impl {
     operation->finish();
     if (extracted) prepare_base(*extracted, scene, previous.get());
     std::vector<EngineEvent> events;
+    std::vector<std::shared_ptr<const ExtractedScene>> given_back;
     {
       std::lock_guard lock(mutex_);
       const auto it = sessions_.find(key);
@@ -428,6 +431,7 @@ class Engine::Impl {
       session.extraction.reset();
       session.last_was_cut_short = failure && operation->superseded();
       if (extracted) {
+        scenes_.hold(key, scene_bytes(*extracted));
         session.ready = extracted;
         session.ready_scene = scene;
         session.ready_drawn = false;
@@ -439,8 +443,47 @@ class Engine::Impl {
       }
       advance(key, session);
       draw_soon(key, session);
+      given_back = give_back(max_scene_bytes(), key);
     }
+    given_back.clear();  // without the lock
     for (EngineEvent& event : events) send(std::move(event));
+  }
+
+  // ---- memory: datasets, and then scenes in what is left of --max-memory ----
+
+  std::uint64_t max_scene_bytes() const {
+    const std::uint64_t most = options_.store.max_bytes, data = store_.held_bytes() + bases_.held_bytes();
+    return most - std::min(most, data);
+  }
+
+  /// What sessions that nobody has looked at for longest hold, so that the rest is at most that. It is made again when somebody looks.
+  /// What is being drawn or extracted stays, and so does `but`'s. With mutex_ held; the caller drops it without.
+  std::vector<std::shared_ptr<const ExtractedScene>> give_back(std::uint64_t most, SessionKey but) {
+    std::vector<std::shared_ptr<const ExtractedScene>> all;
+    const auto may_go = [&](SessionKey key) {
+      const auto it = sessions_.find(key);
+      return key != but && it != sessions_.end() && it->second.waiting.empty() && it->second.pictures.empty() && !it->second.extraction;
+    };
+    for (const SessionKey key : scenes_.too_many(most, may_go)) {
+      SessionState& session = sessions_.at(key);
+      all.push_back(std::move(session.ready));
+      session.ready.reset();
+      scenes_.hold(key, 0);
+      renderers_.drop(key);
+    }
+    if (!all.empty()) free_kept_blocks();
+    return all;
+  }
+
+  /// For the session's next scene. Others that are not looked at make room for one as large as its last.
+  std::uint64_t room_for(SessionKey key) {
+    std::vector<std::shared_ptr<const ExtractedScene>> given_back;
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t most = max_scene_bytes(), own = scenes_.bytes_of(key);
+    given_back = give_back(most - std::min(most, 2 * own), key);
+    const std::uint64_t others = scenes_.bytes() - scenes_.bytes_of(key);
+    // What a renderer makes of it comes on top; and who has little room is told so by the extraction, with the numbers.
+    return (most - std::min(most, others)) / 2;
   }
 
   /// Intervals that were moved once will be moved again: the grid that they are cut out of then is made meanwhile.
@@ -483,6 +526,8 @@ class Engine::Impl {
         failed->request = request.request;
       } else {
         it->second.waiting.push_back(request);
+        scenes_.see(request.session);
+        if (!it->second.ready) advance(request.session, it->second);  // it was given back
         if (request.video) it->second.streams.insert(request.video->stream);
         draw_soon(request.session, it->second);
       }
@@ -525,6 +570,7 @@ class Engine::Impl {
     for (auto& [request, picture] : it->second.pictures) picture.task->cancel();
     sessions_.erase(it);
     renderers_.drop(session);
+    scenes_.forget(session);
     encoders_.close_session(session);
     return sessions_.empty();
   }
@@ -596,6 +642,7 @@ class Engine::Impl {
     for (auto& [key, session] : sessions_) {
       if (!cuts_intervals_ && session.ready && session.ready->base) {
         session.ready.reset();
+        scenes_.hold(key, 0);
         advance(key, session);
       }
       draw_soon(key, session);
@@ -876,6 +923,7 @@ class Engine::Impl {
   std::function<std::unique_ptr<Renderer>()> make_;  // makes another one like it
   std::string instead_;                              // what it replaces and why; empty: it is the one that was asked for
   std::map<SessionKey, SessionState> sessions_;
+  SceneLedger scenes_;
   SessionKey last_drawn_ = 0;
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
   std::uint64_t next_operation_ = 1;
