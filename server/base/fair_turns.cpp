@@ -68,6 +68,11 @@ bool FairTurns::is_before(Id a, Id b) const {
   return a < b;
 }
 
+bool FairTurns::takes_at_once(const Work& next, const Work& has) const {
+  if (next.of != has.of) return next.of < has.of;
+  return sessions_.at(next.session).used + kTurn <= sessions_.at(has.session).used;
+}
+
 FairTurns::Id FairTurns::best() const {
   Id best = 0;
   for (const auto& [id, work] : works_)
@@ -80,7 +85,7 @@ FairTurns::Id FairTurns::holder(Time now) {
   const auto it = works_.find(holder_);
   const bool over = it == works_.end() || now >= turn_ends();
   const Id next = best();
-  const bool more_urgent = !over && next != 0 && works_.at(next).of < it->second.of && !due_;
+  const bool more_urgent = !over && next != 0 && !due_ && takes_at_once(works_.at(next), it->second);
   if (!over && !more_urgent) return holder_;
   // Nobody else can go on: whoever has the turn keeps it, whatever it is at.
   if (next == 0 && it != works_.end()) {

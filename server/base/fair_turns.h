@@ -1,7 +1,7 @@
 // Whose turn it is on cores that many share. Pure decisions on times that the caller passes in: no thread, no clock, no lock.
 //
-// One piece of work at a time has the turn. Work of a more urgent class takes it at once; within a class it goes, after each
-// kTurn, to the session that has had least time (start-time fair queueing after Goyal, Vin, Cheng, "Start-time Fair Queueing: A
+// One piece of work at a time has the turn. Work of a more urgent class takes it at once, and so does work of a session that is
+// more than a turn behind; else it goes, after each kTurn, to the session that has had least time (start-time fair queueing after Goyal, Vin, Cheng, "Start-time Fair Queueing: A
 // Scheduling Algorithm for Integrated Services Packet Switching Networks", 1996, with sessions as flows). Less urgent classes are
 // not starved: what was passed over for kPatience gets one turn.
 #pragma once
@@ -16,9 +16,10 @@ namespace isostrata {
 
 /// In the order of their urgency.
 enum class WorkClass : std::uint8_t {
-  interactive,  // what somebody waits for with a hand on the mouse: frames, and the extraction that they show
-  still,        // single pictures, numbers
-  background    // exports, and what is made in advance
+  frame,      // pictures that somebody waits for with a hand on the mouse
+  scene,      // opening and extracting what they show
+  still,      // single pictures, numbers
+  background  // exports, and what is made in advance
 };
 
 /// Not thread-safe. Times are of any one clock that does not go back.
@@ -49,14 +50,15 @@ class FairTurns {
   };
   struct Work {
     std::uint64_t session = 0;
-    WorkClass of = WorkClass::interactive;
+    WorkClass of = WorkClass::frame;
     bool goes_on = true;  // said so since its turn began, or has had none
   };
-  static constexpr std::size_t kClasses = 3;
+  static constexpr std::size_t kClasses = 4;
 
   void charge(Time now);
   Id best() const;
   bool is_before(Id a, Id b) const;
+  bool takes_at_once(const Work& next, const Work& has) const;
   Time passed_over(WorkClass of) const { return passed_over_[static_cast<std::size_t>(of)]; }
 
   std::map<Id, Work> works_;

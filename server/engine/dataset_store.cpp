@@ -109,7 +109,7 @@ void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional
   std::exception_ptr failure;
   try {
     std::optional<Work> work;
-    if (session) work.emplace(*session, WorkClass::interactive, Work::Options{&loading->task});
+    if (session) work.emplace(*session, WorkClass::scene, Work::Options{&loading->task});
     dataset = loader_(key.first, key.second, loading->task);
   } catch (const std::bad_alloc&) {
     failure = std::make_exception_ptr(Error(ErrorCode::too_large, "the dataset does not fit in memory"));

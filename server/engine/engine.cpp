@@ -118,7 +118,7 @@ struct DrawOrder {
 /// A script's picture or somebody's screenshot: nobody has a hand on it.
 bool is_still(const FrameRequest& request) { return request.still.has_value(); }
 
-WorkClass class_of(const FrameRequest& request) { return is_still(request) ? WorkClass::still : WorkClass::interactive; }
+WorkClass class_of(const FrameRequest& request) { return is_still(request) ? WorkClass::still : WorkClass::frame; }
 
 }  // namespace
 
@@ -219,7 +219,7 @@ class Engine::Impl {
   }
 
   void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
-    run(request.all_ranges ? WorkClass::background : WorkClass::interactive, request.session, request.request, *operation, [&] {
+    run(request.all_ranges ? WorkClass::background : WorkClass::scene, request.session, request.request, *operation, [&] {
       const CatalogueEntry& source = entry(request.dataset);
       const auto dataset = acquire(source, 0, operation->task());
       const KnownRanges::Known known = ranges_.find(source.source).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}});
@@ -407,15 +407,22 @@ class Engine::Impl {
     try {
       const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
       operation->task().check();
-      const Work work(key, WorkClass::interactive, {&operation->task(), true, extracting.waiting()});
+      const Work work(key, WorkClass::scene, {&operation->task(), true, extracting.waiting()});
       const CatalogueEntry& source = entry(scene.dataset);
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
       SceneAids aids;
       aids.bricks = &bricks_;
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
-      aids.max_bytes = room_for(key);
-      extracted = extract_scene(steps, scene, previous, operation->task(), aids);
+      aids.max_bytes = room_for(key, false);
+      try {
+        extracted = extract_scene(steps, scene, previous, operation->task(), aids);
+      } catch (const Error& error) {
+        const std::uint64_t room = error.code() == ErrorCode::too_large ? room_for(key, true) : 0;
+        if (room <= aids.max_bytes) throw;
+        aids.max_bytes = room;
+        extracted = extract_scene(steps, scene, previous, operation->task(), aids);
+      }
     } catch (...) {
       failure = std::current_exception();
     }
@@ -475,12 +482,12 @@ class Engine::Impl {
     return all;
   }
 
-  /// For the session's next scene. Others that are not looked at make room for one as large as its last.
-  std::uint64_t room_for(SessionKey key) {
+  /// For the session's next scene. Others that are not looked at make room for one as large as its last, or go altogether.
+  std::uint64_t room_for(SessionKey key, bool altogether) {
     std::vector<std::shared_ptr<const ExtractedScene>> given_back;
     const std::lock_guard lock(mutex_);
     const std::uint64_t most = max_scene_bytes(), own = scenes_.bytes_of(key);
-    given_back = give_back(most - std::min(most, 2 * own), key);
+    given_back = give_back(altogether ? 0 : most - std::min(most, 2 * own), key);
     const std::uint64_t others = scenes_.bytes() - scenes_.bytes_of(key);
     // What a renderer makes of it comes on top; and who has little room is told so by the extraction, with the numbers.
     return (most - std::min(most, others)) / 2;

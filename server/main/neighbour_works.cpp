@@ -193,7 +193,7 @@ std::string HeavySession::ask(const std::string& method, const std::string& path
 }
 
 std::vector<std::string> neighbour_data() {
-  return {"torus:64", "torus:96", "cylinder:64x64x32x6", "torus:256"};
+  return {"torus:16", "torus:96", "cylinder:64x64x32x6", "torus:256"};
 }
 
 std::vector<NeighbourWork> neighbour_works() {

@@ -53,7 +53,7 @@ TEST(Work, ALongBlockEndsWhereItLooks) {
 TEST(Work, NobodysWorkIsNotHeldUp) {
   checkpoint();
   std::atomic<int> blocks{0};
-  const Work urgent(1, WorkClass::interactive, {});
+  const Work urgent(1, WorkClass::frame, {});
   std::thread([&] { parallel_for(100, 1, [&](std::int64_t, std::int64_t) { ++blocks; }); }).join();
   EXPECT_EQ(blocks, 100);
 }
@@ -71,7 +71,7 @@ TEST(Work, FramesAreDrawnBesideAStillThatDoesNotEnd) {
   });
   while (still_blocks == 0) std::this_thread::yield();
   for (; frames < 20; ++frames) {
-    const Work work(2, WorkClass::interactive, {});
+    const Work work(2, WorkClass::frame, {});
     for (int loop = 0; loop < 5; ++loop) parallel_for(20, 1, [](std::int64_t, std::int64_t) { be_busy(20us); });
   }
   enough = true;
@@ -91,7 +91,7 @@ TEST(Work, ABlockThatWaitsForItsTurnLeavesItsThreadToOthers) {
   });
   while (inside < thread_count()) std::this_thread::yield();
   {
-    const Work work(2, WorkClass::interactive, {});
+    const Work work(2, WorkClass::frame, {});
     for (int loop = 0; loop < 50; ++loop) parallel_for(64, 1, [](std::int64_t, std::int64_t) { be_busy(10us); });
   }
   drawn = true;
@@ -102,7 +102,7 @@ TEST(Work, WaitingForATurnHasAPulse) {
   Pulse pulse{0};
   std::atomic<bool> waits{false}, goes_on{true};
   std::thread urgent([&] {
-    const Work work(2, WorkClass::interactive, {});
+    const Work work(2, WorkClass::frame, {});
     waits = true;
     while (goes_on) checkpoint();
   });
@@ -124,7 +124,7 @@ TEST(Work, ManySessionsWithLoopsInsideLoopsAllEnd) {
   for (std::uint64_t session = 0; session < 8; ++session)
     threads.emplace_back([&, session] {
       for (int round = 0; round < 10; ++round) {
-        const Work work(session, static_cast<WorkClass>(session % 3), {nullptr, session != 5});
+        const Work work(session, static_cast<WorkClass>(session % 4), {nullptr, session != 5});
         parallel_for(10, 1, [&](std::int64_t, std::int64_t) {
           parallel_for(20, 1, [&](std::int64_t begin, std::int64_t end) {
             be_busy(5us);
@@ -143,12 +143,12 @@ TEST(Work, WorkThatIsCancelledWhileOthersWorkEndsAndTheyGoOn) {
     Task task;
     std::atomic<int> done{0}, begun{0};
     std::thread cancelled([&] {
-      const Work work(1, WorkClass::interactive, {&task});
+      const Work work(1, WorkClass::frame, {&task});
       begun = 1;
       EXPECT_EQ(code_of_loop(1'000'000'000, [](std::int64_t) { be_busy(20us); }), ErrorCode::cancelled);
     });
     std::thread other([&] {
-      const Work work(2, WorkClass::interactive, {});
+      const Work work(2, WorkClass::frame, {});
       for (int i = 0; i < 20; ++i) parallel_for(20, 1, [&](std::int64_t, std::int64_t) { ++done; });
     });
     while (begun == 0) std::this_thread::yield();

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "data/import_door.h"
+#include "engine/draw_scene.h"
 #include "engine/engine.h"
 #include "engine/heard_events.h"
 
@@ -183,6 +185,58 @@ TEST_F(Neighbours, TheEngineEndsInTheMiddleOfAllThis) {
     engine_->post(moving);
   }
   wait_until_drawn(20);
+  engine_.reset();
+}
+
+class TightMemory : public ::testing::Test, protected HeardEvents {
+ protected:
+  static Scene of_session(SessionKey session) { return scene(1, 0.4 + 0.01 * static_cast<double>(session), "torus-32"); }
+  Bytes picture(SessionKey session, RequestId request, double* extract_ms = nullptr) {
+    engine_->post(frame(session, request, true));
+    const FrameReady ready = frame_of(request);
+    if (extract_ms) *extract_ms = ready.stages.extract_ms;
+    return ready.bytes ? *ready.bytes : Bytes{};
+  }
+  std::unique_ptr<Engine> engine_;
+};
+
+TEST_F(TightMemory, ScenesThatNobodyLooksAtAreGivenBackAndMadeAgain) {
+  constexpr SessionKey kSessions = 8;
+  const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
+  const std::uint64_t one = scene_bytes(*extract_scene(data, of_session(kSessions), nullptr, Task{}));
+  EngineOptions options;
+  options.catalogue = Catalogue::from_sources({"torus:32"});
+  options.renderer_choice = {"native", "native"};
+  options.store.max_bytes = dataset_bytes(*data) + 4 * one;
+  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  std::vector<Bytes> first;
+  RequestId request = 0;
+  for (SessionKey s = 1; s <= kSessions; ++s) {
+    engine_->post(SceneUpdate{s, of_session(s)});
+    first.push_back(picture(s, ++request));
+  }
+  int made_again = 0;
+  for (int round = 0; round < 2; ++round)
+    for (SessionKey s = 1; s <= kSessions; ++s) {
+      double extract_ms = 0;
+      EXPECT_EQ(picture(s, ++request, &extract_ms), first[s - 1]) << "session " << s;
+      made_again += extract_ms > 0;
+    }
+  EXPECT_GT(made_again, 0);
+  engine_.reset();
+}
+
+TEST_F(TightMemory, ASceneThatDoesNotFitIsRefusedWithTheNumbers) {
+  EngineOptions options;
+  options.catalogue = Catalogue::from_sources({"torus:32"});
+  options.renderer_choice = {"native", "native"};
+  options.store.max_bytes = 400'000;
+  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  engine_->post(SceneUpdate{1, of_session(1)});
+  engine_->post(frame(1, 1));
+  const RequestFailed failed = failure_of(1);
+  EXPECT_EQ(failed.code, ErrorCode::too_large);
+  EXPECT_NE(failed.message.find("bytes; the limit is"), std::string::npos) << failed.message;
   engine_.reset();
 }
 
