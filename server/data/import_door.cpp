@@ -17,6 +17,7 @@
 
 #include "base/temporary_directory.h"
 #include "data/child_process.h"
+#include "data/file_series.h"
 #include "data/sandbox.h"
 
 namespace isostrata {
@@ -76,8 +77,10 @@ struct Kept {
 void check_file(const fs::path& file, const OpenOptions& options) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (file.empty() || !fs::exists(status)) throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
-  if (fs::is_directory(status)) throw Error(ErrorCode::bad_data, file.string() + ": is a directory; expected a file");
+  if (is_series_pattern(file))
+    series_files(file);  // throws where there are none
+  else if (file.empty() || !fs::exists(status))
+    throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
   if (options.step < 0)
     throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
 }
@@ -128,10 +131,9 @@ void run_import(const fs::path& file, const fs::path& directory, const OpenOptio
 
 /// What the kept directory of this step of this file is called, and what is written into it, so that no other is taken for it.
 std::pair<std::string, std::string> kept_name(const fs::path& file, int step) {
-  std::error_code error;
-  const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
-  const std::string text = fs::absolute(file).string() + '\n' + std::to_string(step) + '\n' +
-                           std::to_string(fs::file_size(file, error)) + '\n' + std::to_string(changed) + '\n';
+  const SourceStamp stamp = stamp_of(file);
+  const std::string text = fs::absolute(file).string() + '\n' + std::to_string(step) + '\n' + std::to_string(stamp.bytes) + '\n' +
+                           std::to_string(stamp.changed) + '\n';
   return {"kept-" + std::to_string(std::hash<std::string>{}(text)), text};
 }
 

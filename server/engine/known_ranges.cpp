@@ -1,19 +1,9 @@
 #include "engine/known_ranges.h"
 
-#include <filesystem>
-#include <system_error>
-
 namespace isostrata {
 
-KnownRanges::Stamp KnownRanges::stamp_of(const std::string& source) {
-  std::error_code no_file, no_time;
-  const std::uint64_t size = std::filesystem::file_size(source, no_file);
-  const auto time = std::filesystem::last_write_time(source, no_time).time_since_epoch().count();
-  return no_file || no_time ? Stamp{} : Stamp{size, static_cast<std::int64_t>(time)};
-}
-
 void KnownRanges::add(const std::string& source, const Dataset& step) {
-  const Stamp stamp = stamp_of(source);
+  const SourceStamp stamp = stamp_of(source);
   const std::lock_guard lock(mutex_);
   const auto [it, first] = series_.try_emplace(source);
   Series& series = it->second;

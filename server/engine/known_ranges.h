@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/file_series.h"
 #include "data/series_ranges.h"
 
 namespace isostrata {
@@ -34,12 +35,10 @@ class KnownRanges {
 
  private:
   static constexpr std::size_t kMostNotes = 5;
-  using Stamp = std::pair<std::uint64_t, std::int64_t>;  // size and time of the file; 0 where there is none
   struct Series {
-    Stamp stamp;
+    SourceStamp stamp;
     Known known;
   };
-  static Stamp stamp_of(const std::string& source);
 
   mutable std::mutex mutex_;
   std::map<std::string, Series> series_;

@@ -55,6 +55,7 @@ void run(char** argv) {
   isostrata::ReadRequest request;
   request.file = std::filesystem::absolute(argv[1]);
   const std::filesystem::path output = argv[2];
+  request.scratch = output;
   request.step = static_cast<int>(number(argv[3]));
   request.max_bytes = number(argv[4]);
   double reported = -1;
@@ -66,7 +67,9 @@ void run(char** argv) {
   };
   isostrata::set_thread_count(1);
   isostrata::collect_vtk_messages();
-  isostrata::confine({.directory = request.file.parent_path(),
+  std::error_code error;
+  const bool folder = std::filesystem::is_directory(request.file, error);
+  isostrata::confine({.directory = folder ? request.file : request.file.parent_path(),
                       .file = request.file,
                       .output = output,
                       .memory_bytes = isostrata::memory_limit(request.file, request.max_bytes),

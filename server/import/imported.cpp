@@ -22,6 +22,12 @@ void check_step(const ReadRequest& request, std::size_t steps) {
                                         (steps == 1 ? "one, step 0" : "steps 0 to " + std::to_string(steps - 1)));
 }
 
+void check_name_below(const std::filesystem::path& from, const std::string& name) {
+  const std::filesystem::path wanted = std::filesystem::path(name).lexically_normal();
+  if (wanted.is_absolute() || (!wanted.empty() && *wanted.begin() == ".."))
+    throw Error(ErrorCode::bad_data, from.filename().string() + ": refers to '" + name + "'; expected a file below its own directory");
+}
+
 std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name) {
   namespace fs = std::filesystem;
   const fs::path directory = fs::weakly_canonical(from.parent_path());

@@ -35,6 +35,7 @@ struct Block {
   std::vector<std::int64_t> source;
   std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
   std::array<bool, 3> seams{};    // by axis: the first and the last sheet of a curvilinear grid are the same places (close_seams.h)
+  std::string name;               // what the file calls it; may be empty
   bool jumps = false;             // a point array has other values on the two sides of a seam
 };
 
@@ -46,8 +47,11 @@ struct Imported {
 };
 
 struct ReadRequest {
-  std::filesystem::path file;  // absolute
+  std::filesystem::path file;     // absolute
+  std::filesystem::path scratch;  // a folder in which a reader may make files, which it removes
   int step = 0;
+  bool times_only = false;  // readers that know the times without reading the rest return those, and no block
+  int depth = 0;            // of lists within lists
   std::uint64_t max_bytes = 0;  // of all arrays together
   std::function<void(double fraction)> progress = [](double) {};
 };
@@ -64,6 +68,9 @@ void check_step(const ReadRequest& request, std::size_t steps);
 /// Resolves a file that `from` refers to. Throws bad_data where the name is absolute or leaves the directory of `from`,
 /// not_found where there is no such file.
 std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name);
+
+/// Only the first half: throws bad_data where the name is absolute or leaves the directory of `from`, whatever is there.
+void check_name_below(const std::filesystem::path& from, const std::string& name);
 
 /// Storage of n Ts and a span of it.
 template <class T>

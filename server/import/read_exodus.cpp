@@ -11,6 +11,8 @@
 #include <vtkExodusIIReaderPrivate.h>
 #endif
 
+#include "import/check_netcdf.h"
+#include "import/mapped_file.h"
 #include "import/read_vtk.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
@@ -65,6 +67,7 @@ void pass_over_unknown(Reader& reader, const std::string& name, std::vector<std:
 
 Imported read_exodus(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
+  check_netcdf_classic(MappedFile(request.file).bytes(), name);
   vtkNew<Reader> reader;
   if (!reader->CanReadFile(request.file.c_str())) throw Error(ErrorCode::bad_data, name + ": is not an Exodus II file");
   reader->SetFileName(request.file.c_str());
@@ -85,6 +88,7 @@ Imported read_exodus(const ReadRequest& request) {
   const int count = information && information->Has(key) ? information->Length(key) : 0;
   if (count > 0) imported.times.assign(information->Get(key), information->Get(key) + count);
   check_step(request, imported.times.size());
+  if (request.times_only) return imported;
   int without_values = 0;
   for (const int type : {static_cast<int>(vtkExodusIIReader::NODAL), kBlocks})
     for (int i = 0; i < reader->GetNumberOfObjectArrays(type); ++i) {

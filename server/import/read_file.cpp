@@ -1,33 +1,63 @@
 #include "import/read_file.h"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "data/file_series.h"
+#include "data/recognise.h"
 #include "import/read_nrrd.h"
+#include "import/read_own.h"
 #include "import/read_plot3d.h"
 #include "import/read_vtk.h"
-#include "import/recognise.h"
 
 namespace isostrata {
+namespace {
+
+using Reader = Imported (*)(const ReadRequest&);
+
+constexpr std::pair<FileKind, Reader> kReaders[] = {
+    {FileKind::vtk_legacy, read_vtk_legacy}, {FileKind::multi_block, read_multi_block},
+    {FileKind::pvd, read_pvd},               {FileKind::series, read_series_file},
+    {FileKind::nrrd, read_nrrd},             {FileKind::meta_image, read_meta_image},
+    {FileKind::nifti, read_nifti},           {FileKind::dicom, read_dicom},
+    {FileKind::numpy, read_numpy},           {FileKind::tiff, read_tiff},
+    {FileKind::slc, read_slc},               {FileKind::gaussian_cube, read_gaussian_cube},
+    {FileKind::exodus, read_exodus},         {FileKind::plot3d, read_plot3d},
+    {FileKind::gzip, read_gzip},
+#ifdef ISOSTRATA_READS_VTKHDF
+    {FileKind::vtkhdf, read_vtkhdf},
+#endif
+#ifdef ISOSTRATA_READS_OPENFOAM
+    {FileKind::openfoam, read_openfoam},
+#endif
+#ifdef ISOSTRATA_READS_ENSIGHT
+    {FileKind::ensight, read_ensight},
+#endif
+#ifdef ISOSTRATA_READS_CGNS
+    {FileKind::cgns, read_cgns},
+#endif
+#ifdef ISOSTRATA_READS_NETCDF
+    {FileKind::netcdf, read_netcdf},
+#endif
+};
+
+std::string_view name_of(FileKind kind) {
+  for (const FileFormat& format : file_formats())
+    if (format.kind == kind) return format.name;
+  return "this kind of file";
+}
+
+}  // namespace
 
 Imported read_file(const ReadRequest& request) {
+  if (is_series_pattern(request.file)) return names_pictures(request.file) ? read_pictures(request) : read_numbered(request);
   const Recognised recognised = recognise(request.file);
-  switch (recognised.kind) {
-    case FileKind::vtk_legacy:
-      return read_vtk_legacy(request);
-    case FileKind::vtk_xml:
-      return read_vtk_xml(request, recognised.vtk_type);
-    case FileKind::pvd:
-      return read_pvd(request);
-    case FileKind::nrrd:
-      return read_nrrd(request);
-    case FileKind::plot3d:
-      return read_plot3d(request);
-    case FileKind::exodus:
-      return read_exodus(request);
-    case FileKind::meta_image:
-      return read_meta_image(request);
-    case FileKind::slc:
-      return read_slc(request);
-  }
-  throw Error(ErrorCode::internal, "a kind of file without a reader");
+  if (recognised.kind == FileKind::vtk_xml) return read_vtk_xml(request, recognised.vtk_type);
+  const auto reader = std::find_if(std::begin(kReaders), std::end(kReaders), [&](const auto& of) { return of.first == recognised.kind; });
+  if (reader != std::end(kReaders)) return reader->second(request);
+  throw Error(ErrorCode::unsupported, request.file.filename().string() + ": is " + std::string(name_of(recognised.kind)) +
+                                          ", for which the VTK that this program was built with has no reader");
 }
 
 }  // namespace isostrata

@@ -7,6 +7,7 @@
 #include "import/mapped_file.h"
 #include "import/nrrd_data.h"
 #include "import/nrrd_header.h"
+#include "import/place_image.h"
 
 namespace isostrata {
 namespace {
@@ -130,10 +131,10 @@ void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::
     directions = directions || header.axes[axes.space[i]].direction;
   }
   const auto origin = header.origin.value_or(std::array<double, 3>{0, 0, 0});
-  UniformGrid uniform;
-  uniform.dims = dims;
-  uniform.origin = {origin[0], origin[1], origin[2]};
   if (!directions) {
+    UniformGrid uniform;
+    uniform.dims = dims;
+    uniform.origin = {origin[0], origin[1], origin[2]};
     for (std::size_t i = 0; i < axes.space.size(); ++i) {
       const auto [begin, spacing] = along(header.axes[axes.space[i]], origin[i], name);
       uniform.origin[static_cast<int>(i)] = begin;
@@ -149,28 +150,7 @@ void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::
       throw Error(ErrorCode::bad_data, name + ": space directions are given for some axes of space only");
     step[i] = *header.axes[axes.space[i]].direction;
   }
-  bool straight = true;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t a = 0; a < 3; ++a) straight = straight && (i == a) == (step[i][a] != 0);
-  if (straight) {
-    uniform.spacing = {step[0][0], step[1][1], step[2][2]};
-    block.grid.shape = uniform;
-    return;
-  }
-  for (std::size_t i = 0; i < axes.space.size(); ++i)
-    if (step[i][0] == 0 && step[i][1] == 0 && step[i][2] == 0)
-      throw Error(ErrorCode::bad_data, name + ": a space direction of (0,0,0)");
-  const auto n = static_cast<std::size_t>(checked_product({dims[0], dims[1], dims[2]}, name));
-  auto [storage, points] = allocate<Vec3d>(n);
-  std::size_t at = 0;
-  for (std::int64_t k = 0; k < dims[2]; ++k)
-    for (std::int64_t j = 0; j < dims[1]; ++j)
-      for (std::int64_t i = 0; i < dims[0]; ++i, ++at)
-        for (std::size_t a = 0; a < 3; ++a)
-          points[at][static_cast<int>(a)] = origin[a] + static_cast<double>(i) * step[0][a] +
-                                            static_cast<double>(j) * step[1][a] + static_cast<double>(k) * step[2][a];
-  block.grid.shape = CurvilinearGrid{dims, std::span<const Vec3d>(points)};
-  block.grid.storage = storage;
+  place_image(block, dims, origin, step, name);
 }
 
 }  // namespace

@@ -1,21 +1,16 @@
 #include "import/read_vtk.h"
 
-#include <vtkCallbackCommand.h>
-#include <vtkCommand.h>
-#include <vtkDataArray.h>
 #include <vtkDataObject.h>
 #include <vtkDataReader.h>
-#include <vtkFieldData.h>
 #include <vtkGenericDataObjectReader.h>
-#include <vtkInformation.h>
 #include <vtkMetaImageReader.h>
 #include <vtkNew.h>
 #include <vtkRectilinearGridReader.h>
 #include <vtkSLCReader.h>
 #include <vtkSmartPointer.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkStructuredGridReader.h>
 #include <vtkStructuredPointsReader.h>
+#include <vtkTIFFReader.h>
 #include <vtkUnstructuredGridReader.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLDataElement.h>
@@ -32,6 +27,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -40,72 +37,16 @@
 #include "import/mapped_file.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
+#include "import/vtk_pipeline.h"
 
 namespace isostrata {
 namespace {
-
-/// Points that the header declares, before memory is asked for.
-void check_declared_extent(vtkAlgorithm* reader, const ReadRequest& request, const std::string& name) {
-  vtkInformation* information = reader->GetOutputInformation(0);
-  if (!information || !information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT())) return;
-  int e[6];
-  information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), e);
-  const auto size = [&](int a) { return static_cast<std::int64_t>(e[2 * a + 1]) - e[2 * a] + 1; };
-  for (int a = 0; a < 3; ++a)
-    if (size(a) < 1)
-      throw Error(ErrorCode::bad_data, name + ": an extent of " + std::to_string(size(a)) + " points; expected at least 1");
-  const std::int64_t points = checked_product({size(0), size(1), size(2)}, name);
-  check_bytes(request, static_cast<std::uint64_t>(points), name + ": " + std::to_string(points) + " points declared");
-}
-
-/// The time that a file says it has, as ParaView and VTK write it.
-std::vector<double> declared_times(vtkDataObject* object) {
-  if (object && object->GetFieldData())
-    for (const char* name : {"TimeValue", "TIME"})
-      if (vtkDataArray* time = object->GetFieldData()->GetArray(name))
-        if (time->GetNumberOfTuples() == 1 && std::isfinite(time->GetComponent(0, 0))) return {time->GetComponent(0, 0)};
-  return {0.0};
-}
-
-void report_progress(vtkAlgorithm* reader, const ReadRequest& request) {
-  vtkNew<vtkCallbackCommand> command;
-  command->SetClientData(const_cast<ReadRequest*>(&request));
-  command->SetCallback([](vtkObject* caller, unsigned long, void* client, void*) {
-    static_cast<const ReadRequest*>(client)->progress(static_cast<vtkAlgorithm*>(caller)->GetProgress());
-  });
-  reader->AddObserver(vtkCommand::ProgressEvent, command);
-}
-
-Imported finish(vtkAlgorithm* reader, const ReadRequest& request) {
-  const std::string name = request.file.filename().string();
-  throw_on_vtk_error(name);
-  if (reader->GetErrorCode() != 0)
-    throw Error(ErrorCode::bad_data, name + ": VTK's reader reported error " + std::to_string(reader->GetErrorCode()));
-  Imported imported;
-  vtkDataObject* object = reader->GetOutputDataObject(0);
-  const bool joined_pieces = vtkXMLPDataReader::SafeDownCast(reader) != nullptr;
-  append_vtk_blocks(object, request, joined_pieces, imported.blocks, imported.notes);
-  imported.times = declared_times(object);
-  for (const std::string& warning : vtk_warnings()) imported.notes.push_back("reader: " + warning);
-  return imported;
-}
-
-Imported run(vtkAlgorithm* reader, const ReadRequest& request) {
-  const std::string name = request.file.filename().string();
-  check_step(request, 1);
-  report_progress(reader, request);
-  reader->UpdateInformation();
-  throw_on_vtk_error(name);
-  check_declared_extent(reader, request, name);
-  reader->Update();
-  return finish(reader, request);
-}
 
 template <class Reader>
 Imported run_named(const ReadRequest& request) {
   vtkNew<Reader> reader;
   reader->SetFileName(request.file.c_str());
-  return run(reader, request);
+  return run_reader(reader, request);
 }
 
 template <class Reader>
@@ -119,7 +60,7 @@ Imported run_legacy(const ReadRequest& request) {
   reader->ReadAllColorScalarsOn();
   reader->ReadAllTCoordsOn();
   reader->ReadAllFieldsOn();
-  return run(reader, request);
+  return run_reader(reader, request);
 }
 
 /// Every piece of a parallel file must be a file below its directory.
@@ -209,6 +150,38 @@ Imported read_unstructured_pieces(const ReadRequest& request, int pieces) {
   return imported;
 }
 
+/// `line` says LOCAL, a file, "LIST" and the files in the lines that follow, or "slice_%03d.raw 1 64 1".
+void check_data_files(const ReadRequest& request, const std::string& line, std::ifstream& header) {
+  if (line == "LOCAL" || line == "local") return;
+  if (line.starts_with("LIST")) {
+    for (std::string file; std::getline(header, file);) {
+      file.erase(file.find_last_not_of(" \t\r") + 1);
+      if (!file.empty()) referred_file(request.file, file);
+    }
+    return;
+  }
+  const auto percent = line.find('%');
+  if (percent == std::string::npos) {
+    referred_file(request.file, line);
+    return;
+  }
+  char pattern[200] = "";
+  int first = 0, last = 0, by = 1;
+  const int found = std::sscanf(line.c_str(), "%199s %d %d %d", pattern, &first, &last, &by);
+  const auto conversion = line.find_first_not_of("0123456789", percent + 1);
+  if (found < 3 || by < 1 || last < first || (last - first) / by > 100'000 || conversion == std::string::npos || conversion > percent + 3 ||
+      line[conversion] != 'd' || line.find('%', conversion) != std::string::npos)
+    throw Error(ErrorCode::bad_data, request.file.filename().string() + ": ElementDataFile is '" + line +
+                                         "'; expected a pattern with one number, the first, the last and the stride: slice_%03d.raw 1 64 1");
+  const auto width = static_cast<std::size_t>(std::max(0, std::atoi(line.substr(percent + 1, conversion - percent - 1).c_str())));
+  const std::string text(pattern);
+  for (int i = first; i <= last; i += by) {
+    std::string number = std::to_string(i);
+    if (number.size() < width) number.insert(0, width - number.size(), line[percent + 1] == '0' ? '0' : ' ');
+    referred_file(request.file, text.substr(0, percent) + number + text.substr(conversion + 1));
+  }
+}
+
 }  // namespace
 
 Imported read_vtk_legacy(const ReadRequest& request) {
@@ -268,14 +241,14 @@ Imported read_meta_image(const ReadRequest& request) {
     line = line.substr(equals + 1);
     line.erase(0, line.find_first_not_of(" \t"));
     line.erase(line.find_last_not_of(" \t\r") + 1);
-    if (line.starts_with("LIST") || line.find('%') != std::string::npos)
-      throw Error(ErrorCode::unsupported, request.file.filename().string() + ": a list of data files; expected one");
-    if (line != "LOCAL" && line != "local") referred_file(request.file, line);
+    check_data_files(request, line, header);
     return run_named<vtkMetaImageReader>(request);
   }
   throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected a line 'ElementDataFile = ...'");
 }
 
 Imported read_slc(const ReadRequest& request) { return run_named<vtkSLCReader>(request); }
+
+Imported read_tiff(const ReadRequest& request) { return run_named<vtkTIFFReader>(request); }
 
 }  // namespace isostrata

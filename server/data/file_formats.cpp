@@ -1,0 +1,75 @@
+#include "data/file_formats.h"
+
+#include <array>
+
+namespace isostrata {
+namespace {
+
+constexpr std::array kFormats{
+    FileFormat{FileKind::vtk_legacy, "legacy VTK", ".vtk", "every grid, ASCII and binary", "VTK"},
+    FileFormat{FileKind::vtk_xml, "XML VTK", ".vti .vtr .vts .vtu .pvti .pvtr .pvts .pvtu", "every grid, serial and parallel, every encoding",
+               "VTK"},
+    FileFormat{FileKind::multi_block, "XML VTK of blocks", ".vtm .vtmb .vtpd .vtpc", "every block that has cells, as one grid", "ours, for the list"},
+    FileFormat{FileKind::pvd, "ParaView collection", ".pvd", "a series; several parts of one time are blocks", "ours, for the list"},
+    FileFormat{FileKind::series, "ParaView series", ".series", "a series of files of any other kind: x.vtu.series", "ours, for the list"},
+    FileFormat{FileKind::vtkhdf, "VTKHDF", ".vtkhdf .hdf .h5 .hdf5", "image data and unstructured grids; steps and blocks as the VTK here knows them", "VTK"},
+    FileFormat{FileKind::nrrd, "NRRD", ".nrrd .nhdr", "raw, ASCII, hexadecimal, gzip, bzip2; detached files; steps; space directions", "ours"},
+    FileFormat{FileKind::meta_image, "MetaImage", ".mhd .mha", "one data file, a list or a pattern of them", "VTK"},
+    FileFormat{FileKind::nifti, "NIfTI", ".nii .nii.gz", "NIfTI 1 and 2; steps; sform or qform, scaled values", "VTK, placed by us"},
+    FileFormat{FileKind::dicom, "DICOM", ".dcm .ima .dicom", "a file or a folder: the largest series, uncompressed, in the patient's space", "ours"},
+    FileFormat{FileKind::numpy, "NumPy array", ".npy", "one to three axes, the last is x; whole or real numbers", "ours"},
+    FileFormat{FileKind::tiff, "TIFF", ".tif .tiff", "pages are slices; 8, 16, 32 bits and real numbers, colours as components", "VTK"},
+    FileFormat{FileKind::pictures, "stack of pictures", ".png .tif .tiff .bmp .pnm .pgm", "numbered pictures of one size are slices: 'slice_*.png'", "VTK"},
+    FileFormat{FileKind::slc, "SLC", ".slc", "volumes of bytes", "VTK"},
+    FileFormat{FileKind::gaussian_cube, "Gaussian cube", ".cube .cub", "every field on its grid, in the file's unit of length", "ours"},
+    FileFormat{FileKind::openfoam, "OpenFOAM", ".foam .openfoam", "a case, also as a folder: the internal mesh and its fields, all times", "VTK"},
+    FileFormat{FileKind::ensight, "EnSight Gold", ".case .encas", "every part with cells, all times", "VTK"},
+    FileFormat{FileKind::cgns, "CGNS", ".cgns", "structured and unstructured zones, HDF5 and ADF, all times", "VTK"},
+    FileFormat{FileKind::exodus, "Exodus II", ".e .ex2 .exo .exii .gen", "all element blocks, nodal and element arrays; restarts x.e-s002 as one series",
+               "VTK"},
+    FileFormat{FileKind::plot3d, "PLOT3D", ".xyz .x .g .grd .p3d .q .f xyz.bin grid.bin", "grids with the solution beside them, every dialect", "ours"},
+    FileFormat{FileKind::netcdf, "netCDF", ".nc .cdf .nc4 .ncdf", "CF conventions: the variables over the most axes, all times, fill values as gaps", "VTK"},
+    FileFormat{FileKind::gzip, "gzip around another format", ".gz", "of formats that are one file: .vtk.gz, .vtu.gz, .npy.gz ...", "zlib"},
+};
+
+constexpr std::array kForeign{
+    ForeignFormat{".vtp .pvtp .stl .ply .obj .off .3ds .gltf .glb .iges .step .stp .wrl", "a surface",
+                  "expected a grid whose cells have a volume"},
+    ForeignFormat{".xdmf .xmf", "XDMF", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
+    ForeignFormat{".bp", "ADIOS", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
+    ForeignFormat{".zarr .n5", "Zarr or N5", "save it as .npy, NRRD or netCDF (Python: zarr, numpy.save)"},
+    ForeignFormat{".fits .fit .mat .npz .pkl .parquet .feather .root", "an array in a container that is not read",
+                  "save one array as .npy (Python: numpy.save)"},
+    ForeignFormat{".msh .inp .med .unv .bdf .nas .frd .cas .msh2 .msh4 .mesh .rst .odb .xml .key .k .su2",
+                  "a mesh or a case of another program", "save it as .vtu, VTKHDF, CGNS or Exodus (ParaView, or meshio convert)"},
+    ForeignFormat{".raw .img .bin .vol .dat .u8 .u16 .f32", "numbers without a header",
+                  "put a header beside it, NAME.nhdr: 'NRRD0004', 'type: float', 'dimension: 3', 'sizes: NX NY NZ', 'encoding: raw', "
+                  "'endian: little', 'data file: NAME'"},
+    ForeignFormat{".vthb .htg", "a grid of levels", "save it as .vtu or .vti (ParaView: Resample To Image)"},
+    ForeignFormat{".exr .jpg .jpeg .gif .webp .svg .bmp .png .pgm .pnm", "one picture",
+                  "a stack of PNG or TIFF pictures is opened by its pattern, 'slice_*.png'"},
+    ForeignFormat{".zip .tar .tgz .bz2 .xz .zst .7z .rar .gz", "an archive", "unpack it"},
+    ForeignFormat{".csv .tsv .xls .xlsx", "a table", "expected a grid: save it as .npy or NRRD where its rows are one"},
+    ForeignFormat{".hdr", "Analyze 7.5 or ENVI", "save it as NIfTI or NRRD"},
+    ForeignFormat{".mp4 .webm .avi .mov .mkv", "a film", ""},
+    ForeignFormat{".txt .md .rst .log .out .err .pdf .tex .html .htm .doc .docx .ppt .pptx .bib", "text", ""},
+    ForeignFormat{".py .sh .c .cc .cpp .h .hpp .f90 .m .jl .ipynb .pvsm .json .yaml .yml .toml .ini .cfg .i .js .ts .css .slurm .sbatch",
+                  "a program or its settings", ""},
+    ForeignFormat{".bak .tmp .swp .part .lock .pid ~", "left by a program", ""},
+};
+
+}  // namespace
+
+std::span<const FileFormat> file_formats() { return kFormats; }
+std::span<const ForeignFormat> foreign_formats() { return kForeign; }
+
+bool ends_with_one_of(std::string_view name, std::string_view extensions) {
+  while (!extensions.empty()) {
+    const auto end = std::min(extensions.find(' '), extensions.size());
+    if (end > 0 && name.size() > end && name.ends_with(extensions.substr(0, end))) return true;
+    extensions.remove_prefix(std::min(end + 1, extensions.size()));
+  }
+  return false;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,38 @@
+// The table of formats: what is read, by which names, and what is known but not read. The listing of a folder, the messages of refusals and
+// the table of docs/formats.md all come from here.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace isostrata {
+
+enum class FileKind : std::uint8_t {
+  vtk_legacy, vtk_xml, multi_block, pvd, series, vtkhdf, nrrd, meta_image, nifti, dicom, numpy, tiff, pictures, slc, gaussian_cube, openfoam,
+  ensight, cgns, exodus, plot3d, netcdf, gzip
+};
+
+struct FileFormat {
+  FileKind kind;
+  std::string_view name;        // what people call it
+  std::string_view extensions;  // in small letters, a space between two
+  std::string_view what;        // what of it is read
+  std::string_view reader;      // whose code reads it
+};
+
+/// One row for each kind.
+std::span<const FileFormat> file_formats();
+
+/// What is known by its name and is not read.
+struct ForeignFormat {
+  std::string_view extensions;  // as above
+  std::string_view what;        // "a surface"
+  std::string_view advice;      // "expected ...", "save it as ..."; empty for what is no data
+};
+std::span<const ForeignFormat> foreign_formats();
+
+/// Whether `name`, a file's name in small letters, ends with one of the extensions: ".nii.gz" is one, and so is ".gz".
+bool ends_with_one_of(std::string_view name, std::string_view extensions);
+
+}  // namespace isostrata

@@ -1,0 +1,199 @@
+#include "data/file_series.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+#include <string_view>
+#include <tuple>
+
+#include "base/error.h"
+#include "data/recognise.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMostFiles = 100'000;
+constexpr std::size_t kMostDigits = 18;  // a 64-bit number
+
+bool digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Where an extension that begins with a letter begins: its digits ("h5", "ex2") count nothing. The digits of a restart ("e-s003") do.
+std::size_t counted(const std::string& name) {
+  const auto dot = name.rfind('.');
+  if (dot == std::string::npos || dot + 1 >= name.size() || digit(name[dot + 1])) return name.size();
+  const auto restart = name.find("-s", dot);
+  return restart != std::string::npos && name.find_first_not_of("0123456789", restart + 2) == std::string::npos ? name.size() : dot;
+}
+
+struct Name {
+  std::string text;
+  std::vector<std::pair<std::size_t, std::size_t>> runs;  // begin, length of each number
+  std::vector<std::uint64_t> numbers;
+
+  explicit Name(std::string of) : text(std::move(of)) {
+    const std::size_t end = counted(text);
+    for (std::size_t at = 0; at < end;) {
+      if (!digit(text[at])) {
+        ++at;
+        continue;
+      }
+      std::size_t length = 1;
+      while (at + length < end && digit(text[at + length])) ++length;
+      if (length <= kMostDigits) {
+        runs.emplace_back(at, length);
+        numbers.push_back(std::stoull(text.substr(at, length)));
+      }
+      at += length;
+    }
+  }
+
+  /// The name with a star for each number that `starred` says.
+  template <class Starred>
+  std::string pattern(const Starred& starred) const {
+    std::string out = text;
+    for (std::size_t r = runs.size(); r-- > 0;)
+      if (starred(r)) out.replace(runs[r].first, runs[r].second, "*");
+    return out;
+  }
+};
+
+void add_group(std::vector<Name> names, std::vector<NameGroup>& groups) {
+  std::vector<std::size_t> varying;
+  for (std::size_t r = 0; r < names.front().runs.size(); ++r)
+    if (std::any_of(names.begin(), names.end(), [&](const Name& name) { return name.numbers[r] != names.front().numbers[r]; })) varying.push_back(r);
+  if (names.size() == 1 || varying.empty()) {
+    for (const Name& name : names) groups.push_back({name.text, {name.text}});
+    return;
+  }
+  if (varying.size() > 1) {
+    std::map<std::vector<std::uint64_t>, std::vector<Name>> apart;
+    for (const Name& name : names) {
+      std::vector<std::uint64_t> key;
+      for (std::size_t i = 0; i + 1 < varying.size(); ++i) key.push_back(name.numbers[varying[i]]);
+      apart[key].push_back(name);
+    }
+    if (apart.size() < names.size()) {
+      for (auto& [key, some] : apart) add_group(std::move(some), groups);
+      return;
+    }
+  }
+  std::sort(names.begin(), names.end(), [](const Name& a, const Name& b) { return std::tie(a.numbers, a.text) < std::tie(b.numbers, b.text); });
+  const auto starred = [&](std::size_t r) { return std::find(varying.begin(), varying.end(), r) != varying.end(); };
+  NameGroup group{names.front().pattern(starred), {}};
+  for (const Name& name : names) {
+    if (name.pattern(starred) == group.name)
+      group.members.push_back(name.text);
+    else  // a constant number written with other digits
+      groups.push_back({name.text, {name.text}});
+  }
+  if (group.members.size() == 1) group.name = group.members.front();
+  groups.push_back(std::move(group));
+}
+
+/// The numbers at the stars; false where the name is not of the pattern.
+bool matches(std::string_view name, std::string_view pattern, std::vector<std::uint64_t>& numbers) {
+  while (!pattern.empty()) {
+    if (pattern.front() != '*') {
+      if (name.empty() || name.front() != pattern.front()) return false;
+      name.remove_prefix(1);
+      pattern.remove_prefix(1);
+      continue;
+    }
+    std::size_t length = 0;
+    std::uint64_t number = 0;
+    for (; length < name.size() && digit(name[length]); ++length) number = number * 10 + static_cast<std::uint64_t>(name[length] - '0');
+    if (length == 0 || length > kMostDigits) return false;
+    numbers.push_back(number);
+    name.remove_prefix(length);
+    pattern.remove_prefix(1);
+  }
+  return name.empty();
+}
+
+void add_stamp(const fs::path& file, SourceStamp& stamp) {
+  std::error_code no_size, no_time;
+  const std::uint64_t size = fs::is_regular_file(file, no_size) ? fs::file_size(file, no_size) : 0;
+  const auto time = fs::last_write_time(file, no_time).time_since_epoch().count();
+  if (no_time) return;
+  if (!no_size) stamp.bytes += size;
+  stamp.changed = stamp.changed == 0 ? static_cast<std::int64_t>(time) : std::max(stamp.changed, static_cast<std::int64_t>(time));
+}
+
+}  // namespace
+
+bool is_series_pattern(const fs::path& path) {
+  std::error_code error;
+  return path.filename().string().find('*') != std::string::npos && !fs::exists(fs::symlink_status(path, error));
+}
+
+bool names_pictures(const fs::path& path) { return ends_with_one_of(small_letters(path.filename().string()), ".png .tif .tiff .bmp .pnm .pgm"); }
+
+std::vector<SeriesFile> series_files(const fs::path& pattern) {
+  const std::string text = pattern.filename().string();
+  std::vector<SeriesFile> files;
+  std::error_code error, ignored;
+  for (fs::directory_iterator it(pattern.parent_path().empty() ? fs::path(".") : pattern.parent_path(), error), end; !error && it != end; it.increment(error)) {
+    std::vector<std::uint64_t> numbers;
+    if (!matches(it->path().filename().string(), text, numbers) || !it->is_regular_file(ignored)) continue;
+    if (files.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
+    files.push_back({it->path(), std::move(numbers)});
+  }
+  if (text.ends_with("-s*"))
+    if (const fs::path first = pattern.parent_path() / text.substr(0, text.size() - 3); fs::is_regular_file(first, ignored)) files.push_back({first, {0}});
+  if (files.empty()) throw Error(ErrorCode::not_found, pattern.string() + ": no file is named like that, with a number for each *");
+  std::sort(files.begin(), files.end(), [](const SeriesFile& a, const SeriesFile& b) { return std::tie(a.numbers, a.path) < std::tie(b.numbers, b.path); });
+  return files;
+}
+
+std::vector<NameGroup> group_by_number(std::vector<std::string> names) {
+  std::vector<NameGroup> groups;
+  std::map<std::string, std::vector<Name>> alike;
+  const std::set<std::string> all(names.begin(), names.end());
+  for (std::string& text : names) {
+    Name name(std::move(text));
+    if (name.runs.empty() || name.text.find('*') != std::string::npos)
+      groups.push_back({name.text, {name.text}});
+    else
+      alike[name.pattern([](std::size_t) { return true; })].push_back(std::move(name));
+  }
+  for (auto& [pattern, some] : alike) add_group(std::move(some), groups);
+  // "x.e" is the first of its restarts, one or several.
+  std::set<std::string> firsts;
+  for (NameGroup& group : groups) {
+    const std::string& member = group.members.front();
+    const auto restart = member.rfind("-s"), dot = member.rfind('.');
+    if (restart == std::string::npos || dot == std::string::npos || restart < dot || counted(member) != member.size()) continue;
+    const std::string first = member.substr(0, restart);
+    if (!all.contains(first)) continue;
+    firsts.insert(first);
+    group.name = first + "-s*";
+    group.members.insert(group.members.begin(), first);
+  }
+  std::erase_if(groups, [&](const NameGroup& group) { return group.members.size() == 1 && firsts.contains(group.name); });
+  std::sort(groups.begin(), groups.end(), [](const NameGroup& a, const NameGroup& b) { return a.name < b.name; });
+  return groups;
+}
+
+SourceStamp stamp_of(const fs::path& source) {
+  SourceStamp stamp;
+  std::error_code error;
+  if (is_series_pattern(source)) {
+    try {
+      for (const SeriesFile& file : series_files(source)) add_stamp(file.path, stamp);
+    } catch (const Error&) {
+    }
+    return stamp;
+  }
+  add_stamp(source, stamp);
+  if (!fs::is_directory(source, error)) return stamp;
+  int most = 10'000;
+  for (fs::recursive_directory_iterator it(source, fs::directory_options::skip_permission_denied, error), end; !error && it != end && --most > 0; it.increment(error)) {
+    if (it.depth() >= 2) it.disable_recursion_pending();
+    add_stamp(it->path(), stamp);
+  }
+  return stamp;
+}
+
+}  // namespace isostrata

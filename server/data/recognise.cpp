@@ -1,0 +1,165 @@
+#include "data/recognise.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The value of `attribute` in the first <VTKFile ...> element.
+std::string vtk_file_attribute(std::string_view head, std::string_view attribute) {
+  const auto element = head.find("<VTKFile");
+  if (element == std::string_view::npos) return {};
+  head = head.substr(element, head.find('>', element) - element);
+  for (auto at = head.find(attribute); at != std::string_view::npos; at = head.find(attribute, at + 1)) {
+    std::string_view rest = head.substr(at + attribute.size());
+    if (at == 0 || !std::isspace(static_cast<unsigned char>(head[at - 1]))) continue;
+    const auto quote = rest.find_first_not_of(" \t\r\n=");
+    if (quote == std::string_view::npos || (rest[quote] != '"' && rest[quote] != '\'')) continue;
+    const auto close = rest.find(rest[quote], quote + 1);
+    if (close != std::string_view::npos) return std::string(rest.substr(quote + 1, close - quote - 1));
+  }
+  return {};
+}
+
+std::string_view extensions_of(FileKind kind) {
+  for (const FileFormat& format : file_formats())
+    if (format.kind == kind) return format.extensions;
+  return {};
+}
+
+std::string head_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(ErrorCode::unavailable, file.filename().string() + ": cannot be opened for reading");
+  std::string head(8192, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  return head;
+}
+
+bool begins_as_dicom(std::string_view head) { return head.size() > 132 && head.substr(128, 4) == "DICM"; }
+
+/// The first files of a folder, in no order.
+bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end && most > 0; it.increment(error), --most) {
+    std::error_code ignored;
+    if (it->is_regular_file(ignored) && is(it->path())) return true;
+  }
+  return false;
+}
+
+Recognised recognise_folder(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  if (is_openfoam_case(folder)) return {FileKind::openfoam, {}};
+  if (any_file(folder, 64, is_dicom)) return {FileKind::dicom, {}};
+  if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".zarr .n5"))
+    throw Error(ErrorCode::unsupported, name + ": Zarr or N5; save it as .npy, NRRD or netCDF (Python: zarr, numpy.save)");
+  if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".bp"))
+    throw Error(ErrorCode::unsupported, name + ": ADIOS; save it as VTKHDF or .vtu (ParaView: Save Data)");
+  throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, or a folder of DICOM slices");
+}
+
+/// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
+Recognised recognise_container(std::string_view head, const std::string& file, const std::string& name) {
+  if (ends_with_one_of(file, extensions_of(FileKind::exodus))) return {FileKind::exodus, {}};
+  if (ends_with_one_of(file, extensions_of(FileKind::cgns)) || head.find("CGNSLibraryVersion") != std::string_view::npos)
+    return {FileKind::cgns, {}};
+  if (ends_with_one_of(file, extensions_of(FileKind::netcdf)) || head.starts_with("CDF")) return {FileKind::netcdf, {}};
+  if (head.find("VTKHDF") != std::string_view::npos || ends_with_one_of(file, ".vtkhdf")) return {FileKind::vtkhdf, {}};
+  throw Error(ErrorCode::unsupported, name + ": HDF5 of no kind that says what its data sets mean; save it as VTKHDF, CGNS, netCDF (.nc), or "
+                                             "one array as .npy");
+}
+
+/// By what the name alone says.
+[[noreturn]] void refuse(const std::string& file, const std::string& name, std::string_view head) {
+  if (file.ends_with(".vtk")) throw Error(ErrorCode::bad_data, name + ": expected '# vtk DataFile' at its start");
+  if (ends_with_one_of(file, extensions_of(FileKind::nrrd)))
+    throw Error(ErrorCode::bad_data, name + ": expected 'NRRD000' and a digit at its start");
+  if (ends_with_one_of(file, ".vti .vtr .vts .vtu .vtm .pvd .vtp")) throw Error(ErrorCode::bad_data, name + ": expected a <VTKFile> element");
+  if (ends_with_one_of(file, ".e .ex2 .exo")) throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5, as Exodus II files are");
+  if (ends_with_one_of(file, ".nc .cdf .nc4 .vtkhdf .h5 .hdf5 .hdf"))
+    throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5 by its name; it begins as neither");
+  if (file.ends_with(".npy")) throw Error(ErrorCode::bad_data, name + ": expected '\\x93NUMPY' at its start");
+  for (const ForeignFormat& foreign : foreign_formats())
+    if (ends_with_one_of(file, foreign.extensions))
+      throw Error(ErrorCode::unsupported, name + ": " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
+  if (head.starts_with("\x7f" "ELF") || head.starts_with("#!")) throw Error(ErrorCode::unsupported, name + ": a program");
+  throw Error(ErrorCode::unsupported, name + ": not a known kind of file; docs/formats.md lists those that are read");
+}
+
+/// "mesh.e-s0003" is a restart of "mesh.e".
+std::string without_restart(const std::string& file) {
+  const auto at = file.rfind("-s");
+  const bool number = at != std::string::npos && at + 2 < file.size() && file.find_first_not_of("0123456789", at + 2) == std::string::npos;
+  return number ? file.substr(0, at) : file;
+}
+
+}  // namespace
+
+std::string small_letters(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool is_openfoam_case(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "system" / "controlDict", error)) return false;
+  for (const char* mesh : {"constant/polyMesh", "processor0/constant/polyMesh", "constant/regionProperties"})
+    if (fs::exists(folder / mesh, error)) return true;
+  return false;
+}
+
+bool is_dicom(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string head(132, '\0');
+  in.read(head.data(), 132);
+  return in && head.substr(128) == "DICM";
+}
+
+Recognised recognise(const fs::path& path) {
+  const std::string name = path.filename().string();
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw Error(ErrorCode::not_found, path.string() + ": no such file");
+  if (fs::is_directory(status)) return recognise_folder(path);
+  if (!fs::is_regular_file(status)) throw Error(ErrorCode::bad_data, path.string() + ": is not a regular file");
+  const std::string file = without_restart(small_letters(name));
+  const std::string head = head_of(path);
+  if (ends_with_one_of(file, extensions_of(FileKind::openfoam))) return {FileKind::openfoam, {}};  // a mark without contents
+  if (head.empty()) throw Error(ErrorCode::bad_data, name + ": is empty");
+
+  if (head.starts_with("# vtk DataFile")) return {FileKind::vtk_legacy, {}};
+  if (head.starts_with("NRRD0")) return {FileKind::nrrd, {}};
+  if (head.starts_with("\x93NUMPY")) return {FileKind::numpy, {}};
+  if (begins_as_dicom(head)) return {FileKind::dicom, {}};
+  if (head.find("<VTKFile") != std::string::npos) {
+    std::string type = vtk_file_attribute(head, "type");
+    if (type == "Collection") return {FileKind::pvd, {}};
+    const bool blocks = type == "vtkMultiBlockDataSet" || type == "vtkPartitionedDataSet" || type == "vtkPartitionedDataSetCollection";
+    return {blocks ? FileKind::multi_block : FileKind::vtk_xml, std::move(type)};
+  }
+  if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n"))
+    return recognise_container(head, file, name);
+  if (ends_with_one_of(file, extensions_of(FileKind::nifti))) return {FileKind::nifti, {}};
+  if (head.starts_with("\x1f\x8b") && file.ends_with(".gz") && !file.ends_with(".tar.gz")) return {FileKind::gzip, {}};
+  if (head.starts_with(std::string_view("II*\0", 4)) || head.starts_with(std::string_view("MM\0*", 4)) || head.starts_with("II+") || head.starts_with(std::string_view("MM\0+", 4)))
+    return {FileKind::tiff, {}};
+  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
+    if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
+  const std::string stem = small_letters(path.stem().string());
+  if (ends_with_one_of(file, extensions_of(FileKind::plot3d)) || stem.ends_with("xyz") || stem.ends_with("grid") ||
+      (stem.ends_with("q") && ends_with_one_of(file, ".bin .dat")))
+    return {FileKind::plot3d, {}};
+  if (file.ends_with(".dcm")) return {FileKind::dicom, {}};
+  refuse(file, name, head);
+}
+
+}  // namespace isostrata

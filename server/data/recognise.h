@@ -1,0 +1,28 @@
+// Which reader a file is for, from its first bytes, and from its name where the bytes do not say. Reads at most 8 KiB.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "data/file_formats.h"
+
+namespace isostrata {
+
+struct Recognised {
+  FileKind kind;
+  std::string vtk_type;  // of vtk_xml and multi_block: the type attribute of VTKFile ("UnstructuredGrid", "PImageData", ...)
+};
+
+/// Of a file, or of a folder that is one dataset (an OpenFOAM case, slices of DICOM). Throws not_found (no such file), bad_data (an empty
+/// file, a folder of other things), unsupported saying what it is and what to do.
+Recognised recognise(const std::filesystem::path& file);
+
+/// A folder that holds an OpenFOAM case, whole or in parts for processors.
+bool is_openfoam_case(const std::filesystem::path& folder);
+
+/// Begins as DICOM files do, or is named as one.
+bool is_dicom(const std::filesystem::path& file);
+
+std::string small_letters(std::string text);
+
+}  // namespace isostrata

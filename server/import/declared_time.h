@@ -1,0 +1,13 @@
+// The time that a VTK file says it has, from its beginning, without reading the rest.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+namespace isostrata {
+
+/// From the field array TimeValue or TIME in the first 64 KiB of an XML file (its text, or its range where the values are elsewhere) or of a legacy file.
+/// Nothing where there is none, or it is not one finite number.
+std::optional<double> declared_time(const std::filesystem::path& file);
+
+}  // namespace isostrata

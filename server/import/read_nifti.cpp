@@ -1,0 +1,106 @@
+#include <vtkDataArray.h>
+#include <vtkImageData.h>
+#include <vtkMatrix4x4.h>
+#include <vtkNIFTIImageHeader.h>
+#include <vtkNIFTIImageReader.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+
+#include <cmath>
+
+#include "import/place_image.h"
+#include "import/read_vtk.h"
+#include "import/vtk_messages.h"
+#include "import/vtk_pipeline.h"
+
+namespace isostrata {
+namespace {
+
+/// Components [first, first + count) of each tuple, as the scaled numbers of the file where it scales them.
+FileArray part_of(const FileArray& all, std::size_t first, std::size_t count, double slope, double intercept) {
+  FileArray out = all;
+  const auto of = static_cast<std::size_t>(all.components);
+  const bool scaled = slope != 0 && (slope != 1 || intercept != 0);
+  if (!scaled && count == of) return out;
+  out.components = static_cast<int>(count);
+  std::visit(
+      [&](auto values) {
+        using T = typename decltype(values)::value_type;
+        const std::size_t tuples = values.size() / of;
+        const auto fill = [&]<class Out>(Out) {
+          auto [storage, to] = allocate<Out>(tuples * count);
+          for (std::size_t p = 0; p < tuples; ++p)
+            for (std::size_t c = 0; c < count; ++c) {
+              const T value = values[p * of + first + c];
+              to[p * count + c] = scaled ? static_cast<Out>(static_cast<double>(value) * slope + intercept) : static_cast<Out>(value);
+            }
+          out.values = std::as_bytes(to);
+          out.storage = storage;
+        };
+        if (!scaled)
+          fill(std::remove_const_t<T>{});
+        else if (sizeof(T) <= 4)
+          fill(float{});
+        else
+          fill(double{});
+      },
+      scalar_span(all.type, all.values));
+  if (scaled) out.type = size_of(all.type) <= 4 ? ScalarType::float32 : ScalarType::float64;
+  return out;
+}
+
+const char* unit_of(int code) { return code == 1 ? "m" : code == 2 ? "mm" : code == 3 ? "um" : nullptr; }
+
+}  // namespace
+
+Imported read_nifti(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  vtkNew<vtkNIFTIImageReader> reader;
+  if (!reader->CanReadFile(request.file.c_str())) throw Error(ErrorCode::bad_data, name + ": is not a NIfTI file");
+  reader->SetFileName(request.file.c_str());
+  reader->TimeAsVectorOn();
+  report_progress(reader, request);
+  reader->UpdateInformation();
+  throw_on_vtk_error(name);
+  const int steps = std::max(1, reader->GetTimeDimension());
+  const double between = reader->GetTimeSpacing();
+  std::vector<double> times;
+  for (int t = 0; t < steps; ++t) times.push_back(t * (between > 0 && std::isfinite(between) ? between : 1.0));
+  check_step(request, times.size());
+
+  const double slope = reader->GetRescaleSlope(), intercept = reader->GetRescaleIntercept();
+  vtkMatrix4x4* matrix = reader->GetSFormMatrix() ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
+  ReadRequest all = request;
+  all.step = 0;
+  Imported imported = read_step(reader, all);
+  imported.times = times;
+  if (request.times_only) return imported;
+  Block& block = imported.blocks.front();
+  for (FileArray& array : block.arrays) {
+    const int count = array.components / steps;
+    if (count * steps != array.components || (count > 1 && steps > 1))
+      throw Error(ErrorCode::unsupported, name + ": several numbers in each point at several times; expected one of both");
+    array = part_of(array, static_cast<std::size_t>(request.step * count), static_cast<std::size_t>(count), slope, intercept);
+    array.name = "intensity";
+  }
+  if (auto* image = std::get_if<UniformGrid>(&block.grid.shape); image && matrix) {
+    std::array<double, 3> origin{};
+    std::array<std::array<double, 3>, 3> step{};
+    for (int a = 0; a < 3; ++a) {
+      origin[static_cast<std::size_t>(a)] = matrix->GetElement(a, 3);
+      for (int i = 0; i < 3; ++i) {
+        origin[static_cast<std::size_t>(a)] += matrix->GetElement(a, i) * image->origin[i];
+        step[static_cast<std::size_t>(i)][static_cast<std::size_t>(a)] = matrix->GetElement(a, i) * image->spacing[i];
+      }
+    }
+    const auto dims = image->dims;
+    place_image(block, dims, origin, step, name);
+    imported.notes.push_back(std::string("placed by its ") + (reader->GetSFormMatrix() ? "sform" : "qform") + ": x to the right, y to the front, z up");
+  }
+  if (const vtkNIFTIImageHeader* header = reader->GetNIFTIHeader())
+    if (const char* unit = unit_of(const_cast<vtkNIFTIImageHeader*>(header)->GetXYZTUnits() & 7))
+      imported.notes.push_back(std::string("unit of length: ") + unit);
+  return imported;
+}
+
+}  // namespace isostrata

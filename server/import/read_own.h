@@ -1,0 +1,35 @@
+// Formats that are read without VTK, and lists of files of any format.
+#pragma once
+
+#include "import/imported.h"
+
+namespace isostrata {
+
+/// NumPy's .npy; the last axis is x.
+Imported read_numpy(const ReadRequest& request);
+
+/// Gaussian's .cube: every field on its grid.
+Imported read_gaussian_cube(const ReadRequest& request);
+
+/// A folder of DICOM slices, a file with its siblings of one series, or a file of many frames. Uncompressed.
+Imported read_dicom(const ReadRequest& request);
+
+/// A list of time steps; each entry is a file below the .pvd's directory, read by its own kind. Several parts of one time become blocks.
+Imported read_pvd(const ReadRequest& request);
+
+/// ParaView's list of files in JSON, "x.vtu.series".
+Imported read_series_file(const ReadRequest& request);
+
+/// Files that differ by numbers in their names: the request's file is their pattern, "plume_*.vtu" (data/file_series.h).
+Imported read_numbered(const ReadRequest& request);
+
+/// A tree of blocks, each a file below the list's directory.
+Imported read_multi_block(const ReadRequest& request);
+
+/// A file inside gzip, of a format that is one file. It is unpacked into request.scratch.
+Imported read_gzip(const ReadRequest& request);
+
+/// Numbered pictures of one size as the slices of a volume; the request's file is their pattern.
+Imported read_pictures(const ReadRequest& request);
+
+}  // namespace isostrata

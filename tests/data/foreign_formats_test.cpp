@@ -1,0 +1,192 @@
+// Files that other programs' libraries write (tests/formats/write_files.py): the importer reads what was written, and the table of docs/formats.md is that of the
+// readers. What VTK's own writers write is in tests/vtk.
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <fstream>
+#include <sstream>
+
+#include "data/file_formats.h"
+#include "data/files.h"
+#include "data/import_door.h"
+#include "data/recognise.h"
+#include "support/mutated_files.h"
+#include "support/places.h"
+
+namespace isostrata {
+namespace {
+
+namespace json = boost::json;
+using test::Scratch;
+
+/// All of them, in a folder. deploy/setup installs what the script needs with Debian's Python.
+class ForeignFormats : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string command = "/usr/bin/python3 '" + places::source() + "/tests/formats/write_files.py' '" + folder_.path().string() + "/f' 2>'" +
+                                (folder_ / "errors").string() + "'";
+    ASSERT_EQ(std::system(command.c_str()), 0) << test::read_bytes(folder_ / "errors")
+                                               << "\nthe packages of group test in deploy/packages.txt are needed: deploy/setup test";
+    facts_ = json::parse(test::read_bytes(folder_ / "f/facts.json")).as_object();
+  }
+  std::filesystem::path file(const std::string& name) const { return folder_.path() / "f" / name; }
+
+  Scratch folder_;
+  json::object facts_;
+};
+
+double number(const json::value& value) { return value.to_number<double>(); }
+
+void expect_facts(const Dataset& data, const json::object& facts) {
+  EXPECT_EQ(data.grid.kind_name(), std::string(facts.at("grid").as_string()));
+  EXPECT_EQ(data.grid.point_count(), facts.at("points").as_int64());
+  EXPECT_EQ(data.grid.cell_count(), facts.at("cells").as_int64());
+  std::vector<double> times;
+  for (const json::value& time : facts.at("times").as_array()) times.push_back(number(time));
+  EXPECT_EQ(data.times, times);
+  const json::array& bounds = facts.at("bounds").as_array();
+  for (int a = 0; a < 3; ++a) {
+    EXPECT_NEAR(data.bounds.lower[a], number(bounds.at(static_cast<std::size_t>(2 * a))), 1e-9) << "axis " << a;
+    EXPECT_NEAR(data.bounds.upper[a], number(bounds.at(static_cast<std::size_t>(2 * a + 1))), 1e-9) << "axis " << a;
+  }
+  for (const auto& [name, range] : facts.at("arrays").as_object()) {
+    const PointArray& array = data.array(std::string_view(name));
+    EXPECT_EQ(array.lower, number(range.at(0))) << name;
+    EXPECT_EQ(array.upper, number(range.at(1))) << name;
+    EXPECT_EQ(array.nan_count, range.at(2).as_int64()) << name;
+  }
+  const json::array& at = facts.at("at").as_array();
+  const Vec3d place{number(at[0]), number(at[1]), number(at[2])};
+  int found = 0;
+  for (std::int64_t p = 0; p < data.grid.point_count(); ++p) {
+    if (length(data.grid.point(p) - place) > 1e-6) continue;
+    ++found;
+    EXPECT_EQ(data.array(std::string_view(at[3].as_string())).at(static_cast<std::size_t>(p)), number(at[4])) << at[3].as_string();
+  }
+  EXPECT_EQ(found, 1) << "points at " << place.x << " " << place.y << " " << place.z;
+}
+
+TEST_F(ForeignFormats, HoldWhatWasWritten) {
+  ASSERT_GE(facts_.size(), 30u);
+  for (const auto& [key, facts] : facts_) {
+    SCOPED_TRACE(std::string(key));
+    const std::string name(key.substr(0, key.find('@')));
+    const int step = key.find('@') == json::string_view::npos ? 0 : std::stoi(std::string(key.substr(key.find('@') + 1)));
+    ASSERT_NO_THROW(expect_facts(*test::open(file(name), step), facts.as_object())) << [&] {
+      try {
+        test::open(file(name), step);
+      } catch (const Error& error) {
+        return std::string(error.what());
+      }
+      return std::string();
+    }();
+  }
+}
+
+TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
+  const auto whole = test::open(file("scan"));
+  std::filesystem::copy_file(file("scan_implicit/picture0.dcm"), file("scan/one_of_another.dcm"));
+  std::string bytes = test::read_bytes(file("scan/one_of_another.dcm"));
+  bytes.replace(bytes.find("1.2.3\0", bytes.find("9.9.9")), 5, "1.2.4");
+  std::ofstream(file("scan/one_of_another.dcm"), std::ios::binary) << bytes;
+  for (const std::string name : {"scan", "scan/picture2.dcm"}) {
+    const auto data = test::open(file(name));
+    EXPECT_EQ(data->grid.point_count(), whole->grid.point_count()) << name;
+    EXPECT_EQ(data->bounds.upper, whole->bounds.upper) << name;
+  }
+  EXPECT_EQ(test::open(file("scan/one_of_another.dcm"))->grid.point_count(), 30);
+}
+
+TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "scan/picture1.dcm"})
+    files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
+  const Scratch scratch;
+  for (const auto& [name, bytes] : files) {
+    const Error error = test::refusal(scratch.write(name, bytes.substr(0, bytes.size() / 3)));
+    EXPECT_TRUE(error.code() == ErrorCode::bad_data || error.code() == ErrorCode::unsupported) << error.what();
+    EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+  }
+  testing::expect_datasets_or_errors(files, 60);
+}
+
+TEST_F(ForeignFormats, ACaseWhoseFilesAreMutatedEndsInADatasetOrAnError) {
+  int opened = 0, refused = 0;
+  for (int round = 0; round < 15; ++round) {
+    std::mt19937 random(static_cast<unsigned>(round) + 4711);
+    static constexpr const char* kFiles[] = {"points", "faces", "owner", "neighbour", "boundary"};
+    const auto path = file("cavity/constant/polyMesh") / kFiles[round % 5];
+    const std::string whole = test::read_bytes(path);
+    std::ofstream(path, std::ios::binary) << testing::mutated(whole, random);
+    try {
+      OpenOptions options;
+      options.timeout_s = 20;
+      options.max_bytes = 256u << 20;
+      open_dataset(file("cavity").string(), options, Task());
+      ++opened;
+    } catch (const Error& error) {
+      EXPECT_NE(error.code(), ErrorCode::internal) << "round " << round << ": " << error.what();
+      EXPECT_EQ(std::string(error.what()).find("ended after"), std::string::npos) << "round " << round << ": " << error.what();
+      ++refused;
+    }
+    std::ofstream(path, std::ios::binary) << whole;
+  }
+  EXPECT_EQ(opened + refused, 15);
+  EXPECT_GT(refused, 0);
+}
+
+TEST_F(ForeignFormats, NamesOutsideACaseAreRefused) {
+  const std::string rest = "VARIABLE\nscalar per node: 1 p p.scl\nTIME\ntime set: 1\nnumber of steps: 1\ntime values: 0\n";
+  for (const std::string geometry : {"/etc/passwd", "../secret.geo", "a/../../secret.geo"}) {
+    const Error error = test::refusal(folder_.write("f/x.case", "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: " + geometry + "\n" + rest));
+    EXPECT_EQ(error.code(), ErrorCode::bad_data) << error.what();
+    EXPECT_NE(std::string(error.what()).find("below its own directory"), std::string::npos) << error.what();
+  }
+  const Error list = test::refusal(folder_.write("f/x.vtu.series", R"({"file-series-version":"1.0","files":[{"name":"../x.vtu","time":0}]})"));
+  EXPECT_NE(std::string(list.what()).find("below its own directory"), std::string::npos) << list.what();
+}
+
+/// What is known and not read says what it is and what to do.
+TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
+  const Scratch scratch;
+  for (const auto& [name, what, advice] : std::vector<std::array<std::string, 3>>{{"a.stl", "a surface", "volume"},
+                                                                                  {"a.xdmf", "XDMF", "VTKHDF"},
+                                                                                  {"a.raw", "without a header", ".nhdr"},
+                                                                                  {"a.msh", "mesh", "meshio"},
+                                                                                  {"a.csv", "a table", "grid"},
+                                                                                  {"a.jpg", "one picture", "slice_*.png"},
+                                                                                  {"a.tar.gz", "an archive", "unpack"},
+                                                                                  {"a.what", "not a known kind", "docs/formats.md"}}) {
+    const Error error = test::refusal(scratch.write(name, "some bytes"));
+    EXPECT_EQ(error.code(), ErrorCode::unsupported) << error.what();
+    EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(advice), std::string::npos) << error.what();
+  }
+  std::filesystem::create_directory(scratch / "empty");
+  EXPECT_NE(std::string(test::refusal(scratch / "empty").what()).find("OpenFOAM case"), std::string::npos);
+}
+
+TEST(FormatTable, OfTheDocumentsIsThatOfTheReaders) {
+  std::string table = "| format | names | what is read | reader |\n|---|---|---|---|\n";
+  for (const FileFormat& format : file_formats()) {
+    std::string names;
+    std::istringstream words{std::string(format.extensions)};
+    for (std::string word; words >> word;) names += (names.empty() ? "`" : " `") + word + "`";
+    table += "| " + std::string(format.name) + " | " + names + " | " + std::string(format.what) + " | " + std::string(format.reader) + " |\n";
+  }
+  std::string foreign = "| names | what it is | what to do |\n|---|---|---|\n";
+  for (const ForeignFormat& format : foreign_formats()) {
+    if (format.advice.empty()) continue;
+    foreign += "| `" + std::string(format.extensions) + "` | " + std::string(format.what) + " | " + std::string(format.advice) + " |\n";
+  }
+  const std::string page = test::read_bytes(places::source() + "/docs/formats.md");
+  EXPECT_NE(page.find(table), std::string::npos) << "docs/formats.md should hold\n" << table;
+  EXPECT_NE(page.find(foreign), std::string::npos) << "docs/formats.md should hold\n" << foreign;
+  std::set<FileKind> kinds;
+  for (const FileFormat& format : file_formats()) EXPECT_TRUE(kinds.insert(format.kind).second) << format.name;
+}
+
+}  // namespace
+}  // namespace isostrata

@@ -1,0 +1,388 @@
+"""Writes small files of many formats by the libraries of each format's own world (h5py, netCDF4, pydicom, numpy) or as text, and what is in them, for
+tests/data/foreign_formats_test.cpp:   write_files.py FOLDER   writes FOLDER/facts.json:
+
+    {"file": {"grid":, "points":, "cells":, "arrays": {name: [lowest, highest, values that are not finite]}, "times": [...], "bounds": [x0, x1, y0, ...],
+              "at": [x, y, z, array, value]}}
+
+The field is x + 10 y + 100 z over the indices of 6 x 5 x 4 points, so that no two axes can be exchanged unnoticed. "at" says what one of the points has.
+"""
+
+import gzip
+import json
+import os
+import struct
+import sys
+
+import h5py
+import netCDF4
+import numpy as np
+import PIL.Image
+import pydicom
+from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
+
+NX, NY, NZ = 6, 5, 4
+Z, Y, X = np.mgrid[0:NZ, 0:NY, 0:NX].astype(float)
+FIELD = X + 10 * Y + 100 * Z
+facts = {}
+
+
+def expect(name, grid, points, cells, arrays, bounds, at, times=(0.0,), step=None):
+    facts[name if step is None else f"{name}@{step}"] = {
+        "grid": grid, "points": points, "cells": cells, "times": list(times), "bounds": list(map(float, bounds)), "at": list(at),
+        "arrays": {k: list(v) for k, v in arrays.items()}}
+
+
+def lattice(name, arrays, bounds, at, times=(0.0,), step=None, grid="uniform"):
+    expect(name, grid, NX * NY * NZ, (NX - 1) * (NY - 1) * (NZ - 1), arrays, bounds, at, times, step)
+
+
+def numpy_arrays():
+    unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
+    for name, values in {"c_order": FIELD.astype("f4"), "fortran_order": np.asfortranarray(FIELD), "big_endian": FIELD.astype(">i2"),
+                         "bytes": (FIELD / 2).astype("u1")}.items():
+        np.save(name + ".npy", values)
+        top = float(values.max())
+        lattice(name + ".npy", {name: [0, top, 0]}, unit, [5, 3, 2, name, float(values[2, 3, 5])])
+    np.save("vectors.npy", np.stack([FIELD, 2 * FIELD, 3 * FIELD], -1))
+    lattice("vectors.npy", {"vectors_x": [0, 345, 0], "vectors_z": [0, 1035, 0]}, unit, [1, 2, 3, "vectors_y", 2 * 321])
+    np.save("flat.npy", FIELD[0])
+    expect("flat.npy", "uniform", 30, 20, {"flat": [0, 45, 0]}, [0, 5, 0, 4, 0, 0], [5, 4, 0, "flat", 45])
+
+
+def netcdf(name, format, first=0.0):
+    with netCDF4.Dataset(name, "w", format=format) as d:
+        for dimension, size in (("time", None), ("lev", NZ), ("lat", NY), ("lon", NX)):
+            d.createDimension(dimension, size)
+
+        def axis(called, values, **attributes):
+            v = d.createVariable(called, "f8", (called,))
+            v.setncatts(attributes)
+            v[:] = values
+
+        axis("time", [first, first + 6, first + 12], units="hours since 2000-01-01")
+        axis("lev", [0, 10, 30, 70], units="m", positive="up", axis="Z")
+        axis("lat", [-20, -10, 0, 10, 20], units="degrees_north")
+        axis("lon", np.arange(NX) * 5, units="degrees_east")
+        t = d.createVariable("T", "f4", ("time", "lev", "lat", "lon"), fill_value=-999.0)
+        t.units = "K"
+        t[:] = np.stack([FIELD + first + 1000 * i for i in range(3)])
+        t[0, 0, 0, 0] = np.ma.masked
+        packed = d.createVariable("packed", "i2", ("time", "lev", "lat", "lon"))
+        packed.scale_factor, packed.add_offset = 0.5, 100.0
+        packed[:] = np.stack([FIELD] * 3)
+        d.createVariable("pressure", "f4", ("time", "lat", "lon"))[:] = 1
+
+
+def netcdf_files():
+    bounds = [0, 25, -20, 20, 0, 70]
+    for name, format in (("classic.nc", "NETCDF3_CLASSIC"), ("offset64.cdf", "NETCDF3_64BIT_OFFSET"), ("four.nc", "NETCDF4")):
+        netcdf(name, format)
+        lattice(name, {"T": [1, 345, 1], "packed": [0, 345, 0]}, bounds, [25, 10, 30, "T", 235], [0, 6, 12], grid="rectilinear")
+        lattice(name, {"T": [2000, 2345, 0]}, bounds, [25, 10, 30, "T", 2235], [0, 6, 12], 2, grid="rectilinear")
+    netcdf("ocean_09.nc", "NETCDF3_CLASSIC")
+    netcdf("ocean_10.nc", "NETCDF3_CLASSIC", 18.0)
+    lattice("ocean_*.nc", {"T": [1018, 1363, 0]}, bounds, [0, -20, 0, "T", 1018], [0, 6, 12, 18, 24, 30], 4, grid="rectilinear")
+
+
+def vtkhdf():
+    with h5py.File("image.vtkhdf", "w") as file:
+        g = file.create_group("VTKHDF")
+        g.attrs["Version"] = [1, 0]
+        g.attrs.create("Type", np.bytes_("ImageData"))
+        g.attrs["WholeExtent"] = np.array([0, NX - 1, 0, NY - 1, 0, NZ - 1])
+        g.attrs["Origin"] = [1.0, 2.0, 3.0]
+        g.attrs["Spacing"] = [0.5, 1.0, 2.0]
+        g.attrs["Direction"] = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
+        g.create_group("PointData").create_dataset("f", data=FIELD.astype("f4"))
+    lattice("image.vtkhdf", {"f": [0, 345, 0]}, [1, 3.5, 2, 6, 3, 9], [3.5, 5, 7, "f", 235])
+    with h5py.File("cells.hdf", "w") as file:
+        g = file.create_group("VTKHDF")
+        g.attrs["Version"] = [1, 0]
+        g.attrs.create("Type", np.bytes_("UnstructuredGrid"))
+        for called, values in {"NumberOfPoints": [5], "NumberOfCells": [2], "NumberOfConnectivityIds": [8], "Connectivity": [0, 1, 2, 3, 1, 2, 3, 4],
+                               "Offsets": [0, 4, 8]}.items():
+            g.create_dataset(called, data=np.array(values, "i8"))
+        g.create_dataset("Points", data=np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], "f4"))
+        g.create_dataset("Types", data=np.array([10, 10], "u1"))
+        g.create_group("PointData").create_dataset("f", data=np.arange(5.0))
+        g.create_group("CellData").create_dataset("c", data=np.array([3.0, 4.0]))
+    expect("cells.hdf", "unstructured", 5, 2, {"f": [0, 4, 0], "c": [3, 4, 0]}, [0, 1] * 3, [1, 1, 1, "c", 4])
+    with h5py.File("plain.h5", "w") as file:
+        file.create_dataset("x", data=FIELD)
+
+
+def cgns_node(parent, name, label, data=None):
+    """A node of CGNS/HDF5 (CGNS steering committee, "CGNS/HDF5 file mapping")."""
+    g = parent.create_group(name, track_order=True)
+    kind = "MT"
+    if data is not None:
+        if isinstance(data, str):
+            data, kind = np.frombuffer(data.encode(), "i1"), "C1"
+        else:
+            data = np.asarray(data)
+            kind = {"int32": "I4", "float64": "R8", "float32": "R4"}[str(data.dtype)]
+        g.create_dataset(" data", data=data)
+    for attribute, value, size in (("name", name, 33), ("label", label, 33), ("type", kind, 3)):
+        g.attrs.create(attribute, np.array(value, dtype=f"S{size}"))
+    g.attrs["flags"] = np.array([1], "i4")
+    return g
+
+
+def cgns_file(name):
+    file = h5py.File(name, "w", track_order=True)
+    for attribute, value, size in (("name", "HDF5 MotherNode", 33), ("label", "Root Node of HDF5 File", 33), ("type", "MT", 3)):
+        file.attrs.create(attribute, np.array(value, dtype=f"S{size}"))
+    file.create_dataset(" format", data=np.frombuffer(b"IEEE_LITTLE_32\0", "i1"))
+    file.create_dataset(" hdf5version", data=np.frombuffer(b"HDF5 Version 1.10.8".ljust(33, b"\0"), "i1"))
+    cgns_node(file, "CGNSLibraryVersion", "CGNSLibraryVersion_t", np.array([3.3], "f4"))
+    return file, cgns_node(file, "Base", "CGNSBase_t", np.array([3, 3], "i4"))
+
+
+def cgns():
+    file, base = cgns_file("structured.cgns")
+    iterative = cgns_node(base, "BaseIterativeData", "BaseIterativeData_t", np.array([2], "i4"))
+    cgns_node(iterative, "TimeValues", "DataArray_t", np.array([0.5, 0.75]))
+    zone = cgns_node(base, "block", "Zone_t", np.array([[NX, NY, NZ], [NX - 1, NY - 1, NZ - 1], [0, 0, 0]], "i4"))
+    cgns_node(zone, "ZoneType", "ZoneType_t", "Structured")
+    grid = cgns_node(zone, "GridCoordinates", "GridCoordinates_t")
+    for called, values in (("CoordinateX", X + 0.25 * Y), ("CoordinateY", Y), ("CoordinateZ", 2 * Z)):
+        cgns_node(grid, called, "DataArray_t", values)
+    for step in range(2):
+        solution = cgns_node(zone, f"Solution{step}", "FlowSolution_t")
+        cgns_node(solution, "GridLocation", "GridLocation_t", "Vertex")
+        cgns_node(solution, "Density", "DataArray_t", FIELD + 1000 * step)
+    pointers = cgns_node(zone, "ZoneIterativeData", "ZoneIterativeData_t")
+    cgns_node(pointers, "FlowSolutionPointers", "DataArray_t", "")
+    del pointers["FlowSolutionPointers"][" data"]
+    pointers["FlowSolutionPointers"].create_dataset(
+        " data", data=np.stack([np.frombuffer(f"Solution{s}".ljust(32).encode(), "i1") for s in range(2)]))
+    file.close()
+    for step in range(2):
+        lattice("structured.cgns", {"Density": [1000 * step, 1000 * step + 345, 0]}, [0, 6, 0, 4, 0, 6], [5.75, 3, 4, "Density", 1000 * step + 235],
+                [0.5, 0.75], step, grid="curvilinear")
+
+    file, base = cgns_file("unstructured.cgns")
+    zone = cgns_node(base, "tetrahedra", "Zone_t", np.array([[5], [2], [0]], "i4"))
+    cgns_node(zone, "ZoneType", "ZoneType_t", "Unstructured")
+    grid = cgns_node(zone, "GridCoordinates", "GridCoordinates_t")
+    for axis, values in zip("XYZ", ([0, 1, 0, 0, 1], [0, 0, 1, 0, 1], [0, 0, 0, 1, 1])):
+        cgns_node(grid, "Coordinate" + axis, "DataArray_t", np.array(values, "f8"))
+    elements = cgns_node(zone, "Tetrahedra", "Elements_t", np.array([10, 0], "i4"))
+    cgns_node(elements, "ElementRange", "IndexRange_t", np.array([1, 2], "i4"))
+    cgns_node(elements, "ElementConnectivity", "DataArray_t", np.array([1, 2, 3, 4, 2, 3, 4, 5], "i4"))
+    solution = cgns_node(zone, "Solution", "FlowSolution_t")
+    cgns_node(solution, "GridLocation", "GridLocation_t", "CellCenter")
+    cgns_node(solution, "Pressure", "DataArray_t", np.array([3.0, 4.0]))
+    file.close()
+    expect("unstructured.cgns", "unstructured", 5, 2, {"Pressure": [3, 4, 0]}, [0, 1] * 3, [1, 1, 1, "Pressure", 4])
+
+
+def nifti(name, values, affine, slope=0.0, intercept=0.0, between=0.0, as_qform=None):
+    """NIfTI 1 (R. W. Cox, nifti1.h): [t][z][y][x] or [z][y][x] of 16-bit numbers."""
+    header = bytearray(352)
+    n = list(values.shape[::-1])
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, len(n), *(n + [1] * (7 - len(n))))
+    struct.pack_into("<2h", header, 70, 4, 16)
+    spacing = [float(np.linalg.norm(affine[:3, a])) for a in range(3)]
+    struct.pack_into("<8f", header, 76, -1.0 if as_qform and as_qform[3] < 0 else 1.0, *spacing, between, 0, 0, 0)
+    struct.pack_into("<3f", header, 108, 352.0, slope, intercept)
+    header[123] = 2 | 8  # mm, seconds
+    if as_qform:
+        struct.pack_into("<2h", header, 252, 1, 0)
+        struct.pack_into("<6f", header, 256, *as_qform[:3], *affine[:3, 3])
+    else:
+        struct.pack_into("<2h", header, 252, 0, 1)
+        struct.pack_into("<12f", header, 280, *affine[:3].ravel())
+    header[344:348] = b"n+1\0"
+    with open(name, "wb") as out:
+        out.write(bytes(header) + values.astype("<i2").tobytes())
+
+
+def nifti_files():
+    straight = np.diag([1.0, 2.0, 3.0, 1.0])
+    nifti("straight.nii", FIELD, straight)
+    lattice("straight.nii", {"intensity": [0, 345, 0]}, [0, 5, 0, 8, 0, 9], [5, 6, 6, "intensity", 235])
+    nifti("scaled.nii", np.stack([FIELD + 1000 * t for t in range(3)]), straight, 0.5, 7.0, 2.5)
+    lattice("scaled.nii", {"intensity": [507, 679.5, 0]}, [0, 5, 0, 8, 0, 9], [5, 6, 6, "intensity", 624.5], [0, 2.5, 5], 1)
+    turned = np.array([[-2, 0, 0, 10], [0, 0, 3, 20], [0, -1.5, 0, 30], [0, 0, 0, 1.0]])
+    nifti("turned.nii", FIELD, turned)
+    lattice("turned.nii", {"intensity": [0, 345, 0]}, [0, 10, 20, 29, 24, 30], [0, 26, 25.5, "intensity", 235], grid="curvilinear")
+    half = np.array([[-1, 0, 0, 5], [0, -2, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1.0]])
+    nifti("quaternion.nii", FIELD, half, as_qform=(0.0, 0.0, 1.0, 1.0))  # half a turn about z
+    lattice("quaternion.nii", {"intensity": [0, 345, 0]}, [0, 5, -2, 6, 7, 16], [0, 0, 13, "intensity", 235])
+
+
+def dicom(folder, implicit, thick=2.5):
+    os.makedirs(folder)
+    syntax = "1.2.840.10008.1.2" if implicit else "1.2.840.10008.1.2.1"
+    for k in range(NZ):
+        meta = FileMetaDataset()
+        meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2"
+        meta.MediaStorageSOPInstanceUID = f"1.2.3.{k + 1}"
+        meta.TransferSyntaxUID = syntax
+        d = FileDataset(None, {}, file_meta=meta, preamble=b"\0" * 128)
+        d.SOPClassUID, d.SOPInstanceUID = meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID
+        other = Dataset()
+        other.SeriesInstanceUID = "9.9.9"
+        d.ReferencedSeriesSequence = pydicom.Sequence([other])
+        d.Modality, d.SeriesInstanceUID, d.InstanceNumber = "CT", "1.2.3", NZ - k
+        d.ImagePositionPatient, d.ImageOrientationPatient = [-10, -20, 5 + thick * k], [1, 0, 0, 0, 1, 0]
+        d.PixelSpacing, d.SliceThickness = [0.75, 0.5], thick
+        d.Rows, d.Columns, d.SamplesPerPixel, d.PhotometricInterpretation = NY, NX, 1, "MONOCHROME2"
+        d.BitsAllocated, d.BitsStored, d.HighBit, d.PixelRepresentation = 16, 12, 11, 0
+        d.RescaleSlope, d.RescaleIntercept = 1, -1024
+        d.PixelData = (FIELD[k].astype("<u2") | 0xF000).tobytes()  # the highest bits are not part of the value
+        d["PixelData"].VR = "OW"
+        path = os.path.join(folder, f"picture{(k * 7 + 2) % NZ}.dcm")
+        if int(pydicom.__version__.split(".")[0]) >= 3:
+            d.save_as(path, implicit_vr=implicit, little_endian=True, enforce_file_format=True)
+        else:
+            d.is_little_endian, d.is_implicit_VR = True, implicit
+            d.save_as(path, write_like_original=False)
+    lattice(folder, {"Hounsfield": [-1024, -679, 0]}, [-10, -7.5, -20, -17, 5, 12.5], [-7.5, -17.75, 10, "Hounsfield", 235 - 1024])
+
+
+def gaussian_cube():
+    with open("orbitals.cube", "w") as out:
+        out.write("made by a test\ntwo orbitals\n -1 1.0 2.0 3.0\n")
+        for n, step in ((NX, (0.5, 0, 0)), (NY, (0, 1, 0)), (NZ, (0, 0, 2))):
+            out.write(f" {n} {step[0]} {step[1]} {step[2]}\n")
+        out.write(" 1 1.0 0 0 0\n 2 7 8\n")
+        values = np.stack([FIELD, -FIELD], -1).transpose(2, 1, 0, 3).ravel()
+        for at in range(0, len(values), 6):
+            out.write(" ".join(f"{v:13.5E}" for v in values[at:at + 6]) + "\n")
+    lattice("orbitals.cube", {"orbital 7": [0, 345, 0], "orbital 8": [-345, 0, 0]}, [1, 3.5, 2, 6, 3, 9], [3.5, 5, 7, "orbital 8", -235])
+
+
+def ensight():
+    """EnSight Gold in ASCII (EnSight User Manual, "EnSight Gold casefile format"): two steps of one part, and of a part of another name beside it."""
+    with open("box.case", "w") as out:
+        out.write("FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: box.geo\nVARIABLE\nscalar per node: 1 f f_**.scl\nscalar per element: 1 c c_**.scl\n"
+                  "TIME\ntime set: 1\nnumber of steps: 2\nfilename start number: 0\nfilename increment: 1\ntime values: 0.5 1.5\n")
+    parts = [(1, "upstream", 0.0), (2, "downstream", NX - 1.0)]
+    reals = lambda values: "".join(f"{v:12.5e}\n" for v in values.ravel())
+    number = lambda i, j, k: 1 + i + NX * (j + NY * k)
+    cells = [(i, j, k) for k in range(NZ - 1) for j in range(NY - 1) for i in range(NX - 1)]
+    with open("box.geo", "w") as out:
+        out.write("made by a test\ntwo boxes\nnode id assign\nelement id assign\n")
+        for part, called, shift in parts:
+            out.write(f"part\n{part:10d}\n{called}\ncoordinates\n{NX * NY * NZ:10d}\n" + reals(X + shift) + reals(Y) + reals(Z))
+            out.write(f"hexa8\n{len(cells):10d}\n")
+            for i, j, k in cells:
+                out.write("".join(f"{number(i + a, j + b, k + c):10d}" for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))) + "\n")
+    for step in range(2):
+        with open(f"f_0{step}.scl", "w") as out:
+            out.write("f\n")
+            for part, _, shift in parts:
+                out.write(f"part\n{part:10d}\ncoordinates\n" + reals(FIELD + shift + 1000 * step))
+        with open(f"c_0{step}.scl", "w") as out:
+            out.write("c\n")
+            for part, _, shift in parts:
+                out.write(f"part\n{part:10d}\nhexa8\n" + "7\n" * len(cells))
+        expect("box.case", "unstructured", 2 * NX * NY * NZ - NY * NZ, 2 * len(cells), {"f": [1000 * step, 1000 * step + 350, 0], "c": [7, 7, 0]},
+               [0, 10, 0, NY - 1, 0, NZ - 1], [10, 3, 2, "f", 1000 * step + 240], [0.5, 1.5], step)
+
+
+def pictures():
+    unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
+    values = FIELD.astype("u2")
+    for k in range(NZ):
+        PIL.Image.fromarray(values[k][::-1]).save(f"slice_{k + 8}.png")  # pictures begin at the top
+    lattice("slice_*.png", {"PNGImage": [0, 345, 0]}, unit, [5, 3, 2, "PNGImage", 235])
+    pages = [PIL.Image.fromarray(page.astype("f4")) for page in FIELD]
+    pages[0].save("pages.tif", save_all=True, append_images=pages[1:])
+    lattice("pages.tif", {"Tiff Scalars": [0, 345, 0]}, unit, [5, 2, 3, "Tiff Scalars", 325])  # the row in the middle: VTK may turn pages over
+
+
+def meta_images():
+    head = f"ObjectType = Image\nNDims = 3\nDimSize = {NX} {NY} {NZ}\nElementSpacing = 0.5 1 2\nElementType = MET_SHORT\nElementByteOrderMSB = False\n"
+    for k in range(NZ):
+        FIELD[k].astype("<i2").tofile(f"plane_{k + 1:03d}.raw")
+    for name, files in (("pattern.mhd", f"plane_%03d.raw 1 {NZ} 1"), ("list.mhd", "LIST\n" + "".join(f"plane_{k + 1:03d}.raw\n" for k in range(NZ)))):
+        with open(name, "w") as out:
+            out.write(head + "ElementDataFile = " + files + ("\n" if files[0] == "p" else ""))
+        lattice(name, {"MetaImage": [0, 345, 0]}, [0, 2.5, 0, 4, 0, 6], [2.5, 3, 4, "MetaImage", 235])
+
+
+def packed():
+    text = (f"# vtk DataFile Version 3.0\nmade by a test\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS {NX} {NY} {NZ}\nORIGIN 1 2 3\nSPACING 0.5 1 2\n"
+            f"POINT_DATA {NX * NY * NZ}\nSCALARS f float 1\nLOOKUP_TABLE default\n" + " ".join(map(str, FIELD.ravel())) + "\n")
+    with gzip.open("legacy.vtk.gz", "wt") as out:
+        out.write(text)
+    lattice("legacy.vtk.gz", {"f": [0, 345, 0]}, [1, 3.5, 2, 6, 3, 9], [3.5, 5, 7, "f", 235])
+    with open("c_order.npy", "rb") as whole, gzip.open("packed.npy.gz", "wb") as out:
+        out.write(whole.read())
+    lattice("packed.npy.gz", {"packed": [0, 345, 0]}, [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 3, 2, "packed", 235])
+
+
+def openfoam(folder, cells=(3, 2, 2)):
+    """A box of hexahedra of edge 1, 2, 3, as blockMesh writes it in ASCII."""
+    nx, ny, nz = cells
+    number = lambda i, j, k: i + (nx + 1) * (j + (ny + 1) * k)
+    cell = lambda i, j, k: i + nx * (j + ny * k)
+    points = [(i, 2 * j, 3 * k) for k in range(nz + 1) for j in range(ny + 1) for i in range(nx + 1)]
+    inner, outer = [], []
+    for k in range(nz):
+        for j in range(ny):
+            for i in range(nx):
+                corner = lambda a, b, c: number(i + a, j + b, k + c)
+                for face, inside, neighbour in (
+                        ((corner(1, 0, 0), corner(1, 1, 0), corner(1, 1, 1), corner(1, 0, 1)), i + 1 < nx, (i + 1, j, k)),
+                        ((corner(0, 1, 0), corner(0, 1, 1), corner(1, 1, 1), corner(1, 1, 0)), j + 1 < ny, (i, j + 1, k)),
+                        ((corner(0, 0, 1), corner(1, 0, 1), corner(1, 1, 1), corner(0, 1, 1)), k + 1 < nz, (i, j, k + 1))):
+                    (inner if inside else outer).append((face, cell(i, j, k), cell(*neighbour) if inside else None))
+                for face, border in (((corner(0, 0, 0), corner(0, 0, 1), corner(0, 1, 1), corner(0, 1, 0)), i == 0),
+                                     ((corner(0, 0, 0), corner(1, 0, 0), corner(1, 0, 1), corner(0, 0, 1)), j == 0),
+                                     ((corner(0, 0, 0), corner(0, 1, 0), corner(1, 1, 0), corner(1, 0, 0)), k == 0)):
+                    if border:
+                        outer.append((face, cell(i, j, k), None))
+    faces = inner + outer
+
+    def write(path, kind, body, place):
+        os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
+        with open(os.path.join(folder, path), "w") as out:
+            out.write("FoamFile\n{\n    version 2.0;\n    format ascii;\n    class " + kind + ";\n    location \"" + place + "\";\n    object " +
+                      os.path.basename(path) + ";\n}\n" + body)
+
+    listed = lambda entries: f"{len(entries)}\n(\n" + "\n".join(entries) + "\n)\n"
+    mesh = "constant/polyMesh"
+    write("system/controlDict", "dictionary", "application icoFoam;\nstartTime 0;\nendTime 1;\ndeltaT 0.5;\nwriteControl timeStep;\nwriteInterval 1;\n", "system")
+    write(mesh + "/points", "vectorField", listed([f"({a} {b} {c})" for a, b, c in points]), mesh)
+    write(mesh + "/faces", "faceList", listed([f"{len(f)}({' '.join(map(str, f))})" for f, _, _ in faces]), mesh)
+    write(mesh + "/owner", "labelList", listed([str(o) for _, o, _ in faces]), mesh)
+    write(mesh + "/neighbour", "labelList", listed([str(n) for _, _, n in inner]), mesh)
+    write(mesh + "/boundary", "polyBoundaryMesh", f"1\n(\nwalls\n{{\n type wall;\n nFaces {len(outer)};\n startFace {len(inner)};\n}}\n)\n", mesh)
+    count = nx * ny * nz
+    for time in ("0", "0.5", "1"):
+        write(time + "/p", "volScalarField", "dimensions [0 2 -2 0 0 0 0];\ninternalField nonuniform List<scalar>\n" +
+              listed([str(c + 100 * float(time)) for c in range(count)]) + ";\nboundaryField\n{\nwalls\n{\n type zeroGradient;\n}\n}\n", time)
+    open(os.path.join(folder, "case.foam"), "w").close()
+    size = (nx + 1) * (ny + 1) * (nz + 1)
+    for name in (folder, folder + "/case.foam"):
+        for step, time in enumerate((0, 0.5, 1)):
+            expect(name, "unstructured", size, count, {"p": [100 * time, 100 * time + count - 1, 0]}, [0, nx, 0, 2 * ny, 0, 3 * nz],
+                   [nx, 2 * ny, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
+
+
+def main():
+    os.makedirs(sys.argv[1], exist_ok=True)
+    os.chdir(sys.argv[1])
+    numpy_arrays()
+    netcdf_files()
+    vtkhdf()
+    cgns()
+    nifti_files()
+    dicom("scan", False)
+    dicom("scan_implicit", True)
+    gaussian_cube()
+    openfoam("cavity")
+    ensight()
+    pictures()
+    meta_images()
+    packed()
+    with open("facts.json", "w") as out:
+        json.dump(facts, out)
+
+
+main()
