@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+#include <map>
 
 #include "import/close_seams.h"
 #include "import/join_pieces.h"
@@ -52,6 +54,34 @@ bool share_points(const std::vector<Block>& blocks) {
 FileArray last_tuples(FileArray array, std::int64_t tuples) {
   array.values = array.values.last(static_cast<std::size_t>(tuples * array.components) * size_of(array.type));
   return array;
+}
+
+/// What stands for an array in a block that has none of its name: NaN.
+FileArray no_values(const FileArray& like, std::int64_t tuples) {
+  FileArray out = like;
+  out.type = like.type == ScalarType::float32 ? ScalarType::float32 : ScalarType::float64;
+  const auto n = static_cast<std::size_t>(tuples * like.components);
+  const auto fill = [&](auto nan) {
+    auto [storage, values] = allocate<decltype(nan)>(n);
+    std::fill(values.begin(), values.end(), nan);
+    out.values = std::as_bytes(values);
+    out.storage = storage;
+  };
+  if (out.type == ScalarType::float32)
+    fill(std::numeric_limits<float>::quiet_NaN());
+  else
+    fill(std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
+/// "blocks: fluid, solid", where the file names them.
+void note_names(Imported& imported) {
+  std::string names;
+  for (const Block& block : imported.blocks) {
+    if (block.name.empty()) return;
+    if (names.size() < 300) names += (names.empty() ? "" : ", ") + block.name;
+  }
+  imported.notes.push_back("blocks: " + names);
 }
 
 FileArray concatenate(const std::vector<const FileArray*>& parts) {
@@ -164,28 +194,36 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   all.grid.storage = cells;
   if (any_split) all.source = std::move(source);
 
-  std::vector<std::string> left_out;
+  std::map<std::string, std::size_t> lacking;  // in how many blocks an array has no values
   for (const Block& block : imported.blocks)
     for (const FileArray& array : block.arrays) {
       if (find(all, array)) continue;
       std::vector<const FileArray*> parts;
-      std::vector<FileArray> added;  // of blocks over common points: what belongs to the points that each added
-      added.reserve(imported.blocks.size());
-      for (const Block& other : imported.blocks)
-        if (const FileArray* part = find(other, array)) {
-          const bool common = shared && !array.on_cells && &other != &imported.blocks.front();
-          parts.push_back(common ? &added.emplace_back(last_tuples(*part, other.added_points)) : part);
+      std::vector<FileArray> made;  // parts that are no array of a block as it is
+      made.reserve(imported.blocks.size());
+      std::size_t without = 0;
+      for (const Block& other : imported.blocks) {
+        // Of blocks over common points all but the first have only the points that each added.
+        const bool common = shared && !array.on_cells && &other != &imported.blocks.front();
+        const FileArray* part = find(other, array);
+        if (!part) {
+          const std::int64_t tuples = array.on_cells ? other.grid.cell_count() : common ? other.added_points : other.grid.point_count();
+          if (tuples > 0) ++without, parts.push_back(&made.emplace_back(no_values(array, tuples)));
+        } else {
+          parts.push_back(common ? &made.emplace_back(last_tuples(*part, other.added_points)) : part);
         }
-      if (shared && !array.on_cells && !any_split)
+      }
+      if (shared && !array.on_cells && !any_split) {
         all.arrays.push_back(array);  // it belongs to the common points
-      else if (static_cast<std::ptrdiff_t>(parts.size()) ==
-               std::count_if(imported.blocks.begin(), imported.blocks.end(),
-                             [&](const Block& other) { return !array.on_cells || other.grid.cell_count() > 0; }))
-        all.arrays.push_back(concatenate(parts));
-      else if (std::find(left_out.begin(), left_out.end(), array.name) == left_out.end())
-        left_out.push_back(array.name);
+        continue;
+      }
+      all.arrays.push_back(concatenate(parts));
+      all.arrays.back().partial = without > 0;
+      if (without > 0) lacking[array.name] = without;
     }
-  for (const std::string& array : left_out) imported.notes.push_back("array '" + array + "' skipped: not every block has it");
+  for (const auto& [array, blocks] : lacking)
+    imported.notes.push_back("array '" + array + "' has no values in " + std::to_string(blocks) + " of " + std::to_string(imported.blocks.size()) + " blocks");
+  note_names(imported);
   imported.notes.push_back(std::to_string(imported.blocks.size()) +
                            (shared ? " blocks over the same points as one unstructured grid"
                                    : " blocks as one unstructured grid"));

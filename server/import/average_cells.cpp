@@ -1,5 +1,6 @@
 #include "import/average_cells.h"
 
+#include <cmath>
 #include <limits>
 
 #include "import/close_seams.h"
@@ -22,6 +23,7 @@ FileArray mean_over_cells(const Block& block, const FileArray& array) {
         const std::int64_t cells = grid.cell_count();
         for (std::int64_t cell = 0; cell < cells; ++cell) {
           if (grid.hidden(cell)) continue;
+          if (array.partial && std::isnan(static_cast<double>(values[static_cast<std::size_t>(cell) * components]))) continue;  // no value
           const int n = grid.cell_points(cell, ids);
           for (int v = 0; v < n; ++v) {
             const auto point = static_cast<std::size_t>(without_seams(block, ids[static_cast<std::size_t>(v)]));

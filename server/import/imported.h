@@ -23,6 +23,7 @@ struct FileArray {
   bool on_cells = false;
   int components = 1;
   ScalarType type = ScalarType::float32;
+  bool partial = false;               // some blocks have no such array: NaN there, which is no value
   std::span<const std::byte> values;  // [tuples][components], native byte order
   std::shared_ptr<const void> storage;
 };

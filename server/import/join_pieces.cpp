@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <unordered_map>
@@ -67,9 +68,30 @@ class Joiner {
   bool same_values(std::int64_t p, std::int64_t q) const {
     return std::all_of(block_.arrays.begin(), block_.arrays.end(), [&](const FileArray& array) {
       const std::size_t tuple = size_of(array.type) * static_cast<std::size_t>(array.components);
-      return array.on_cells || std::memcmp(array.values.data() + static_cast<std::size_t>(p) * tuple,
-                                           array.values.data() + static_cast<std::size_t>(q) * tuple, tuple) == 0;
+      return array.on_cells || (array.partial && (no_value(array, p) || no_value(array, q))) ||
+             std::memcmp(array.values.data() + static_cast<std::size_t>(p) * tuple, array.values.data() + static_cast<std::size_t>(q) * tuple, tuple) == 0;
     });
+  }
+
+  /// Of an array that some pieces do not have, where it is NaN in all components.
+  static bool no_value(const FileArray& array, std::int64_t p) {
+    return std::visit(
+        [&](auto values) {
+          const auto n = static_cast<std::size_t>(array.components);
+          const auto tuple = values.subspan(static_cast<std::size_t>(p) * n, n);
+          return std::all_of(tuple.begin(), tuple.end(), [](auto value) { return std::isnan(static_cast<double>(value)); });
+        },
+        scalar_span(array.type, array.values));
+  }
+
+  /// The point that is kept has what the other one knows. Arrays that are partial were made whole here, so they may be written.
+  void take_values(std::int64_t kept, std::int64_t from) {
+    for (FileArray& array : block_.arrays) {
+      if (array.on_cells || !array.partial || !no_value(array, kept)) continue;
+      const std::size_t tuple = size_of(array.type) * static_cast<std::size_t>(array.components);
+      auto* values = const_cast<std::byte*>(array.values.data());
+      std::memcpy(values + static_cast<std::size_t>(kept) * tuple, values + static_cast<std::size_t>(from) * tuple, tuple);
+    }
   }
 
   std::size_t piece_of(std::int64_t p) const {
@@ -106,6 +128,7 @@ class Joiner {
           continue;
         }
         stands_for_[static_cast<std::size_t>(own.point)] = same->point;
+        take_values(same->point, own.point);
         same->newest = own.newest;
         ++joined_;
       }

@@ -11,7 +11,7 @@
 namespace isostrata {
 
 /// Makes one point of those of different pieces that are at the same place, to the last bit, and have the same values in every
-/// point array: so cells of different pieces meet in common points, and nothing is a boundary where one piece goes on as
+/// point array, or no value where the other one's piece has no such array: so cells of different pieces meet in common points, and nothing is a boundary where one piece goes on as
 /// another. Where values differ, the field has a jump there, and the points stay apart. Points of one piece are never joined. A
 /// cell that another piece has as well, point for point, is hidden, unless it is already. Points keep their order.
 ///

@@ -50,7 +50,6 @@ Imported read_multi_block(const ReadRequest& request) {
   check_step(request, 1);
 
   Imported imported;
-  std::string names;
   int surfaces = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ReadRequest part = request;
@@ -65,7 +64,6 @@ Imported read_multi_block(const ReadRequest& request) {
     }
     Imported one = read_file(part);
     const std::string called = parts[i].name.empty() ? "block " + std::to_string(i) : parts[i].name;
-    if (names.size() < 300) names += (names.empty() ? "" : ", ") + called;
     for (Block& block : one.blocks) {
       block.name = called;
       imported.blocks.push_back(std::move(block));
@@ -75,7 +73,6 @@ Imported read_multi_block(const ReadRequest& request) {
   }
   if (imported.blocks.empty()) throw Error(ErrorCode::unsupported, name + ": holds surfaces alone; expected a grid whose cells have a volume");
   if (surfaces > 0) imported.notes.push_back(std::to_string(surfaces) + " surfaces skipped: other blocks have grids");
-  imported.notes.push_back("blocks: " + names);
   return imported;
 }
 

@@ -10,11 +10,13 @@
 #include <vtkDataArray.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkIdList.h>
+#include <vtkInformation.h>
 #include <vtkImageData.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkRectilinearGrid.h>
 #include <vtkSmartPointer.h>
 #include <vtkStructuredGrid.h>
@@ -372,10 +374,20 @@ void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, bool j
   if (auto* composite = vtkCompositeDataSet::SafeDownCast(object)) {
     auto at = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
     at->SkipEmptyNodesOn();
+    int surfaces = 0;
     for (at->InitTraversal(); !at->IsDoneWithTraversal(); at->GoToNextItem()) {
       auto* leaf = vtkDataSet::SafeDownCast(at->GetCurrentDataObject());
-      if (leaf && leaf->GetNumberOfPoints() > 0) append_dataset(leaf, request, joined_pieces, blocks, notes);
+      if (!leaf || leaf->GetNumberOfPoints() == 0) continue;
+      if (vtkPolyData::SafeDownCast(leaf)) {
+        ++surfaces;
+        continue;
+      }
+      append_dataset(leaf, request, joined_pieces, blocks, notes);
+      const char* called = at->HasCurrentMetaData() ? at->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME()) : nullptr;
+      if (called && std::strncmp(called, "Unnamed", 7) != 0) blocks.back().name = called;
     }
+    if (surfaces > 0 && !blocks.empty()) notes.push_back(std::to_string(surfaces) + " surfaces skipped: other blocks have grids");
+    if (surfaces > 0 && blocks.empty()) throw Error(ErrorCode::unsupported, name + ": holds surfaces alone; expected a grid with 3-D cells");
   } else if (auto* data = vtkDataSet::SafeDownCast(object)) {
     append_dataset(data, request, joined_pieces, blocks, notes);
   } else {
