@@ -61,6 +61,11 @@ constexpr std::array kForeign{
 }  // namespace
 
 std::span<const FileFormat> file_formats() { return kFormats; }
+const FileFormat& format_of(FileKind kind) {
+  for (const FileFormat& format : kFormats)
+    if (format.kind == kind) return format;
+  return kFormats.front();
+}
 std::span<const ForeignFormat> foreign_formats() { return kForeign; }
 
 bool ends_with_one_of(std::string_view name, std::string_view extensions) {

@@ -23,6 +23,7 @@ struct FileFormat {
 
 /// One row for each kind.
 std::span<const FileFormat> file_formats();
+const FileFormat& format_of(FileKind kind);
 
 /// What is known by its name and is not read.
 struct ForeignFormat {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <map>
 #include <set>
 #include <string_view>
@@ -174,6 +175,12 @@ std::vector<NameGroup> group_by_number(std::vector<std::string> names) {
   std::erase_if(groups, [&](const NameGroup& group) { return group.members.size() == 1 && firsts.contains(group.name); });
   std::sort(groups.begin(), groups.end(), [](const NameGroup& a, const NameGroup& b) { return a.name < b.name; });
   return groups;
+}
+
+std::int64_t SourceStamp::changed_unix_ms() const {
+  if (changed == 0) return 0;
+  const auto time = std::chrono::file_clock::to_sys(fs::file_time_type(fs::file_time_type::duration(changed)));
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
 }
 
 SourceStamp stamp_of(const fs::path& source) {

@@ -37,8 +37,9 @@ std::vector<NameGroup> group_by_number(std::vector<std::string> names);
 /// those of the folders in it. Two zeros where nothing is there.
 struct SourceStamp {
   std::uint64_t bytes = 0;
-  std::int64_t changed = 0;
+  std::int64_t changed = 0;  // in units of the file system's clock
   bool operator==(const SourceStamp&) const = default;
+  std::int64_t changed_unix_ms() const;
 };
 SourceStamp stamp_of(const std::filesystem::path& source);
 

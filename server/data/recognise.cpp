@@ -29,11 +29,7 @@ std::string vtk_file_attribute(std::string_view head, std::string_view attribute
   return {};
 }
 
-std::string_view extensions_of(FileKind kind) {
-  for (const FileFormat& format : file_formats())
-    if (format.kind == kind) return format.extensions;
-  return {};
-}
+std::string_view extensions_of(FileKind kind) { return format_of(kind).extensions; }
 
 std::string head_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -136,7 +132,10 @@ Recognised recognise(const fs::path& path) {
   if (ends_with_one_of(file, extensions_of(FileKind::openfoam))) return {FileKind::openfoam, {}};  // a mark without contents
   if (head.empty()) throw Error(ErrorCode::bad_data, name + ": is empty");
 
-  if (head.starts_with("# vtk DataFile")) return {FileKind::vtk_legacy, {}};
+  if (head.starts_with("# vtk DataFile")) {
+    const std::string_view lines = std::string_view(head).substr(0, 1024);
+    return {FileKind::vtk_legacy, lines.find("\nDATASET POLYDATA") != std::string_view::npos ? "PolyData" : ""};
+  }
   if (head.starts_with("NRRD0")) return {FileKind::nrrd, {}};
   if (head.starts_with("\x93NUMPY")) return {FileKind::numpy, {}};
   if (begins_as_dicom(head)) return {FileKind::dicom, {}};
@@ -155,7 +154,9 @@ Recognised recognise(const fs::path& path) {
   for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
   const std::string stem = small_letters(path.stem().string());
-  if (ends_with_one_of(file, extensions_of(FileKind::plot3d)) || stem.ends_with("xyz") || stem.ends_with("grid") ||
+  const bool text = std::any_of(foreign_formats().begin(), foreign_formats().end(),
+                                [&](const ForeignFormat& foreign) { return foreign.advice.empty() && ends_with_one_of(file, foreign.extensions); });
+  if (ends_with_one_of(file, extensions_of(FileKind::plot3d)) || (!text && (stem.ends_with("xyz") || stem.ends_with("grid"))) ||
       (stem.ends_with("q") && ends_with_one_of(file, ".bin .dat")))
     return {FileKind::plot3d, {}};
   if (file.ends_with(".dcm")) return {FileKind::dicom, {}};

@@ -10,7 +10,7 @@ namespace isostrata {
 
 struct Recognised {
   FileKind kind;
-  std::string vtk_type;  // of vtk_xml and multi_block: the type attribute of VTKFile ("UnstructuredGrid", "PImageData", ...)
+  std::string vtk_type;  // of XML VTK: the type attribute of VTKFile ("UnstructuredGrid", "PImageData", ...); "PolyData" of a legacy file of surfaces
 };
 
 /// Of a file, or of a folder that is one dataset (an OpenFOAM case, slices of DICOM). Throws not_found (no such file), bad_data (an empty

@@ -9,23 +9,13 @@
 #include "base/error.h"
 #include "base/utf8.h"
 #include "data/analytic.h"
+#include "data/file_series.h"
+#include "data/recognise.h"
 
 namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int kMaxDepth = 8;
-
-// What isostrata-import opens as a dataset of its own. A PLOT3D solution is found beside its grid, so only grids are listed.
-bool looks_readable(const fs::path& path) {
-  static constexpr std::array kExtensions = {".vtk",  ".vti",  ".vtr", ".vts", ".vtu", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd",
-                                             ".nrrd", ".nhdr", ".mhd", ".slc", ".e",   ".ex2",  ".exo",  ".xyz",  ".p3d"};
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.ends_with("xyz.bin")) return true;
-  return std::any_of(kExtensions.begin(), kExtensions.end(), [&](const char* extension) { return name.ends_with(extension); });
-}
-
 // FNV-1a: only to keep ids apart, so nothing depends on its strength.
 std::uint32_t hash_of(std::string_view text) {
   std::uint32_t hash = 2166136261u;
@@ -49,61 +39,69 @@ std::string id_of(const std::string& name, const std::string& source) {
   return id + hash.data();
 }
 
-bool inside(const fs::path& path, const fs::path& directory) {
-  const auto [end, at] = std::mismatch(directory.begin(), directory.end(), path.begin(), path.end());
-  (void)at;
-  return end == directory.end();
+/// A file or the pattern of a series, with what is known of it. Whether it can be opened shows when it is.
+CatalogueEntry entry_of(const fs::path& path) {
+  CatalogueEntry entry;
+  entry.name = path.filename().string();
+  fs::path first = path;
+  if (is_series_pattern(path)) {
+    const std::vector<SeriesFile> files = series_files(path);
+    first = files.front().path;
+    entry.files = static_cast<int>(files.size());
+    entry.source = (fs::canonical(first).parent_path() / path.filename()).string();
+  } else {
+    entry.source = fs::canonical(path).string();
+  }
+  try {
+    entry.kind = format_of(is_series_pattern(path) && names_pictures(path) ? FileKind::pictures : recognise(first).kind).name;
+  } catch (const Error&) {
+  }
+  const SourceStamp stamp = stamp_of(path);
+  entry.bytes = stamp.bytes;
+  entry.changed_unix_ms = stamp.changed_unix_ms();
+  return entry;
 }
 
 }  // namespace
 
-void Catalogue::add(std::string name, std::string source) {
-  if (entries_.size() >= kMaxEntries || !sources_.insert(source).second) return;
-  std::string id = is_analytic(source) ? source : id_of(name, source);
-  std::replace(id.begin(), id.end(), ':', '-');
-  const std::string stem = id;
-  for (int n = 2; find(id); ++n) id = stem + "-" + std::to_string(n);
-  place_of_[id] = entries_.size();
-  entries_.push_back({std::move(id), valid_utf8(name), std::move(source)});
+void Catalogue::add(CatalogueEntry entry) {
+  if (entries_.size() >= kMaxEntries || !sources_.insert(entry.source).second) return;
+  entry.id = is_analytic(entry.source) ? entry.source : id_of(entry.name, entry.source);
+  std::replace(entry.id.begin(), entry.id.end(), ':', '-');
+  const std::string stem = entry.id;
+  for (int n = 2; find(entry.id); ++n) entry.id = stem + "-" + std::to_string(n);
+  entry.name = valid_utf8(entry.name);
+  place_of_[entry.id] = entries_.size();
+  entries_.push_back(std::move(entry));
 }
 
 void Catalogue::add_directory(const fs::path& directory) {
-  std::error_code error;
-  const fs::path root = fs::canonical(directory, error);
-  if (!error) fs::directory_iterator(root, error);
-  if (error) throw Error(ErrorCode::not_found, directory.string() + ": this directory cannot be listed: " + error.message());
-  std::vector<fs::path> found;
-  fs::recursive_directory_iterator it(root, fs::directory_options::skip_permission_denied, error), end;
-  for (; !error && it != end && found.size() < kMaxEntries; it.increment(error)) {
-    if (it->path().filename().string().starts_with('.')) {
-      it.disable_recursion_pending();
-      continue;
-    }
-    if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
-    std::error_code ignored;
-    if (!it->is_regular_file(ignored) || !looks_readable(it->path())) continue;
-    const fs::path real = fs::canonical(it->path(), ignored);
-    if (!ignored && inside(real, root)) found.push_back(it->path());  // a link that leaves the directory is not offered
+  FolderListing listing = list_folder(directory, kMaxEntries);
+  for (FolderEntry& entry : listing.entries)
+    add({{}, std::move(entry.name), std::move(entry.source), std::string(format_of(entry.kind).name), entry.bytes, entry.changed, entry.files});
+  for (PassedOver& passed : listing.passed_over) {
+    const auto same = std::find_if(passed_over_.begin(), passed_over_.end(), [&](const PassedOver& other) { return other.reason == passed.reason; });
+    if (same == passed_over_.end())
+      passed_over_.push_back(std::move(passed));
+    else
+      same->files += passed.files;
   }
-  std::sort(found.begin(), found.end());
-  for (const fs::path& path : found) add(path.lexically_relative(root).string(), path.string());
 }
 
 Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
   Catalogue catalogue;
   for (const std::string& source : sources) {
     std::error_code error;
-    if (is_analytic(source)) {
-      catalogue.add(source, source);
-    } else if (fs::is_directory(source, error)) {
+    if (is_analytic(source))
+      catalogue.add({{}, source, source});
+    else if (fs::is_directory(source, error))
       catalogue.add_directory(source);
-    } else if (fs::is_regular_file(source, error)) {
-      catalogue.add(fs::path(source).filename().string(), fs::canonical(source).string());
-    } else {
+    else if (fs::is_regular_file(source, error) || is_series_pattern(source))
+      catalogue.add(entry_of(source));
+    else
       throw Error(ErrorCode::not_found, source +
                                             ": no such file or directory, and not the name of analytic data "
                                             "(torus, sphere, marschner-lobb, cylinder, implicit-flow, tets, mixed, diamond)");
-    }
   }
   return catalogue;
 }

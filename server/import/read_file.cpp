@@ -42,12 +42,6 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
 #endif
 };
 
-std::string_view name_of(FileKind kind) {
-  for (const FileFormat& format : file_formats())
-    if (format.kind == kind) return format.name;
-  return "this kind of file";
-}
-
 }  // namespace
 
 Imported read_file(const ReadRequest& request) {
@@ -56,7 +50,7 @@ Imported read_file(const ReadRequest& request) {
   if (recognised.kind == FileKind::vtk_xml) return read_vtk_xml(request, recognised.vtk_type);
   const auto reader = std::find_if(std::begin(kReaders), std::end(kReaders), [&](const auto& of) { return of.first == recognised.kind; });
   if (reader != std::end(kReaders)) return reader->second(request);
-  throw Error(ErrorCode::unsupported, request.file.filename().string() + ": is " + std::string(name_of(recognised.kind)) +
+  throw Error(ErrorCode::unsupported, request.file.filename().string() + ": is " + std::string(format_of(recognised.kind).name) +
                                           ", for which the VTK that this program was built with has no reader");
 }
 

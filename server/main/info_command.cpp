@@ -2,9 +2,14 @@
 #include <boost/json.hpp>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 
+#include "base/utf8.h"
+#include "data/list_folder.h"
+#include "data/recognise.h"
 #include "data/series_ranges.h"
 #include "main/arguments.h"
 #include "main/commands.h"
@@ -133,6 +138,61 @@ void print_text(const Dataset& dataset, const SeriesRanges& ranges, const std::v
   for (const std::string& note : notes) std::printf("  note    %s\n", note.c_str());
 }
 
+/// A folder of several data sets, not one that is a data set itself.
+bool is_listed(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return false;
+  try {
+    recognise(path);
+    return false;
+  } catch (const Error& failure) {
+    if (failure.code() != ErrorCode::bad_data) throw;
+    return true;
+  }
+}
+
+json::object describe(const std::string& folder, const FolderListing& listing) {
+  json::array datasets, passed_over;
+  for (const FolderEntry& entry : listing.entries)
+    datasets.push_back(json::object{{"name", entry.name},
+                                    {"kind", std::string(format_of(entry.kind).name)},
+                                    {"bytes", entry.bytes},
+                                    {"changed_unix_ms", entry.changed},
+                                    {"files", entry.files}});
+  for (const PassedOver& passed : listing.passed_over)
+    passed_over.push_back(json::object{
+        {"reason", passed.reason}, {"files", passed.files}, {"examples", json::array(passed.examples.begin(), passed.examples.end())}});
+  return {{"folder", folder}, {"datasets", std::move(datasets)}, {"passed_over", std::move(passed_over)}, {"cut_off", listing.cut_off}};
+}
+
+std::string byte_text(std::uint64_t bytes) {
+  const char* const units[] = {"B", "kB", "MB", "GB", "TB"};
+  double value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1000 && unit + 1 < std::size(units); ++unit) value /= 1000;
+  char text[32];
+  std::snprintf(text, sizeof text, unit == 0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
+  return text;
+}
+
+void print_text(const std::string& folder, const FolderListing& listing) {
+  std::printf("%s\n", folder.c_str());
+  for (const FolderEntry& entry : listing.entries) {
+    std::printf("  %-40s %-18s %s", valid_utf8(entry.name).c_str(), std::string(format_of(entry.kind).name).c_str(), byte_text(entry.bytes).c_str());
+    if (entry.files > 1) std::printf(", %d files", entry.files);
+    std::printf("\n");
+  }
+  std::int64_t passed_files = 0;
+  for (const PassedOver& passed : listing.passed_over) passed_files += passed.files;
+  std::printf("  %zu data sets%s, %lld files passed over\n", listing.entries.size(), listing.cut_off ? " and more than are looked at" : "",
+              static_cast<long long>(passed_files));
+  for (const PassedOver& passed : listing.passed_over) {
+    std::printf("    %5lld  %s:", static_cast<long long>(passed.files), passed.reason.c_str());
+    for (const std::string& example : passed.examples) std::printf(" %s", valid_utf8(example).c_str());
+    std::printf("%s\n", passed.files > static_cast<std::int64_t>(passed.examples.size()) ? " ..." : "");
+  }
+}
+
 struct InfoArguments {
   std::string file;
   int step = 0;
@@ -143,15 +203,19 @@ struct InfoArguments {
 }  // namespace
 
 void add_info_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "Says what is in a file: grid, points, cells by type, arrays, time steps");
+  CLI::App* command = app.add_subcommand("info", "Says what is in a file: grid, points, cells by type, arrays, time steps; of a folder, what can be opened and what was passed over");
   const auto arguments = std::make_shared<InfoArguments>();
-  command->add_option("FILE", arguments->file, "A file, or analytic data such as torus:64")->required();
+  command->add_option("FILE", arguments->file, "A file, a series such as 'plume_*.vtu', a folder, or analytic data such as torus:64")->required();
   command->add_option("--step", arguments->step, "The time step to look at, from 0");
   command->add_flag("--this-step", arguments->this_step,
                     "Reads no other step: the arrays' ranges are those of this one, not of all");
   command->add_flag("--json", arguments->as_json, "One JSON document on standard output");
   add_sandbox_option(*command);
   command->callback([arguments] {
+    if (is_listed(arguments->file)) {
+      const FolderListing listing = list_folder(arguments->file);
+      return arguments->as_json ? print_json(describe(arguments->file, listing)) : print_text(arguments->file, listing);
+    }
     const auto dataset = open_argument(arguments->file, arguments->step);
     std::vector<std::string> notes = dataset->notes;
     const SeriesRanges ranges = read_ranges(*dataset, arguments->file, !arguments->this_step, notes);

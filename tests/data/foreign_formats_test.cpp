@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <array>
 #include <fstream>
+#include <random>
+#include <set>
 #include <sstream>
 
 #include "data/file_formats.h"

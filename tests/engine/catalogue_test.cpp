@@ -59,6 +59,20 @@ TEST_F(CatalogueFiles, LinksInCirclesPipesAndDirectoriesWithTheNameOfAFileAreLef
   EXPECT_THROW(Catalogue::from_sources({(data / "circle.vtk").string()}), Error);
 }
 
+TEST_F(CatalogueFiles, NumberedFilesAreOneEntryAndWhatIsPassedOverIsCounted) {
+  for (const char* file : {"data/s_1.vti", "data/s_2.vti", "data/s_3.vti"}) root_.write(file, "x");
+  const auto catalogue = Catalogue::from_sources({(root_ / "data").string(), (root_ / "data" / "s_*.vti").string()});
+  ASSERT_EQ(catalogue.entries().size(), 4u);
+  const CatalogueEntry& series = catalogue.entries().back();
+  EXPECT_EQ(series.name, "s_*.vti");
+  EXPECT_EQ(series.files, 3);
+  EXPECT_EQ(series.bytes, 3u);
+  EXPECT_EQ(series.kind, "XML VTK");
+  std::int64_t passed_over = 0;
+  for (const PassedOver& passed : catalogue.passed_over()) passed_over += passed.files;
+  EXPECT_EQ(passed_over, 4);  // the solution, the notes, what is hidden, the link
+}
+
 TEST_F(CatalogueFiles, WhatIsNotThereIsNamed) {
   try {
     Catalogue::from_sources({(root_ / "nosuch.vtk").string()});

@@ -1,0 +1,242 @@
+// Folders as scientists have them: what is listed, what is one entry, and what is passed over with which reason.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "data/file_series.h"
+#include "data/files.h"
+#include "data/list_folder.h"
+#include "support/vtk_text.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Scratch;
+
+std::string image(double value = 0, const std::string& more = "") {
+  std::vector<double> values;
+  for (int i = 0; i < 8; ++i) values.push_back(value + i);
+  return testing::vtk_file("ImageData", "<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\">" + more +
+                                            "<Piece Extent=\"0 1 0 1 0 1\"><PointData>" + testing::data_array("f", "Float64", values) +
+                                            "</PointData></Piece></ImageData>");
+}
+
+std::string at_time(double time) {
+  return "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">" + std::to_string(time) +
+         "</DataArray></FieldData>";
+}
+
+std::map<std::string, int> names(const FolderListing& listing) {
+  std::map<std::string, int> out;
+  for (const FolderEntry& entry : listing.entries) out[entry.name] = entry.files;
+  return out;
+}
+
+std::int64_t passed(const FolderListing& listing, const std::string& reason) {
+  for (const PassedOver& of : listing.passed_over)
+    if (of.reason.find(reason) != std::string::npos) return of.files;
+  return 0;
+}
+
+using Groups = std::vector<std::pair<std::string, std::size_t>>;
+Groups grouped(const std::vector<std::string>& names) {
+  Groups out;
+  for (const NameGroup& group : group_by_number(names)) out.emplace_back(group.name, group.members.size());
+  return out;
+}
+
+TEST(GroupByNumber, EveryNameIsInExactlyOneGroupAndItsPatternFindsItsFiles) {
+  std::mt19937 random(20041);
+  for (int round = 0; round < 50; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    const Scratch scratch;
+    std::set<std::string> all;
+    const auto pick = [&](int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); };
+    for (int i = 0; i < 30; ++i) {
+      std::string name(1, static_cast<char>('a' + pick(2)));
+      for (int part = pick(3); part >= 0; --part) name += (pick(2) ? "_" : "") + std::string(static_cast<std::size_t>(pick(2)), '0') + std::to_string(pick(12));
+      all.insert(name + (pick(2) ? ".vtu" : ".h5"));
+    }
+    for (const std::string& name : all) scratch.write(name, "x");
+    std::multiset<std::string> seen;
+    for (const NameGroup& group : group_by_number({all.begin(), all.end()})) {
+      seen.insert(group.members.begin(), group.members.end());
+      if (group.members.size() == 1) continue;
+      std::vector<std::string> found;
+      for (const SeriesFile& file : series_files(scratch / group.name)) found.push_back(file.path.filename().string());
+      for (const std::string& member : group.members) EXPECT_NE(std::find(found.begin(), found.end(), member), found.end()) << group.name << " " << member;
+    }
+    EXPECT_EQ(seen, std::multiset<std::string>(all.begin(), all.end()));
+  }
+}
+
+TEST(GroupByNumber, TheLastNumberCountsStepsAndThoseBeforeItKeepSeriesApart) {
+  EXPECT_EQ(grouped({"p_1.vtu", "p_2.vtu", "p_10.vtu"}), (Groups{{"p_*.vtu", 3}}));
+  EXPECT_EQ(grouped({"run1_001.vtu", "run1_007.vtu", "run2_001.vtu", "run2_002.vtu"}), (Groups{{"run1_*.vtu", 2}, {"run2_*.vtu", 2}}));
+  EXPECT_EQ(grouped({"s_0001_t_0.5.vtk", "s_0002_t_0.75.vtk", "s_0003_t_1.0.vtk"}), (Groups{{"s_*_t_*.*.vtk", 3}}));
+  EXPECT_EQ(grouped({"re100_1.vtu", "re100_2.vtu"}), (Groups{{"re100_*.vtu", 2}}));
+  EXPECT_EQ(grouped({"a.h5", "b.h5", "mesh2.vtu"}), (Groups{{"a.h5", 1}, {"b.h5", 1}, {"mesh2.vtu", 1}}));
+  EXPECT_EQ(grouped({"can.e", "can.e-s0002", "can.e-s0003", "other.e"}), (Groups{{"can.e-s*", 3}, {"other.e", 1}}));
+  EXPECT_EQ(grouped({"dump.0001", "dump.0002"}), (Groups{{"dump.*", 2}}));
+  EXPECT_EQ(group_by_number({"p_10.vtu", "p_9.vtu"}).front().members, (std::vector<std::string>{"p_9.vtu", "p_10.vtu"}));
+}
+
+TEST(NumberedFiles, AreStepsInTheOrderOfTheirNumbersWithGaps) {
+  const Scratch scratch;
+  for (const int n : {3, 20, 100}) scratch.write("plume_" + std::to_string(n) + ".vti", image(n));
+  for (int step = 0; step < 3; ++step) {
+    const auto data = test::open(scratch / "plume_*.vti", step);
+    EXPECT_EQ(data->times, (std::vector<double>{3, 20, 100}));
+    EXPECT_EQ(data->step, step);
+    EXPECT_EQ(data->array("f").lower, data->times.at(static_cast<std::size_t>(step)));
+  }
+  OpenOptions beyond;
+  beyond.step = 3;
+  EXPECT_EQ(test::refusal(scratch / "plume_*.vti", beyond).code(), ErrorCode::not_found);
+  EXPECT_EQ(test::refusal(scratch / "other_*.vti").code(), ErrorCode::not_found);
+  scratch.write("plume_101.vti", image(101));  // the simulation goes on
+  EXPECT_EQ(test::open(scratch / "plume_*.vti", 3)->array("f").lower, 101);
+}
+
+TEST(NumberedFiles, HaveTheTimesThatTheySay) {
+  const Scratch scratch;
+  for (const int n : {1, 2, 3}) scratch.write("a" + std::to_string(n) + ".vti", image(n, at_time(0.25 * n * n)));
+  EXPECT_EQ(test::open(scratch / "a*.vti", 2)->times, (std::vector<double>{0.25, 1, 2.25}));
+  // Where one of them says none, or they do not increase, the numbers count.
+  scratch.write("a4.vti", image(4));
+  EXPECT_EQ(test::open(scratch / "a*.vti")->times, (std::vector<double>{1, 2, 3, 4}));
+  scratch.write("a4.vti", image(4, at_time(0.1)));
+  EXPECT_EQ(test::open(scratch / "a*.vti")->times, (std::vector<double>{1, 2, 3, 4}));
+  const std::string head = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nFIELD FieldData 1\nTIME 1 1 double\n";
+  for (const int n : {1, 2})
+    scratch.write("l" + std::to_string(n) + ".vtk", head + std::to_string(1.5 * n) +
+                                                        "\nDIMENSIONS 2 2 2\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 8\nSCALARS f float 1\n"
+                                                        "LOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n");
+  EXPECT_EQ(test::open(scratch / "l*.vtk", 1)->times, (std::vector<double>{1.5, 3}));
+}
+
+TEST(NumberedFiles, AListOfParaViewsSaysItsOwnTimes) {
+  const Scratch scratch;
+  for (const int n : {0, 1}) scratch.write("in/s_" + std::to_string(n) + ".vti", image(10 * n));
+  const auto list = scratch.write("s.vti.series", R"({"file-series-version":"1.0","files":[{"name":"in/s_1.vti","time":7.5},{"name":"in/s_0.vti","time":2}]})");
+  EXPECT_EQ(test::open(list, 0)->times, (std::vector<double>{2, 7.5}));
+  EXPECT_EQ(test::open(list, 1)->array("f").lower, 10);
+  for (const std::string bad : {"{}", "[]", "{\"files\":[]}", "{\"files\":[{}]}", "{\"files\":[{\"name\":\"in/s_0.vti\",\"time\":\"x\"}]}", "{"})
+    EXPECT_EQ(test::refusal(scratch.write("bad.vti.series", bad)).code(), ErrorCode::bad_data) << bad;
+  EXPECT_EQ(test::refusal(scratch.write("self.vti.series", R"({"files":[{"name":"self.vti.series","time":0}]})")).code(), ErrorCode::bad_data);
+}
+
+TEST(ListFolder, AMessyFolderIsSeriesDataSetsAndReasons) {
+  const Scratch scratch;
+  for (const int n : {1, 2, 5}) scratch.write("data/plume_" + std::to_string(n) + ".vti", image(n));
+  scratch.write("data/single.vti", image());
+  scratch.write("data/damaged.vtu", "not XML at all");
+  for (const int n : {0, 1}) scratch.write("data/whole/part_" + std::to_string(n) + ".vtu", testing::vtk_file("UnstructuredGrid", "<UnstructuredGrid/>"));
+  scratch.write("data/whole.pvtu", testing::vtk_file("PUnstructuredGrid", "<PUnstructuredGrid><Piece Source=\"whole/part_0.vtu\"/>"
+                                                                          "<Piece Source=\"whole/part_1.vtu\"/></PUnstructuredGrid>"));
+  scratch.write("data/raw.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: raw.raw\n");
+  scratch.write("data/raw.raw", "12345678");
+  scratch.write("data/alone.raw", "12345678");
+  scratch.write("data/case/system/controlDict", "FoamFile {}");
+  scratch.write("data/case/constant/polyMesh/points", "");
+  scratch.write("data/case/0/p", "");
+  for (int k = 0; k < 4; ++k) scratch.write("data/scan/slice" + std::to_string(k), std::string(128, '\0') + "DICM" + std::string(20, '\0'));
+  for (const int n : {1, 2, 3}) scratch.write("data/ct_" + std::to_string(n) + ".png", "x");
+  scratch.write("data/photo.png", "x");
+  scratch.write("data/surface.stl", "solid");
+  scratch.write("data/surface.vtp", testing::vtk_file("PolyData", "<PolyData/>"));
+  scratch.write("data/surface.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n");
+  scratch.write("data/finxyz.bin", "x");
+  scratch.write("data/finq.bin", "x");
+  for (const char* name : {"notes.txt", "run.py", "job.log", "make_grid.py"}) scratch.write("data/" + std::string(name), "text");
+  scratch.write("data/.hidden.vti", image());
+  scratch.write("outside.vti", image());
+  fs::create_symlink(scratch / "outside.vti", scratch / "data/link.vti");
+  fs::create_symlink("nowhere.vti", scratch / "data/dangling.vti");
+  ASSERT_EQ(mkfifo((scratch / "data/pipe.vti").c_str(), 0600), 0);
+  fs::create_directory_symlink(scratch / "data", scratch / "data/again");
+
+  const FolderListing listing = list_folder(scratch / "data");
+  EXPECT_EQ(names(listing), (std::map<std::string, int>{{"plume_*.vti", 3}, {"single.vti", 1}, {"damaged.vtu", 1}, {"whole.pvtu", 1}, {"raw.nhdr", 1},
+                                                        {"case", 1}, {"scan", 4}, {"ct_*.png", 3}, {"finxyz.bin", 1}}));
+  EXPECT_EQ(passed(listing, "belongs to another file"), 3);  // two pieces and the data of a header
+  EXPECT_EQ(passed(listing, "numbers without a header"), 1);
+  EXPECT_EQ(passed(listing, "a surface"), 3);
+  EXPECT_EQ(passed(listing, "one picture"), 1);
+  EXPECT_EQ(passed(listing, "PLOT3D solution"), 1);
+  EXPECT_EQ(passed(listing, "text") + passed(listing, "a program or its settings"), 4);
+  EXPECT_EQ(passed(listing, "hidden"), 1);
+  EXPECT_EQ(passed(listing, "leads out of the folder"), 1);
+  EXPECT_EQ(passed(listing, "leads nowhere"), 1);
+  EXPECT_EQ(passed(listing, "a pipe"), 1);
+  EXPECT_FALSE(listing.cut_off);
+  for (const FolderEntry& entry : listing.entries)
+    if (entry.name == "plume_*.vti") {
+      EXPECT_EQ(entry.bytes, image(1).size() + image(2).size() + image(5).size());
+      EXPECT_GT(entry.changed, 1'600'000'000'000);
+    }
+  EXPECT_TRUE(list_folder(scratch / "data", 3).cut_off);
+}
+
+TEST(ListFolder, WhatIsListedOpens) {
+  const Scratch scratch;
+  for (const int n : {1, 2}) scratch.write("p" + std::to_string(n) + ".vti", image(n));
+  scratch.write("whole.vtm", testing::vtk_file("vtkMultiBlockDataSet", "<vtkMultiBlockDataSet><Block index=\"0\" name=\"fluid\"><DataSet index=\"0\" "
+                                                                       "file=\"in/a.vti\"/></Block><Block index=\"1\" name=\"wall\"/></vtkMultiBlockDataSet>"));
+  scratch.write("in/a.vti", image(5));
+  const FolderListing listing = list_folder(scratch.path());
+  EXPECT_EQ(names(listing), (std::map<std::string, int>{{"p*.vti", 2}, {"whole.vtm", 1}}));
+  for (const FolderEntry& entry : listing.entries) EXPECT_EQ(open_dataset(entry.source, {}, Task())->grid.point_count(), 8) << entry.name;
+}
+
+/// A box of one cell from x to x + 1 with a point array and a cell array.
+std::string box(int x, const std::string& point_array, double at_points, const std::string& cell_array, double in_cell) {
+  std::vector<double> values;
+  for (int i = 0; i < 8; ++i) values.push_back(at_points + x + i % 2);
+  return testing::vtk_file("ImageData", "<ImageData WholeExtent=\"0 1 0 1 0 1\" Origin=\"" + std::to_string(x) + " 0 0\" Spacing=\"1 1 1\">" +
+                                            "<Piece Extent=\"0 1 0 1 0 1\"><PointData>" + testing::data_array("f", "Float64", values) +
+                                            testing::data_array(point_array, "Float32", values) + "</PointData><CellData>" +
+                                            testing::data_array(cell_array, "Int32", std::vector<int>{static_cast<int>(in_cell)}) +
+                                            "</CellData></Piece></ImageData>");
+}
+
+TEST(Blocks, AnArrayThatOneBlockLacksStaysWhereItIs) {
+  const Scratch scratch;
+  scratch.write("a.vti", box(0, "temperature", 0, "material", 3));
+  scratch.write("b.vti", box(1, "pressure", 0, "porosity", 5));
+  const auto data = test::open(scratch.write(
+      "whole.vtm", testing::vtk_file("vtkMultiBlockDataSet", "<vtkMultiBlockDataSet><Block index=\"0\" name=\"fluid\"><DataSet index=\"0\" file=\"a.vti\"/>"
+                                                             "</Block><DataSet index=\"1\" name=\"wall\" file=\"b.vti\"/></vtkMultiBlockDataSet>")));
+  ASSERT_EQ(data->grid.point_count(), 12);  // the four between them are common: what one does not know the other one does
+  ASSERT_EQ(data->grid.cell_count(), 2);
+  int at_left = 0, at_right = 0;
+  for (std::int64_t p = 0; p < 12; ++p) {
+    const double x = data->grid.point(p).x;
+    const auto at = static_cast<std::size_t>(p);
+    EXPECT_EQ(data->array("f").at(at), x);
+    for (const auto& [name, from, to, value] : {std::tuple("temperature", 0.0, 1.0, x), std::tuple("pressure", 1.0, 2.0, x),
+                                                std::tuple("material", 0.0, 1.0, 3.0), std::tuple("porosity", 1.0, 2.0, 5.0)}) {
+      if (x >= from && x <= to)
+        EXPECT_EQ(data->array(name).at(at), value) << name << " at x = " << x;
+      else
+        EXPECT_TRUE(std::isnan(data->array(name).at(at))) << name << " at x = " << x;
+    }
+    at_left += x == 0;
+    at_right += x == 2;
+  }
+  EXPECT_EQ(at_left, 4);
+  EXPECT_EQ(at_right, 4);
+  EXPECT_EQ(data->array("temperature").nan_count, 4);
+  EXPECT_NE(std::find(data->notes.begin(), data->notes.end(), "blocks: fluid, wall"), data->notes.end());
+  EXPECT_NE(std::find(data->notes.begin(), data->notes.end(), "array 'temperature' has no values in 1 of 2 blocks"), data->notes.end());
+}
+
+}  // namespace
+}  // namespace isostrata
