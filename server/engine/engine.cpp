@@ -29,6 +29,7 @@
 #include "engine/scene_ledger.h"
 #include "extraction/brick_memory.h"
 #include "extraction/first_layers.h"
+#include "extraction/ordered_memory.h"
 #include "rendering/native_renderer.h"
 
 namespace isostrata {
@@ -133,7 +134,8 @@ class Engine::Impl {
       : options_(std::move(options)),
         sink_(std::move(sink)),
         store_(options_.store),
-        bases_(options_.store.max_bytes) {
+        bases_(options_.store.max_bytes),
+        ordered_(options_.store.max_bytes) {
     make_ = options_.renderer ? options_.renderer : [choice = options_.renderer_choice] { return make_renderer(choice); };
     std::promise<std::string> started;
     auto device = started.get_future();
@@ -412,6 +414,7 @@ class Engine::Impl {
       const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
       SceneAids aids;
       aids.bricks = &bricks_;
+      aids.ordered = &ordered_;
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
       aids.max_bytes = room_for(key, false);
@@ -427,7 +430,7 @@ class Engine::Impl {
       failure = std::current_exception();
     }
     operation->finish();
-    if (extracted) prepare_base(*extracted, scene, previous.get());
+    if (extracted) prepare_tetrahedra(*extracted, scene, previous.get());
     std::vector<EngineEvent> events;
     std::vector<std::shared_ptr<const ExtractedScene>> given_back;
     {
@@ -459,7 +462,7 @@ class Engine::Impl {
   // ---- memory: datasets, and then scenes in what is left of --max-memory ----
 
   std::uint64_t max_scene_bytes() const {
-    const std::uint64_t most = options_.store.max_bytes, data = store_.held_bytes() + bases_.held_bytes();
+    const std::uint64_t most = options_.store.max_bytes, data = store_.held_bytes() + bases_.held_bytes() + ordered_.bytes();
     return most - std::min(most, data);
   }
 
@@ -493,17 +496,23 @@ class Engine::Impl {
     return (most - std::min(most, others)) / 2;
   }
 
-  /// Intervals that were moved once will be moved again: the grid that they are cut out of then is made meanwhile.
-  void prepare_base(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
-    if (!cuts_intervals_ || extracted.base || !previous || previous->steps != extracted.steps ||
-        previous->request.intervals == extracted.request.intervals || !cuts_exactly(scene, extracted.array) ||
-        !only_tetrahedra(*extracted.dataset) || base_in_making_.exchange(true))
+  /// Intervals that were moved once will be moved again: the grid of tetrahedra that they are cut out of then, where they are
+  /// drawn or by extraction, is made meanwhile.
+  void prepare_tetrahedra(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
+    if (extracted.base || !previous || previous->steps != extracted.steps || previous->request == extracted.request ||
+        !only_tetrahedra(*extracted.dataset))
       return;
-    preparers_.post(0, [this, dataset = extracted.dataset, array = extracted.array] {
+    const bool cut = cuts_intervals_ && cuts_exactly(scene, extracted.array) && !bases_.find(extracted.dataset, extracted.array);
+    if (cut ? previous->request.intervals == extracted.request.intervals : ordered_.knows(extracted.dataset->grid)) return;
+    if (base_in_making_.exchange(true)) return;
+    preparers_.post(0, [this, cut, dataset = extracted.dataset, array = extracted.array] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
         const Work work(0, WorkClass::background, {&base_task_, true, extracting.waiting()});
-        bases_.make(dataset, array, base_task_);
+        if (cut)
+          bases_.make(dataset, array, base_task_);
+        else
+          ordered_.make(dataset->grid, base_task_);
       } catch (const std::exception&) {  // extraction goes on without it
       }
       base_in_making_ = false;
@@ -940,6 +949,7 @@ class Engine::Impl {
   DatasetStore store_;
   BrickMemory bricks_;                       // of all sessions
   BaseMeshes bases_;                         // likewise
+  OrderedMemory ordered_;                    // likewise
   Task base_task_;                           // of making those that nobody waits for
   std::atomic<bool> base_in_making_{false};  // one at a time
   KnownRanges ranges_;

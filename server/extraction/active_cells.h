@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
@@ -58,5 +59,19 @@ class StageProgress {
   std::mutex reporting_;  // guards reported_ and the listener
   std::int64_t reported_ = 0;
 };
+
+/// Calls visit(block, own) for [0, blocks) on the pool, checking for cancel; `own` is the thread's for as long as it goes through
+/// blocks. Throws cancelled.
+template <class Own, class Visit>
+void for_each_block(const Task& task, const char* stage, double begin, double end, std::int64_t blocks, const Visit& visit) {
+  StageProgress progress(task, stage, begin, end, blocks);
+  parallel_for(blocks, 1, [&](std::int64_t first, std::int64_t last) {
+    Own own;
+    for (std::int64_t b = first; b < last; ++b) {
+      visit(b, own);
+      progress.done(1);
+    }
+  });
+}
 
 }  // namespace isostrata

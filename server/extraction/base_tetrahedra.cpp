@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "base/parallel.h"
-#include "extraction/cluster_index.h"
+#include "extraction/cell_clusters.h"
 #include "extraction/extract_intervals.h"
 #include "extraction/memory_budget.h"
 

@@ -12,7 +12,7 @@
 namespace isostrata {
 
 class BrickMemory;
-class ClusterIndex;
+class OrderedMemory;
 
 struct ExtractOptions {
   bool facets = false;                     // fill IntervalMesh::facets
@@ -22,7 +22,7 @@ struct ExtractOptions {
   bool strict = false;                     // leave no tetrahedron turned against its cell (strict_triangulation.h)
   std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, where the mesh would need more
   BrickMemory* bricks = nullptr;           // keeps what the next extraction of the same field can use: structured grids only
-  const ClusterIndex* clusters = nullptr;  // of this grid and array, where it is at hand: unstructured grids only
+  OrderedMemory* ordered = nullptr;        // used where it has the grid: grids of tetrahedra only
 };
 
 /// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra).

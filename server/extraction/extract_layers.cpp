@@ -15,12 +15,13 @@ const PointArray& find_array(const Dataset& dataset, const std::string& name) {
 }
 
 void combine_terms(const LayerRequest& request, const Dataset& dataset, const PointArray& array,
-                   std::span<const PointArray* const> carry, Layers& layers, const Task& task) {
+                   std::span<const PointArray* const> carry, const LayerAids& aids, Layers& layers, const Task& task) {
   std::vector<ArrayTerm> terms;
   for (const RangeTerm& term : request.terms)
     terms.push_back({term.op, &dataset.array(term.array), with_finite_ends(term.range)});
   const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals, ExtractOptions options) {
     options.strict = request.triangulation == Triangulation::strict;
+    options.ordered = aids.ordered;
     return extract_intervals(grid, on, intervals, options, task);
   };
   Combined combined =
@@ -59,8 +60,9 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   options.strict = request.triangulation == Triangulation::strict;
   options.max_bytes = request.max_bytes;
   options.bricks = aids.bricks;
+  options.ordered = aids.ordered;
   if (!request.terms.empty()) {
-    combine_terms(request, dataset, array, carry, layers, task);
+    combine_terms(request, dataset, array, carry, aids, layers, task);
     return layers;
   }
   layers.mesh = aids.extractor && !options.strict && !dataset.grid.flat()

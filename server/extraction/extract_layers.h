@@ -71,6 +71,7 @@ using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const 
 
 class BrickMemory;    // brick_memory.h
 class KeptSpaceTime;  // extract_at_time.h
+class OrderedMemory;  // ordered_memory.h
 
 /// extract_intervals, or what stands in for it on a device.
 using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
@@ -78,8 +79,9 @@ using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray&
 
 /// What makes an extraction cheaper and leaves its result as it is.
 struct LayerAids {
-  BrickMemory* bricks = nullptr;  // as ExtractOptions::bricks
-  KeptSpaceTime* kept = nullptr;  // keeps the volume between two steps for the next slice
+  BrickMemory* bricks = nullptr;     // as ExtractOptions::bricks
+  OrderedMemory* ordered = nullptr;  // as ExtractOptions::ordered
+  KeptSpaceTime* kept = nullptr;     // keeps the volume between two steps for the next slice
   Extractor extractor;  // called in place of extract_intervals where that is all there is to do: one field, no terms, tables
 };
 

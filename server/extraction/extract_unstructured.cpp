@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 
 #include "base/buffer.h"
@@ -14,12 +13,14 @@
 #include "extraction/boundary_facets.h"
 #include "extraction/cell_geometry.h"
 #include "extraction/cell_triangulation.h"
-#include "extraction/cluster_index.h"
+#include "extraction/extract_ordered.h"
 #include "extraction/iso_rules.h"
 #include "extraction/list_pool.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/mesh_sums.h"
 #include "extraction/open_ends.h"
+#include "extraction/ordered_memory.h"
 #include "extraction/point_table.h"
 #include "extraction/sorted_tetrahedron.h"
 #include "extraction/unstructured_cases.h"
@@ -27,19 +28,11 @@
 namespace isostrata {
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kFaceOpposite{1, 2, 0, 3};  // of a tetrahedron's vertex, as topology() numbers faces
-
 using LocalTetrahedron = std::array<std::uint8_t, 4>;  // into the uses of its case
-
-/// What one interval gets from one block.
-struct Sums {
-  std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
-  double volume = 0, signed_volume = 0;
-};
 
 struct Block {
   std::span<LocalTetrahedron> shapes;  // of the records without a row, in their order
-  std::map<std::uint16_t, Sums> sums;
+  MeshSums sums;
 };
 
 /// Two vertices are one point: the tetrahedron has no extent, and both facets that they separate are the same triangle.
@@ -79,7 +72,7 @@ class UnstructuredExtraction {
         task_(task),
         cells_(std::get<UnstructuredGrid>(grid.shape)),
         format_(grid.point_count(), rules.isovalues().size()),
-        cases_(grid, array, rules, options.clusters, options.max_bytes, task),
+        cases_(grid, array, rules, options.max_bytes, task),
         blocks_(cases_.blocks()) {}
 
   IntervalMesh run() {
@@ -247,16 +240,15 @@ class UnstructuredExtraction {
     const std::uint32_t* numbers = slots_.data() + cases_.uses_before(b);
     const LocalTetrahedron* shape = block.shapes.data();
     const CaseRecord* before = nullptr;
-    Sums* sums = nullptr;
     double tolerance = 0;
     for (const CaseRecord& record : cases_.block(b)) {
       if (!before || before->cell != record.cell) {
         mesh_.cell_runs[run++] = {record.cell, static_cast<std::uint32_t>(to)};
         if (options_.measure) tolerance = tolerance_of(record.cell);
       }
-      if (!before || before->interval != record.interval) sums = &block.sums[record.interval];
       before = &record;
-      ++sums->active_cells;
+      IntervalSums& sums = block.sums.of(record.interval);
+      ++sums.active_cells;
 
       const std::uint64_t first = to;
       const bool left_handed = (record.sign != 0 ? record.sign : cases_.usual_sign()) < 0;
@@ -270,25 +262,15 @@ class UnstructuredExtraction {
       if (record.has_row) {  // positive where the cell's own orientation is
         const SortedTetrahedronRow& row = rows_[record.case_index];
         write(row.tetrahedra.data(), row.count, left_handed != record.odd);
-        if (options_.facets) label_row(record, row, left_handed != record.odd, first);
+        if (options_.facets) row.name_labels(record.places, left_handed != record.odd, labels_.data() + first);
       } else {
         write(shape, record.shape_count, left_handed);
         if (options_.facets) label_shapes(record, shape, numbers, left_handed, first);
         shape += record.shape_count;
       }
-      sums->tetrahedra += static_cast<std::int64_t>(to - first);
+      sums.tetrahedra += static_cast<std::int64_t>(to - first);
       numbers += cases_.use_count(record);
-      if (options_.measure) measure(first, to, tolerance, *sums);
-    }
-  }
-
-  void label_row(const CaseRecord& record, const SortedTetrahedronRow& row, bool swapped, std::uint64_t first) {
-    std::array<std::uint8_t, kFirstCellFace + 4> name{kInsideCell, kLowerFacet, kUpperFacet};
-    for (int i = 0; i < 4; ++i)
-      name[kFirstCellFace + i] = static_cast<std::uint8_t>(kFirstCellFace + kFaceOpposite[record.places >> 2 * i & 3]);
-    for (int i = 0; i < row.count; ++i) {
-      const FacetLabels& labels = row.labels[i];
-      labels_[first + i] = {name[labels[swapped]], name[labels[!swapped]], name[labels[2]], name[labels[3]]};
+      if (options_.measure) measure_tetrahedra(mesh_, first, to, tolerance, sums);
     }
   }
 
@@ -316,27 +298,8 @@ class UnstructuredExtraction {
     return handedness_of(0, box).tolerance;
   }
 
-  void measure(std::uint64_t first, std::uint64_t last, double tolerance, Sums& sums) const {
-    const auto& x = mesh_.positions;
-    for (std::uint64_t i = first; i < last; ++i) {
-      const auto& p = mesh_.tetrahedra[i];
-      const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-      sums.volume += std::abs(volume);
-      sums.signed_volume += volume;
-      sums.inverted += volume < -tolerance;  // flat ones come out as rounding of either sign
-    }
-  }
-
   void summarise() {
-    for (const Block& block : blocks_)
-      for (const auto& [interval, sums] : block.sums) {
-        IntervalSummary& summary = mesh_.summaries[interval];
-        summary.active_cells += sums.active_cells;
-        summary.tetrahedra += sums.tetrahedra;
-        summary.inverted += sums.inverted;
-        summary.volume += sums.volume;
-        summary.signed_volume += sums.signed_volume;
-      }
+    for (const Block& block : blocks_) block.sums.add_to(mesh_.summaries);
     blocks_ = {};
     shapes_.clear();
     table_.reset();
@@ -367,9 +330,9 @@ class UnstructuredExtraction {
 std::optional<IntervalMesh> extract_unstructured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                  const ExtractOptions& options, const Task& task) {
   if (grid.structured()) return std::nullopt;
-  if (options.clusters && options.clusters->clusters().cell_count() != grid.cell_count())
-    throw Error(ErrorCode::invalid_argument, "the index is of " + std::to_string(options.clusters->clusters().cell_count()) +
-                                                 " cells; the grid has " + std::to_string(grid.cell_count()));
+  if (options.ordered)
+    if (const OrderedField field = options.ordered->find(grid, array, task); field.tetrahedra)
+      if (auto mesh = extract_ordered(grid, array, *field.tetrahedra, *field.values, intervals, options, task)) return mesh;
   const IsoRules rules(intervals, options.complement);
   if (grid.cell_count() > std::numeric_limits<std::uint32_t>::max() ||
       grid.point_count() > std::numeric_limits<std::uint32_t>::max() ||

@@ -17,7 +17,7 @@ template <class T>
 class ListPool {
  public:
   /// Valid as long as the pool. Any thread.
-  std::span<T> keep(const std::vector<T>& list) {
+  std::span<T> keep(std::span<const T> list) {
     if (list.empty()) return {};
     T* to;
     {

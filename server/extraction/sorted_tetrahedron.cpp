@@ -49,7 +49,16 @@ SortedTetrahedronRow build_row(int case_index, const IntervalComplex& complex, s
   return row;
 }
 
+constexpr std::array<std::uint8_t, 4> kFaceOpposite{1, 2, 0, 3};  // of a tetrahedron's vertex, as topology() numbers faces
+
 }  // namespace
+
+void SortedTetrahedronRow::name_labels(std::uint8_t places, bool swapped, FacetLabels* out) const {
+  std::array<std::uint8_t, kFirstCellFace + 4> name{kInsideCell, kLowerFacet, kUpperFacet};
+  for (int i = 0; i < 4; ++i)
+    name[kFirstCellFace + i] = static_cast<std::uint8_t>(kFirstCellFace + kFaceOpposite[places >> 2 * i & 3]);
+  for (int i = 0; i < count; ++i) out[i] = {name[labels[i][swapped]], name[labels[i][!swapped]], name[labels[i][2]], name[labels[i][3]]};
+}
 
 const std::array<SortedTetrahedronRow, 81>& sorted_tetrahedron_rows() {
   static const auto rows = [] {

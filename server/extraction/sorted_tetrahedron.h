@@ -9,6 +9,9 @@
 
 namespace isostrata {
 
+/// The edges between the vertices in that order, as topology() has them.
+inline constexpr std::array<std::array<std::uint8_t, 2>, 6> kSortedEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+
 /// One case. Its base-3 digit i is the class of the i-th vertex by global id.
 struct SortedTetrahedronRow {
   /// A point of the case: the vertex a (then b == a and end is kKept), or the crossing of the edge a-b, a < b, with an isovalue.
@@ -27,6 +30,10 @@ struct SortedTetrahedronRow {
   std::array<std::array<std::uint8_t, 4>, kMaxTetrahedra> tetrahedra{};
   /// As label_facets() gives them, but a cell face is named kFirstCellFace + the place of the vertex opposite to it.
   std::array<FacetLabels, kMaxTetrahedra> labels{};
+
+  /// [count] as label_facets() gives them for a cell of which bits 2 i, 2 i + 1 of `places` are the vertex that is the i-th by id;
+  /// swapped: the first two vertices of each tetrahedron are.
+  void name_labels(std::uint8_t places, bool swapped, FacetLabels* out) const;
 };
 
 /// [81]. Built at the first call from interval_complex(CellType::tetrahedron); later calls cost nothing. Any thread.

@@ -68,11 +68,10 @@ int sign_of(double volume, std::span<const Vec3d> points) {
 
 }  // namespace
 
-UnstructuredCases::UnstructuredCases(const Grid& grid, const PointArray& array, const IsoRules& rules,
-                                     const ClusterIndex* clusters, std::uint64_t max_bytes, const Task& task)
+UnstructuredCases::UnstructuredCases(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
+                                     const Task& task)
     : grid_(grid),
       rules_(rules),
-      clusters_(clusters),
       max_bytes_(max_bytes),
       task_(task),
       cells_(std::get<UnstructuredGrid>(grid.shape)),
@@ -92,11 +91,7 @@ UnstructuredCases::UnstructuredCases(const Grid& grid, const PointArray& array, 
 
 template <class T>
 void UnstructuredCases::find(std::span<const T> values) {
-  by_clusters_ = clusters_pay();
-  if (by_clusters_)
-    mark_cells();
-  else
-    compare_points(values);
+  compare_points(values);
   std::atomic<std::int64_t> balance{0};
   for_each_block<std::vector<CaseRecord>>(task_, "searching", 0.0, 0.3, blocks(),
                                           [&](std::int64_t b, std::vector<CaseRecord>& records) {
@@ -104,7 +99,6 @@ void UnstructuredCases::find(std::span<const T> values) {
                                             balance.fetch_add(count_block(b), std::memory_order_relaxed);
                                           });
   sides_ = {};
-  marked_ = {};
   usual_sign_ = balance.load() < 0 ? -1 : 1;
 }
 
@@ -117,8 +111,7 @@ void UnstructuredCases::find_in_block(std::int64_t b, std::span<const T> values,
     const std::int64_t run_end = end_of_run(cell, end);
     const auto find = [&]<CellType kType, int kVertices>(std::integral_constant<CellType, kType>,
                                                          std::integral_constant<int, kVertices>) {
-      const std::size_t count =
-          by_clusters_ ? select_marked(cell, run_end, candidates) : select<kVertices>(cell, run_end, candidates);
+      const std::size_t count = select<kVertices>(cell, run_end, candidates);
       add_candidates<kType, kVertices>(cell, std::span(candidates).first(count), values, records);
     };
     switch (static_cast<CellType>(cells_.shape().types[cell])) {
@@ -158,18 +151,6 @@ std::size_t UnstructuredCases::select(std::int64_t begin, std::int64_t end, Cand
   return count;
 }
 
-/// Likewise, those that mark_cells() marked.
-std::size_t UnstructuredCases::select_marked(std::int64_t begin, std::int64_t end, Candidates& candidates) const {
-  std::size_t count = 0;
-  for (std::int64_t word = begin / 64; 64 * word < end; ++word)
-    for (std::uint64_t rest = marked_[word]; rest; rest &= rest - 1) {
-      const std::int64_t cell = 64 * word + std::countr_zero(rest);
-      candidates[count] = static_cast<std::uint16_t>(cell - begin);
-      count += cell >= begin && cell < end;
-    }
-  return count;
-}
-
 template <CellType kType, int kVertices, class T>
 void UnstructuredCases::add_candidates(std::int64_t begin, std::span<const std::uint16_t> candidates, std::span<const T> values,
                                        std::vector<CaseRecord>& records) const {
@@ -187,37 +168,6 @@ void UnstructuredCases::add_candidates(std::int64_t begin, std::span<const std::
                    max_bytes_);
     }
   }
-}
-
-bool UnstructuredCases::reached(std::int64_t cluster) const {
-  return clusters_->highest(cluster) >= rules_.lowest() && clusters_->lowest(cluster) < rules_.highest();
-}
-
-/// Cells of clusters are met out of order, at ten times the cost of the straight way through all cells; so the index is used
-/// where it leaves fewer than a twelfth of the clusters. (tets:64, an interval in 7 % of the cells: 27 % of the clusters, 11 ms
-/// of CPU time with the index and 7 ms without.)
-bool UnstructuredCases::clusters_pay() const {
-  constexpr std::int64_t kPaysBelow = 12;
-  if (!clusters_) return false;
-  const std::int64_t count = clusters_->clusters().count();
-  std::int64_t left = 0;
-  for (std::int64_t c = 0; c < count && kPaysBelow * left <= count; ++c) left += reached(c);
-  return kPaysBelow * left <= count;
-}
-
-/// Marks the cells of the clusters that the intervals reach. The cells are then looked at in the order of the grid, so that an
-/// index changes nothing but time.
-void UnstructuredCases::mark_cells() {
-  check_budget("the marks of the cells", static_cast<std::uint64_t>(grid_.cell_count()) / 8, max_bytes_);
-  marked_.assign(static_cast<std::size_t>(grid_.cell_count() / 64 + 1), 0);
-  parallel_for(clusters_->clusters().count(), 64, [&](std::int64_t begin, std::int64_t end) {
-    task_.check();
-    for (std::int64_t c = begin; c < end; ++c) {
-      if (!reached(c)) continue;
-      for (const std::uint32_t cell : clusters_->clusters().cells(c))
-        std::atomic_ref(marked_[cell / 64]).fetch_or(std::uint64_t{1} << cell % 64, std::memory_order_relaxed);
-    }
-  });
 }
 
 /// The first cell after `cell` of another type, at most `end`.

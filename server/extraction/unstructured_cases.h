@@ -15,7 +15,6 @@
 #include "data/array.h"
 #include "data/grid.h"
 #include "extraction/active_cells.h"
-#include "extraction/cluster_index.h"
 #include "extraction/iso_rules.h"
 #include "extraction/list_pool.h"
 #include "extraction/sorted_tetrahedron.h"
@@ -66,28 +65,12 @@ struct CaseRecord {
   std::int8_t sign = 0;           // of the cell's volume
 };
 
-/// Calls visit(block, own) for [0, blocks) on the pool, checking for cancel; `own` is the thread's for as long as it goes through
-/// blocks. Throws cancelled.
-template <class Own, class Visit>
-void for_each_block(const Task& task, const char* stage, double begin, double end, std::int64_t blocks, const Visit& visit) {
-  StageProgress progress(task, stage, begin, end, blocks);
-  parallel_for(blocks, 1, [&](std::int64_t first, std::int64_t last) {
-    Own own;
-    for (std::int64_t b = first; b < last; ++b) {
-      visit(b, own);
-      progress.done(1);
-    }
-  });
-}
-
 /// All (active cell, interval) of an unstructured grid of fewer than 2^32 cells and points, in the order of the cells, then of
 /// the intervals' lower ends; in blocks of the grid's cells, so that what is summed block by block does not depend on threads.
 class UnstructuredCases {
  public:
-  /// clusters: of this grid and array, or nullptr. Throws too_large (what the list needs is above max_bytes, or it uses points
-  /// more than 2^30 times), cancelled.
-  UnstructuredCases(const Grid& grid, const PointArray& array, const IsoRules& rules, const ClusterIndex* clusters,
-                    std::uint64_t max_bytes, const Task& task);
+  /// Throws too_large (what the list needs is above max_bytes, or it uses points more than 2^30 times), cancelled.
+  UnstructuredCases(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes, const Task& task);
 
   std::int64_t blocks() const { return static_cast<std::int64_t>(blocks_.size()); }
   std::span<CaseRecord> block(std::int64_t b) const { return blocks_[b]; }
@@ -115,7 +98,6 @@ class UnstructuredCases {
   void find_in_block(std::int64_t b, std::span<const T> values, std::vector<CaseRecord>& records);
   template <int kVertices>
   std::size_t select(std::int64_t begin, std::int64_t end, Candidates& candidates) const;
-  std::size_t select_marked(std::int64_t begin, std::int64_t end, Candidates& candidates) const;
   template <CellType kType, int kVertices, class T>
   void add_candidates(std::int64_t begin, std::span<const std::uint16_t> candidates, std::span<const T> values,
                       std::vector<CaseRecord>& records) const;
@@ -123,15 +105,11 @@ class UnstructuredCases {
   void add_cases(std::int64_t cell, const std::int64_t* ids, std::span<const T> values, std::vector<CaseRecord>& records) const;
   template <class T>
   void compare_points(std::span<const T> values);
-  bool clusters_pay() const;
-  bool reached(std::int64_t cluster) const;
-  void mark_cells();
   std::int64_t end_of_run(std::int64_t cell, std::int64_t end) const;
   std::int64_t count_block(std::int64_t b);
 
   const Grid& grid_;
   const IsoRules& rules_;
-  const ClusterIndex* const clusters_;
   const std::uint64_t max_bytes_;
   const Task& task_;
   const UnstructuredCells cells_;
@@ -142,9 +120,7 @@ class UnstructuredCases {
   std::atomic<std::uint64_t> listed_{0};                  // records
   std::uint64_t bytes_ = 0;
   int usual_sign_ = 1;
-  bool by_clusters_ = false;
-  Buffer<std::uint8_t> sides_;         // [grid points] while cells are searched without an index
-  std::vector<std::uint64_t> marked_;  // bit c % 64 of word c / 64 for cell c, while they are searched with one
+  Buffer<std::uint8_t> sides_;  // [grid points] while cells are searched
 };
 
 }  // namespace isostrata

@@ -14,6 +14,7 @@
 #include "extraction/brick_memory.h"
 #include "extraction/extract_intervals.h"
 #include "extraction/minmax_bricks.h"
+#include "extraction/ordered_memory.h"
 #include "main/arguments.h"
 #include "main/bench_device.h"
 #include "main/commands.h"
@@ -42,13 +43,22 @@ struct DragRun {
   std::size_t bricks = 0, taken_over = 0;  // active ones; those that were not read again
 };
 
+/// Tetrahedra with their layout kept, the upper end moving likewise.
+struct LayoutRun {
+  double make_ms = 0;   // the layout, once for a grid
+  double array_ms = 0;  // an array in it, once, with an extraction
+  double min_ms = 0, median_ms = 0, max_ms = 0;  // the mesh
+  std::uint64_t bytes = 0;                       // of layout and array
+};
+
 struct BenchRun {
   std::string data, array;
   Interval interval;
   std::int64_t cells = 0, active_cells = 0, tetrahedra = 0;
   double min_ms = 0, median_ms = 0, max_ms = 0, read_floor_ms = 0;
   std::uint64_t mesh_bytes = 0;
-  std::optional<DragRun> drag;  // of structured grids
+  std::optional<DragRun> drag;      // of structured grids
+  std::optional<LayoutRun> layout;  // of grids of tetrahedra
 };
 
 std::string cpu_name() {
@@ -118,6 +128,36 @@ DragRun measure_drag(const Grid& grid, const PointArray& array, Interval interva
   return drag;
 }
 
+std::optional<LayoutRun> measure_layout(const Grid& grid, const PointArray& array, const Interval& interval, int repeat,
+                                        ExtractOptions options) {
+  const Task quiet;
+  OrderedMemory memory(options.max_bytes);
+  options.ordered = &memory;
+  LayoutRun run;
+  Stopwatch stopwatch;
+  memory.make(grid, command_task());
+  run.make_ms = stopwatch.lap_ms();
+  if (memory.bytes() == 0) return std::nullopt;
+  extract_intervals(grid, array, {&interval, 1}, options, quiet);
+  run.array_ms = stopwatch.lap_ms();
+  run.bytes = memory.bytes();
+  std::vector<double> ms;
+  const double step = 0.01 * (array.upper - array.lower);
+  for (int i = 0; i < repeat; ++i) {
+    command_task().check();
+    Interval moved = interval;
+    moved.upper += i % 2 ? 0 : step;
+    stopwatch.lap_ms();
+    const IntervalMesh mesh = extract_intervals(grid, array, {&moved, 1}, options, quiet);
+    ms.push_back(stopwatch.lap_ms());
+  }
+  std::sort(ms.begin(), ms.end());
+  run.min_ms = ms.front();
+  run.median_ms = ms[ms.size() / 2];
+  run.max_ms = ms.back();
+  return run;
+}
+
 BenchRun measure(const std::string& data, const BenchArguments& arguments) {
   const std::shared_ptr<const Dataset> dataset = open_argument(data);
   if (dataset->arrays.empty()) throw Error(ErrorCode::not_found, data + ": no point array; expected at least one");
@@ -146,6 +186,7 @@ BenchRun measure(const std::string& data, const BenchArguments& arguments) {
   }
   if (dataset->grid.structured() && dataset->grid.cell_count() > 0)
     run.drag = measure_drag(dataset->grid, array, run.interval, arguments.repeat, options);
+  if (!dataset->grid.structured()) run.layout = measure_layout(dataset->grid, array, run.interval, arguments.repeat, options);
   std::sort(ms.begin(), ms.end());
   run.min_ms = ms.front();
   run.median_ms = ms[ms.size() / 2];
@@ -165,6 +206,14 @@ boost::json::value to_json(const DragRun& drag) {
                              {"bricks_taken_over", drag.taken_over}};
 }
 
+boost::json::value to_json(const LayoutRun& layout) {
+  return boost::json::object{
+      {"make_ms", layout.make_ms},
+      {"first_ms", layout.array_ms},
+      {"ms", boost::json::object{{"min", layout.min_ms}, {"median", layout.median_ms}, {"max", layout.max_ms}}},
+      {"bytes", layout.bytes}};
+}
+
 boost::json::object to_json(const BenchRun& run) {
   return {{"data", run.data},
           {"array", run.array},
@@ -175,7 +224,8 @@ boost::json::object to_json(const BenchRun& run) {
           {"ms", boost::json::object{{"min", run.min_ms}, {"median", run.median_ms}, {"max", run.max_ms}}},
           {"read_floor_ms", run.read_floor_ms},
           {"mesh_bytes", run.mesh_bytes},
-          {"drag", run.drag ? to_json(*run.drag) : boost::json::value()}};
+          {"drag", run.drag ? to_json(*run.drag) : boost::json::value()},
+          {"layout", run.layout ? to_json(*run.layout) : boost::json::value()}};
 }
 
 void print_text(const BenchRun& run) {
@@ -184,6 +234,12 @@ void print_text(const BenchRun& run) {
       run.data.c_str(), run.array.c_str(), run.interval.lower, run.interval.upper, static_cast<long long>(run.active_cells),
       static_cast<long long>(run.cells), static_cast<long long>(run.tetrahedra), run.min_ms, run.median_ms, run.max_ms,
       run.read_floor_ms);
+  if (run.layout)
+    std::printf(
+        "  with the tetrahedra laid out (%.0f ms once, %.1f MB), upper end moved by 1 %% of the range: min %.2f, median %.2f, max %.2f "
+        "ms; the first with a new array %.2f ms\n",
+        run.layout->make_ms, static_cast<double>(run.layout->bytes) / 1e6, run.layout->min_ms, run.layout->median_ms,
+        run.layout->max_ms, run.layout->array_ms);
   if (!run.drag) return;
   const DragRun& drag = *run.drag;
   std::printf(

@@ -56,7 +56,7 @@ boost::json::object to_json(const Row& row) {
   }
   if (row.kept.runs > 0) {
     out["ours_kept"] = to_json(row.kept);
-    if (row.theirs.runs > 0) out["ratio_kept"] = row.theirs.median / row.kept.median;
+    if (row.theirs.runs > 0) out["ratio_kept"] = row.ratio_kept();
   }
   if (row.aim > 0) out["aim"] = row.aim;
   if (row.peer_cells > 0) out["peer_cells"] = row.peer_cells;
@@ -83,7 +83,11 @@ void print_text(const std::vector<Row>& rows) {
                 row.interval.upper, static_cast<long long>(row.active_cells), static_cast<long long>(row.cells));
     if (row.tetrahedra > 0) std::printf(", %lld tetrahedra", static_cast<long long>(row.tetrahedra));
     std::printf("\n  %-44s %s ms (%s)\n", "ours", milliseconds(row.ours).c_str(), row.setting.c_str());
-    if (row.kept.runs > 0) std::printf("  %-44s %s ms\n", "ours, index kept", milliseconds(row.kept).c_str());
+    if (row.kept.runs > 0) {
+      std::printf("  %-44s %s ms", "ours, index kept", milliseconds(row.kept).c_str());
+      if (row.theirs.runs > 0) std::printf(": ratio %.4g", row.ratio_kept());
+      std::printf("\n");
+    }
     std::printf("  %-44s %s ms", row.peer.c_str(), milliseconds(row.theirs).c_str());
     if (row.theirs.runs > 0 && row.ours.runs > 0)
       std::printf(": ratio %.4g (of minima %.4g)", row.ratio(), row.ratio_of_minima());

@@ -32,6 +32,7 @@ struct Row {
   std::string note;
 
   double ratio() const { return ours.median > 0 ? theirs.median / ours.median : 0; }
+  double ratio_kept() const { return kept.median > 0 ? theirs.median / kept.median : 0; }
   double ratio_of_minima() const { return ours.min > 0 ? theirs.min / ours.min : 0; }  // less of a neighbour's noise
   /// |ours - theirs| / theirs; 0 where not compared.
   double volume_difference() const;

@@ -1,4 +1,4 @@
-#include "extraction/cluster_index.h"
+#include "extraction/cell_clusters.h"
 
 #include <array>
 #include <cmath>
@@ -114,34 +114,6 @@ CellClusters::CellClusters(const Grid& grid, std::uint64_t max_bytes, const Task
       std::transform(first, last, cells_.begin() + (first - parts.items.begin()), [](const PlacedCell& at) { return at.cell; });
     }
   });
-}
-
-ClusterIndex::ClusterIndex(const Grid& grid, std::shared_ptr<const CellClusters> clusters, const PointArray& array,
-                           const Task& task)
-    : clusters_(std::move(clusters)),
-      lowest_(static_cast<std::size_t>(clusters_->count())),
-      highest_(static_cast<std::size_t>(clusters_->count())) {
-  const auto& shape = std::get<UnstructuredGrid>(grid.shape);
-  std::visit(
-      [&](auto values) {
-        parallel_for(clusters_->count(), 16, [&](std::int64_t begin, std::int64_t end) {
-          task.check();
-          for (std::int64_t c = begin; c < end; ++c) {
-            double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-            for (const std::uint32_t cell : clusters_->cells(c)) {
-              if (grid.hidden(cell)) continue;
-              for (std::int64_t i = shape.offsets[cell]; i < shape.offsets[cell + 1]; ++i) {
-                const auto f = static_cast<double>(values[shape.connectivity[i]]);
-                lowest = f < lowest ? f : lowest;
-                highest = f > highest ? f : highest;
-              }
-            }
-            lowest_[c] = lowest;
-            highest_[c] = highest;
-          }
-        });
-      },
-      array.values);
 }
 
 }  // namespace isostrata

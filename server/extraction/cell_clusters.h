@@ -1,14 +1,12 @@
-// Which values the cells of each cluster of an unstructured grid span: what makes extraction look only where the intervals are.
+// The cells of an unstructured grid in an order of locality.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 #include "base/buffer.h"
 #include "base/task.h"
-#include "data/array.h"
 #include "data/grid.h"
 
 namespace isostrata {
@@ -35,25 +33,6 @@ class CellClusters {
 
  private:
   Buffer<std::uint32_t> cells_;  // [cells of the grid]
-};
-
-/// The least and the largest value in each cluster. Made once for a grid and an array; 16 bytes for 256 cells.
-class ClusterIndex {
- public:
-  /// One look at each cell, on the pool. Precondition: clusters of this grid, which has as many points as the array has values.
-  /// Throws cancelled.
-  ClusterIndex(const Grid& grid, std::shared_ptr<const CellClusters> clusters, const PointArray& array, const Task& task);
-
-  const CellClusters& clusters() const { return *clusters_; }
-  /// Of the cells that are not hidden, NaN left out: lowest > highest where there is no other.
-  double lowest(std::int64_t cluster) const { return lowest_[static_cast<std::size_t>(cluster)]; }
-  double highest(std::int64_t cluster) const { return highest_[static_cast<std::size_t>(cluster)]; }
-  /// Without the clusters, which indices of other arrays share.
-  std::uint64_t bytes() const { return (lowest_.size() + highest_.size()) * sizeof(double); }
-
- private:
-  std::shared_ptr<const CellClusters> clusters_;
-  Buffer<double> lowest_, highest_;  // [clusters]
 };
 
 }  // namespace isostrata
