@@ -1,5 +1,6 @@
 #include "random/random_grids.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -322,7 +323,8 @@ RandomInput mixed_mesh(Random& random) {
 
 RandomInput structured_grid(Random& random) {
   RandomInput input;
-  const std::array<std::int64_t, 3> dims{1 + below(random, 7), 1 + below(random, 7), 1 + below(random, 7)};
+  std::array<std::int64_t, 3> dims{1 + below(random, 7), 1 + below(random, 7), 1 + below(random, 7)};
+  if (std::count(dims.begin(), dims.end(), 1) == 1) std::replace(dims.begin(), dims.end(), 1, 2);  // a flat grid is cut as areas
   const std::int64_t count = dims[0] * dims[1] * dims[2];
   const auto sign = [&] { return one_in(random, 3) ? -1.0 : 1.0; };
   switch (below(random, 3)) {
