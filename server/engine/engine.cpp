@@ -503,7 +503,9 @@ class Engine::Impl {
         !only_tetrahedra(*extracted.dataset))
       return;
     const bool cut = cuts_intervals_ && cuts_exactly(scene, extracted.array) && !bases_.find(extracted.dataset, extracted.array);
-    if (cut ? previous->request.intervals == extracted.request.intervals : ordered_.knows(extracted.dataset->grid)) return;
+    const LayerRequest& request = extracted.request;
+    const bool lay_out = request.terms.empty() && !request.time && !ordered_.knows(extracted.dataset->grid);
+    if (cut ? previous->request.intervals == request.intervals : !lay_out) return;
     if (base_in_making_.exchange(true)) return;
     preparers_.post(0, [this, cut, dataset = extracted.dataset, array = extracted.array] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);

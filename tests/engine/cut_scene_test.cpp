@@ -176,7 +176,7 @@ TEST_F(CutScene, ALayoutOfTheTetrahedraChangesNoPicture) {
                             [](const CellRun& a, const CellRun& b) { return a.cell < b.cell; });
     };
     EXPECT_TRUE(in_order_of_the_grid(*plain)) << kind;
-    EXPECT_FALSE(in_order_of_the_grid(*ordered)) << kind;
+    EXPECT_EQ(in_order_of_the_grid(*ordered), kind == 1) << kind;  // combined ranges are extracted from a grid of their own
     ASSERT_EQ(plain->summaries().size(), ordered->summaries().size());
     for (std::size_t i = 0; i < plain->summaries().size(); ++i) {
       EXPECT_EQ(plain->summaries()[i].active_cells, ordered->summaries()[i].active_cells);
