@@ -167,7 +167,11 @@ void CorePool::run(std::int64_t count, std::int64_t grain, const std::function<v
   if (loop.failure) std::rethrow_exception(loop.failure);
 }
 
+// Blocks of a grain; where those are short and many, several at once, since bodies may have something to set up.
 void CorePool::do_blocks(Loop& loop, bool helps) {
+  constexpr FairTurns::Time kShort = std::chrono::microseconds(500), kLong = std::chrono::milliseconds(2);
+  const std::int64_t most = std::max(loop.grain, loop.count / std::max(256, 8 * threads_wanted_.load(std::memory_order_relaxed)));
+  std::int64_t size = loop.grain;
   try {
     while (loop.has_blocks()) {
       if (loop.work) {
@@ -180,10 +184,20 @@ void CorePool::do_blocks(Loop& loop, bool helps) {
           step(*loop.work);
         }
       }
-      const std::int64_t begin = loop.next.fetch_add(loop.grain, std::memory_order_relaxed);
+      const std::int64_t begin = loop.next.fetch_add(size, std::memory_order_relaxed);
       if (begin >= loop.count) return;
       pulse();
-      loop.body(begin, std::min(begin + loop.grain, loop.count));
+      if (most == loop.grain) {
+        loop.body(begin, std::min(begin + size, loop.count));
+        continue;
+      }
+      const FairTurns::Time began = now_ns();
+      loop.body(begin, std::min(begin + size, loop.count));
+      const FairTurns::Time took = now_ns() - began;
+      if (took < kShort && 2 * size <= most)
+        size *= 2;
+      else if (took > kLong)
+        size = std::max(loop.grain, size / 2);
     }
   } catch (...) {
     loop.stop();
