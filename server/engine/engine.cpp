@@ -1,5 +1,6 @@
 #include "engine/engine.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -455,7 +456,7 @@ class Engine::Impl {
       draw_soon(key, session);
       given_back = give_back(max_scene_bytes(), key);
     }
-    given_back.clear();  // without the lock
+    let_go(std::move(given_back));
     for (EngineEvent& event : events) send(std::move(event));
   }
 
@@ -481,17 +482,31 @@ class Engine::Impl {
       scenes_.hold(key, 0);
       renderers_.drop(key);
     }
-    if (!all.empty()) free_kept_blocks();
     return all;
+  }
+
+  /// Without the lock: what was given back goes to the kernel, not to what this process keeps.
+  static void let_go(std::vector<std::shared_ptr<const ExtractedScene>> given_back) {
+    if (given_back.empty()) return;
+    given_back.clear();
+    free_kept_blocks();
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
   }
 
   /// For the session's next scene. Others that are not looked at make room for one as large as its last, or go altogether.
   std::uint64_t room_for(SessionKey key, bool altogether) {
     std::vector<std::shared_ptr<const ExtractedScene>> given_back;
-    const std::lock_guard lock(mutex_);
-    const std::uint64_t most = max_scene_bytes(), own = scenes_.bytes_of(key);
-    given_back = give_back(altogether ? 0 : most - std::min(most, 2 * own), key);
-    const std::uint64_t others = scenes_.bytes() - scenes_.bytes_of(key);
+    std::uint64_t most = 0, others = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      const std::uint64_t own = scenes_.bytes_of(key);
+      most = max_scene_bytes();
+      given_back = give_back(altogether ? 0 : most - std::min(most, 2 * own), key);
+      others = scenes_.bytes() - scenes_.bytes_of(key);
+    }
+    let_go(std::move(given_back));
     // What a renderer makes of it comes on top; and who has little room is told so by the extraction, with the numbers.
     return (most - std::min(most, others)) / 2;
   }
