@@ -48,6 +48,7 @@ template <class T>
 void sample_uniform(ProxyGrid& proxy, const Grid& grid, const UniformGrid& shape, std::span<const T> all, const Shares& shares) {
   const auto& dims = shape.dims;
   const std::int64_t longest = std::max({dims[0], dims[1], dims[2]});
+  proxy.neighbour = 1.0 / static_cast<double>(std::max<std::int64_t>(longest - 1, 1));
   std::array<std::vector<std::int64_t>, 3> at;
   Vec3d spacing;
   for (int a = 0; a < 3; ++a) {
@@ -256,6 +257,7 @@ ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task
       proxy.step[a] = n > 1 ? size[a] / longest / n : 0;
       proxy.corner[a] = box.lower[a] + (n > 1 ? size[a] / n / 2 : 0);
     }
+    proxy.neighbour = 1.0 / kMostProxySamples;
     proxy.values = sample_cells(dataset.grid, array, proxy, task);
     compare_samples(proxy);
     measure_domain(proxy);

@@ -16,6 +16,7 @@ struct ProxyGrid {
   std::array<int, 3> dims{};
   Vec3d corner{};               // world: the first sample
   double scale = 0;             // world length of the longest side of the dataset's box; 0: there is no place to look at
+  double neighbour = 0;         // how far the neighbours in `beside` are along the longest side
   Vec3d step{};                 // between samples, never negative; 0 along an axis of one sample
   double lower = 0, upper = 0;  // the values that 0 and 1 stand for; those beyond them, which are few and far, are clamped
   bool logarithmic = false;     // between them values run with their logarithm

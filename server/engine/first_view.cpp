@@ -18,7 +18,8 @@ namespace {
 constexpr std::string_view kPale = "#8fcdf5", kOrange = "#e69f00", kSky = "#56b4e9", kVermilion = "#d55e00", kYellow = "#f0e442",
                            kGrey = "#8a9aab", kOutline = "#b8c4cc", kSkin = "#e0a080", kBone = "#f2e6c8";
 
-constexpr std::int64_t kMostOutlineCells = 3'000'000;  // the outline's layer is all of the cells
+constexpr double kMostInLayer = 1.5e6;  // tetrahedra: what is extracted and drawn at once on two cores
+constexpr double kMostInOutline = 3e6;  // its layer is all of the cells
 
 // ---- ends ----
 
@@ -198,7 +199,12 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   const ProxyGrid& proxy = looked.proxy;
   const ValueCurves curves(proxy);
   const FieldHints hints = hints_of(dataset, *looked.array);
-  const LayersChoice choice = choose_layers(proxy, curves, hints);
+  LayersChoice choice = choose_layers(proxy, curves, hints);
+  const auto cells = static_cast<double>(dataset.grid.cell_count());
+  const auto tets = dataset.cell_types.find("tetrahedron");
+  const bool split = tets != dataset.cell_types.end() && dataset.cell_types.size() == 1;
+  const double each = split ? 1 : 5.5;  // tetrahedra in a cell
+  thin_layers(choice, proxy, curves, cells, each, kMostInLayer);
   view.kind = to_string(choice.kind);
   view.kind_reason = choice.reason;
 
@@ -210,7 +216,7 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   const Ends ends(choice, array, proxy);
   const bool solid = choice.kind != FieldKind::sheet && choice.kind != FieldKind::two_valued &&
                      (proxy.fill < 0.6 || belongs_to_a_solid(array.name));
-  const bool outline = solid && dataset.grid.cell_count() <= kMostOutlineCells;
+  const bool outline = solid && cells * each <= kMostInOutline;
   if (outline) {
     const LayerChoice whole{LayerRole::outline, 0, 1, true, "outline", "the domain's own outline, for what lies inside"};
     view.layers.push_back(looks_of(whole, choice, proxy, 0, hints.flat));

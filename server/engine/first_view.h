@@ -45,6 +45,7 @@ struct FirstView {
 
   /// For a picture `aspect` times as wide as high.
   Camera camera(double aspect) const;
+  bool operator==(const FirstView&) const = default;
 };
 
 /// Opens a step. It may be asked for the same one several times.

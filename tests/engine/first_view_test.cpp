@@ -140,8 +140,18 @@ TEST(FirstView, OfATorusIsARingInsideAShell) {
   EXPECT_GT(view.layers[0].opacity, view.layers[1].opacity);
 }
 
+TEST(FirstView, OfALargeGridHasThinLayersWithTheSameSurfaces) {
+  const FirstView whole = view_of_data(*analytic("torus:64")), thin = view_of_data(*analytic("torus:200"));
+  ASSERT_EQ(thin.layers.size(), 2u);
+  EXPECT_EQ(whole.layers[0].upper, whole.layers[1].lower);
+  EXPECT_NEAR(thin.layers[0].upper, whole.layers[0].upper, 0.01) << "the ring's surface";
+  EXPECT_NEAR(thin.layers[1].upper, whole.layers[1].upper, 0.01) << "the shell's surface";
+  EXPECT_GT(thin.layers[1].lower, thin.layers[0].upper);
+  EXPECT_LT(thin.layers[1].upper - thin.layers[1].lower, 0.5 * (whole.layers[1].upper - whole.layers[1].lower));
+}
+
 TEST(FirstView, OfMarschnerLobbIsOneWallFromAbove) {
-  const FirstView view = view_of_data(*analytic("marschner-lobb:64"));
+  const FirstView view = view_of_data(*analytic("marschner-lobb:128"));
   EXPECT_EQ(view.kind, "waves");
   ASSERT_EQ(view.layers.size(), 1u);
   EXPECT_NEAR(view.layers[0].lower, 0.5, 0.1);
