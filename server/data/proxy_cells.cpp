@@ -158,6 +158,7 @@ std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const
               corner = {samples.scaled(grid.point(id)),
                         (static_cast<double>(values[static_cast<std::size_t>(id)]) / 2 - array.lower / 2) / half};
               good = usable(corner);
+              corner.share = std::clamp(corner.share, 0.0, 1.0);
             }
             if (!good) continue;
             Vec3d low = own[0].at, high = low;

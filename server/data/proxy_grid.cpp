@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "data/proxy_cells.h"
@@ -17,7 +19,7 @@ struct Shares {
   double lower = 0, half = 0;
 
   explicit Shares(const PointArray& array) : lower(array.lower), half(array.upper / 2 - array.lower / 2) {}
-  double of(double value) const { return (value / 2 - lower / 2) / half; }
+  double of(double value) const { return std::clamp((value / 2 - lower / 2) / half, 0.0, 1.0); }
 };
 
 bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -182,12 +184,13 @@ void remap(ProxyGrid& proxy, F f, D derivative) {
 /// Where nearly all values lie in a small part of the range, a few that are far away would put all others into one bin: then [0,
 /// 1] is the part, with what lies around it clamped. What then still grows by factors, not by steps (densities of galaxies,
 /// concentrations), runs with its logarithm.
-void stretch(ProxyGrid& proxy) {
+/// Returns the range to be looked at anew where single precision has no more to show of it.
+std::optional<std::array<double, 2>> stretch(ProxyGrid& proxy) {
   constexpr double kBeyond = 0.001, kPart = 0.1;
   std::vector<float> some;
   for (const float t : proxy.values)
     if (!std::isnan(t)) some.push_back(t);
-  if (some.size() < 2) return;
+  if (some.size() < 2) return std::nullopt;
   const auto quantile = [&](double q) {
     const auto at = some.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(some.size() - 1));
     std::nth_element(some.begin(), at, some.end());
@@ -195,20 +198,21 @@ void stretch(ProxyGrid& proxy) {
   };
   const double low = quantile(kBeyond), high = quantile(1 - kBeyond), median = proxy.value_at(quantile(0.5)),
                least_value = proxy.value_at(low);
-  if (!(high > low)) return;
+  if (!(high > low)) return std::nullopt;
   if (high - low <= kPart) {
     const double from = std::max(0.0, low - (high - low) / 4), to = std::min(1.0, high + (high - low) / 4);
     const double lower = proxy.value_at(from), upper = proxy.value_at(to);
-    if (!(to - from > 1e-6 && lower < upper)) return;  // single precision has no more to show
+    if (!(lower < upper)) return std::nullopt;
+    if (to - from < 1e-4) return std::array{lower, upper};
     remap(
         proxy, [&](double t) { return (t - from) / (to - from); }, [&](double) { return 1 / (to - from); });
     proxy.lower = lower;
     proxy.upper = upper;
   }
   constexpr double kLeastFactor = 200, kMostFactor = 1e7, kSkewed = 0.06;
-  if (!(proxy.lower > 0) || proxy.thickness < 0.035 || proxy.share_at(median) > kSkewed) return;
+  if (!(proxy.lower > 0) || proxy.thickness < 0.035 || proxy.share_at(median) > kSkewed) return std::nullopt;
   const double least = std::max(proxy.lower, least_value), factor = proxy.upper / least;
-  if (!(factor >= kLeastFactor && factor <= kMostFactor)) return;
+  if (!(factor >= kLeastFactor && factor <= kMostFactor)) return std::nullopt;
   const double width = proxy.upper - proxy.lower, lower = proxy.lower, decades = std::log(factor);
   const auto value = [=](double t) { return std::max(lower + t * width, least); };
   remap(
@@ -216,6 +220,7 @@ void stretch(ProxyGrid& proxy) {
       [&](double t) { return width / value(t) / decades; });
   proxy.lower = least;
   proxy.logarithmic = true;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -262,7 +267,11 @@ ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task
     compare_samples(proxy);
     measure_domain(proxy);
   }
-  stretch(proxy);
+  if (const auto closer = stretch(proxy)) {
+    PointArray part = array;
+    std::tie(part.lower, part.upper) = std::pair((*closer)[0], (*closer)[1]);
+    return make_proxy(dataset, part, task);
+  }
   return proxy;
 }
 

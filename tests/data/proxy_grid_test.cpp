@@ -134,7 +134,7 @@ TEST(ValueCurves, CoherenceTellsNoiseFromBodies) {
 }
 
 TEST(ValueCurves, StrengthIsTheMeanGradientOnTheIsosurface) {
-  const auto dataset = field_dataset({60, 60, 60}, [](Vec3d p) { return std::tanh(6 * p.x); });
+  const auto dataset = field_dataset({60, 60, 60}, [](Vec3d p) { return std::tanh(6 * (p.x + 0.13 * p.y + 0.07 * p.z)); });
   const ValueCurves curves(make_proxy(*dataset, dataset->arrays[0], Task()));
   EXPECT_GT(curves.strength_at(0.5), 3 * curves.strength_at(0.05));
   EXPECT_EQ(peaks(curves.strength(), 0.3 * curves.strength_at(0.5)).size(), 1u);
