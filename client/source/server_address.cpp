@@ -41,8 +41,29 @@ bool is_port(std::string_view text) {
   return wrong == std::errc{} && stopped == text.data() + text.size();
 }
 
+bool take_token(std::string_view query, ServerAddress& address) {
+  if (!query.starts_with('?')) return true;
+  query = query.substr(1, query.find('#') - 1);
+  while (!query.empty()) {
+    std::string_view parameter = take_until(query, "&");
+    if (parameter.starts_with("token=")) {
+      address.token.clear();
+      if (!unescape(parameter.substr(6), address.token)) return false;
+    }
+    if (!query.empty()) query.remove_prefix(1);
+  }
+  return true;
+}
+
 bool split(std::string_view url, ServerAddress& address) {
   if (std::ranges::any_of(url, [](char c) { return c <= ' ' || c >= 0x7f; })) return false;
+  if (url.starts_with("unix:")) {
+    url.remove_prefix(5);
+    address.host = address.connect_to = "localhost";
+    address.port = "80";
+    address.base_path = "/";
+    return unescape(take_until(url, "?#"), address.unix_path) && address.unix_path.starts_with('/') && take_token(url, address);
+  }
   address.tls = url.starts_with("https://");
   if (!address.tls && !url.starts_with("http://")) return false;
   url.remove_prefix(address.tls ? 8 : 7);
@@ -61,17 +82,7 @@ bool split(std::string_view url, ServerAddress& address) {
   address.base_path = take_until(url, "?#");
   if (!address.base_path.ends_with('/')) address.base_path += '/';
 
-  if (!url.starts_with('?')) return true;
-  url = url.substr(1, url.find('#') - 1);
-  while (!url.empty()) {
-    std::string_view parameter = take_until(url, "&");
-    if (parameter.starts_with("token=")) {
-      address.token.clear();
-      if (!unescape(parameter.substr(6), address.token)) return false;
-    }
-    if (!url.empty()) url.remove_prefix(1);
-  }
-  return true;
+  return take_token(url, address);
 }
 
 }  // namespace
@@ -81,7 +92,7 @@ ServerAddress parse_address(const Options& options) {
   address.token = options.token;
   if (!split(options.url, address))
     throw ClientError("bad_url", "'" + options.url.substr(0, options.url.find('?')) +
-                                     "' is not a server's address; expected http://HOST:PORT/ or https://HOST:PORT/");
+                                     "' is not a server's address; expected http://HOST:PORT/, https://HOST:PORT/ or unix:/PATH");
   return address;
 }
 

@@ -4,6 +4,7 @@
 #include <openssl/x509v3.h>
 
 #include <boost/asio/connect.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
 
 namespace isostrata::client {
 namespace {
@@ -12,7 +13,26 @@ namespace asio = boost::asio;
 namespace ssl = asio::ssl;
 using Error = boost::system::error_code;
 
-std::string where(const ServerAddress& address) { return address.host + ":" + address.port; }
+std::string where(const ServerAddress& address) {
+  return address.unix_path.empty() ? address.host + ":" + address.port : address.unix_path;
+}
+
+/// To Asio a stream is a stream. A local socket connects at once or not at all.
+void connect_local(asio::ip::tcp::socket& socket, const std::string& path, Error& error) {
+  using asio::local::stream_protocol;
+  stream_protocol::endpoint end;
+  try {
+    end = stream_protocol::endpoint(path);
+  } catch (const boost::system::system_error& wrong) {
+    error = wrong.code();  // its path is too long
+    return;
+  }
+  stream_protocol::socket local(socket.get_executor());
+  local.connect(end, error);
+  if (error) return;
+  const int descriptor = local.release(error);
+  if (!error) socket.assign(asio::ip::tcp::v4(), descriptor, error);
+}
 
 }  // namespace
 
@@ -40,6 +60,11 @@ void Transport::finish(const bool& done, const Options& options, Steady::time_po
 
 void Transport::connect(const ServerAddress& address, const Options& options, Steady::time_point deadline) {
   Error error;
+  if (!address.unix_path.empty()) {
+    connect_local(socket_, address.unix_path, error);
+    if (error) throw ClientError("connection", where(address) + ": " + error.message());
+    return;
+  }
   asio::ip::tcp::resolver resolver(io_);
   const auto found = resolver.resolve(address.connect_to, address.port, error);
   if (error) throw ClientError("connection", where(address) + ": " + error.message());

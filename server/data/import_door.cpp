@@ -1,8 +1,11 @@
 #include "data/import_door.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <csignal>
@@ -16,6 +19,7 @@
 #include <utility>
 
 #include "base/temporary_directory.h"
+#include "data/beneath.h"
 #include "data/child_process.h"
 #include "data/file_series.h"
 #include "data/sandbox.h"
@@ -77,6 +81,11 @@ struct Kept {
 void check_file(const fs::path& file, const OpenOptions& options) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
+  const int opened = open_beneath(file, O_PATH);
+  const int why = errno;
+  if (opened >= 0) close(opened);
+  if (opened < 0 && why == EXDEV)
+    throw Error(ErrorCode::not_found, file.string() + ": is now a link out of the directory that is served, and is not followed");
   if (is_series_pattern(file))
     series_files(file);  // throws where there are none
   else if (file.empty() || !fs::exists(status))
@@ -88,7 +97,7 @@ void check_file(const fs::path& file, const OpenOptions& options) {
 std::shared_ptr<const Dataset> map_checked(const fs::path& directory, const fs::path& file, const OpenOptions& options,
                                            ImportFiles files) {
   const std::shared_ptr<Dataset> dataset = map_import(directory, file.filename().string(), options, files);
-  dataset->name = file.string();
+  dataset->name = without_mark(file).string();
   return dataset;
 }
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/utf8.h"
 #include "data/analytic.h"
+#include "data/beneath.h"
 #include "data/file_series.h"
 #include "data/recognise.h"
 
@@ -39,6 +40,13 @@ std::string id_of(const std::string& name, const std::string& source) {
   return id + hash.data();
 }
 
+/// A file below the root, so that what is put in its place later cannot lead out of it. Of numbered files, which are many, the plain path.
+std::string marked(const fs::path& root, const fs::path& file) {
+  const fs::path rest = file.lexically_relative(root);
+  const bool inside_root = !rest.empty() && *rest.begin() != "..";
+  return inside_root && !is_series_pattern(file) ? beneath(root, rest).string() : file.string();
+}
+
 /// A file or the pattern of a series, with what is known of it. Whether it can be opened shows when it is.
 CatalogueEntry entry_of(const fs::path& path) {
   CatalogueEntry entry;
@@ -50,7 +58,8 @@ CatalogueEntry entry_of(const fs::path& path) {
     entry.files = static_cast<int>(files.size());
     entry.source = (fs::canonical(first).parent_path() / path.filename()).string();
   } else {
-    entry.source = fs::canonical(path).string();
+    const fs::path real = fs::canonical(path);
+    entry.source = marked(real.parent_path(), real);
   }
   try {
     entry.kind = format_of(is_series_pattern(path) && names_pictures(path) ? FileKind::pictures : recognise(first).kind).name;
@@ -65,8 +74,9 @@ CatalogueEntry entry_of(const fs::path& path) {
 }  // namespace
 
 void Catalogue::add(CatalogueEntry entry) {
-  if (entries_.size() >= kMaxEntries || !sources_.insert(entry.source).second) return;
-  entry.id = is_analytic(entry.source) ? entry.source : id_of(entry.name, entry.source);
+  const std::string plain = without_mark(entry.source).string();
+  if (entries_.size() >= kMaxEntries || !sources_.insert(plain).second) return;
+  entry.id = is_analytic(plain) ? plain : id_of(entry.name, plain);
   std::replace(entry.id.begin(), entry.id.end(), ':', '-');
   const std::string stem = entry.id;
   for (int n = 2; find(entry.id); ++n) entry.id = stem + "-" + std::to_string(n);
@@ -77,8 +87,11 @@ void Catalogue::add(CatalogueEntry entry) {
 
 void Catalogue::add_directory(const fs::path& directory) {
   FolderListing listing = list_folder(directory, kMaxEntries);
-  for (FolderEntry& entry : listing.entries)
+  const fs::path root = fs::canonical(directory);
+  for (FolderEntry& entry : listing.entries) {
+    entry.source = marked(root, entry.source);
     add({{}, std::move(entry.name), std::move(entry.source), std::string(format_of(entry.kind).name), entry.bytes, entry.changed, entry.files});
+  }
   for (PassedOver& passed : listing.passed_over) {
     const auto same = std::find_if(passed_over_.begin(), passed_over_.end(), [&](const PassedOver& other) { return other.reason == passed.reason; });
     if (same == passed_over_.end())

@@ -17,7 +17,7 @@ namespace isostrata {
 struct CatalogueEntry {
   std::string id;      // short, stable for the same source within one server's life: "bluntfinxyz-3f2a91"
   std::string name;    // what a person reads: the file's name as valid_utf8, or of analytic data its name
-  std::string source;  // what open_dataset takes; stays on the server
+  std::string source;  // what open_dataset takes, a file as data/beneath.h has it; stays on the server
   std::string kind = {};             // "NIfTI"; of analytic data empty
   std::uint64_t bytes = 0;           // of all its files
   std::int64_t changed_unix_ms = 0;  // the newest of them

@@ -5,6 +5,7 @@
 #include <linux/landlock.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "data/beneath.h"
 #include "import/allowed_calls.h"
 
 namespace isostrata {
@@ -68,29 +70,39 @@ struct Ruleset {
   std::uint64_t files = 0, network = 0, scopes = 0;  // as the kernel's landlock_ruleset_attr
 };
 
-void allow_below(int ruleset, const fs::path& path, std::uint64_t rights, int flags = 0) {
+void allow_below(int ruleset, int opened, std::uint64_t rights) {
+  if (opened < 0) return;
   landlock_path_beneath_attr rule{};
-  rule.parent_fd = open(path.c_str(), O_PATH | O_CLOEXEC | flags);
-  if (rule.parent_fd < 0) return;
+  rule.parent_fd = opened;
   rule.allowed_access = rights;
   syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
-  close(rule.parent_fd);
+}
+
+void allow_below(int ruleset, const fs::path& path, std::uint64_t rights) {
+  const int opened = open_beneath(path, O_PATH);
+  allow_below(ruleset, opened, rights);
+  if (opened >= 0) close(opened);
 }
 
 constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
 
-/// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut. In a directory of
-/// more entries than it takes a moment to list, that is given up.
-void allow_reading(int ruleset, const fs::path& directory) {
+/// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut, but for what is linked to
+/// from what is not. In a directory of more entries than it takes a moment to list, that is given up.
+void allow_reading(int ruleset, int directory) {
   constexpr std::size_t kMost = 20000;
   std::error_code error;
   std::size_t count = 0;
   allow_below(ruleset, directory, LANDLOCK_ACCESS_FS_READ_DIR);
-  for (fs::directory_iterator it(directory, error), end; !error && it != end; it.increment(error)) {
+  const fs::path listed = "/proc/self/fd/" + std::to_string(directory);
+  for (fs::directory_iterator it(listed, error), end; !error && it != end; it.increment(error)) {
     if (++count > kMost) return allow_below(ruleset, directory, kRead);
-    std::error_code ignored;
-    if (it->path().filename().native().starts_with('.') || it->is_symlink(ignored)) continue;
-    allow_below(ruleset, it->path(), it->is_directory(ignored) ? kRead : LANDLOCK_ACCESS_FS_READ_FILE, O_NOFOLLOW);
+    const fs::path name = it->path().filename();
+    if (name.native().starts_with('.')) continue;
+    const int opened = open_beneath(directory, name, O_PATH);
+    struct stat about {};
+    if (opened >= 0 && fstat(opened, &about) == 0)
+      allow_below(ruleset, opened, S_ISDIR(about.st_mode) ? kRead : LANDLOCK_ACCESS_FS_READ_FILE);
+    if (opened >= 0) close(opened);
   }
 }
 
@@ -101,7 +113,10 @@ bool confine_files(const Confinement& to, int version) {
                         .scopes = version >= 6 ? kScopes : 0};
   const auto ruleset = static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
   if (ruleset < 0) return false;
-  allow_reading(ruleset, to.directory);
+  if (const int directory = open_beneath(to.directory, O_PATH | O_DIRECTORY); directory >= 0) {
+    allow_reading(ruleset, directory);
+    close(directory);
+  }
   allow_below(ruleset, to.file, LANDLOCK_ACCESS_FS_READ_FILE);
   allow_below(ruleset, to.output,
               kRead | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE | truncate);

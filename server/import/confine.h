@@ -10,7 +10,7 @@ namespace isostrata {
 
 struct Confinement {
   std::filesystem::path directory;  // may be read, at any depth, but for what is hidden in it and links out of it
-  std::filesystem::path file;       // may be read, also where it is a link out of the directory
+  std::filesystem::path file;       // may be read, also where it is a link out of the directory; not one out of its ROOT (data/beneath.h)
   std::filesystem::path output;     // may be read, and files may be made, written, cut and removed in it
   std::uint64_t memory_bytes = 0;   // of address space; also the largest file that may be written
   std::uint64_t cpu_seconds = 0;

@@ -41,6 +41,7 @@ struct ServeArguments {
   std::vector<std::string> data_roots;
   std::string host = "127.0.0.1";
   int port = 8080;
+  std::string socket;
   std::string base_url = "/";
   std::string token;
   std::string token_file;
@@ -128,9 +129,10 @@ json::value worker_of(const Server& server) {
 }
 
 // Complete or not there: written beside and renamed into place. It holds the token, so only its owner may read it.
-void write_ready_file(const fs::path& path, const Server& server) {
+void write_ready_file(const fs::path& path, const Server& server, const std::string& socket) {
   const std::string text = json::serialize(json::object{{"url", server.url()},
                                                         {"port", server.port()},
+                                                        {"socket", socket.empty() ? json::value(nullptr) : json::value(socket)},
                                                         {"pid", getpid()},
                                                         {"device", server.engine().device()},
                                                         {"worker", worker_of(server)}}) +
@@ -152,10 +154,18 @@ void write_ready_file(const fs::path& path, const Server& server) {
   }
 }
 
-void print_address(const Server& server) {
+void print_address(const Server& server, const std::string& socket) {
   std::array<char, 256> machine{};
   if (gethostname(machine.data(), machine.size() - 1) != 0) machine = {"this-machine"};
   const char* user = std::getenv("USER");
+  if (!socket.empty()) {
+    const std::string url = server.url();
+    const auto name = url.find("localhost");  // to a port of the reader's own machine
+    std::printf("\nFrom your machine\n      ssh -L 8080:%s %s%s%s\n\nand open  %slocalhost:8080%s\n\n", socket.c_str(), user ? user : "",
+                user ? "@" : "", machine.data(), url.substr(0, name).c_str(), url.substr(name + 9).c_str());
+    std::fflush(stdout);
+    return;
+  }
   const std::string port = std::to_string(server.port());
   std::printf("\nOpen  %s\n\nFrom another machine, first\n      ssh -L %s:127.0.0.1:%s %s%s%s\n\n", server.url().c_str(),
               port.c_str(), port.c_str(), user ? user : "", user ? "@" : "", machine.data());
@@ -176,7 +186,7 @@ void serve(const ServeArguments& arguments) {
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
   prctl(PR_SET_DUMPABLE, 0);  // no other process of this user reads the token or somebody's data from its memory
-  choose_sandbox(!loopback(arguments.host), log);
+  choose_sandbox(arguments.socket.empty() && !loopback(arguments.host), log);
 
   std::vector<std::string> sources = arguments.paths;
   sources.insert(sources.end(), arguments.data_roots.begin(), arguments.data_roots.end());
@@ -199,6 +209,8 @@ void serve(const ServeArguments& arguments) {
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
   options.port = static_cast<unsigned short>(arguments.port);
+  const std::string socket = arguments.socket.empty() ? "" : fs::absolute(arguments.socket).string();
+  options.socket = socket;
   options.base_url = arguments.base_url;
   options.web_root = find_web_root(arguments.web_root);
   options.token = token_of(arguments);
@@ -215,7 +227,7 @@ void serve(const ServeArguments& arguments) {
   options.log = [&log](const LogLine& line) { log.write(line); };
 
   if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
-  if (!loopback(arguments.host))
+  if (socket.empty() && !loopback(arguments.host))
     log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network" +
                                  (arguments.tls_certificate.empty() ? ", unencrypted; an ssh tunnel to 127.0.0.1 is safer" : ""));
   if (!StaticFiles(options.web_root).built())
@@ -228,10 +240,10 @@ void serve(const ServeArguments& arguments) {
     log.warn("software_device",
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
   server.run(true, [&] {
-    if (!arguments.ready_file.empty()) write_ready_file(arguments.ready_file, server);
-    log.info("ready", "serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on port " +
-                          std::to_string(server.port()));
-    print_address(server);
+    if (!arguments.ready_file.empty()) write_ready_file(arguments.ready_file, server, socket);
+    log.info("ready", "serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on " +
+                          (socket.empty() ? "port " + std::to_string(server.port()) : "the socket " + socket));
+    print_address(server, socket);
   });
   if (!arguments.ready_file.empty()) {
     std::error_code ignored;
@@ -255,6 +267,10 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
+  command
+      ->add_option("--socket", arguments->socket,
+                   "Unix socket to listen on, in place of a port, which everybody on this machine can reach: made with mode 0600")
+      ->type_name("PATH");
   command->add_option("--base-url", arguments->base_url, "Path, or whole URL, under which a proxy shows the server")
       ->capture_default_str();
   auto* token =

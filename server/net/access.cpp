@@ -21,12 +21,18 @@ std::string_view name_of(std::string_view host) {
   return host.substr(0, colon);
 }
 
+/// Names that a browser takes from https alone, and the first of them from this very host alone (RFC 6265bis, section 4.1.3).
+std::string prefix_of(const AccessOptions& options) {
+  if (!options.secure) return "";
+  return options.base_path == "/" ? "__Host-" : "__Secure-";
+}
+
 }  // namespace
 
 Access::Access(AccessOptions options)
     : options_(std::move(options)),
-      cookie_("isostrata_" + std::to_string(options_.port)),
-      guest_cookie_("isostrata_guest_" + std::to_string(options_.port)) {}
+      cookie_(prefix_of(options_) + "isostrata_" + std::to_string(options_.port)),
+      guest_cookie_(prefix_of(options_) + "isostrata_guest_" + std::to_string(options_.port)) {}
 
 bool Access::listed(std::string_view host_and_port) const {
   const std::string_view name = name_of(host_and_port);
@@ -66,12 +72,12 @@ bool Access::token_in_query(const RequestTarget& target) const {
   return token_needed() && it != target.query.end() && is_token(it->second);
 }
 
-std::vector<std::string> Access::tokens_offered(const HttpRequest& request, const RequestTarget& target) const {
-  std::vector<std::string> all;
-  if (const auto it = target.query.find("token"); it != target.query.end()) all.push_back(it->second);
+Access::Offered Access::offered(const HttpRequest& request, const RequestTarget& target) const {
+  Offered all;
+  if (const auto it = target.query.find("token"); it != target.query.end()) all.tokens.push_back(it->second);
   for (const auto& [name, value] : request.headers) {
     if (name == "authorization" && lower(std::string_view(value).substr(0, 7)) == "bearer ") {
-      all.push_back(value.substr(7));
+      all.tokens.push_back(value.substr(7));
     } else if (name == "cookie") {
       std::string_view rest = value;
       while (!rest.empty()) {
@@ -79,9 +85,12 @@ std::vector<std::string> Access::tokens_offered(const HttpRequest& request, cons
         std::string_view pair = rest.substr(0, at);
         rest = at == std::string_view::npos ? std::string_view{} : rest.substr(at + 1);
         while (pair.starts_with(' ')) pair.remove_prefix(1);
-        for (const std::string& cookie : {cookie_, guest_cookie_})
-          if (pair.starts_with(cookie) && pair.substr(cookie.size()).starts_with('='))
-            all.emplace_back(pair.substr(cookie.size() + 1));
+        for (const auto& [cookie, to] : {std::pair{&cookie_, &all.cookies}, std::pair{&guest_cookie_, &all.guest_cookies}}) {
+          if (!pair.starts_with(*cookie) || !pair.substr(cookie->size()).starts_with('=')) continue;
+          const std::string_view held = pair.substr(cookie->size() + 1);
+          const auto dot = held.find('.');
+          to->push_back({std::string(held.substr(0, dot)), std::string(dot == std::string_view::npos ? "" : held.substr(dot + 1))});
+        }
       }
     }
   }
@@ -90,18 +99,22 @@ std::vector<std::string> Access::tokens_offered(const HttpRequest& request, cons
 
 bool Access::token_accepted(const HttpRequest& request, const RequestTarget& target) const {
   if (!token_needed()) return true;
+  const Offered all = offered(request, target);
   bool accepted = false;
-  for (const std::string& token : tokens_offered(request, target)) accepted = is_token(token) || accepted;
+  for (const std::string& token : all.tokens) accepted = is_token(token) || accepted;
+  for (const Cookie& cookie : all.cookies)
+    accepted = equal_in_constant_time(proof_of(options_.token, cookie.id), cookie.proof) || accepted;
   return accepted;
 }
 
-std::string Access::set_guest_cookie(std::string_view base_path, const std::string& token) const {
-  return guest_cookie_ + "=" + token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict";
-}
-
-std::string Access::set_cookie(std::string_view base_path) const {
-  return cookie_ + "=" + options_.token + "; Path=" + std::string(base_path) + "; HttpOnly; SameSite=Strict" +
+std::string Access::cookie(const std::string& name, const std::string& secret) const {
+  const std::string id = random_token(128);
+  return name + "=" + id + "." + proof_of(secret, id) + "; Path=" + options_.base_path + "; HttpOnly; SameSite=Strict" +
          (options_.secure ? "; Secure" : "");
 }
+
+std::string Access::set_cookie() const { return cookie(cookie_, options_.token); }
+
+std::string Access::set_guest_cookie(const std::string& secret) const { return cookie(guest_cookie_, secret); }
 
 }  // namespace isostrata

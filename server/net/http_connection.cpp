@@ -81,7 +81,7 @@ std::optional<std::string> ambiguous(const http::request<http::string_body>& req
   const std::string_view length = request[http::field::content_length];
   if (lengths > 1 || (lengths == 1 && (length.empty() || length.find_first_not_of("0123456789") != std::string_view::npos)))
     return "Content-Length is to stand once, with one number";
-  for (const http::field once : {http::field::authorization, http::field::content_type})
+  for (const http::field once : {http::field::host, http::field::authorization, http::field::content_type})
     if (request.count(once) > 1) return std::string(http::to_string(once)) + " is to stand once";
   return std::nullopt;
 }
@@ -282,6 +282,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
       break;
     }
     HttpRequest asked = plain(parser.get());
+    asked.address = address;
     const Site::Head head_says = connections.site.look_at_head(asked);
     place.show(head_says.caller);
     if (head_says.wrong_token) {
@@ -353,6 +354,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
 std::string address_of(const asio::ip::tcp::socket& socket) {
   boost::system::error_code error;
   const auto end = socket.remote_endpoint(error);
+  if (!error && end.protocol().family() == AF_UNIX) return "unix";
   return error ? std::string() : end.address().to_string();
 }
 

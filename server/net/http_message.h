@@ -28,6 +28,7 @@ struct HttpRequest {
   std::string body;
   HttpHeaders headers;  // names in lower case
   std::shared_ptr<ClientGone> gone;  // null: nobody watches
+  std::string address{};  // of who asks; empty: not known
 
   /// Empty where there is none.
   std::string_view header(std::string_view name) const {

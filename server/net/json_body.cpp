@@ -11,6 +11,7 @@
 
 #include "base/utf8.h"
 #include "net/problem.h"
+#include "session/message_bounds.h"
 #include "session/wire.h"
 
 namespace isostrata {
@@ -19,8 +20,9 @@ namespace {
 namespace json = boost::json;
 using boost::system::error_code;
 
-// Listens to a JSON parser for members that stand twice: which of them counts is a question that two parsers answer differently.
-class DuplicateFinder {
+// Listens to a JSON parser before anything is made of what it reads: for members that stand twice, since which of them counts is a
+// question that two parsers answer differently, and for more values than a body that makes sense has.
+class BodyCheck {
  public:
   static constexpr std::size_t max_object_size = 1 << 16;
   static constexpr std::size_t max_array_size = 1 << 20;
@@ -28,14 +30,18 @@ class DuplicateFinder {
   static constexpr std::size_t max_string_size = 1 << 24;
 
   std::string twice;  // the first such member
+  std::string too_much;
 
-  bool on_object_begin(error_code&) {
+  bool on_object_begin(error_code& error) {
+    if (!count(error)) return false;
     members_.emplace_back();
+    sizes_.push_back(0);
+    in_list_.push_back(false);
     return true;
   }
   bool on_object_end(std::size_t, error_code&) {
     members_.pop_back();
-    return true;
+    return close();
   }
   bool on_key_part(json::string_view part, std::size_t, error_code&) {
     key_.append(part.data(), part.size());
@@ -49,21 +55,44 @@ class DuplicateFinder {
   }
   bool on_document_begin(error_code&) { return true; }
   bool on_document_end(error_code&) { return true; }
-  bool on_array_begin(error_code&) { return true; }
-  bool on_array_end(std::size_t, error_code&) { return true; }
+  bool on_array_begin(error_code& error) {
+    if (!count(error)) return false;
+    sizes_.push_back(0);
+    in_list_.push_back(true);
+    return true;
+  }
+  bool on_array_end(std::size_t, error_code&) { return close(); }
   bool on_string_part(json::string_view, std::size_t, error_code&) { return true; }
-  bool on_string(json::string_view, std::size_t, error_code&) { return true; }
+  bool on_string(json::string_view, std::size_t, error_code& error) { return count(error); }
   bool on_number_part(json::string_view, error_code&) { return true; }
-  bool on_int64(std::int64_t, json::string_view, error_code&) { return true; }
-  bool on_uint64(std::uint64_t, json::string_view, error_code&) { return true; }
-  bool on_double(double, json::string_view, error_code&) { return true; }
-  bool on_bool(bool, error_code&) { return true; }
-  bool on_null(error_code&) { return true; }
+  bool on_int64(std::int64_t, json::string_view, error_code& error) { return count(error); }
+  bool on_uint64(std::uint64_t, json::string_view, error_code& error) { return count(error); }
+  bool on_double(double, json::string_view, error_code& error) { return count(error); }
+  bool on_bool(bool, error_code& error) { return count(error); }
+  bool on_null(error_code& error) { return count(error); }
   bool on_comment_part(json::string_view, error_code&) { return true; }
   bool on_comment(json::string_view, error_code&) { return true; }
 
  private:
-  std::vector<std::set<std::string>> members_;
+  bool count(error_code& error) {
+    if (++values_ > kMaxMessageValues)
+      too_much = "more than " + std::to_string(kMaxMessageValues) + " values";
+    else if (!in_list_.empty() && in_list_.back() && ++sizes_.back() > kMaxListed)
+      too_much = "more than " + std::to_string(kMaxListed) + " elements in one list";
+    if (too_much.empty()) return true;
+    error = json::error::array_too_large;
+    return false;
+  }
+  bool close() {
+    sizes_.pop_back();
+    in_list_.pop_back();
+    return true;
+  }
+
+  std::vector<std::set<std::string>> members_;  // of the objects that are open
+  std::vector<std::size_t> sizes_;              // of the objects and lists that are open
+  std::vector<bool> in_list_;
+  std::size_t values_ = 0;
   std::string key_;
 };
 
@@ -143,15 +172,17 @@ HttpResponse message_response(int status, const google::protobuf::Message& messa
 }
 
 std::optional<v1::Error> parse_object(const std::string& body, json::object& object) {
-  json::basic_parser<DuplicateFinder> finder(json::parse_options{});
+  json::basic_parser<BodyCheck> check(json::parse_options{});
   error_code error;
-  const std::size_t used = finder.write_some(false, body.data(), body.size(), error);
+  const std::size_t used = check.write_some(false, body.data(), body.size(), error);
+  if (const std::string& what = check.handler().too_much; !what.empty())
+    return wire_error("too_large", "the body has " + what + "; no request needs as many");
   const bool more = !error && body.find_first_not_of(" \t\r\n", used) != std::string::npos;
   if (error || more)
     return wire_error("malformed",
                       "the body is not a JSON object" + (error ? ": " + error.message() + " at byte " + std::to_string(used)
                                                                : std::string(": more follows it")));
-  if (const std::string& twice = finder.handler().twice; !twice.empty())
+  if (const std::string& twice = check.handler().twice; !twice.empty())
     return wire_error("malformed", "member '" + twice.substr(0, 64) + "' stands twice in one object; expected it once",
                       twice.substr(0, 64));
   const json::value document = json::parse(body, error);

@@ -14,6 +14,7 @@
 #include <csignal>
 
 #include "net/connections.h"
+#include "net/listen.h"
 #include "net/tls_gate.h"
 
 namespace isostrata {
@@ -40,23 +41,6 @@ void turn_away(tcp::socket& socket) {
   socket.close(ignored);
 }
 
-tcp::acceptor listen(asio::io_context& io, const std::string& host, unsigned short port) {
-  boost::system::error_code error;
-  tcp::resolver resolver(io);
-  const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive, error);
-  if (error || found.empty()) throw Error(ErrorCode::invalid_argument, "--host " + host + ": not an address of this machine");
-  const tcp::endpoint endpoint = found.begin()->endpoint();
-  tcp::acceptor acceptor(io);
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(128, error);
-  if (error)
-    throw Error(ErrorCode::unavailable, "cannot listen on " + host + ":" + std::to_string(port) + ": " + error.message() +
-                                            (error == asio::error::address_in_use ? "; --port 0 picks a free one" : ""));
-  return acceptor;
-}
-
 std::string bracketed(const std::string& host) {
   return host.find(':') != std::string::npos && !host.starts_with('[') ? "[" + host + "]" : host;
 }
@@ -68,6 +52,7 @@ SiteOptions site_options(const ServerOptions& options, unsigned short port, std:
   site.log = options.log;
   site.access.token = options.token;
   site.access.port = port;
+  site.access.base_path = site.base_path;
   site.access.secure = !options.tls_certificate.empty();
   site.access.allowed_hosts = options.allowed_hosts;
   if (!public_host.empty()) site.access.allowed_hosts.push_back(public_host);
@@ -129,8 +114,8 @@ class Server::Impl {
                      options_.messages_per_second},
         tls_(make_gate(options_)),
         io_(1),
-        acceptor_(listen(io_, options_.host, options_.port)),
-        port_(acceptor_.local_endpoint().port()),
+        acceptor_(options_.socket.empty() ? listen_on_port(io_, options_.host, options_.port) : listen_on_socket(io_, options_.socket)),
+        port_(options_.socket.empty() ? acceptor_.local_endpoint().port() : 0),
         site_options_(site_options(options_, port_, public_host_)),
         engine_(make_engine(options_, [this](EngineEvent event) { arrive(std::move(event)); })),
         sessions_(sessions_options(options_, *engine_), [this](EngineRequest request) { engine_->post(std::move(request)); }),
@@ -143,6 +128,8 @@ class Server::Impl {
     connections_.places.close_all();
     boost::system::error_code ignored;
     acceptor_.close(ignored);
+    std::error_code gone;
+    if (!options_.socket.empty()) std::filesystem::remove(options_.socket, gone);
     tick_.cancel();
     notice_.cancel();
     sessions_.end_all();  // what waits for sessions belongs to the site, which goes first
@@ -156,7 +143,8 @@ class Server::Impl {
   std::string url() const {
     std::string host = bracketed(options_.host);
     if (host == "0.0.0.0" || host == "[::]") host = "127.0.0.1";
-    return (tls_ ? "https://" : "http://") + host + ":" + std::to_string(port_) + site_options_.base_path +
+    const std::string place = options_.socket.empty() ? host + ":" + std::to_string(port_) : "localhost";
+    return (tls_ ? "https://" : "http://") + place + site_options_.base_path +
            (options_.token.empty() ? "" : "?token=" + encode_percent(options_.token));
   }
 

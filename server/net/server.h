@@ -18,6 +18,7 @@ struct ServerOptions {
   std::string name = "isostrata";  // with its version, for clients
   std::string host = "127.0.0.1";  // an address or a name of this machine
   unsigned short port = 8080;      // 0: any that is free
+  std::filesystem::path socket{};  // a Unix socket, which this user alone can open, in place of host and port; empty: none
   std::string base_url = "/";      // "/prefix/" or the whole URL under which a proxy shows it
   std::filesystem::path web_root;  // the built page
   std::string token;               // empty: everyone may ask

@@ -100,9 +100,12 @@ Site::Site(SiteOptions options, Sessions& sessions)
 }
 
 std::optional<Sessions::Admission> Site::invited(const HttpRequest& request, const RequestTarget& target) const {
+  const Access::Offered offered = access_.offered(request, target);
   std::optional<Sessions::Admission> found;
-  for (const std::string& token : access_.tokens_offered(request, target))
+  for (const std::string& token : offered.tokens)
     if (!found) found = sessions_.admit(token);
+  for (const Access::Cookie& cookie : offered.guest_cookies)
+    if (!found) found = sessions_.admit(cookie.id, cookie.proof);
   return found;
 }
 
@@ -112,7 +115,7 @@ Site::Head Site::look_at_head(const HttpRequest& head) const {
   if (access_.token_accepted(head, *target))
     return {Caller::owner, access_.host_allowed(head) && access_.origin_allowed(head)};
   if (invited(head, *target)) return {Caller::guest};
-  return {.caller = Caller::stranger, .wrong_token = !access_.tokens_offered(head, *target).empty()};
+  return {.caller = Caller::stranger, .wrong_token = !access_.offered(head, *target).nothing()};
 }
 
 HttpResponse Site::unauthorized(bool page) const {
@@ -155,13 +158,13 @@ void Site::handle(const HttpRequest& request, HttpReply send) {
   const std::string id = is_request_id(offered) ? std::string(offered) : request_prefix_ + std::to_string(++last_request_);
   const auto target = parse_target(request.target);
   const auto route = std::make_shared<std::string>();
-  const HttpReply reply = [this, begun, id, route, send = std::move(send), method = request.method,
+  const HttpReply reply = [this, begun, id, route, send = std::move(send), method = request.method, address = request.address,
                            path = target ? target->path() : "",
                            session = target ? session_in(target->segments) : ""](HttpResponse response) {
     response.headers.emplace_back("X-Request-Id", id);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     metrics_.http_answered(method, *route, response.status, seconds, response.body.size());
-    log_.http_answered(method, path, response.status, seconds, session, id);
+    log_.http_answered(method, path, response.status, seconds, session, id, address);
     send(std::move(response));
   };
   dispatch(request, target, reply, route.get());
@@ -235,9 +238,9 @@ void Site::dispatch(const HttpRequest& request, const std::optional<RequestTarge
   }
   HttpResponse response = files_.get(request, *below);
   if (access_.token_in_query(*target))
-    response.headers.emplace_back("Set-Cookie", access_.set_cookie(options_.base_path));
+    response.headers.emplace_back("Set-Cookie", access_.set_cookie());
   else if (const auto it = target->query.find("token"); it != target->query.end() && sessions_.admit(it->second))
-    response.headers.emplace_back("Set-Cookie", access_.set_guest_cookie(options_.base_path, it->second));
+    response.headers.emplace_back("Set-Cookie", access_.set_guest_cookie(secret_hash(it->second)));
   reply(std::move(response));
 }
 
@@ -256,6 +259,7 @@ std::optional<HttpResponse> Site::refuse_upgrade(const HttpRequest& request, Ses
     if (!guest) return unauthorized(false);
   }
   admission = guest.value_or(Sessions::Admission{});
+  admission.address = request.address;
   return refuse_handshake(request);
 }
 

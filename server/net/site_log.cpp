@@ -1,6 +1,7 @@
 #include "net/site_log.h"
 
 #include "base/utf8.h"
+#include "session/viewer.h"
 
 namespace isostrata {
 namespace {
@@ -22,14 +23,14 @@ std::string viewers(const Session& session) {
 }  // namespace
 
 void SiteLog::http_answered(const std::string& method, const std::string& path, int status, double seconds,
-                            const std::string& session, const std::string& request) const {
+                            const std::string& session, const std::string& request, const std::string& address) const {
   LogLine line{.warning = status >= 500,
                .detail = status < 500,
                .event = "request",
                .message = plain(method + " " + path) + " " + std::to_string(status),
                .session = plain(session),
                .request = request};
-  line.fields = {{"method", plain(method)}, {"path", plain(path)}};
+  line.fields = {{"method", plain(method)}, {"path", plain(path)}, {"address", address}};
   line.numbers = {{"status", status}, {"ms", seconds * 1000}};
   write(line);
 }
@@ -55,6 +56,23 @@ void SiteLog::viewer_joined(const Session& session) {
 }
 void SiteLog::viewer_left(const Session& session) {
   write({.event = "viewer_left", .message = "the session has " + viewers(session), .session = session.id()});
+}
+
+// Who did what. A scene's commands are many, so a person who reads along is spared them.
+void SiteLog::asked(const Session& session, const Viewer& viewer, const std::string& act, std::uint64_t seq, const std::string& detail) {
+  const std::string who = viewer.invitation.empty() ? "owner" : "guest";
+  const std::string role = viewer.role == v1::ROLE_CONTROLLER ? "controller" : "viewer";
+  const bool of_people = act == "join" || act == "set_role" || act.ends_with("_invitation");
+  LogLine line{.detail = !of_people,
+               .event = "act",
+               .message = plain(who + " " + (viewer.name.empty() ? "" : "'" + viewer.name + "' ") +
+                                (viewer.address.empty() ? "" : "at " + viewer.address + " ") + "(" + role + "): " + act +
+                                (detail.empty() ? "" : " " + detail)),
+               .session = session.id(),
+               .request = "w" + std::to_string(viewer.key) + "-" + std::to_string(seq)};
+  line.fields = {{"who", who},           {"invitation", viewer.invitation}, {"name", plain(viewer.name)}, {"role", role},
+                 {"address", viewer.address}, {"act", act},                      {"detail", plain(detail)}};
+  write(line);
 }
 
 void SiteLog::engine_event(const Session* session, const EngineEvent& event) {

@@ -15,13 +15,14 @@ class SiteLog final : public SessionsObserver {
     if (sink_) sink_(line);
   }
   void http_answered(const std::string& method, const std::string& path, int status, double seconds, const std::string& session,
-                     const std::string& request) const;
+                     const std::string& request, const std::string& address) const;
   void websocket_error(const std::string& session, ViewerKey viewer, const v1::Error& error) const;
 
   void session_began(const Session& session) override;
   void session_ended(const Session& session) override;
   void viewer_joined(const Session& session) override;
   void viewer_left(const Session& session) override;
+  void asked(const Session& session, const Viewer& viewer, const std::string& act, std::uint64_t seq, const std::string& detail) override;
   void engine_event(const Session* session, const EngineEvent& event) override;
 
  private:

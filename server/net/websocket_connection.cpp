@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "session/limits.h"
+#include "session/message_bounds.h"
 #include "session/wire.h"
 
 namespace isostrata {
@@ -176,6 +177,12 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
         continue;
       }
       v1::ClientMessage message;
+      const std::string_view bytes(static_cast<const char*>(buffer.data().data()), buffer.size());
+      if (const auto what = holds_too_much(*message.GetDescriptor(), bytes)) {
+        heed_held();
+        connections_.sessions.receive_malformed(viewer_, "a message with " + *what);
+        continue;
+      }
       if (!message.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size()))) {
         heed_held();
         connections_.sessions.receive_malformed(

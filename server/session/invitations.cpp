@@ -14,7 +14,7 @@ UnixMs unix_ms_now() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-Invitations::Made Invitations::make(const v1::CreateInvitation& wanted, UnixMs now) {
+Invitations::Made Invitations::make(const v1::CreateInvitation& wanted, UnixMs now, const std::string& made_by) {
   const auto refused = [](const char* code, const std::string& message, const char* field) {
     return Made{wire_error(code, message, field), nullptr, {}};
   };
@@ -34,13 +34,36 @@ Invitations::Made Invitations::make(const v1::CreateInvitation& wanted, UnixMs n
     return refused("unavailable",
                    "this session has its " + std::to_string(kMaxInvitations) + " invitations (max_invitations); revoke one first",
                    "");
+  UnixMs expires = now + std::llround(seconds * 1000);
+  if (!made_by.empty()) {
+    const Invitation* own = find_id(made_by);
+    if (!own) return refused("forbidden", "the invitation is over or was taken back", "");
+    if (own->role != v1::ROLE_CONTROLLER && wanted.role() == v1::ROLE_CONTROLLER)
+      return refused("forbidden", "who was invited to look may invite others to look, and not to control", "role");
+    expires = std::min(expires, own->expires);
+    if (std::count_if(all_.begin(), all_.end(), [&](const Invitation& i) { return i.made_by == made_by; }) >=
+        static_cast<std::ptrdiff_t>(kMaxByGuest))
+      return refused("unavailable", "who was invited may have made " + std::to_string(kMaxByGuest) + " invitations; revoke one first", "");
+  }
   std::string token = random_token(192);
-  all_.push_back({random_token(64), secret_hash(token), wanted.role(), now + std::llround(seconds * 1000), wanted.name()});
+  all_.push_back({random_token(64), secret_hash(token), wanted.role(), expires, wanted.name(), made_by});
   return {std::nullopt, &all_.back(), std::move(token)};
 }
 
-bool Invitations::revoke(const std::string& id) {
-  return std::erase_if(all_, [&](const Invitation& i) { return i.id == id; }) > 0;
+std::vector<std::string> Invitations::revoke(const std::string& id) {
+  if (!find_id(id)) return {};
+  std::vector<std::string> over;
+  for (const Invitation& invitation : all_)
+    if (invitation.id == id || descends(invitation.id, id)) over.push_back(invitation.id);
+  std::erase_if(all_, [&](const Invitation& i) { return std::find(over.begin(), over.end(), i.id) != over.end(); });
+  return over;
+}
+
+bool Invitations::descends(const std::string& id, const std::string& from) const {
+  // A maker stands before what it made, so the way up ends.
+  for (const Invitation* at = find_id(id); at; at = find_id(at->made_by))
+    if (at->made_by == from) return true;
+  return from.empty();
 }
 
 std::vector<std::string> Invitations::expire(UnixMs now) {

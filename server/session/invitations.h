@@ -20,6 +20,7 @@ struct Invitation {
   v1::Role role = v1::ROLE_VIEWER;
   UnixMs expires = 0;
   std::string name;
+  std::string made_by;  // the id of the invitation by which its maker came; empty: somebody with the server's token
 };
 
 /// Of one session. Not thread-safe: lives on the io thread.
@@ -33,9 +34,13 @@ class Invitations {
     const Invitation* invitation = nullptr;
     std::string token;  // the only time that it is known
   };
-  Made make(const v1::CreateInvitation& wanted, UnixMs now);
-  /// False where there is none of this id.
-  bool revoke(const std::string& id);
+  static constexpr std::size_t kMaxByGuest = 8;
+  /// made_by: as Invitation's. What one who was invited makes is over when that one's own is, at the latest.
+  Made make(const v1::CreateInvitation& wanted, UnixMs now, const std::string& made_by = {});
+  /// Takes it out, with those that were made by it, by these, and so on; their ids. None where there is none of this id.
+  std::vector<std::string> revoke(const std::string& id);
+  /// Whether it was made by that one, or by one that was. One without an id has made them all.
+  bool descends(const std::string& id, const std::string& from) const;
   /// Takes out those whose time is over; their ids.
   std::vector<std::string> expire(UnixMs now);
 

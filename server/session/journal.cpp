@@ -207,6 +207,8 @@ class Journal::Impl {
     return flushed_ >= wanted && flush_worked_;
   }
 
+  bool in_trouble() const { return in_trouble_; }
+
  private:
   struct Waiting {
     std::uint64_t order = 0;
@@ -462,6 +464,7 @@ class Journal::Impl {
 
 Journal::Journal(JournalOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
 Journal::~Journal() = default;
+bool Journal::in_trouble() const { return impl_->in_trouble(); }
 bool Journal::usable() const { return impl_->usable(); }
 std::vector<journal::Entry> Journal::take_found() { return impl_->take_found(); }
 void Journal::keep(journal::Entry entry) {

@@ -1,22 +1,41 @@
 #include "session/random_token.h"
 
 #include <openssl/evp.h>
+#include <openssl/hmac.h>
 #include <unistd.h>
 
 #include <array>
+#include <span>
 
 #include "base/error.h"
 
 namespace isostrata {
 
+namespace {
+
+std::string hexadecimal(std::span<const unsigned char> bytes) {
+  std::string text;
+  for (const unsigned char byte : bytes)
+    for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
+  return text;
+}
+
+}  // namespace
+
 std::string random_token(std::size_t bits) {
   std::array<unsigned char, 256> bytes{};
   if (bits / 8 > bytes.size() || getentropy(bytes.data(), bits / 8) != 0)
     throw Error(ErrorCode::unavailable, "the system gave no random numbers for a token");
-  std::string text;
-  for (std::size_t i = 0; i < bits / 8; ++i)
-    for (const int digit : {bytes[i] >> 4, bytes[i] & 15}) text += "0123456789abcdef"[digit];
-  return text;
+  return hexadecimal({bytes.data(), bits / 8});
+}
+
+std::string proof_of(const std::string& secret, const std::string& text) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+  unsigned size = 0;
+  if (!HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()), reinterpret_cast<const unsigned char*>(text.data()), text.size(),
+            hash.data(), &size))
+    throw Error(ErrorCode::internal, "HMAC-SHA-256 is not to be had");
+  return hexadecimal({hash.data(), size});
 }
 
 std::string secret_hash(const std::string& secret) {

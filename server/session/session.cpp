@@ -183,8 +183,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     viewer.heeded = std::max(viewer.heeded, seq);
     return viewer.outbox->send_state(wire_state(), viewer.heeded);
   }
-  if (forbidden(viewer, message))
-    return reply(wire_error("forbidden", "this connection may only look; a controller of the session changes what is shown"));
+  if (const auto why = forbidden(viewer, message)) return reply(wire_error("forbidden", *why));
   if (answer_people(viewer, message, reply)) return;
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {

@@ -128,7 +128,8 @@ class Session {
 
   Invitations& invitations() { return invitations_; }
   const Invitations& invitations() const { return invitations_; }
-  Invitations::Made invite(const v1::CreateInvitation& wanted);
+  /// made_by: as Invitation's.
+  Invitations::Made invite(const v1::CreateInvitation& wanted, const std::string& made_by = {});
   /// Cuts off whoever came by it. False where there is none of this id.
   bool revoke(const std::string& invitation);
   void expire_invitations(UnixMs now);
@@ -190,6 +191,7 @@ class Session {
   struct Client {
     std::string id;
     std::uint64_t last_command = 0;
+    bool guest = false;                   // an invitation's
     std::optional<v1::Error> error = {};  // of last_command
   };
 
@@ -232,7 +234,8 @@ class Session {
   void wake(TimePoint now);
   void woken(const DatasetFacts& facts, TimePoint now);
 
-  bool forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
+  /// Why the viewer may not; nothing where it may.
+  std::optional<std::string> forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
   bool done_before(const Viewer& viewer, const v1::ClientMessage& message);
   void note_refused(const std::string& client_id, std::uint64_t command, const v1::Error& error);
   std::uint64_t settled_command(const Client& client) const;

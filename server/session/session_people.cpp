@@ -1,5 +1,6 @@
 // Of a session: who is in it, who may change what is shown, and whom they invite.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "session/limits.h"
@@ -9,38 +10,51 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kMaxClients = 32;  // whose newest command is remembered
+constexpr std::size_t kMaxClients = 32;  // whose newest command is remembered; of guests as many again
 
 }  // namespace
 
-// What changes the scene or concerns others; everything else is about one's own pictures.
-bool Session::forbidden(const Viewer& viewer, const v1::ClientMessage& message) const {
-  if (viewer.role == v1::ROLE_CONTROLLER) return false;
+// What changes the scene or concerns others; everything else is about one's own pictures. Who has the server's token may do all; a
+// controller who was invited may do nothing to those whom it has not invited itself.
+std::optional<std::string> Session::forbidden(const Viewer& viewer, const v1::ClientMessage& message) const {
+  const bool owner = viewer.invitation.empty(), controls = viewer.role == v1::ROLE_CONTROLLER;
+  const std::string only_looks = "this connection may only look; a controller of the session changes what is shown";
   switch (message.body_case()) {
+    case v1::ClientMessage::kRevokeInvitation:
+      if (controls && !owner && !invitations_.descends(message.revoke_invitation().id(), viewer.invitation))
+        return "who was invited may take back those invitations alone that they have made";
+      break;
+    case v1::ClientMessage::kSetRole: {
+      const auto it = viewers_.find(message.set_role().participant());
+      const bool oneself = message.set_role().participant() == 0 || message.set_role().participant() == viewer.key;
+      if (oneself) return owner || controls ? std::nullopt : std::optional(only_looks);  // down is always free
+      if (controls && !owner && it != viewers_.end() &&
+          (it->second->invitation.empty() || !invitations_.descends(it->second->invitation, viewer.invitation)))
+        return "who was invited may change the roles of those alone whom they have invited";
+      break;
+    }
     case v1::ClientMessage::kOpenDataset:
     case v1::ClientMessage::kCancel:
     case v1::ClientMessage::kCreateInvitation:
-    case v1::ClientMessage::kRevokeInvitation:
     case v1::ClientMessage::kListInvitations:
-      return true;
-    case v1::ClientMessage::kSetRole: {
-      // Down is always free, and whoever has the server's token may take control.
-      const bool oneself = message.set_role().participant() == 0 || message.set_role().participant() == viewer.key;
-      return !oneself || !viewer.invitation.empty();
-    }
+      break;
     default:
-      return is_scene_command(message);
+      if (!is_scene_command(message)) return std::nullopt;
   }
+  return controls ? std::nullopt : std::optional(only_looks);
 }
 
 bool Session::done_before(const Viewer& viewer, const v1::ClientMessage& message) {
   if (message.command() == 0 || viewer.client_id.empty()) return false;
   auto it = std::find_if(clients_.begin(), clients_.end(), [&](const Client& c) { return c.id == viewer.client_id; });
   if (it != clients_.end() && message.command() <= it->last_command) return true;
-  Client client{viewer.client_id, message.command()};
+  Client client{viewer.client_id, message.command(), !viewer.invitation.empty()};
   if (it != clients_.end()) clients_.erase(it);
+  // Guests, who may call themselves what they like, make each other forgotten and nobody else.
+  const auto alike = [&](const Client& c) { return c.guest == client.guest; };
+  if (static_cast<std::size_t>(std::count_if(clients_.begin(), clients_.end(), alike)) >= kMaxClients)
+    clients_.erase(std::prev(std::find_if(clients_.rbegin(), clients_.rend(), alike).base()));
   clients_.push_front(std::move(client));
-  if (clients_.size() > kMaxClients) clients_.pop_back();
   return false;
 }
 
@@ -131,17 +145,18 @@ void Session::set_role(Viewer& viewer, const v1::SetRole& wanted, const Reply& r
   reply(std::nullopt);
 }
 
-Invitations::Made Session::invite(const v1::CreateInvitation& wanted) {
+Invitations::Made Session::invite(const v1::CreateInvitation& wanted, const std::string& made_by) {
   expire_invitations(unix_ms_now());
-  Invitations::Made made = invitations_.make(wanted, unix_ms_now());
+  Invitations::Made made = invitations_.make(wanted, unix_ms_now(), made_by);
   if (!made.error) engine_.session_changed(*this, true);
   return made;
 }
 
 bool Session::revoke(const std::string& invitation) {
-  if (!invitations_.revoke(invitation)) return false;
+  const auto over = invitations_.revoke(invitation);
+  if (over.empty()) return false;
   engine_.session_changed(*this, true);
-  engine_.invitation_ended(*this, invitation);
+  for (const std::string& one : over) engine_.invitation_ended(*this, one);
   return true;
 }
 
@@ -167,7 +182,8 @@ bool Session::answer_people(Viewer& viewer, const v1::ClientMessage& message, co
     v1::ServerMessage answer;
     answer.mutable_invitations();
     for (const Invitation& invitation : invitations_.all())
-      *answer.mutable_invitations()->add_invitations() = to_wire_invitation(invitation);
+      if (invitations_.descends(invitation.id, viewer.invitation))
+        *answer.mutable_invitations()->add_invitations() = to_wire_invitation(invitation);
     viewer.outbox->send(std::move(answer));
   };
   switch (message.body_case()) {
@@ -175,7 +191,7 @@ bool Session::answer_people(Viewer& viewer, const v1::ClientMessage& message, co
       set_role(viewer, message.set_role(), reply);
       return true;
     case v1::ClientMessage::kCreateInvitation: {
-      Invitations::Made made = invite(message.create_invitation());
+      Invitations::Made made = invite(message.create_invitation(), viewer.invitation);
       if (made.error) {
         reply(std::move(made.error));
         return true;

@@ -28,9 +28,9 @@ Session::Session(SessionKey key, EngineDoor& engine, const journal::Entry& kept)
   for (const auto& i : kept.invitations())
     if (invitations.size() < Invitations::kMaxInvitations)
       invitations.push_back({i.id(), i.token_hash(), i.role() == v1::ROLE_CONTROLLER ? v1::ROLE_CONTROLLER : v1::ROLE_VIEWER,
-                             i.expires_unix_ms(), i.name()});
+                             i.expires_unix_ms(), i.name(), i.made_by()});
   invitations_.restore(std::move(invitations));
-  for (const auto& client : kept.clients()) clients_.push_back({client.id(), client.last_command()});
+  for (const auto& client : kept.clients()) clients_.push_back({client.id(), client.last_command(), client.guest()});
   state_.last_interval_id = kept.last_interval_id();
   if (kept.state().dataset().empty()) {
     // Nothing but appearance; what cannot be restored is left at its default.
@@ -58,10 +58,12 @@ journal::Entry Session::entry() const {
     to.set_role(invitation.role);
     to.set_expires_unix_ms(invitation.expires);
     to.set_name(invitation.name);
+    to.set_made_by(invitation.made_by);
   }
   for (const Client& client : clients_) {
     entry.add_clients()->set_id(client.id);
     entry.mutable_clients()->rbegin()->set_last_command(settled_command(client));
+    entry.mutable_clients()->rbegin()->set_guest(client.guest);
   }
   entry.set_left(left_);
   entry.set_written_unix_ms(unix_ms_now());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "session/apply_command.h"
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/wire.h"
@@ -21,6 +22,14 @@ void refuse(Viewer& viewer, std::uint64_t seq, v1::Error error, std::uint16_t co
   const std::string reason = error.code();
   viewer.outbox->send(error_message(std::move(error), seq));
   viewer.outbox->close(code, reason);
+}
+
+std::string name_of(v1::Role role) { return role == v1::ROLE_CONTROLLER ? "controller" : role == v1::ROLE_VIEWER ? "viewer" : "no role"; }
+
+v1::ServerMessage not_kept() {
+  return error_message(wire_error("unavailable",
+                                  "what changes here is not being kept, since the server cannot write it down (is its disk full?): it is "
+                                  "lost where the server ends"));
 }
 
 template <class Format>
@@ -65,6 +74,16 @@ std::optional<Sessions::Admission> Sessions::admit(const std::string& token) {
   return found;
 }
 
+std::optional<Sessions::Admission> Sessions::admit(const std::string& text, const std::string& proof) {
+  const UnixMs now = unix_ms_now();
+  std::optional<Admission> found;
+  for (const auto& [key, session] : sessions_)
+    for (const Invitation& invitation : session->invitations().all())
+      if (invitation.expires > now && equal_in_constant_time(proof_of(invitation.token_hash, text), proof))
+        found = {session->id(), invitation.id};
+  return found;
+}
+
 void Sessions::session_changed(const Session& session, bool now) {
   if (!journal_) return;
   if (now)
@@ -93,6 +112,7 @@ ViewerKey Sessions::attach(Outbox& outbox, TimePoint now, Admission admission) {
   viewer->key = ++last_viewer_;
   viewer->outbox = &outbox;
   viewer->frames = FrameScheduler(options_.stall_time);
+  viewer->address = admission.address;
   if (!admission.session.empty()) admissions_[viewer->key] = std::move(admission);
   viewers_[viewer->key] = std::move(viewer);
   return last_viewer_;
@@ -112,7 +132,39 @@ void Sessions::receive(ViewerKey key, const v1::ClientMessage& message, TimePoin
         kCloseProtocolError);
   viewer.last_seq = message.seq();
   if (viewer.session == 0) return hello(viewer, message, now);
-  if (Session* session = find(viewer.session)) session->receive(viewer, message, now);
+  Session* session = find(viewer.session);
+  if (!session) return;
+  tell_asked(*session, viewer, message);
+  session->receive(viewer, message, now);
+}
+
+void Sessions::tell_asked(const Session& session, Viewer& viewer, const v1::ClientMessage& message) {
+  constexpr Duration kOneDrag = std::chrono::seconds(10);
+  const int kind = message.body_case();
+  std::string detail;
+  switch (kind) {
+    case v1::ClientMessage::kOpenDataset:
+      detail = message.open_dataset().id();
+      break;
+    case v1::ClientMessage::kSetRole:
+      detail = name_of(message.set_role().role()) + (message.set_role().participant() ? " of w" + std::to_string(message.set_role().participant()) : "");
+      break;
+    case v1::ClientMessage::kCreateInvitation:
+      detail = name_of(message.create_invitation().role());
+      break;
+    case v1::ClientMessage::kRevokeInvitation:
+      detail = message.revoke_invitation().id();
+      break;
+    case v1::ClientMessage::kCancel:
+      break;
+    default:
+      if (!is_scene_command(message) || (viewer.asked == kind && now_ - viewer.asked_at < kOneDrag)) return;
+  }
+  viewer.asked = kind;
+  viewer.asked_at = now_;
+  const auto* field = message.GetDescriptor()->FindFieldByNumber(kind);
+  for (SessionsObserver* observer : observers_)
+    observer->asked(session, viewer, field ? std::string(field->name()) : "", message.seq(), detail);
 }
 
 void Sessions::receive_malformed(ViewerKey key, const std::string& why) {
@@ -178,8 +230,13 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   viewer.name = hello.name();
   viewer.client = hello.client();
   viewer.client_id = hello.client_id();
+  // A guest's is its own: one that is called like the owner's must not pass for it.
+  if (!viewer.invitation.empty() && !viewer.client_id.empty()) viewer.client_id = viewer.invitation + "/" + viewer.client_id;
   session->attach(viewer, now);
-  for (SessionsObserver* observer : observers_) observer->viewer_joined(*session);
+  for (SessionsObserver* observer : observers_) {
+    observer->viewer_joined(*session);
+    observer->asked(*session, viewer, "join", seq, "");
+  }
   if (hello.has_viewport()) session->set_viewport(viewer, hello.viewport(), now);
 
   welcome(viewer, *session);
@@ -187,6 +244,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   session->came(viewer);
   if (!engine_trouble_.empty())
     viewer.outbox->send(error_message(wire_error("unavailable", "nothing can be drawn: " + engine_trouble_)));
+  if (!kept_) viewer.outbox->send(not_kept());
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.
   if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && !options_.datasets.empty())
@@ -427,6 +485,7 @@ TimePoint Sessions::tick(TimePoint now) {
   now_ = now;
   TimePoint next = now + std::chrono::seconds(1);
   look_at_engine(now);
+  look_at_journal();
   std::vector<SessionKey> over;
   for (const SessionKey key : std::exchange(over_, {}))
     if (const Session* session = find(key); session && !session->watched()) over.push_back(key);
@@ -461,6 +520,15 @@ void Sessions::look_at_engine(TimePoint now) {
     else
       session->broadcast(error_message(wire_error("unavailable", "nothing can be drawn: " + trouble)));
   }
+}
+
+// What is done while the disk is full, say, is done and not kept: whoever does it is to know.
+void Sessions::look_at_journal() {
+  const bool kept = !journal_ || !journal_->in_trouble();
+  if (kept == kept_) return;
+  kept_ = kept;
+  if (kept) return;
+  for (auto& [key, session] : sessions_) session->broadcast(not_kept());
 }
 
 void Sessions::announce_end(const std::string& reason, UnixMs ends) {

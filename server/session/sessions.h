@@ -47,9 +47,12 @@ class Sessions final : public EngineDoor {
   struct Admission {
     std::string session;     // ids; empty: all, as a controller
     std::string invitation;
+    std::string address;  // that it came from, for the log
   };
   /// By an invitation's token. Takes as long for every token of one length; nothing where it is none, or over.
   std::optional<Admission> admit(const std::string& token);
+  /// By what proof_of(secret_hash(token), text) gave.
+  std::optional<Admission> admit(const std::string& text, const std::string& proof);
 
   /// Until its Hello the viewer belongs to no session. The outbox must live until detach.
   ViewerKey attach(Outbox& outbox, TimePoint now, Admission admission = {});
@@ -126,6 +129,8 @@ class Sessions final : public EngineDoor {
   void remove(SessionKey key);
   Session* find(SessionKey key);
   void look_at_engine(TimePoint now);
+  void look_at_journal();
+  void tell_asked(const Session& session, Viewer& viewer, const v1::ClientMessage& message);
 
   const SessionsOptions options_;
   const std::function<void(EngineRequest)> post_;
@@ -140,6 +145,7 @@ class Sessions final : public EngineDoor {
   RequestId last_request_ = 0;
   ViewerKey last_viewer_ = 0;
   std::string engine_trouble_;  // as everyone has been told
+  bool kept_ = true;            // as everyone has been told
   TimePoint engine_looked_at_{}, watched_kept_{};
   SessionKey last_session_ = 0;
   TimePoint now_{};

@@ -1,11 +1,15 @@
 // Who wants to know what happens in all sessions: metrics, logs, the list of operations.
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "engine/messages.h"
 
 namespace isostrata {
 
 class Session;
+struct Viewer;
 
 /// Called on the io thread, in the middle of what happens: must return quickly and not call sessions back.
 class SessionsObserver {
@@ -16,6 +20,9 @@ class SessionsObserver {
   /// After it was counted in, or out.
   virtual void viewer_joined(const Session&) {}
   virtual void viewer_left(const Session&) {}
+  /// The viewer, which has said hello, asks for what concerns others too: `act` is the field of the message. Before it is judged; what is
+  /// refused is told apart. Of a drag the first alone, and again after a while.
+  virtual void asked(const Session&, const Viewer&, const std::string& /*act*/, std::uint64_t /*seq*/, const std::string& /*detail*/) {}
   /// Its scene has a new revision that its viewers have been told.
   virtual void state_told(const Session&) {}
   /// Who is in it, or what one of them may do.

@@ -77,6 +77,9 @@ struct Viewer {
   v1::Role role = v1::ROLE_CONTROLLER;
   std::string invitation;  // that it came by; empty: it has the server's token
   std::string name, client, client_id;
+  std::string address;     // at the other end of its connection, where that is known
+  int asked = 0;           // the last kind of message that observers were told of, and when
+  TimePoint asked_at{};
 
   /// The message `seq` is contained in `revision` and all later ones.
   void note_input(std::uint64_t seq, std::uint64_t revision);

@@ -77,6 +77,7 @@ std::vector<Case> cases() {
   add("a name with a bracket", get("X(Y): a\r\n"), {400});
   add("a name beyond ASCII", get("X\xc3\xa4: a\r\n"), {400});
   add("two tokens", "GET /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\n" + kBearer + "Authorization: Bearer x\r\n\r\n", {400});
+  add("two hosts", "GET /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\nHost: evil.example\r\n" + kBearer + "\r\n", {400});
   add("two content types", post("Content-Type: application/json\r\nContent-Type: text/plain\r\nContent-Length: 2\r\n", "{}"),
       {400});
   // the first line

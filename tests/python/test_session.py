@@ -66,6 +66,18 @@ class Sessions(WithServer):
         self.addCleanup(s.close)
         self.assertTrue(s.id)
 
+    def test_a_unix_socket_is_an_address_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = str(Path(folder) / "a socket")
+            server = Served("torus:8", "--socket", path)
+            self.addCleanup(server.close)
+            token = server.url.partition("?token=")[2]
+            s = isostrata.connect(f"unix:{path.replace(' ', '%20')}?token={token}", size=(32, 32))
+            self.addCleanup(s.close)
+            self.assertEqual([each["id"] for each in isostrata.sessions(f"unix:{path}", token=token)], [s.id])
+            self.assertRefused("connection", isostrata.connect, f"unix:{folder}/absent")
+            self.assertRefused("bad_url", isostrata.connect, "unix:relative")
+
     def test_two_clients_of_one_session_see_the_same(self):
         a = self.connect()
         b = self.connect("", session=a.id)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ssl
 from dataclasses import dataclass
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, unquote, urlsplit
 
 from .errors import IsostrataError
 
@@ -15,6 +15,7 @@ class Address:
     host: str  # with the port
     path: str  # ends with a slash
     token: str
+    unix: str = ""  # the path of a Unix socket, in place of host and port
 
     @classmethod
     def parse(cls, url: str, token: str = "") -> Address:
@@ -23,9 +24,11 @@ class Address:
             parts.port  # raises where it is no number
         except ValueError as wrong:
             raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address: {wrong}") from None
-        if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address; expected http://HOST:PORT/?token=TOKEN, or https://")
         given = parse_qs(parts.query).get("token", [token])[0]
+        if parts.scheme == "unix" and parts.path.startswith("/") and not parts.netloc:
+            return cls("http", "localhost", "/", given, unquote(parts.path))
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address; expected http://HOST:PORT/?token=TOKEN, https:// or unix:/PATH")
         path = parts.path if parts.path.endswith("/") else parts.path + "/"
         return cls(parts.scheme, parts.netloc.rpartition("@")[2], path, given)
 

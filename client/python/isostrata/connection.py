@@ -310,7 +310,7 @@ class Connection:
         host = self._address.host
         try:
             socket = await connect(
-                self._address.socket, "isostrata.v1", self._address.headers, self._context, self.timeout, _MAX_MESSAGE
+                self._address.socket, "isostrata.v1", self._address.headers, self._context, self.timeout, _MAX_MESSAGE, self._address.unix
             )
         except Refused as refused:
             if refused.status == 401:

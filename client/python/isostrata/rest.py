@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 import json
+import socket
 import ssl
-from http.client import HTTPException
+from http.client import HTTPConnection, HTTPException
 from typing import Any
 from urllib.error import HTTPError, URLError
 from urllib.parse import quote, urlencode
-from urllib.request import HTTPSHandler, ProxyHandler, Request, build_opener
+from urllib.request import HTTPHandler, HTTPSHandler, ProxyHandler, Request, build_opener
 
 from .address import Address
 from .errors import IsostrataError
+
+
+class _UnixHandler(HTTPHandler):
+    """HTTP by a Unix socket, whatever the address says."""
+
+    def __init__(self, path: str) -> None:
+        super().__init__()
+        self._path = path
+
+    def http_open(self, request: Request) -> Any:
+        path = self._path
+
+        class Connection(HTTPConnection):
+            def connect(self) -> None:
+                self.sock = socket.socket(socket.AF_UNIX)
+                self.sock.settimeout(self.timeout)
+                self.sock.connect(path)
+
+        return self.do_open(Connection, request)
 
 
 class Rest:
@@ -22,6 +42,8 @@ class Rest:
         self._timeout = timeout
         # The server is on this machine or behind a tunnel that ends here: a proxy of the environment is for other things.
         handlers = [ProxyHandler({}), *([HTTPSHandler(context=context)] if context else [])]
+        if address.unix:
+            handlers.append(_UnixHandler(address.unix))
         self._open = build_opener(*handlers).open
 
     def request(

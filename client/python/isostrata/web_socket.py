@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import socket
 import ssl
 from typing import Any, Mapping, Optional
 
@@ -31,7 +32,13 @@ class Refused(Exception):
 
 
 async def connect(
-    address: str, subprotocol: str, headers: Mapping[str, str], context: Optional[ssl.SSLContext], timeout: float, max_size: int
+    address: str,
+    subprotocol: str,
+    headers: Mapping[str, str],
+    context: Optional[ssl.SSLContext],
+    timeout: float,
+    max_size: int,
+    unix: str = "",
 ) -> Any:
     """Raises Refused, OSError, EOFError, WebSocketException or asyncio.TimeoutError. What it returns has send, close, and messages by
     `async for`."""
@@ -40,6 +47,10 @@ async def connect(
         options["proxy"] = None  # as releases before 15, and as our REST
     if context:
         options["ssl"] = context
+    if unix:
+        options["sock"] = socket.socket(socket.AF_UNIX)
+        options["sock"].connect(unix)
+        options["sock"].setblocking(False)
     try:
         return await _connect(
             address,
@@ -58,8 +69,8 @@ async def connect(
         raise
 
 
-def is_open(socket: Any) -> bool:
-    return socket.state.name == "OPEN"
+def is_open(connection: Any) -> bool:
+    return connection.state.name == "OPEN"
 
 
 def close_code(closed: ConnectionClosed) -> int:
