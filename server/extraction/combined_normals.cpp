@@ -9,7 +9,7 @@ void append_directions(const Grid& grid, std::span<const PointArray* const> arra
                        std::vector<Buffer<double>>& fields, const Task& task) {
   const std::size_t np = mesh.positions.size();
   for (const PointArray* array : arrays) {
-    const std::vector<Vec3f> normals = gradient_normals(grid, *array, mesh, task);
+    const std::vector<Vec3f> normals = gradient_normals(grid, *array, mesh, task, NormalsAt::all_points);
     for (int axis = 0; axis < 3; ++axis) {
       Buffer<double>& field = fields.emplace_back(np);
       parallel_for(static_cast<std::int64_t>(np), 1 << 15, [&](std::int64_t begin, std::int64_t end) {

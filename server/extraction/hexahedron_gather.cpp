@@ -34,10 +34,11 @@ HexahedronGather build() {
   HexahedronGather gather;
   gather.first = table.first;
   gather.count.resize(cases);
-  gather.iso_facets.resize(cases);
+  gather.first_iso.assign(1, 0);
   gather.in_face.resize(cases);
   for (int i = 0; i < cases; ++i) {
     gather.count[i] = static_cast<std::uint8_t>(table.of(i).size());
+    std::uint8_t number = 0;
     for (auto tetrahedron : table.of(i)) {
       for (int left_handed = 0; left_handed < 2; ++left_handed) {
         if (left_handed) std::swap(tetrahedron[0], tetrahedron[1]);  // positive where the cell's own orientation is
@@ -45,11 +46,15 @@ HexahedronGather build() {
         gather.labels[left_handed].push_back(label_facets(table.masks[tetrahedron[0]], table.masks[tetrahedron[1]],
                                                           table.masks[tetrahedron[2]], table.masks[tetrahedron[3]]));
       }
-      for (const std::uint8_t label : gather.labels[0].back()) {
-        gather.iso_facets[i] += label == kLowerFacet || label == kUpperFacet;
+      for (const std::uint8_t label : gather.labels[0].back())
         if (label >= kFirstCellFace) ++gather.in_face[i][label - kFirstCellFace];
-      }
+      for (std::size_t turned = 0; turned < 2; ++turned)
+        for (std::uint8_t f = 0; f < 4; ++f)
+          if (const std::uint8_t label = gather.labels[turned].back()[f]; label == kLowerFacet || label == kUpperFacet)
+            gather.iso_facets[turned].push_back({number, f, label == kLowerFacet ? FacetLabel::lower : FacetLabel::upper});
+      ++number;
     }
+    gather.first_iso.push_back(static_cast<std::uint32_t>(gather.iso_facets[0].size()));
   }
   constexpr std::array<int, 8> kVtkVertex{0, 1, 3, 2, 4, 5, 7, 6};  // of corner di + 2 dj + 4 dk
   for (int set = 0; set < 256; ++set) {

@@ -35,14 +35,16 @@ std::vector<Threshold> thresholds_of(std::span<const Interval> intervals, std::s
 
 struct Piece {
   std::vector<Vec3d> positions;
+  std::vector<Vec3f> normals;         // of those, where they are wanted
   std::vector<BoundaryFacet> facets;  // points from 0 on
   std::vector<std::int64_t> active;   // [intervals] cells
 };
 
 class Cutter {
  public:
-  Cutter(const BaseTetrahedra& base, std::span<const Interval> intervals)
+  Cutter(const BaseTetrahedra& base, std::span<const Interval> intervals, const SurfaceNormals* normals)
       : base_(base),
+        directions_(normals ? normals->at_base : std::span<const Vec3f>{}),
         intervals_(intervals.begin(), intervals.end()),
         bounds_(value_bounds(intervals)),
         thresholds_(thresholds_of(intervals, bounds_)) {}
@@ -70,20 +72,18 @@ class Cutter {
     for (std::size_t i = 0; i < bounds_.size(); ++i) {
       if (!(most >= bounds_[i].begin && least < bounds_[i].end)) continue;
       // Corners inside stay; along each edge come the points where the interval begins and ends, in the edge's direction.
-      std::array<Vec3d, 9> corners;
-      std::size_t count = 0;
+      const auto point = static_cast<std::uint32_t>(out.positions.size());
       for (std::size_t v = 0; v < 3; ++v) {
         const std::size_t w = (v + 1) % 3;
         const int from = side(f[v], i), to = side(f[w], i);
-        if (from == 0) corners[count++] = base_.mesh->positions[facet.points[v]];
-        const auto put = [&](double value) { corners[count++] = on_edge(facet.points[v], facet.points[w], value); };
+        if (from == 0) put_point(facet.points[v], out);
+        const auto put = [&](double value) { put_crossing(facet.points[v], facet.points[w], value, out); };
         if (from < 0 && to >= 0) put(intervals_[i].lower);
         if (from <= 0 && to > 0) put(intervals_[i].upper);
         if (from > 0 && to <= 0) put(intervals_[i].upper);
         if (from >= 0 && to < 0) put(intervals_[i].lower);
       }
-      const auto point = static_cast<std::uint32_t>(out.positions.size());
-      out.positions.insert(out.positions.end(), corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(count));
+      const auto count = static_cast<std::uint32_t>(out.positions.size()) - point;
       for (std::uint32_t c = 2; c < count; ++c)
         add({point, point + c - 1, point + c}, static_cast<std::uint16_t>(i), FacetLabel::domain, out);
     }
@@ -93,10 +93,25 @@ class Cutter {
   /// -1: below interval i, 0: in it, 1: above.
   int side(float f, std::size_t i) const { return f < bounds_[i].begin ? -1 : f < bounds_[i].end ? 0 : 1; }
 
-  Vec3d on_edge(std::uint32_t a, std::uint32_t b, double value) const {
+  void put_point(std::uint32_t p, Piece& out) const {
+    out.positions.push_back(base_.mesh->positions[p]);
+    if (!directions_.empty()) out.normals.push_back(directions_[p]);
+  }
+
+  void put_crossing(std::uint32_t a, std::uint32_t b, double value, Piece& out) const {
     if (a > b) std::swap(a, b);
     const double from = double{(*base_.values)[a]}, to = double{(*base_.values)[b]};
-    return lerp(base_.mesh->positions[a], base_.mesh->positions[b], std::clamp((value - from) / (to - from), 0.0, 1.0));
+    const double weight = std::clamp((value - from) / (to - from), 0.0, 1.0);
+    out.positions.push_back(lerp(base_.mesh->positions[a], base_.mesh->positions[b], weight));
+    if (directions_.empty()) return;
+    const Vec3f at_a = directions_[a], at_b = directions_[b];
+    if (at_a == Vec3f{} || at_b == Vec3f{}) {
+      out.normals.push_back(at_a == Vec3f{} ? at_b : at_a);
+      return;
+    }
+    const Vec3f between = lerp(at_a, at_b, static_cast<float>(weight));
+    const float size = length(between);
+    out.normals.push_back(size > 0 ? between / size : Vec3f{});
   }
 
   static void add(std::array<std::uint32_t, 3> points, std::uint16_t interval, FacetLabel label, Piece& out) {
@@ -118,7 +133,7 @@ class Cutter {
     static constexpr std::uint8_t kAlone[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 0, 1, 3}, {3, 0, 2, 1}};
     static constexpr std::uint8_t kPairs[3][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}};  // with vertex 0
     const auto point = static_cast<std::uint32_t>(out.positions.size());
-    const auto put = [&](unsigned from, unsigned to) { out.positions.push_back(on_edge(ids[from], ids[to], threshold.value)); };
+    const auto put = [&](unsigned from, unsigned to) { put_crossing(ids[from], ids[to], threshold.value, out); };
     const int count = __builtin_popcount(beyond);
     if (count != 2) {
       const unsigned alone = static_cast<unsigned>(__builtin_ctz(count == 1 ? beyond : ~beyond & 15u));
@@ -142,6 +157,7 @@ class Cutter {
   }
 
   const BaseTetrahedra& base_;
+  const std::span<const Vec3f> directions_;  // at the base mesh's points; empty where no normals are wanted
   const std::vector<Interval> intervals_;
   const std::vector<ValueBounds> bounds_;
   const std::vector<Threshold> thresholds_;
@@ -149,9 +165,9 @@ class Cutter {
 
 }  // namespace
 
-IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Interval> intervals) {
+IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Interval> intervals, SurfaceNormals* normals) {
   constexpr std::size_t kBlocks = 128, kFacets = 8192;  // of a chunk
-  const Cutter cutter(base, intervals);
+  const Cutter cutter(base, intervals, normals);
   const std::size_t blocks = base.ranges.block_least.size(), block_chunks = (blocks + kBlocks - 1) / kBlocks,
                     facets = base.mesh->facets.size(), chunks = block_chunks + (facets + kFacets - 1) / kFacets;
   std::vector<Piece> pieces(chunks);
@@ -175,10 +191,14 @@ IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Inter
   IntervalMesh mesh;
   mesh.positions.resize(first_point.back());
   mesh.facets.resize(first_facet.back());
+  if (normals) normals->normals.resize(first_point.back());
   parallel_for(static_cast<std::int64_t>(chunks), 1, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
       std::copy(pieces[c].positions.begin(), pieces[c].positions.end(),
                 mesh.positions.begin() + static_cast<std::ptrdiff_t>(first_point[c]));
+      if (normals)
+        std::copy(pieces[c].normals.begin(), pieces[c].normals.end(),
+                  normals->normals.begin() + static_cast<std::ptrdiff_t>(first_point[c]));
       for (std::size_t f = 0; f < pieces[c].facets.size(); ++f) {
         BoundaryFacet facet = pieces[c].facets[f];
         for (std::uint32_t& point : facet.points) point += static_cast<std::uint32_t>(first_point[c]);

@@ -8,12 +8,25 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "extraction/base_tetrahedra.h"
 
 namespace isostrata {
 
-/// positions, facets, and summaries with the numbers of active cells. The result does not depend on threads. Throws too_large.
-IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Interval> intervals);
+/// The direction of the field's gradient at each of the base mesh's points, as gradient_normals has it at grid points; zero where
+/// there is none. Parallel.
+std::vector<Vec3f> point_directions(const BaseTetrahedra& base);
+
+/// What surfaces are lit by: given the directions at the base mesh's points, those at the surfaces' points.
+struct SurfaceNormals {
+  std::span<const Vec3f> at_base;  // [np of base]
+  std::vector<Vec3f> normals;      // [np] filled
+};
+
+/// positions, facets, and summaries with the numbers of active cells; normals, where they are wanted, are those that
+/// gradient_normals has for the extracted mesh. The result does not depend on threads. Throws too_large.
+IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Interval> intervals,
+                               SurfaceNormals* normals = nullptr);
 
 }  // namespace isostrata

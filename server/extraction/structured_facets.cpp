@@ -76,7 +76,7 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
       std::uint64_t facets = 0;
       visit_open_faces(grid, array, active, b, near_absent(b), [&](const CellRecord& record, unsigned open) {
         const int case_index = record.case_index();
-        facets += gather.iso_facets[case_index];
+        facets += gather.first_iso[case_index + 1] - gather.first_iso[case_index];
         for (int face = 0; face < 6; ++face)
           if (open >> face & 1) facets += gather.in_face[case_index][face];
       });
@@ -99,7 +99,16 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
       visit_open_faces(grid, array, active, b, near_absent(b), [&](const CellRecord& record, unsigned open) {
         const int case_index = record.case_index();
         const std::uint32_t past = t + gather.count[case_index];
-        if (open == 0 && gather.iso_facets[case_index] == 0) {
+        const auto interval = static_cast<std::uint16_t>(record.interval());
+        const auto put = [&](std::uint32_t tetrahedron, int facet, FacetLabel label) {
+          const auto& points = mesh.tetrahedra[tetrahedron];
+          const auto& v = kFacets[static_cast<std::size_t>(facet)];
+          *to++ = {{points[v[0]], points[v[1]], points[v[2]]}, tetrahedron, interval, label, interval};
+        };
+        if (open == 0) {
+          const auto* const facet_of = gather.iso_facets[active.turned(record)].data();
+          for (std::uint32_t f = gather.first_iso[case_index]; f < gather.first_iso[case_index + 1]; ++f)
+            put(t + facet_of[f].tetrahedron, facet_of[f].facet, facet_of[f].label);
           t = past;
           return;
         }
@@ -109,13 +118,7 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
             const std::uint8_t label = (*labels)[i];
             const bool in_open_face = label >= kFirstCellFace && (open >> (label - kFirstCellFace) & 1);
             if (label != kLowerFacet && label != kUpperFacet && !in_open_face) continue;
-            const auto& points = mesh.tetrahedra[t];
-            const auto& v = kFacets[i];
-            const auto interval = static_cast<std::uint16_t>(record.interval());
-            const FacetLabel where = label == kLowerFacet   ? FacetLabel::lower
-                                     : label == kUpperFacet ? FacetLabel::upper
-                                                            : FacetLabel::domain;
-            *to++ = {{points[v[0]], points[v[1]], points[v[2]]}, t, interval, where, interval};
+            put(t, i, label == kLowerFacet ? FacetLabel::lower : label == kUpperFacet ? FacetLabel::upper : FacetLabel::domain);
           }
       });
     }

@@ -66,6 +66,56 @@ TEST(GradientNormals, AreZeroWhereThereIsNoDirectionAndNeverNaN) {
   for (const Vec3f& n : gradient_normals(dataset->grid, array, mesh, Task{})) ASSERT_EQ(n, (Vec3f{0, 0, 0}));
 }
 
+/// Boxes of different sizes, with the array in its type; both ways to one point agree.
+TEST(GradientNormals, InVectorsAreThoseOfOnePointAfterTheOther) {
+  const auto dataset = make_analytic("torus:17", {}, Task{});
+  const auto& uniform = std::get<UniformGrid>(dataset->grid.shape);
+  RectilinearGrid boxes{uniform.dims, {}};
+  CurvilinearGrid bent{uniform.dims, {}};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::int64_t i = 0; i < uniform.dims[axis]; ++i)
+      boxes.axes[axis].push_back(std::sinh(0.15 * static_cast<double>(i)) - 1);
+  Grid grid;
+  grid.shape = boxes;
+  std::vector<Vec3d> points;  // the same ones: a grid that is not known to be of boxes goes the other way
+  for (std::int64_t p = 0; p < grid.point_count(); ++p) points.push_back(grid.point(p));
+  bent.points = std::span<const Vec3d>(points);
+  Grid other;
+  other.shape = bent;
+  std::vector<double> doubles;
+  std::vector<std::int16_t> shorts;
+  for (std::int64_t p = 0; p < grid.point_count(); ++p) {
+    doubles.push_back(std::sin(3 * points[static_cast<std::size_t>(p)].x) +
+                      points[static_cast<std::size_t>(p)].y * points[static_cast<std::size_t>(p)].z);
+    shorts.push_back(static_cast<std::int16_t>(1000 * doubles.back()));
+  }
+  doubles[777] = NAN;
+  for (const int type : {0, 1}) {
+    PointArray array;
+    array.type = type ? ScalarType::int16 : ScalarType::float64;
+    if (type)
+      array.values = std::span<const std::int16_t>(shorts);
+    else
+      array.values = std::span<const double>(doubles);
+    measure_range(array);
+    const double middle = (array.lower + array.upper) / 2, width = array.upper - array.lower;
+    const Interval interval{middle - 0.1 * width, middle + 0.2 * width};
+    ExtractOptions options;
+    options.facets = true;
+    const IntervalMesh mesh = extract_intervals(grid, array, std::span(&interval, 1), options, Task{});
+    const auto fast = gradient_normals(grid, array, mesh, Task{}), slow = gradient_normals(other, array, mesh, Task{});
+    ASSERT_GT(mesh.facets.size(), 100u);
+    std::vector<bool> used(mesh.positions.size());
+    for (const BoundaryFacet& facet : mesh.facets)
+      for (const std::uint32_t p : facet.points) used[p] = true;
+    for (std::size_t p = 0; p < fast.size(); ++p) {
+      const Vec3f off = fast[p] - slow[p];
+      ASSERT_LT(length(off), 1e-5f) << p;
+      ASSERT_TRUE(used[p] || fast[p] == (Vec3f{})) << p << " is inside";
+    }
+  }
+}
+
 TEST(GradientNormals, AreLeftOutWhereThePointsHaveNoOrigins) {
   IntervalMesh mesh;
   mesh.positions.resize(3, Vec3d{});
