@@ -447,7 +447,7 @@ bool cuts_exactly(const Scene& scene, const std::string& array) {
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].lower < sorted[i - 1].upper) return false;
   return !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
-         scene.mode != SceneMode::smear && !draws_surfaces(scene) &&
+         scene.mode != SceneMode::smear && (!draws_surfaces(scene) || (!uses_color_values(scene) && !uses_texture(scene))) &&
          (!uses_color_values(scene) || scene.color_by.empty() || scene.color_by == array) &&
          std::all_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& interval) {
            return interval.lower < interval.upper && std::isfinite(interval.lower) && std::isfinite(interval.upper);

@@ -90,7 +90,7 @@ struct ExtractedScene {
 };
 
 /// Whether the intervals can be cut out of a grid of tetrahedra where they are drawn, and the picture is that of the split mesh:
-/// one field at one step, colours that run along it or are constant, no surfaces, no combined ranges, no intervals that overlap.
+/// one field at one step, colours that run along it or are constant (those where a surface is drawn, without textures), no overlaps.
 /// `array` is the scene's.
 bool cuts_exactly(const Scene& scene, const std::string& array);
 

@@ -358,7 +358,7 @@ void add_render_command(CLI::App& app) {
   command
       ->add_option("--tetrahedra", arguments->tetrahedra,
                    "A grid of nothing but tetrahedra: split into the intervals', or cut in the rays (native only, and without "
-                   "surfaces, combined ranges and colours of another array; split else). auto: split, for one picture")
+                   "surfaces among colour maps, combined ranges and colours of another array; split else). auto: split, for one picture")
       ->check(CLI::IsMember({"auto", "split", "cut"}))
       ->capture_default_str();
   add_still_options(*command, arguments->still);

@@ -59,6 +59,8 @@ void check(const DrawInput& input) {
     fail("intervals that the renderer cuts need a grid's tetrahedra and the field's values on their points");
   for (const Interval& interval : input.cut_intervals)
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
+  const bool all_constant = std::all_of(input.styles.begin(), input.styles.end(),
+                                        [](const IntervalStyle& style) { return !style.visible || style.constant(); });
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalStyle& style = input.styles[i];
     const std::string which = "interval " + std::to_string(i) + ": ";
@@ -66,8 +68,9 @@ void check(const DrawInput& input) {
     if (!(style.opacity >= 0 && style.opacity <= 1)) fail(which + "opacity must be in [0, 1]");
     if (style.opacity_upper && !(*style.opacity_upper >= 0 && *style.opacity_upper <= 1))
       fail(which + "the upper opacity must be in [0, 1]");
-    if (style.surface.drawn() && !input.cut_intervals.empty())
-      fail(which + "a surface is drawn of a mesh only that was extracted");
+    if (style.visible && style.surface.drawn() && !input.cut_intervals.empty() &&
+        (!all_constant || !style.surface.texture.empty()))
+      fail(which + "where the renderer cuts intervals, surfaces are drawn without textures and among constant colours only");
     if (style.surface.drawn()) check_surface(input, style.surface, which);
     if (style.constant()) continue;
     if (!style.color_map.empty()) color_map(style.color_map);  // throws where there is no such map

@@ -26,8 +26,10 @@ class NativeRenderer final : public Renderer {
       TileSink sink(input);
       const bool constant = std::all_of(input.styles.begin(), input.styles.end(),
                                         [](const IntervalStyle& style) { return !style.visible || style.constant(); });
-      if (constant && !input.cut_intervals.empty() && !input.count_fragments)
-        draw_surfaces(input, sink, result.facts);
+      const bool lit = std::any_of(input.styles.begin(), input.styles.end(),
+                                   [](const IntervalStyle& style) { return style.visible && style.surface.drawn(); });
+      if (constant && !input.cut_intervals.empty() && (lit || !input.count_fragments))
+        draw_surfaces(input, lit, sink, result.facts);
       else if (constant && input.cut_intervals.empty())
         crossings_.draw(input, sink, result.facts);
       else
@@ -44,16 +46,31 @@ class NativeRenderer final : public Renderer {
 
  private:
   /// Of cut intervals in constant colours. The surfaces are kept as long as the ends stay.
-  void draw_surfaces(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
+  void draw_surfaces(const DrawInput& input, bool lit, TileSink& sink, DrawFacts& facts) {
     const Stopwatch watch;
-    if (!surfaces_ || surfaces_of_.lock() != input.base || surfaces_between_ != input.cut_intervals) {
-      surfaces_ = std::make_shared<const IntervalMesh>(interval_surfaces(*input.base, input.cut_intervals));
+    // Where the grid ends, a surface does not lie across the gradient: with such facets in the picture all have their own
+    // normals.
+    const bool with_normals = lit && std::none_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) {
+                                return style.visible && style.surface.drawn() && style.surface.domain;
+                              });
+    const bool same_base = surfaces_of_.lock() == input.base;
+    if (!same_base) directions_.clear();
+    if (!surfaces_ || !same_base || surfaces_between_ != input.cut_intervals || (with_normals && !normals_)) {
+      SurfaceNormals normals;
+      if (with_normals) {
+        if (directions_.empty()) directions_ = point_directions(*input.base);
+        normals.at_base = directions_;
+      }
+      surfaces_ = std::make_shared<const IntervalMesh>(
+          interval_surfaces(*input.base, input.cut_intervals, with_normals ? &normals : nullptr));
+      normals_ = with_normals ? std::make_shared<const std::vector<Vec3f>>(std::move(normals.normals)) : nullptr;
       surfaces_of_ = input.base;
       surfaces_between_ = input.cut_intervals;
     }
     DrawInput drawn = input;
     drawn.mesh = surfaces_;
     drawn.color_values = nullptr;
+    drawn.normals = with_normals ? normals_ : nullptr;
     const double cut_ms = watch.elapsed_ms();
     crossings_.draw(drawn, sink, facts);
     facts.order_ms += cut_ms;
@@ -62,9 +79,11 @@ class NativeRenderer final : public Renderer {
 
   std::weak_ptr<const BaseTetrahedra> surfaces_of_;
   std::vector<Interval> surfaces_between_;
-  std::shared_ptr<const IntervalMesh> surfaces_;  // of those
-  const std::string device_ = "CPU (" + simd_level() + ", " + std::to_string(thread_count()) +
-                              (thread_count() == 1 ? " thread)" : " threads)");
+  std::shared_ptr<const IntervalMesh> surfaces_;       // of those
+  std::shared_ptr<const std::vector<Vec3f>> normals_;  // at their points, where they were wanted
+  std::vector<Vec3f> directions_;                      // at the base mesh's points, once surfaces were lit
+  const std::string device_ =
+      "CPU (" + simd_level() + ", " + std::to_string(thread_count()) + (thread_count() == 1 ? " thread)" : " threads)");
   CrossingsRenderer crossings_;
   SegmentsRenderer segments_;
 };

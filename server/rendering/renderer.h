@@ -49,7 +49,7 @@ struct DrawInput {
   std::shared_ptr<const std::vector<float>> color_values;  // [np] or null where all styles are constant()
   std::vector<IntervalStyle> styles;                       // one per interval of the mesh
   // Not empty: what is drawn of interval i, with style i, is where base's field lies in it; mesh and color_values are base's.
-  // Then other ends of the intervals need no other mesh. No surfaces; only renderers that cuts_intervals().
+  // Then other ends need no other mesh. Surfaces among constant colours, without textures; only renderers that cuts_intervals().
   std::vector<Interval> cut_intervals;
   std::shared_ptr<const BaseTetrahedra> base;  // null without cut_intervals
   RenderMode mode = RenderMode::sorted;

@@ -127,6 +127,32 @@ TEST_F(CutScene, MovingAnEndKeepsTheMeshAndTellsWhatExtractionTells) {
   EXPECT_EQ(extract(of, TetrahedraWay::cut, third), third);
 }
 
+TEST_F(CutScene, LitSurfacesLookAsThoseOfTheSplitMesh) {
+  Scene of = scene({interval(0.1, 0.22), interval(0.22, 0.3), interval(0.4, 0.6)});
+  for (std::size_t i = 0; i < of.intervals.size(); ++i) {
+    SurfaceStyle& surface = of.intervals[i].surface;
+    surface.lower = i != 1, surface.upper = i != 0;
+    surface.opacity = i == 1 ? 0.9 : 0.4;
+    surface.specular = 0.5;
+    of.intervals[i].opacity = 0.1;
+  }
+  expect_same_picture(of, "ends");
+  of.intervals[2].surface.domain = true;
+  of.intervals[0].surface.silhouette = 0.7;
+  expect_same_picture(of, "with the grid's boundary");
+  of.intervals[1].visible = false;
+  expect_same_picture(of, "one hidden");
+  // What is lit after it was not, and cut between other ends.
+  const auto cut = extract(of, TetrahedraWay::cut);
+  Scene plain = of;
+  for (SceneInterval& one : plain.intervals) one.surface = {};
+  draw(*cut, plain);
+  const Image lit = draw(*cut, of), again = draw(*extract(of, TetrahedraWay::cut), of);
+  EXPECT_EQ(lit.rgba, again.rgba);
+  of.intervals[0].surface.texture = "stripes";
+  EXPECT_FALSE(extract(of, TetrahedraWay::cut)->base) << "a texture needs values at the mesh's points";
+}
+
 TEST_F(CutScene, WhatCannotBeCutIsSplit) {
   const Scene good = scene({interval(0.1, 0.25, "viridis")});
   EXPECT_TRUE(extract(good, TetrahedraWay::cut)->base);
