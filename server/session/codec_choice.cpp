@@ -45,7 +45,9 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
     scale_since_.reset();
   } else {
     if (!scale_since_) scale_since_ = now;
-    if (now - *scale_since_ >= kPatience && now - changed_ >= kRest) {
+    const std::size_t used = place_of(codec_, scale_);
+    const bool hurry = wanted < scale_ && used < candidates.size() && candidates[used].making_ms > kFarTooLong * kInTimeMs;
+    if (now - *scale_since_ >= (hurry ? kHurry : kPatience) && now - changed_ >= (hurry ? kHurry : kRest)) {
       scale_ = wanted;
       changed_ = now;
       hurried_ = false;

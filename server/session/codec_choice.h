@@ -31,8 +31,11 @@ struct CodecCandidate {
 class CodecChoice {
  public:
   static constexpr double kAsGood = 1.05, kWorse = 1.10, kMistake = 1.25;  // by the least forecast
-  static constexpr double kInTimeMs = 80;  // of making a frame: with less, no pixels are given up for speed
-  static constexpr double kOfUse = 1.25;   // what making takes at a size by that at the least one, where fewer pixels help
+  // Of making a frame: with less, no pixels are given up for speed. What a hand does waits for the frame that is being made, so
+  // it is seen after up to twice as long: 70 ms.
+  static constexpr double kInTimeMs = 35;
+  static constexpr double kFarTooLong = 1.5;  // of it: then pixels are given up in a hurry, for the first second of a turn counts
+  static constexpr double kOfUse = 1.25;      // what making takes at a size by that at the least one, where fewer pixels help
   static constexpr Duration kPatience = std::chrono::milliseconds(700);  // that another must have been better
   static constexpr Duration kHurry = std::chrono::milliseconds(200);     // the same where the one in use is a mistake
   static constexpr Duration kRest = std::chrono::seconds(1);  // between changes; one that was a mistake is taken back before

@@ -9,7 +9,7 @@ namespace {
 constexpr double kMegapixel = 1e6;
 constexpr std::size_t kMostSent = 64;                        // frames of a viewer whose decoding may still be told
 constexpr Duration kChoose = std::chrono::milliseconds(40);  // between choices: costs do not change faster
-constexpr std::array<double, 4> kScales{1, 0.8, 0.65, 0.5};  // of each side, that the machines' speed may ask for
+constexpr std::array<double, 6> kScales{1, 0.8, 0.65, 0.5, 0.4, 0.3};  // of each side, that the machines' speed may ask for
 constexpr double kMostDecodingMs = 10000;
 
 double megapixels(double width, double height) { return width * height / kMegapixel; }

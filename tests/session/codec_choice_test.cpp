@@ -141,17 +141,33 @@ TEST_F(Choice, WhatCannotBeHadAnyMoreIsLeftAtOnce) {
 std::vector<CodecCandidate> sizes(double jpeg_ms, double video_ms, double part) {
   std::vector<CodecCandidate> all;
   for (const auto& [codec, ms] : {std::pair{kJpeg, jpeg_ms}, {kVideo, video_ms}})
-    for (const double scale : {1.0, 0.8, 0.65, 0.5})
+    for (const double scale : {1.0, 0.8, 0.65, 0.5, 0.4, 0.3})
       all.push_back({codec, scale, ms * (1 - part + part * scale * scale), 5, scale * scale});
   return all;
 }
 
 TEST_F(Choice, PixelsAreGivenUpWhereThatMakesFramesInTimeAndTakenBack) {
-  EXPECT_EQ(run(sizes(70, 90, 0.9), seconds(5)).scale, 1) << "70 ms are in time";
+  EXPECT_EQ(run(sizes(30, 50, 0.9), seconds(5)).scale, 1) << "30 ms are in time";
   const CodecCandidate less = run(sizes(160, 200, 0.9), seconds(5));
   EXPECT_LT(less.scale, 1);
   EXPECT_LE(less.making_ms, CodecChoice::kInTimeMs);
-  EXPECT_EQ(run(sizes(30, 50, 0.9), seconds(5)).scale, 1);
+  EXPECT_EQ(run(sizes(20, 50, 0.9), seconds(5)).scale, 1);
+}
+
+TEST_F(Choice, PixelsAreGivenUpInAHurryWhereFramesAreFarTooLate) {
+  run(sizes(20, 50, 0.9), seconds(5));
+  const TimePoint begun = now_;
+  changes_.clear();
+  run(sizes(160, 200, 0.9), seconds(5));
+  ASSERT_FALSE(changes_.empty());
+  EXPECT_LE(changes_.front() - begun, CodecChoice::kHurry + 2 * kTick);
+  // What is only a little too late is left after some patience.
+  run(sizes(20, 50, 0.9), seconds(5));
+  const TimePoint again = now_;
+  changes_.clear();
+  run(sizes(45, 60, 0.9), seconds(5));
+  ASSERT_FALSE(changes_.empty());
+  EXPECT_GE(changes_.front() - again, CodecChoice::kPatience);
 }
 
 TEST_F(Choice, PixelsAreKeptWhereFewerWouldNotHelp) { EXPECT_EQ(run(sizes(160, 200, 0.1), seconds(5)).scale, 1); }
