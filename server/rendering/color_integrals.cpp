@@ -63,6 +63,11 @@ void tabulate(ColorIntegrals& integrals) {
       node[c] = static_cast<float>(per_step * value(integrals.g0, c, i / per_step, pieces, false));
     node[3] = static_cast<float>(-i);
   }
+  for (std::size_t i = 0; i < std::size(integrals.pairs); ++i)
+    for (std::size_t c = 0; c < 4; ++c) {
+      integrals.pairs[i][2 * c] = integrals.nodes[i][c];
+      integrals.pairs[i][2 * c + 1] = integrals.nodes[i + 1][c] - integrals.nodes[i][c];
+    }
 }
 
 /// By trial, at a fine choice of parts.

@@ -27,6 +27,8 @@ struct ColorIntegrals {
   // i are nodes[i + kMargin], in steps of 1 / kSteps of the map. Between two nodes a colour is constant.
   static constexpr int kSteps = 1024, kMargin = 8;
   alignas(64) float nodes[kSteps + 2 * kMargin + 1][4];
+  // The same with what is between the nodes: sum and colour of red, of green, of blue, and of -1.
+  alignas(64) float pairs[kSteps + 2 * kMargin][8];
   // How far, at most, the first moment of the colour over a part of the map, seen from its middle, is from a twelfth of the
   // difference of the colours at its ends; per width of the part.
   float bend = 0;

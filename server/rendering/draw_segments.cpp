@@ -6,15 +6,19 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <optional>
 
 #include "base/buffer.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "base/work.h"
+#include "rendering/crossable_mesh.h"
 #include "rendering/segment_bins.h"
+#include "rendering/segment_crossings.h"
 #include "rendering/segment_fragments.h"
 #include "rendering/segment_lists.h"
 #include "rendering/segment_optics.h"
+#include "rendering/segment_rays.h"
 #include "rendering/segment_surfaces.h"
 #include "rendering/segment_view.h"
 
@@ -34,6 +38,8 @@ struct TileMemory {
   SegmentPixels pixels;
   CoverBatch batch;
   CoverScratch scratch;
+  CrossingBatch crossing_batch;
+  CrossingLists crossings;
   std::vector<SegmentEntry> nearest_first, sorted;
   std::vector<std::uint32_t> surfaces;
   float q_low[kTilePixels], q_high[kTilePixels];
@@ -85,6 +91,7 @@ struct SegmentsRenderer::State {
   std::weak_ptr<const IntervalMesh> mesh;
   std::weak_ptr<const std::vector<float>> values;
   std::vector<SegmentRange> ranges;  // [intervals]
+  std::optional<CrossableMesh> crossable;
   std::mutex mutex;                // of memory
   std::vector<std::unique_ptr<TileMemory>> memory;
 
@@ -107,8 +114,9 @@ namespace {
 class TilePainter {
  public:
   TilePainter(const DrawInput& input, TileSink& sink, const SegmentView& view, const SegmentOptics& optics,
-              const PlacedMesh& placed, const SegmentSurfaces& surfaces)
-      : input_(input), sink_(sink), view_(view), optics_(optics), placed_(placed), surfaces_(surfaces) {
+              const PlacedMesh& placed, const SegmentSurfaces& surfaces, const CrossableMesh* crossable)
+      : input_(input), sink_(sink), view_(view), optics_(optics), placed_(placed), surfaces_(surfaces), crossable_(crossable) {
+    if (crossable) prepare_crossings();
     for (const ClipPlane& plane : input.clip_planes) half_spaces_.push_back(on_screen(plane, view));
   }
 
@@ -125,6 +133,10 @@ class TilePainter {
     part.y1 = std::min(kTileSize, view_.height - tile_y) - 1;
     memory.pixels.clear();
     const auto entries = placed_.bins.of(tile), surfaces = surfaces_.in_tile(tile);
+    if (crossable_ && cover_many_pixels(entries) && paint_crossings(entries, part, memory)) {
+      put(part, memory);
+      return;
+    }
     if (!entries.empty() || !surfaces.empty()) {
       if (memory.store.capacity == 0 || (sink_.wants_depth() != (memory.store.q_in != nullptr)))
         memory.reserve(kFirstCapacity, sink_.wants_depth());
@@ -161,6 +173,83 @@ class TilePainter {
   }
   const std::array<std::uint32_t, 4>& points_of(std::uint32_t id) const {
     return optics_.cut ? placed_.reached[id].points : input_.mesh->tetrahedra[id];
+  }
+
+  void prepare_crossings() {
+    crossing_.orthographic = view_.orthographic;
+    crossing_.mirrored = crossable_->mirrored;
+    walk_.view = &view_;
+    walk_.depth = sink_.wants_depth();
+    for (std::size_t i = 0; i < optics_.group.size(); ++i) {
+      if (optics_.group[i] < 0) continue;
+      crossing_.lower[i] = optics_.lower[i];
+      crossing_.per_value[i] = optics_.inverse_range[i] * kMapSteps;
+      walk_.integrals = optics_.looks[static_cast<std::size_t>(optics_.look[i])].integrals.get();
+    }
+    // Of those that are not drawn that of one that is: then there is one extinction more often.
+    for (std::size_t i = 0; i < walk_.extinction.size(); ++i) {
+      const auto drawn = std::find_if(optics_.group.begin(), optics_.group.end(), [](std::int32_t group) { return group >= 0; });
+      const auto first = static_cast<std::size_t>(drawn - optics_.group.begin());
+      walk_.extinction[i] = optics_.extinction[i < optics_.group.size() && optics_.group[i] >= 0 ? i : first];
+    }
+  }
+
+  /// Whether it is worth while to go through faces: the work of a face counts most where tetrahedra are small. By a sample.
+  bool cover_many_pixels(std::span<const SegmentEntry> entries) const {
+    constexpr std::size_t kSample = 32;
+    constexpr float kManyPixels = 60;  // of a tetrahedron's rectangle; a third of them are covered
+    const std::size_t step = std::max<std::size_t>(1, entries.size() / kSample);
+    float sum = 0, count = 0;
+    for (std::size_t i = 0; i < entries.size(); i += step, ++count) {
+      const auto& points = input_.mesh->tetrahedra[entries[i].id];
+      const SegmentVertex* const v[4] = {&placed_.points[points[0]], &placed_.points[points[1]], &placed_.points[points[2]],
+                                         &placed_.points[points[3]]};
+      const auto [x_low, x_high] = std::minmax({v[0]->x, v[1]->x, v[2]->x, v[3]->x});
+      const auto [y_low, y_high] = std::minmax({v[0]->y, v[1]->y, v[2]->y, v[3]->y});
+      sum += (x_high - x_low) * (y_high - y_low);
+    }
+    return sum > kManyPixels * count;
+  }
+
+  /// The whole tile by crossings. False where a ray has too many of them.
+  bool paint_crossings(std::span<const SegmentEntry> entries, const CoverInput& part, TileMemory& memory) const {
+    memory.nearest_first.assign(entries.begin(), entries.end());
+    sort_by_nearness(memory.nearest_first, memory.sorted);
+    memory.crossings.clear();
+    CrossingInput input = crossing_;
+    input.tile_x = part.tile_x;
+    input.tile_y = part.tile_y;
+    input.width = part.x1 + 1;
+    input.height = part.y1 + 1;
+    CrossingBatch& batch = memory.crossing_batch;
+    for (std::size_t begin = 0; begin < memory.nearest_first.size(); begin += CrossingBatch::kCapacity) {
+      gather(std::span(memory.nearest_first), begin, batch);
+      if (!cross_faces(input, batch, memory.crossings)) return false;
+    }
+    RayWalk walk = walk_;
+    walk.tile_x = part.tile_x;
+    walk.tile_y = part.tile_y;
+    walk_rays(walk, memory.crossings, memory.pixels);
+    return true;
+  }
+
+  void gather(std::span<const SegmentEntry> entries, std::size_t begin, CrossingBatch& batch) const {
+    constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
+    const IntervalMesh& mesh = *input_.mesh;
+    batch.count = std::min(CrossingBatch::kCapacity, entries.size() - begin);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const std::size_t at = begin + i;
+      if (const std::size_t ahead = at + kIdsAhead; ahead < entries.size()) {
+        __builtin_prefetch(&mesh.tetrahedra[entries[ahead].id]);
+        __builtin_prefetch(&crossable_->surface[entries[ahead].id]);
+      }
+      if (const std::size_t ahead = at + kPointsAhead; ahead < entries.size())
+        for (const std::uint32_t point : mesh.tetrahedra[entries[ahead].id]) __builtin_prefetch(&placed_.points[point]);
+      const std::uint32_t id = entries[at].id;
+      batch.interval[i] = static_cast<std::uint8_t>(mesh.tetrahedron_interval[id]);
+      batch.surface[i] = crossable_->surface[id];
+      for (std::size_t v = 0; v < 4; ++v) batch.vertex[v][i] = placed_.points[mesh.tetrahedra[id][v]];
+    }
   }
 
   void paint_group(int group, std::span<const SegmentEntry> entries, std::span<const SegmentEntry> surfaces,
@@ -276,9 +365,46 @@ class TilePainter {
   const SegmentOptics& optics_;
   const PlacedMesh& placed_;
   const SegmentSurfaces& surfaces_;
+  const CrossableMesh* const crossable_;  // null: by segments
+  CrossingInput crossing_;                // of all tiles
+  RayWalk walk_;
   std::vector<ScreenHalfSpace> half_spaces_;
   std::atomic<std::int64_t> fragments_{0};
 };
+
+}  // namespace
+
+namespace {
+
+/// Whether rays can go from face to face as far as the styles are concerned: one colour map over values that lie in its range,
+/// extinctions that are constant within an interval, intervals that do not overlap, nothing that cuts the rays or lies on them.
+bool by_crossings(const DrawInput& input, const SegmentOptics& optics, const std::vector<SegmentRange>& ranges) {
+  constexpr float kBeyond = 1e-4f;
+  // Where tetrahedra are small faces are not worth their work, and to find them takes time with each new mesh.
+  constexpr std::size_t kPixelsPerTetrahedron = 16;
+  if (input.mesh->tetrahedra.size() * kPixelsPerTetrahedron > static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height))
+    return false;
+  if (optics.cut || optics.groups != 1 || input.integral != Integral::exact || !input.clip_planes.empty() || input.count_fragments)
+    return false;
+  if (optics.group.size() > kMostCrossedIntervals) return false;
+  const ColorIntegrals* integrals = nullptr;
+  for (std::size_t i = 0; i < optics.group.size(); ++i) {
+    if (optics.group[i] < 0) continue;
+    if (optics.look[i] < 0) return false;
+    const ColorIntegrals* const own = optics.looks[static_cast<std::size_t>(optics.look[i])].integrals.get();
+    if (integrals && own != integrals) return false;
+    integrals = own;
+    const float a = (ranges[i].least - optics.lower[i]) * optics.inverse_range[i],
+                b = (ranges[i].most - optics.lower[i]) * optics.inverse_range[i];
+    if (input.mesh->summaries[i].tetrahedra > 0 && !(std::min(a, b) >= -kBeyond && std::max(a, b) <= 1 + kBeyond)) return false;
+    const Interval& one = input.mesh->summaries[i].interval;
+    for (std::size_t j = 0; j < i; ++j) {
+      const Interval& other = input.mesh->summaries[j].interval;
+      if (optics.group[j] >= 0 && one.lower < other.upper && other.lower < one.upper) return false;
+    }
+  }
+  return integrals != nullptr;
+}
 
 }  // namespace
 
@@ -291,6 +417,7 @@ void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& f
   SegmentOptics optics = make_segment_optics(input, view.scale, &state_->colors);
   if (state_->mesh.lock() != input.mesh || state_->values.lock() != input.color_values) {
     state_->ranges.clear();
+    state_->crossable.reset();
     state_->mesh = input.mesh;
     state_->values = input.color_values;
   }
@@ -305,13 +432,18 @@ void SegmentsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& f
   }
   place_mesh(input, view, optics, state_->placed);
   const SegmentSurfaces surfaces(input, view, optics, state_->placed.tiles_x, state_->placed.tiles_y);
+  const CrossableMesh* crossable = nullptr;
+  if (!surfaces.any() && state_->placed.pieces.empty() && by_crossings(input, optics, state_->ranges)) {
+    if (!state_->crossable) state_->crossable = make_crossable(*input.mesh);
+    if (state_->crossable->crossable) crossable = &*state_->crossable;
+  }
   facts.order = "per pixel (exact)";
   facts.order_exact = true;
   facts.tetrahedra = state_->placed.drawn;
   facts.order_ms = order_watch.elapsed_ms();
 
   const Stopwatch draw_watch;
-  TilePainter painter(input, sink, view, optics, state_->placed, surfaces);
+  TilePainter painter(input, sink, view, optics, state_->placed, surfaces, crossable);
   parallel_for(std::int64_t{state_->placed.tiles_x} * state_->placed.tiles_y, 1, [&](std::int64_t begin, std::int64_t end) {
     auto memory = state_->lend();
     for (std::int64_t tile = begin; tile < end; ++tile) painter.paint(static_cast<std::size_t>(tile), *memory);

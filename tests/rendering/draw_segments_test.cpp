@@ -239,6 +239,92 @@ TEST(DrawSegments, ManyFragmentsInATileAreDoneInParts) {
   expect_oracle(input, kHalfStep, "layers");
 }
 
+/// Few tetrahedra that are large on the screen: rays go from face to face (segment_crossings.h).
+DrawInput large_tetrahedra(const char* data) {
+  DrawInput input = extracted_input(data, 0.05, 0.4, 0.9);
+  input.width = input.height = 288;
+  return input;
+}
+
+const char* const kCoarse[] = {"torus:9", "cylinder:12x10x6"};
+
+/// Both ways draw it, and differ by rounding: so there are two.
+void expect_two_ways(const DrawInput& input, double most, const std::string& what) {
+  DrawInput by_segments = input;
+  by_segments.count_fragments = true;
+  const FloatImage image = draw_segments(input), other = draw_segments(by_segments);
+  EXPECT_NE(image.rgba, other.rgba) << what << " was drawn one way only";
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) ASSERT_NEAR(image.rgba[i], other.rgba[i], most) << what << " at " << i / 4;
+}
+
+TEST(DrawSegments, RaysFromFaceToFaceMeetTheOracle) {
+  for (const char* data : kCoarse)
+    for (const bool orthographic : {false, true}) {
+      DrawInput input = large_tetrahedra(data);
+      input.camera.orthographic = orthographic;
+      expect_two_ways(input, 2 * kHalfStep, data);
+      expect_oracle(input, kHalfStep, data);
+    }
+}
+
+TEST(DrawSegments, RaysFromFaceToFaceThroughDeepLayersOfAnyMap) {
+  for (const char* map : {"vik", "#000-#f00-#0f0-#fff"})
+    for (const double opacity : {0.5, 0.98}) {
+      DrawInput input = large_tetrahedra("torus:9");
+      for (IntervalStyle& style : input.styles) style.color_map = map, style.opacity = opacity;
+      expect_two_ways(input, 4 * kHalfStep, std::string(map) + " " + std::to_string(opacity));
+      expect_oracle(input, 2 * kHalfStep, std::string(map) + " " + std::to_string(opacity));
+    }
+}
+
+TEST(DrawSegments, RaysFromFaceToFaceKnowEachIntervalsOpacityAndRange) {
+  for (const char* data : kCoarse) {
+    DrawInput input = large_tetrahedra(data);
+    const double lower = input.styles[0].color_lower, upper = input.styles[0].color_upper;
+    input.styles[0].opacity = 0.8;
+    input.styles[1].color_upper = upper + 0.5 * (upper - lower);
+    expect_two_ways(input, 2 * kHalfStep, data);
+    expect_oracle(input, kHalfStep, data);
+    input.styles[0].visible = false;
+    expect_two_ways(input, 2 * kHalfStep, data);
+    expect_oracle(input, kHalfStep, std::string(data) + ", one hidden");
+  }
+}
+
+TEST(DrawSegments, RaysFromFaceToFaceGoThroughMirroredCells) {
+  DrawInput input = large_tetrahedra("torus:9");
+  auto mirrored = std::make_shared<IntervalMesh>(*input.mesh);
+  for (auto& points : mirrored->tetrahedra) std::swap(points[2], points[3]);
+  const FloatImage image = draw_segments(input);
+  input.mesh = mirrored;
+  expect_two_ways(input, 2 * kHalfStep, "mirrored");
+  const FloatImage other = draw_segments(input);
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) ASSERT_NEAR(image.rgba[i], other.rgba[i], 1e-4) << i / 4;
+}
+
+TEST(DrawSegments, RaysFromFaceToFaceFindTheSurfacesOfAMeshWithoutFacets) {
+  DrawInput input = large_tetrahedra("torus:9");
+  const FloatImage image = draw_segments(input);
+  auto bare = std::make_shared<IntervalMesh>(*input.mesh);
+  bare->facets.clear();
+  input.mesh = bare;
+  expect_two_ways(input, 2 * kHalfStep, "without facets");
+  EXPECT_EQ(draw_segments(input).rgba, image.rgba);
+}
+
+TEST(DrawSegments, RaysFromFaceToFaceTellTheDepth) {
+  const DrawInput input = large_tetrahedra("torus:9");
+  const FloatImage image = draw_segments(input);
+  const OracleImage expected = oracle_image(input);
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < expected.depth.size(); ++i) {
+    if (!std::isfinite(expected.depth[i]) || !std::isfinite(image.depth[i])) continue;
+    ++seen;
+    ASSERT_NEAR(image.depth[i], expected.depth[i], 1e-3 * input.bounds.diagonal()) << i;
+  }
+  EXPECT_GT(seen, expected.depth.size() / 20);
+}
+
 TEST(DrawSegments, ThePictureDoesNotDependOnTheSize) {
   DrawInput input = extracted_input("torus:12", 0.2, 0.4, 0.6);
   for (const auto& [width, height] : {std::pair{1, 1}, {33, 31}, {65, 7}}) {
