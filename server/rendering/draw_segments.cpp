@@ -223,6 +223,7 @@ class TilePainter {
     input.height = part.y1 + 1;
     CrossingBatch& batch = memory.crossing_batch;
     for (std::size_t begin = 0; begin < memory.nearest_first.size(); begin += CrossingBatch::kCapacity) {
+      checkpoint();
       gather(std::span(memory.nearest_first), begin, batch);
       if (!cross_faces(input, batch, memory.crossings)) return false;
     }
