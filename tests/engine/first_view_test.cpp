@@ -81,9 +81,10 @@ TEST(FirstView, TheCameraSeesEveryPointOfItsLayers) {
     for (std::int64_t id = 0; id < dataset->grid.point_count(); ++id) {
       const double value = array.at(static_cast<std::size_t>(id));
       for (const FirstLayer& layer : view.layers)
-        if (value >= layer.lower && value <= layer.upper)
+        if (value >= layer.lower && value <= layer.upper) {
           for (const double at : on_picture(camera, dataset->grid.point(id), 4.0 / 3))
             ASSERT_LE(std::abs(at), 1) << name << " point " << id;
+        }
     }
   }
 }
