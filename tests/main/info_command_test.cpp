@@ -75,7 +75,7 @@ TEST(InfoCommand, IsReadableWithoutJson) {
 }
 
 TEST(InfoCommand, FailsWithOneLineAndStatusOne) {
-  for (const char* arguments : {"/no/such/file.vtk", "torus:0", "torus:8 --step 5", "/tmp"}) {
+  for (const char* arguments : {"/no/such/file.vtk", "torus:0", "torus:8 --step 5", "/dev/null"}) {
     const Ran ran = info(arguments, true);
     EXPECT_EQ(ran.status, 1) << arguments;
     EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 1) << ran.out;
