@@ -73,7 +73,7 @@ void run(char** argv) {
                       .file = request.file,
                       .output = output,
                       .memory_bytes = isostrata::memory_limit(request.file, request.max_bytes),
-                      .cpu_seconds = number(argv[5]),
+                      .cpu_seconds = isostrata::cpu_limit(request.file, number(argv[5])),
                       .sandbox = isostrata::sandbox_of(argv[6])});
   write_dataset(read_file(request), request, output);
 }

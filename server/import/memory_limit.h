@@ -1,4 +1,4 @@
-// How much memory reading one file may take.
+// How much memory and time reading one file may take.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,11 @@ namespace isostrata {
 /// that may name others (.pvd, .mhd) is taken with all that lies beside and below it.
 std::uint64_t memory_limit(const std::filesystem::path& file, std::uint64_t max_bytes);
 
-/// The second of these on its own: what `stored` bytes can unpack to.
+/// Seconds of processor time: at most `most`, and no more than a file of this size can need, so that a reader that a broken file sends in
+/// circles ends within ten seconds. Files that may name others are taken with them, as above.
+std::uint64_t cpu_limit(const std::filesystem::path& file, std::uint64_t most);
+
+/// The second of those of memory_limit on its own: what `stored` bytes can unpack to.
 std::uint64_t unpacked_bytes(std::uint64_t stored);
 
 }  // namespace isostrata
