@@ -19,7 +19,7 @@ std::string_view name_of(Codec codec);
 constexpr bool is_video(Codec codec) { return codec == Codec::vp9_444; }
 
 /// How video's Y, Cb and Cr are meant, written into the bitstream and told to the decoder again beside it: the matrix of BT.601
-/// in the limited range, primaries and transfer those of sRGB. It is what browsers show best (server/README.md, "Colour"):
+/// in the limited range, primaries and transfer those of sRGB. It is what browsers show best (docs/decisions.md, "Colour"):
 /// Chromium and Firefox come within 2 of 255, while pure blue through BT.709's matrix loses 12 in both, and Firefox takes full
 /// range for limited, which is wrong by 16.
 struct VideoColor {

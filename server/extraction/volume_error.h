@@ -16,7 +16,7 @@ namespace isostrata {
 
 struct VolumeErrorOptions {
   /// Each cell is cut into 6 * parts^3 tetrahedra and half as finely; what both leave open is extrapolated. 4 was chosen by
-  /// measurement, see server/README.md.
+  /// measurement, see docs/decisions.md.
   int parts = 4;
   /// Where an interval's ends cross more cells, that many are measured, spread evenly over the mesh, and stand for all.
   int most_cells = 4096;
