@@ -1,5 +1,5 @@
-// What is shown of a dataset when nobody has chosen anything: the page's new sessions, `isostrata render`, scripts and the
-// gallery all ask here, so that they show the same, to the last bit.
+// What is shown of a dataset when nobody has chosen anything: `isostrata render`, scripts and the gallery ask here, so that they
+// show the same, to the last bit. New sessions of a server still begin with extraction/first_layers.
 #pragma once
 
 #include <functional>

@@ -103,8 +103,8 @@ void run(const FirstViewArguments& arguments) {
 
 void add_first_view_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("first-view",
-                                         "What the page, render and scripts show when nothing was chosen: array, layers, "
-                                         "colours, light, camera, time, each with its reason");
+                                         "What render and scripts show when nothing was chosen: array, layers, colours, light, "
+                                         "camera, time, each with its reason");
   const auto arguments = std::make_shared<FirstViewArguments>();
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
   command->add_option("--array", arguments->array, "The array to show (default: the best)");
