@@ -5,37 +5,13 @@
 #include <fstream>
 #include <thread>
 
-#include "session/fake_engine.h"
+#include "session/people_messages.h"
 #include "session/random_token.h"
 #include "session/sessions_observer.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {
 namespace {
-
-v1::ClientMessage role_of(std::uint64_t participant, v1::Role role) {
-  v1::ClientMessage message;
-  message.mutable_set_role()->set_participant(participant);
-  message.mutable_set_role()->set_role(role);
-  return message;
-}
-
-v1::ClientMessage invite(v1::Role role, double seconds = 0) {
-  v1::ClientMessage message;
-  message.mutable_create_invitation()->set_role(role);
-  message.mutable_create_invitation()->set_seconds(seconds);
-  return message;
-}
-
-v1::ClientMessage revoke(const std::string& id) {
-  v1::ClientMessage message;
-  message.mutable_revoke_invitation()->set_id(id);
-  return message;
-}
-
-v1::Invitation invitation_of(const FakeClient& client) {
-  return client.outbox.newest([](const auto& m) { return m.has_invitation(); }).invitation();
-}
 
 class Roles : public ::testing::Test {
  protected:
