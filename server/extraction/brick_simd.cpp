@@ -2,24 +2,13 @@
 
 #include <type_traits>
 
+#include "extraction/for_each_scalar.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extraction/brick_simd.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include <hwy/highway.h>
-
-// The ten scalar types, with what their functions are called.
-#define ISOSTRATA_FOR_EACH_SCALAR(X) \
-  X(std::int8_t, I8)                 \
-  X(std::uint8_t, U8)                \
-  X(std::int16_t, I16)               \
-  X(std::uint16_t, U16)              \
-  X(std::int32_t, I32)               \
-  X(std::uint32_t, U32)              \
-  X(std::int64_t, I64)               \
-  X(std::uint64_t, U64)              \
-  X(float, F32)                      \
-  X(double, F64)
 
 HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
