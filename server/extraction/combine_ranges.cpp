@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 
 #include "base/parallel.h"
@@ -13,6 +12,7 @@
 #include "extraction/iso_rules.h"
 #include "extraction/memory_budget.h"
 #include "extraction/mesh_points.h"
+#include "extraction/mesh_sums.h"
 #include "extraction/open_ends.h"
 #include "extraction/region_facets.h"
 #include "extraction/restrict_region.h"
@@ -22,18 +22,12 @@ namespace {
 
 constexpr std::int64_t kRunsPerBlock = 512;
 
-/// What one block of cells adds to one label's summary.
-struct Sums {
-  std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
-  double volume = 0, signed_volume = 0;
-};
-
 /// Fills the summaries' counts and volumes. A tetrahedron counts as inverted where rounding cannot be the cause; what is rounded
 /// grows with each cut.
 void summarise(const RegionMesh& mesh, std::size_t cuts, std::vector<IntervalSummary>& summaries, const Task& task) {
   const auto runs = static_cast<std::int64_t>(mesh.cell_runs.size());
   const std::int64_t blocks = (runs + kRunsPerBlock - 1) / kRunsPerBlock;
-  std::vector<std::map<std::uint16_t, Sums>> sums(blocks);
+  std::vector<MeshSums> sums(blocks);
   parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t b = begin; b < end; ++b) {
       task.check();
@@ -46,7 +40,7 @@ void summarise(const RegionMesh& mesh, std::size_t cuts, std::vector<IntervalSum
         const double tolerance = handedness_of(0, box).tolerance * static_cast<double>(1 + cuts);
         std::vector<std::uint16_t> seen;
         for (std::uint32_t t = first; t < last; ++t) {
-          Sums& own = sums[b][mesh.labels[t]];
+          IntervalSums& own = sums[b].of(mesh.labels[t]);
           if (std::find(seen.begin(), seen.end(), mesh.labels[t]) == seen.end()) {
             seen.push_back(mesh.labels[t]);
             ++own.active_cells;
@@ -62,15 +56,7 @@ void summarise(const RegionMesh& mesh, std::size_t cuts, std::vector<IntervalSum
       }
     }
   });
-  for (const auto& block : sums)
-    for (const auto& [label, own] : block) {
-      IntervalSummary& summary = summaries[label];
-      summary.active_cells += own.active_cells;
-      summary.tetrahedra += own.tetrahedra;
-      summary.inverted += own.inverted;
-      summary.volume += own.volume;
-      summary.signed_volume += own.signed_volume;
-    }
+  for (const MeshSums& block : sums) block.add_to(summaries);
 }
 
 RegionMesh as_region(IntervalMesh& base, std::size_t intervals, std::vector<Buffer<double>> fields, bool facets) {
