@@ -18,6 +18,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/program_file.h"
 #include "base/temporary_directory.h"
 #include "data/beneath.h"
 #include "data/child_process.h"
@@ -63,9 +64,8 @@ std::string last_line(std::string text) {
 
 fs::path default_importer() {
   std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  const fs::path importer = self.parent_path() / "isostrata-import";
-  if (error || !fs::exists(importer, error))
+  const fs::path importer = program_file().parent_path() / "isostrata-import";
+  if (!fs::exists(importer, error))
     throw Error(ErrorCode::unavailable, importer.string() + " is not there: files cannot be read, only analytic data");
   return importer;
 }

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/program_file.h"
+
 namespace isostrata {
 namespace {
 
@@ -14,9 +16,8 @@ namespace fs = std::filesystem;
 std::vector<fs::path> places(const char* file, const char* variable) {
   // An empty one means: none, please. The environment is the operator's own, as the program is.
   if (const char* given = std::getenv(variable)) return *given ? std::vector<fs::path>{given} : std::vector<fs::path>{};
-  std::error_code error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  if (error) return {};
+  const fs::path folder = program_file().parent_path();
+  if (folder.empty()) return {};
   return {folder / file, folder.parent_path() / "lib" / file};
 }
 

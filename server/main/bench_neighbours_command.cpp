@@ -19,6 +19,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/program_file.h"
 #include "base/simd_level.h"
 #include "base/spawn.h"
 #include "base/temporary_directory.h"
@@ -236,7 +237,7 @@ class PoliteViewer {
 struct BenchArguments {
   std::vector<std::string> works;
   double most_s = 12, window_s = 2;
-  std::string program = "/proc/self/exe";
+  std::string program = program_file().string();
   std::vector<std::string> serve;
   bool json = false;
 };

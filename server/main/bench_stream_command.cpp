@@ -19,6 +19,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/program_file.h"
 #include "base/simd_level.h"
 #include "data/child_process.h"
 #include "engine/catalogue.h"
@@ -161,7 +162,7 @@ class BenchServer {
 };
 
 fs::path beside_this_program(const char* name) {
-  const fs::path path = fs::read_symlink("/proc/self/exe").parent_path() / name;
+  const fs::path path = program_file().parent_path() / name;
   if (!fs::exists(path)) throw Error(ErrorCode::unavailable, path.string() + " is not there; build the target " + name);
   return path;
 }

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/program_file.h"
 #include "base/simd_level.h"
 #include "data/sandbox.h"
 #include "encoding/encode_image.h"
@@ -43,9 +44,7 @@ struct Findings {
 };
 
 Importer find_importer() {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const auto path = self.parent_path() / "isostrata-import";
+  const auto path = program_file().parent_path() / "isostrata-import";
   return {path.string(), access(path.c_str(), X_OK) == 0};
 }
 

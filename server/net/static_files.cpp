@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/program_file.h"
 #include "net/security_headers.h"
 
 namespace isostrata {
@@ -165,8 +166,8 @@ HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std:
 fs::path find_web_root(const fs::path& wanted) {
   if (!wanted.empty()) return wanted;
   std::error_code error;
-  const fs::path directory = fs::read_symlink("/proc/self/exe", error).parent_path();
-  if (error) return {};
+  const fs::path directory = program_file().parent_path();
+  if (directory.empty()) return {};
   // <prefix>/bin/isostrata and <source>/build/<preset>/bin/isostrata
   for (const char* candidate : {"../share/isostrata/web", "../../../web/dist"}) {
     const fs::path root = directory / candidate;
