@@ -16,6 +16,7 @@
 #include "encoding/encode_image.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/egl_drivers.h"
 #include "main/worker_probe.h"
 #include "rendering/gl_extraction_mesh.h"
 #include "rendering/renderer.h"
@@ -30,6 +31,8 @@ struct Importer {
 
 struct Findings {
   std::vector<DeviceAttempt> attempts;
+  LoadedLibrary c_library;
+  std::vector<LoadedLibrary> egl;
   std::string device;         // what auto takes; empty where nothing can draw
   std::string device_detail;  // or why nothing can
   bool software = false;
@@ -61,6 +64,8 @@ std::int64_t control_group_limit() {
 Findings examine(const std::string& device, bool trial) {
   Findings findings;
   findings.attempts = probe_devices();
+  findings.c_library = c_library();
+  findings.egl = egl_libraries();
   try {
     const std::unique_ptr<Renderer> renderer = make_renderer({"auto", device, trial});
     findings.device = renderer->device();
@@ -84,6 +89,10 @@ Findings examine(const std::string& device, bool trial) {
   return findings;
 }
 
+boost::json::object to_json(const LoadedLibrary& library) {
+  return {{"name", library.name}, {"ok", library.ok}, {"detail", library.detail}};
+}
+
 boost::json::object to_json(const Findings& findings) {
   boost::json::array devices, codecs;
   for (const DeviceAttempt& a : findings.attempts)
@@ -92,6 +101,10 @@ boost::json::object to_json(const Findings& findings) {
     codecs.push_back(boost::json::object{{"name", codec.name}, {"ok", codec.ok}, {"detail", codec.detail}});
   boost::json::object out{
       {"version", ISOSTRATA_VERSION}, {"can_draw", !findings.device.empty()}, {"devices", std::move(devices)}};
+  out["c_library"] = to_json(findings.c_library);
+  boost::json::array egl;
+  for (const LoadedLibrary& library : findings.egl) egl.push_back(to_json(library));
+  out["egl"] = std::move(egl);
   if (findings.device.empty()) {
     out["device"] = nullptr;
     out["reason"] = findings.device_detail;
@@ -140,6 +153,12 @@ void print_sandbox(const SandboxSupport& support) {
   if (!missing.empty()) std::printf("        serve wants all of it where --host is not a loopback address\n");
 }
 
+void print_libraries(const Findings& findings) {
+  std::printf("\nEGL, and what it is loaded with\n  ok    %s: %s\n", findings.c_library.name.c_str(), findings.c_library.detail.c_str());
+  for (const LoadedLibrary& library : findings.egl)
+    std::printf("  %-5s %s: %s\n", library.ok ? "ok" : "no", library.name.c_str(), library.detail.c_str());
+}
+
 void print_text(const Findings& findings) {
   std::printf("isostrata " ISOSTRATA_VERSION "\n\ndevices\n");
   for (const DeviceAttempt& a : findings.attempts)
@@ -150,6 +169,7 @@ void print_text(const Findings& findings) {
     std::printf("  used: %s\n", findings.device.c_str());
   if (!findings.trial.empty()) std::printf("  renderer %s\n", findings.trial.c_str());
   if (findings.software) std::printf("  *** SOFTWARE rendering: pictures are right, but slow; no GPU is used ***\n");
+  print_libraries(findings);
   std::printf("\nextraction in OpenGL compute (extract --device)\n  %-5s %s\n", findings.compute.empty() ? "ok" : "no",
               findings.compute.empty() ? "equals the CPU's on a small field" : findings.compute.c_str());
   const WorkerProbe& worker = findings.worker;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <fstream>
 
 #include "support/osmesa.h"
 #include "support/run_isostrata.h"
@@ -47,6 +48,25 @@ TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
   EXPECT_EQ(sandbox.at("ok").as_bool(), sandbox.at("missing").as_string().empty());
   EXPECT_GE(document.at("limits").at("cores").to_number<int>(), 1);
   EXPECT_GT(document.at("limits").at("memory_bytes").to_number<long long>(), 1ll << 20);
+}
+
+TEST(DoctorCommand, SaysWhichEglItLoadsAndWhyADriverOfItDoesNotLoad) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "10_gone.json") << R"({"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_gone.so.0"}})";
+  std::ofstream(folder / "20_empty.json") << "{}";
+  const CommandResult result = run_isostrata("doctor --json", "__EGL_VENDOR_LIBRARY_DIRS='" + folder.path().string() + "'");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto document = boost::json::parse(result.out);
+  EXPECT_THAT(std::string(document.at("c_library").at("detail").as_string()), HasSubstr("/libc.so.6"));
+  const auto& egl = document.at("egl").as_array();
+  ASSERT_EQ(egl.size(), 3u) << document.at("egl");
+  EXPECT_TRUE(egl[0].at("ok").as_bool());
+  EXPECT_THAT(std::string(egl[0].at("detail").as_string()), HasSubstr("/libEGL.so.1"));
+  EXPECT_EQ(egl[1].at("name").as_string(), "10_gone.json: libEGL_gone.so.0");
+  EXPECT_FALSE(egl[1].at("ok").as_bool());
+  EXPECT_THAT(std::string(egl[1].at("detail").as_string()), HasSubstr("libEGL_gone.so.0: cannot open shared object file"));
+  EXPECT_FALSE(egl[2].at("ok").as_bool());
+  EXPECT_THAT(std::string(egl[2].at("detail").as_string()), HasSubstr("names no driver"));
 }
 
 TEST(DoctorCommand, IsLoudAboutSoftware) {
