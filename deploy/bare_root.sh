@@ -1,9 +1,9 @@
 # shellcheck shell=bash
-# Bare Debian root folders for prove-bare, prove-dockerfile and tests/bench/peers, which source this file. Needs root, debootstrap and a
+# Bare Debian root folders for prove-bare, prove-archive, prove-dockerfile and tests/bench/peers, which source this file. Needs root, debootstrap and a
 # Debian machine, of whatever release. A folder gets nothing of this machine but the way to the network: its mirror, its name servers, the
 # certificates added to it.
 
-# make_bare_root DIR [SUITE]: what debootstrap calls minbase of bookworm, trixie or forky, with /proc and /dev mounted.
+# make_bare_root DIR [SUITE]: what debootstrap calls minbase of bookworm or of another release, with /proc and /dev mounted.
 make_bare_root() {
   local dir=$1 suite=${2:-bookworm} own from mirror script=/usr/share/debootstrap/scripts/${2:-bookworm}
   ((EUID == 0)) || { echo "making a root folder needs root" >&2; return 1; }
@@ -53,7 +53,7 @@ mount_bare_root() {
 
 # Unmounts everything below DIR, deepest first.
 unmount_bare_root() {
-  awk -v dir="$1/" 'index($2, dir) == 1 { print $2 }' /proc/self/mounts | sort -r | while read -r at; do umount "$at"; done
+  awk -v dir="$1/" 'index($2, dir) == 1 { print $2 }' /proc/self/mounts | sort -r | while read -r at; do umount "$(printf '%b' "$at")"; done
 }
 
 # in_bare_root DIR [--userspec=U:G] COMMAND...: nothing of the caller's environment, no terminal, no standard input.
