@@ -23,6 +23,7 @@
 #include "main/config_file.h"
 #include "main/sandbox_option.h"
 #include "main/server_log.h"
+#include "main/service_manager.h"
 #include "net/server.h"
 #include "net/static_files.h"
 #include "session/protobuf_log.h"
@@ -180,8 +181,21 @@ struct ProtobufLines {
   ~ProtobufLines() { silence_protobuf(); }
 };
 
-void serve(const ServeArguments& arguments) {
+/// A socket that is passed comes before --host, --port and --socket: whoever passes it has said where the server listens.
+int take_passed_socket(ServeArguments& arguments, ServerLog& log) {
+  const std::optional<PassedSocket> passed = passed_socket();
+  if (!passed) return -1;
+  arguments.socket = passed->path.string();
+  if (passed->path.empty()) arguments.host = passed->host, arguments.port = passed->port;
+  log.info("passed_socket", "listening on " + (passed->path.empty() ? passed->host + " port " + std::to_string(passed->port) : arguments.socket) +
+                                ", as the service manager does for this server");
+  return passed->descriptor;
+}
+
+void serve(ServeArguments arguments) {
   ServerLog log(arguments.log_format == "json");
+  const ServiceManager manager;
+  const int listening = take_passed_socket(arguments, log);
   const ProtobufLines protobuf_lines(log);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
@@ -211,6 +225,10 @@ void serve(const ServeArguments& arguments) {
   options.port = static_cast<unsigned short>(arguments.port);
   const std::string socket = arguments.socket.empty() ? "" : fs::absolute(arguments.socket).string();
   options.socket = socket;
+  options.listening = listening;
+  options.pulse = manager.pulse();
+  options.alive = [&manager] { manager.tell("WATCHDOG=1"); };
+  options.ending = [&manager](const std::string& reason) { manager.tell("STOPPING=1\nSTATUS=" + reason); };
   options.base_url = arguments.base_url;
   options.web_root = find_web_root(arguments.web_root);
   options.token = token_of(arguments);
@@ -244,6 +262,8 @@ void serve(const ServeArguments& arguments) {
     log.info("ready", "serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on " +
                           (socket.empty() ? "port " + std::to_string(server.port()) : "the socket " + socket));
     print_address(server, socket);
+    manager.tell("READY=1\nSTATUS=serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on " +
+                 server.engine().device());
   });
   if (!arguments.ready_file.empty()) {
     std::error_code ignored;

@@ -78,4 +78,15 @@ tcp::acceptor listen_on_socket(asio::io_context& io, const std::filesystem::path
   return acceptor;
 }
 
+tcp::acceptor listen_on_descriptor(asio::io_context& io, int descriptor) {
+  sockaddr_storage bound{};
+  socklen_t size = sizeof bound;
+  getsockname(descriptor, reinterpret_cast<sockaddr*>(&bound), &size);
+  tcp::acceptor acceptor(io);
+  boost::system::error_code error;
+  acceptor.assign(bound.ss_family == AF_INET6 ? tcp::v6() : tcp::v4(), descriptor, error);
+  if (error) throw Error(ErrorCode::unavailable, "cannot listen on descriptor " + std::to_string(descriptor) + ": " + error.message());
+  return acceptor;
+}
+
 }  // namespace isostrata

@@ -92,6 +92,11 @@ SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine
   return sessions;
 }
 
+tcp::acceptor listen(asio::io_context& io, const ServerOptions& options) {
+  if (options.listening >= 0) return listen_on_descriptor(io, options.listening);
+  return options.socket.empty() ? listen_on_port(io, options.host, options.port) : listen_on_socket(io, options.socket);
+}
+
 std::unique_ptr<FrameEngine> make_engine(const ServerOptions& options, FrameEngine::Sink sink) {
   if (options.worker) return std::make_unique<WorkerEngine>(options.engine, *options.worker, std::move(sink));
   return std::make_unique<Engine>(options.engine, std::move(sink));
@@ -114,14 +119,15 @@ class Server::Impl {
                      options_.messages_per_second},
         tls_(make_gate(options_)),
         io_(1),
-        acceptor_(options_.socket.empty() ? listen_on_port(io_, options_.host, options_.port) : listen_on_socket(io_, options_.socket)),
+        acceptor_(listen(io_, options_)),
         port_(options_.socket.empty() ? acceptor_.local_endpoint().port() : 0),
         site_options_(site_options(options_, port_, public_host_)),
         engine_(make_engine(options_, [this](EngineEvent event) { arrive(std::move(event)); })),
         sessions_(sessions_options(options_, *engine_), [this](EngineRequest request) { engine_->post(std::move(request)); }),
         site_(site_options_, sessions_),
         tick_(io_),
-        notice_(io_) {}
+        notice_(io_),
+        pulse_(io_) {}
 
   ~Impl() {
     // Most coroutines end here; those that wait for an answer are destroyed with io_.
@@ -129,9 +135,10 @@ class Server::Impl {
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     std::error_code gone;
-    if (!options_.socket.empty()) std::filesystem::remove(options_.socket, gone);
+    if (!options_.socket.empty() && options_.listening < 0) std::filesystem::remove(options_.socket, gone);
     tick_.cancel();
     notice_.cancel();
+    pulse_.cancel();
     sessions_.end_all();  // what waits for sessions belongs to the site, which goes first
     io_.restart();
     io_.poll();
@@ -160,6 +167,7 @@ class Server::Impl {
     asio::co_spawn(io_, accept_all(), asio::detached);
     asio::co_spawn(io_, tick_all(), asio::detached);
     if (options_.ends) asio::co_spawn(io_, give_notice(), asio::detached);
+    if (options_.pulse.count() > 0 && options_.alive) asio::co_spawn(io_, say_alive(), asio::detached);
     if (ready) asio::post(io_, ready);
     for (;;) {
       try {
@@ -250,9 +258,21 @@ class Server::Impl {
     }
   }
 
+  // Also while it ends: whoever listens for a pulse kills what has none.
+  asio::awaitable<void> say_alive() {
+    for (;;) {
+      options_.alive();
+      boost::system::error_code error;
+      pulse_.expires_after(options_.pulse);
+      co_await pulse_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      if (error) co_return;
+    }
+  }
+
   void shut_down(const std::string& reason) {
     if (stopping_) return;
     stopping_ = true;
+    if (options_.ending) options_.ending(reason);
     boost::system::error_code ignored;
     acceptor_.close(ignored);
     wake();
@@ -284,7 +304,7 @@ class Server::Impl {
   const std::unique_ptr<FrameEngine> engine_;
   Sessions sessions_;
   Site site_;
-  asio::steady_timer tick_, notice_;
+  asio::steady_timer tick_, notice_, pulse_;
   bool stopping_ = false;
   Steady::time_point last_connection_ = Steady::now();
 };

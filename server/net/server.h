@@ -19,6 +19,7 @@ struct ServerOptions {
   std::string host = "127.0.0.1";  // an address or a name of this machine
   unsigned short port = 8080;      // 0: any that is free
   std::filesystem::path socket{};  // a Unix socket, which this user alone can open, in place of host and port; empty: none
+  int listening = -1;              // a socket that listens already there, in place of one that is made; the socket's file stays
   std::string base_url = "/";      // "/prefix/" or the whole URL under which a proxy shows it
   std::filesystem::path web_root;  // the built page
   std::string token;               // empty: everyone may ask
@@ -35,6 +36,9 @@ struct ServerOptions {
   double messages_per_second = 1000;  // of one WebSocket; more are passed over or read later
   std::filesystem::path state_dir;  // where sessions survive the process (session/journal.h); empty: they do not
   std::optional<std::chrono::system_clock::time_point> ends;  // when this process will be ended from outside; told to clients before
+  std::chrono::milliseconds pulse{0};                         // how often `alive` is called while the server's thread runs; 0: never
+  std::function<void()> alive;                                // on the thread of run()
+  std::function<void(const std::string& reason)> ending;      // on the thread of run(), once; empty: nobody is told
   std::function<void(const std::string& what)> warn;          // of trouble that the server lives with; any thread
   EngineOptions engine;
   std::optional<WorkerOptions> worker;  // the engine runs in a process of its own; none: in this one
