@@ -2,8 +2,8 @@
 //
 // A polyhedron that is a tetrahedron, pyramid, wedge or hexahedron becomes that cell. Any other is joined face by face to a point
 // inside it: triangles make tetrahedra, quadrilaterals make pyramids on the whole quadrilateral, larger polygons are cut into
-// triangles first. How a face is cut depends on its points and their global ids only, so two cells that share a face agree on it
-// whatever kinds they are.
+// triangles first, and so are triangles that have a fourth point on an edge. How a face is cut depends on its points and their global
+// ids only, so two cells that share a face agree on it whatever kinds they are.
 #pragma once
 
 #include <cstdint>
@@ -60,7 +60,10 @@ struct PolyhedronSplit {
 void split_polyhedron(const PolyhedronFaces& faces, const std::function<Vec3d(std::int64_t)>& position, PolyhedronSplit& out);
 
 /// Cuts a polygon into triangles, three ids each, the same for every cell that has it: a fan from its smallest id where that
-/// covers the polygon, else a fan from another point or cut ears, begun at the smallest id towards its smaller neighbour.
+/// covers the polygon with triangles that have an area, else a fan from another point, else one with triangles without area, else
+/// cut ears, begun at the smallest id towards its smaller neighbour. Corners in line with two others (middles of edges, beside
+/// refined cells) make no triangle with them where there is another way: it would be one of the face beyond that edge, too. Each
+/// triangle goes round as the polygon does.
 void cut_polygon(std::span<const std::int64_t> cycle, const std::function<Vec3d(std::int64_t)>& position,
                  std::vector<std::int64_t>& triangles);
 

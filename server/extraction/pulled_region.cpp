@@ -5,7 +5,7 @@
 #include <set>
 
 #include "extraction/cell_geometry.h"
-#include "extraction/kernel_point.h"
+#include "data/kernel_point.h"
 
 namespace isostrata {
 namespace {

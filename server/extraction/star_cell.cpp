@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "extraction/cell_geometry.h"
-#include "extraction/kernel_point.h"
+#include "data/kernel_point.h"
 #include "extraction/mesh_points.h"
 #include "tables/interval_complex.h"
 

@@ -8,7 +8,9 @@
 #include <numeric>
 #include <random>
 
+#include "support/refined_cubes.h"
 #include "support/truncated_cubes.h"
+#include "support/voronoi_cells.h"
 
 namespace isostrata {
 namespace {
@@ -107,10 +109,16 @@ TEST(SplitPolyhedron, KeepsTheFourCellsWhateverWayTheyAreWritten) {
     }
 }
 
-TEST(SplitPolyhedron, ConformsAndFillsSpaceWithTruncatedCubes) {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+/// Truncated cubes, Voronoi cells, or cubes of which some are refined: with points in the middle of edges.
+test::PolyhedralMesh mesh_of(std::uint64_t seed) {
+  const std::array<std::int64_t, 3> cubes{4, 3, 3};
+  return seed % 3 == 0 ? test::truncated_cubes(cubes, seed) : seed % 3 == 1 ? test::voronoi_cells(cubes, seed) : test::refined_cubes(cubes, seed);
+}
+
+TEST(SplitPolyhedron, ConformsAndFillsSpaceWithPolyhedraOfAllSorts) {
+  for (std::uint64_t seed = 1; seed <= 15; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const test::PolyhedralMesh mesh = test::truncated_cubes({4, 3, 3}, seed);
+    const test::PolyhedralMesh mesh = mesh_of(seed);
     const auto linear = [](const Vec3d& p) { return 1 + 2 * p.x - 3 * p.y + 0.5 * p.z; };
     std::map<Cycle, int> uses;
     double total = 0;

@@ -10,7 +10,9 @@
 #include <set>
 
 #include "support/run_isostrata.h"
+#include "support/refined_cubes.h"
 #include "support/truncated_cubes.h"
+#include "support/voronoi_cells.h"
 #include "support/vtk_text.h"
 
 namespace {
@@ -194,17 +196,19 @@ TEST(BadInput, SurfacesAmongSolidsAreLeftOut) {
 
 TEST(BadInput, PolyhedraOfAllSortsConformAndTile) {
   const TemporaryFolder folder;
-  const auto mesh = isostrata::test::truncated_cubes({3, 3, 3}, 31);
-  VtuText vtu;
-  vtu.points = mesh.points;
-  std::vector<double> values;
-  for (const auto& cell : mesh.cells) vtu.add_polyhedron(cell);
-  for (const Vec3d& p : mesh.points) values.push_back(p.x + p.y + p.z);
-  vtu.point_array("f", "Float64", values);
-  const auto file = folder.write("p.vtu", vtu.text());
-  expect_volume(file, "--interval 0:9", 27);
-  expect_volume(file, "--interval 0:2.5 --interval 2.5:4 --interval 4:9", 27);
-  expect_volume(file, "--interval 0:4.5", 13.5);  // half of the cube: the field is linear and stays so at added points
+  for (const auto& mesh : {isostrata::test::truncated_cubes({3, 3, 3}, 31), isostrata::test::refined_cubes({3, 3, 3}, 31),
+                           isostrata::test::voronoi_cells({3, 3, 3}, 31)}) {
+    VtuText vtu;
+    vtu.points = mesh.points;
+    std::vector<double> values;
+    for (const auto& cell : mesh.cells) vtu.add_polyhedron(cell);
+    for (const Vec3d& p : mesh.points) values.push_back(p.x + p.y + p.z);
+    vtu.point_array("f", "Float64", values);
+    const auto file = folder.write("p.vtu", vtu.text());
+    expect_volume(file, "--interval 0:9", 27);
+    expect_volume(file, "--interval 0:2.5 --interval 2.5:4 --interval 4:9", 27);
+    expect_volume(file, "--interval 0:4.5", 13.5);  // half of the cube: the field is linear and stays so at added points
+  }
 }
 
 TEST(BadInput, ConvexPointSetsConformAndTileHoweverSmallTheirFacesAre) {

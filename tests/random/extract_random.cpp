@@ -97,6 +97,7 @@ std::vector<Kind> kinds() {
                    return sum;
                  }});
   out.push_back({"mixed", [](Random& random) { return check_plain(mixed_mesh(random)); }});
+  out.push_back({"polyhedra", [](Random& random) { return check_plain(polyhedra(random)); }});
   out.push_back({"structured", [](Random& random) {
                    Checked sum;
                    for (int grid = 0; grid < 10; ++grid) sum += check_structured(structured_grid(random));
@@ -112,11 +113,18 @@ std::vector<Kind> kinds() {
   out.push_back({"strict",
                  [](Random& random) {
                    Checked sum = check_strict(mixed_mesh(random));
+                   sum += check_strict(polyhedra(random));
                    for (int grid = 0; grid < 4; ++grid) sum += check_strict(structured_grid(random));
                    return sum;
                  },
                  10});
-  out.push_back({"spacetime", [](Random& random) { return check_space_time(mixed_mesh(random), random); }, 10});
+  out.push_back({"spacetime",
+                 [](Random& random) {
+                   Checked sum = check_space_time(mixed_mesh(random), random);
+                   sum += check_space_time(polyhedra(random), random);
+                   return sum;
+                 },
+                 10});
   return out;
 }
 

@@ -5,8 +5,12 @@
 #include <limits>
 
 #include "data/analytic.h"
+#include "data/hull_faces.h"
 #include "data/split_polyhedron.h"
+#include "support/refined_cubes.h"
 #include "support/truncated_cubes.h"
+#include "support/voronoi_cells.h"
+#include "support/whole_number_hull.h"
 #include "tables/lattice_cell.h"
 
 namespace isostrata::random_test {
@@ -172,7 +176,8 @@ UnstructuredParts split_polyhedra(const test::PolyhedralMesh& mesh) {
     for (const auto& face : cell) faces.add(face);
     split_polyhedron(
         faces, [&](std::int64_t id) { return parts.points[static_cast<std::size_t>(id)]; }, split);
-    if (split.kind == SplitKind::open) throw BrokenLaw("a truncated cube is not closed");
+    if (split.kind == SplitKind::open) throw BrokenLaw("a polyhedron is not closed");
+    if (split.kind == SplitKind::overlapping) throw BrokenLaw("no point sees all faces of a polyhedron");
     std::size_t at = 0;
     for (const CellType type : split.types) {
       std::vector<std::int64_t> ids;
@@ -318,6 +323,46 @@ RandomInput mixed_mesh(Random& random) {
   if (!damaged) input.expectation.whole = whole;  // the boundary is plane: how faces are cut does not matter
   const ValueKind kind(random);
   add_values(input, draw_values(input.grid.point_count(), kind, damaged ? 200 : 0, random), kind, random);
+  return input;
+}
+
+RandomInput polyhedra(Random& random) {
+  test::PolyhedralMesh mesh;
+  const auto any_three = [&] { return std::array<std::int64_t, 3>{1 + below(random, 3), 1 + below(random, 3), 1 + below(random, 3)}; };
+  const std::int64_t which = below(random, 3);
+  if (which == 0) {
+    mesh = test::voronoi_cells(any_three(), random());
+  } else if (which == 1) {
+    mesh = test::refined_cubes(any_three(), random());
+  } else {
+    PolyhedronFaces faces;
+    for (std::int64_t cell = 0; cell < 20; ++cell) {
+      const std::int64_t most = std::int64_t{1} << (1 + below(random, 5));
+      std::vector<test::WholePoint> whole(static_cast<std::size_t>(4 + below(random, 16)));
+      std::vector<Vec3d> points;
+      std::vector<std::int64_t> ids;
+      for (test::WholePoint& p : whole) {
+        for (std::int64_t& x : p) x = below(random, most + 1);
+        points.push_back(Vec3d{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])} /
+                         static_cast<double>(most));
+        ids.push_back(static_cast<std::int64_t>(mesh.points.size() + ids.size()));
+      }
+      mesh.points.insert(mesh.points.end(), points.begin(), points.end());
+      const double scale = static_cast<double>(most) * static_cast<double>(most) * static_cast<double>(most);
+      mesh.volume += static_cast<double>(test::six_hull_volumes(whole)) / (6 * scale);
+      hull_faces(points, ids, faces);
+      if (faces.size() == 0) continue;
+      auto& cycles = mesh.cells.emplace_back();
+      for (std::size_t f = 0; f < faces.size(); ++f) cycles.emplace_back(faces.face(f).begin(), faces.face(f).end());
+    }
+  }
+  RandomInput input;
+  input.grid = unstructured_grid(renumbered(split_polyhedra(mesh), random));
+  input.expectation.flat_faces = true;
+  input.expectation.scale = 8;
+  input.expectation.whole = mesh.volume;
+  const ValueKind kind(random);
+  add_values(input, draw_values(input.grid.point_count(), kind, 0, random), kind, random);
   return input;
 }
 

@@ -6,21 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <random>
 #include <vector>
 
-#include "base/vec.h"
-#include "data/grid.h"
-#include "tables/cell_type.h"
+#include "support/polyhedral_mesh.h"
 
 namespace isostrata::test {
-
-struct PolyhedralMesh {
-  std::vector<Vec3d> points;
-  std::vector<std::vector<std::vector<std::int64_t>>> cells;  // [cells][faces] cycles of point ids
-  double volume = 0;
-};
 
 /// Unit cubes (i,j,k) below `cubes`: where one has a corner cut off, all that meet there have, at `depth` of their edges; the
 /// corners are octahedra inside, and less of them on the boundary. Octagons, triangles, and at random whole
@@ -98,15 +89,7 @@ inline PolyhedralMesh truncated_cubes(std::array<std::int64_t, 3> cubes, std::ui
         for (const std::size_t z : {4, 5}) octahedron.push_back({tip[x], tip[y], tip[z]});
     mesh.cells.push_back(std::move(octahedron));
   }
-  std::vector<std::int64_t> numbers(mesh.points.size());
-  std::iota(numbers.begin(), numbers.end(), 0);
-  std::shuffle(numbers.begin(), numbers.end(), random);
-  std::vector<Vec3d> moved(mesh.points.size());
-  for (std::size_t p = 0; p < moved.size(); ++p) moved[static_cast<std::size_t>(numbers[p])] = mesh.points[p];
-  mesh.points = std::move(moved);
-  for (auto& cell : mesh.cells)
-    for (auto& face : cell)
-      for (auto& id : face) id = numbers[static_cast<std::size_t>(id)];
+  number_at_random(mesh, random);
   mesh.volume = static_cast<double>(cubes[0] * cubes[1] * cubes[2]);
   return mesh;
 }

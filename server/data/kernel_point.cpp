@@ -1,4 +1,4 @@
-#include "extraction/kernel_point.h"
+#include "data/kernel_point.h"
 
 #include <cmath>
 #include <utility>
