@@ -13,7 +13,7 @@
 
 namespace isostrata {
 
-inline constexpr std::size_t kMostHullPoints = 64;
+inline constexpr std::size_t kMostHullPoints = 256;
 
 /// Points in one plane make one face, with the points on its edges as corners; points inside a face or inside the hull are left
 /// out. What lies within 1e-6 of the points' diagonal of a plane lies in it (or within single precision, where all coordinates are

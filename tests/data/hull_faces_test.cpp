@@ -8,6 +8,8 @@
 #include <numeric>
 #include <random>
 
+#include "support/whole_number_hull.h"
+
 namespace isostrata {
 namespace {
 
@@ -94,7 +96,7 @@ TEST(HullFaces, HoldTheVolumeHoweverSmallAFaceIs) {
     for (const double depth : {0.3, 1e-2, 1e-3, 5e-5, 1e-5, 3e-6, 1e-6, 2e-7, 1e-8})
       for (int trial = 0; trial < 20; ++trial) {
         const std::vector<Vec3d> points = truncated_cube(depth, single, {2, -1, 3}, random);
-        ASSERT_NEAR(volume_inside(points), 1 - 8 * depth * depth * depth / 6, single || depth < 1e-5 ? 5e-6 : 1e-9)
+        ASSERT_NEAR(volume_inside(points), 1 - 8 * depth * depth * depth / 6, single || depth < 1e-5 ? 5e-6 : 1e-12)
             << "depth " << depth << (single ? ", single" : "") << ", seed 42, trial " << trial;
         if (depth >= 5e-5) {
           ASSERT_EQ(face_sizes(points), (std::map<std::size_t, int>{{3, 8}, {8, 6}}))
@@ -108,6 +110,21 @@ TEST(HullFaces, OfPointsFarFromTheOriginAreWholeInSinglePrecision) {
   for (int trial = 0; trial < 50; ++trial)
     ASSERT_EQ(face_sizes(truncated_cube(0.25, true, {3000, -2000, 900}, random)), (std::map<std::size_t, int>{{3, 8}, {8, 6}}))
         << "seed 43, trial " << trial;
+}
+
+TEST(HullFaces, HoldWhatWholeNumbersSayOfRandomPoints) {
+  std::mt19937_64 random(46);
+  for (int trial = 0; trial < 400; ++trial) {
+    const std::int64_t most = std::int64_t{1} << (1 + trial % 5);  // few places: points that coincide, lie in a line, in a plane
+    std::vector<test::WholePoint> whole(4 + random() % 20);
+    std::vector<Vec3d> points;
+    for (test::WholePoint& p : whole) {
+      for (std::int64_t& x : p) x = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(most + 1));
+      points.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+    const double six = static_cast<double>(test::six_hull_volumes(whole));
+    ASSERT_NEAR(6 * volume_inside(points), six, 1e-12 * six) << "seed 46, trial " << trial;
+  }
 }
 
 TEST(HullFaces, OfRandomPointsHaveAllPointsOnOneSide) {

@@ -123,6 +123,19 @@ TEST(ImportCells, ConvexPointSetsBecomeTheirHull) {
   EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{"hexahedron", 1}, {"pyramid", 5}, {"tetrahedron", 4}}));
 }
 
+TEST(ImportCells, ConvexPointSetsMayHaveManyPoints) {
+  const Scratch scratch;
+  VtuText vtu;
+  std::vector<std::int64_t> ids;
+  for (int p = 0; p < 125; ++p) {
+    vtu.points.push_back({(p % 5) * 0.25, (p / 5 % 5) * 0.25, (p / 25) * 0.25});
+    ids.push_back(p);
+  }
+  vtu.add(41, ids);
+  const auto data = test::open(scratch.write("many.vtu", vtu.text()));
+  EXPECT_NEAR(visible_volume(*data), 1, 1e-12);
+}
+
 TEST(ImportCells, LegacyFilesHaveTheirPolyhedraReadToo) {
   const Scratch scratch;
   // A cube with a roof: five quadrilaterals and four triangles.
