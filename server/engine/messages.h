@@ -16,8 +16,9 @@
 #include "encoding/encode_image.h"
 #include "encoding/encode_still.h"
 #include "engine/dataset_facts.h"
-#include "engine/export_mesh.h"
+#include "engine/exported_mesh.h"
 #include "engine/scene.h"
+#include "extraction/write_mesh.h"
 
 namespace isostrata {
 

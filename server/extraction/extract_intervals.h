@@ -7,23 +7,10 @@
 
 #include "base/task.h"
 #include "data/dataset.h"
+#include "extraction/extract_options.h"
 #include "extraction/interval_mesh.h"
 
 namespace isostrata {
-
-class BrickMemory;
-class OrderedMemory;
-
-struct ExtractOptions {
-  bool facets = false;                     // fill IntervalMesh::facets
-  bool values = true;                      // fill IntervalMesh::values
-  bool measure = true;                     // sum the volumes of the summaries and count what is inverted
-  bool complement = false;                 // also what is below, between and above the intervals, as further intervals after them
-  bool strict = false;                     // leave no tetrahedron turned against its cell (strict_triangulation.h)
-  std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, where the mesh would need more
-  BrickMemory* bricks = nullptr;           // keeps what the next extraction of the same field can use: structured grids only
-  OrderedMemory* ordered = nullptr;        // used where it has the grid: grids of tetrahedra only
-};
 
 /// Generates the tables that the grid's cells need, where this process has not done so yet (0.1 s for hexahedra).
 /// extract_intervals does it too; this is for whoever wants to pay, or time, it apart. Any thread.

@@ -7,7 +7,7 @@
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/extract_options.h"
 #include "extraction/interval_mesh.h"
 
 namespace isostrata {

@@ -10,7 +10,7 @@
 
 #include "base/task.h"
 #include "data/dataset.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/extract_options.h"
 #include "extraction/interval_mesh.h"
 
 namespace isostrata {
