@@ -6,6 +6,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 namespace isostrata {
@@ -49,6 +50,17 @@ std::vector<Include> includes_of(const fs::path& file) {
 
 std::string first_folder(const std::string& path) { return path.substr(0, path.find('/')); }
 
+// The folders of a room in their order, as its CMakeLists.txt gives them to isostrata_room(... FOLDERS a b c PUBLIC ...).
+std::vector<std::string> folders_of(const fs::path& room) {
+  std::ifstream in(room / "CMakeLists.txt");
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  static const std::regex call(R"re(isostrata_room\(\w+\s+FOLDERS\s+([a-z_\s]+))re");
+  std::smatch match;
+  if (!std::regex_search(text, match, call)) return {};
+  std::istringstream names(match[1]);
+  return {std::istream_iterator<std::string>(names), {}};
+}
+
 class Checker {
  public:
   explicit Checker(fs::path root) : root_(std::move(root)) {}
@@ -59,6 +71,11 @@ class Checker {
       if (const auto name = entry.path().filename().string();
           entry.is_directory() && name != "import" && rank_of(name) == kNoRoom)
         complain(entry.path(), 0, "is no room");
+    for (const std::string& room : rooms())
+      if (auto folders = folders_of(root_ / "server" / room); !folders.empty()) {
+        check_folders(root_ / "server" / room, folders);
+        folders_[room] = std::move(folders);
+      }
     for (const char* top : {"server", "client", "protocol"})
       if (fs::is_directory(root_ / top))
         for (const auto& entry : fs::recursive_directory_iterator(root_ / top))
@@ -88,6 +105,32 @@ class Checker {
     if (file.extension() == ".h") note_types(file);
   }
 
+  void check_folders(const fs::path& room, const std::vector<std::string>& folders) {
+    std::set<std::string> with_sources;
+    for (const auto& entry : fs::recursive_directory_iterator(room)) {
+      if (!entry.is_regular_file() || !is_source(entry.path())) continue;
+      const std::string path = entry.path().lexically_relative(room).generic_string();
+      if (path.find('/') == std::string::npos) {
+        complain(entry.path(), 0, "is in none of the room's folders");
+      } else if (const std::string folder = first_folder(path); with_sources.insert(folder).second &&
+                                                               std::find(folders.begin(), folders.end(), folder) == folders.end()) {
+        complain(room / folder, 0, "is not among the FOLDERS of the room's CMakeLists.txt");
+      }
+    }
+    for (const std::string& folder : folders)
+      if (!with_sources.contains(folder)) complain(room / "CMakeLists.txt", 0, "FOLDERS names " + folder + ", which has no source");
+  }
+
+  void check_folder_order(const fs::path& file, const std::string& room, const Include& include) {
+    const auto it = folders_.find(room);
+    if (it == folders_.end()) return;
+    const auto rank = [&](const std::string& folder) { return std::find(it->second.begin(), it->second.end(), folder); };
+    const auto from = rank(first_folder(file.lexically_relative(root_ / "server" / room).generic_string()));
+    const auto to = rank(first_folder(include.path.substr(room.size() + 1)));
+    if (to != it->second.end() && from < to)
+      complain(file, include.line, room + "/" + *from + " may not include " + room + "/" + *to + ": " + include.path);
+  }
+
   // Two types of one name that differ are no error to a linker, which keeps the code of one for both.
   void note_types(const fs::path& file) {
     static const std::regex scope(R"re(^namespace ([\w:]+) \{)re"),
@@ -108,7 +151,7 @@ class Checker {
     // A name without a folder, or one that is found beside the file, is the room's own.
     if (include.path.find('/') == std::string::npos || fs::exists(file.parent_path() / include.path)) return;
     const std::string wanted = first_folder(include.path);
-    if (wanted == room) return;
+    if (wanted == room) return check_folder_order(file, room, include);
     if (include.path.starts_with("isostrata/v1/")) {  // generated: the one place where Protobuf meets our types is session
       if (rank_of(room) != kNoRoom && rank_of(room) < rank_of("session"))
         complain(file, include.line, "Protobuf left of session: " + include.path);
@@ -131,6 +174,7 @@ class Checker {
 
   fs::path root_;
   std::vector<std::string> broken_;
+  std::map<std::string, std::vector<std::string>> folders_;  // of the rooms that have some
   std::map<std::string, std::map<fs::path, int>> types_;  // where each is defined
 };
 

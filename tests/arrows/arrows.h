@@ -18,6 +18,8 @@ const std::vector<std::string>& rooms();
 ///   - a file named for nothing (util, utils, common, helper, helpers, manager, misc);
 ///   - a .proto file that is not proto3;
 ///   - a folder in server/ that is no room;
+///   - in a room whose CMakeLists.txt lists FOLDERS, in order: an include of a folder further down the list, a source in none of them, a
+///     folder that is not listed, a listed folder without a source;
 ///   - two headers that define a type of the same name.
 /// Throws std::runtime_error where root has no server folder.
 std::vector<std::string> broken_arrows(const std::filesystem::path& root);

@@ -49,6 +49,27 @@ TEST_F(Arrows, EveryPairOfRoomsIsAllowedOneWayOnly) {
   EXPECT_EQ(broken_arrows(root_), expected);
 }
 
+TEST_F(Arrows, TheFoldersOfARoomPointOneWayToo) {
+  write("server/data/CMakeLists.txt", "isostrata_room(data FOLDERS grid\n  readers doors PUBLIC isostrata_base)\n");
+  write("server/data/grid/grid.h", "#include \"base/vec.h\"\n");
+  write("server/data/readers/read.h", "#include \"data/grid/grid.h\"\n");
+  write("server/data/doors/open.cpp", "#include \"data/readers/read.h\"\n#include \"data/doors/open.h\"\n");
+  EXPECT_THAT(broken_arrows(root_), IsEmpty());
+  write("server/data/grid/back.cpp", "#include \"data/grid/grid.h\"\n#include \"data/doors/open.h\"\n");
+  EXPECT_THAT(broken_arrows(root_),
+              ElementsAre("server/data/grid/back.cpp:2: data/grid may not include data/doors: data/doors/open.h"));
+}
+
+TEST_F(Arrows, ARoomWithFoldersHasNothingBesideThem) {
+  write("server/data/CMakeLists.txt", "isostrata_room(data FOLDERS grid readers)\n");
+  write("server/data/grid/grid.h", "#pragma once\n");
+  write("server/data/loose.cpp", "\n");
+  write("server/data/attic/old.cpp", "\n");
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/data/CMakeLists.txt: FOLDERS names readers, which has no source",
+                                                "server/data/attic: is not among the FOLDERS of the room's CMakeLists.txt",
+                                                "server/data/loose.cpp: is in none of the room's folders"));
+}
+
 TEST_F(Arrows, AnIncludeIsFoundHoweverItIsSpaced) {
   write("server/base/back.cpp", "// why\n\n  #  include   \"net/listener.h\"  // never\n");
   EXPECT_THAT(broken_arrows(root_), ElementsAre("server/base/back.cpp:3: base may not include net: net/listener.h"));
