@@ -1,4 +1,4 @@
-// The grids of tetrahedra that are drawn without being split, each made once for all sessions (extraction/base_tetrahedra.h).
+// The grids of tetrahedra that are drawn without being split, each made once for all sessions (extraction/surfaces/base_tetrahedra.h).
 #pragma once
 
 #include <condition_variable>
@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "extraction/base_tetrahedra.h"
+#include "extraction/surfaces/base_tetrahedra.h"
 
 namespace isostrata {
 

@@ -10,7 +10,7 @@
 #include "base/vec.h"
 #include "data/dataset.h"
 #include "data/series_ranges.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
 
@@ -42,7 +42,7 @@ struct DatasetFacts {
   int missing_steps = 0;  // whose values the arrays' ranges leave out, because nobody has read them yet
   std::vector<std::string> notes;
 
-  std::vector<Interval> first_layers;  // of first_array(), for the first picture (extraction/first_layers.h)
+  std::vector<Interval> first_layers;  // of first_array(), for the first picture (extraction/layers/first_layers.h)
 
   /// The first array with two different finite values at the first step, else the first that has them over all known steps; null
   /// where there is none.

@@ -7,11 +7,11 @@
 
 #include "base/stopwatch.h"
 #include "engine/color_range.h"
-#include "extraction/extract_at_time.h"
-#include "extraction/extract_intervals.h"
-#include "extraction/gradient_normals.h"
-#include "extraction/join_meshes.h"
-#include "extraction/volume_error.h"
+#include "extraction/intervals/extract_intervals.h"
+#include "extraction/laws/volume_error.h"
+#include "extraction/layers/extract_at_time.h"
+#include "extraction/layers/join_meshes.h"
+#include "extraction/surfaces/gradient_normals.h"
 
 namespace isostrata {
 namespace {

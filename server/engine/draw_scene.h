@@ -11,8 +11,8 @@
 #include "engine/base_meshes.h"
 #include "engine/messages.h"
 #include "engine/scene.h"
-#include "extraction/extract_layers.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/layers/extract_layers.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "rendering/annotations.h"
 #include "rendering/renderer.h"
 

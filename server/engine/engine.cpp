@@ -28,9 +28,9 @@
 #include "engine/lanes.h"
 #include "engine/operation.h"
 #include "engine/scene_ledger.h"
-#include "extraction/brick_memory.h"
-#include "extraction/first_layers.h"
-#include "extraction/ordered_memory.h"
+#include "extraction/bricks/brick_memory.h"
+#include "extraction/layers/first_layers.h"
+#include "extraction/unstructured/ordered_memory.h"
 #include "rendering/native_renderer.h"
 
 namespace isostrata {

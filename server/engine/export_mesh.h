@@ -6,8 +6,8 @@
 #include "base/task.h"
 #include "engine/exported_mesh.h"
 #include "engine/scene.h"
-#include "extraction/extract_layers.h"
-#include "extraction/write_mesh.h"
+#include "extraction/files/write_mesh.h"
+#include "extraction/layers/extract_layers.h"
 
 namespace isostrata {
 

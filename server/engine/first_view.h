@@ -10,7 +10,7 @@
 #include "base/task.h"
 #include "data/dataset.h"
 #include "engine/choose_camera.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "rendering/camera.h"
 #include "rendering/style.h"
 

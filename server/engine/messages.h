@@ -18,7 +18,7 @@
 #include "engine/dataset_facts.h"
 #include "engine/exported_mesh.h"
 #include "engine/scene.h"
-#include "extraction/write_mesh.h"
+#include "extraction/files/write_mesh.h"
 
 namespace isostrata {
 
@@ -89,7 +89,7 @@ struct StatisticsRequest {
   std::string array;
 };
 
-/// Extracts the scene's layers and writes them to a file by the ending of its name (extraction/write_mesh.h), one export after
+/// Extracts the scene's layers and writes them to a file by the ending of its name (extraction/files/write_mesh.h), one export after
 /// the other; the file is complete or not there. Answered by ExportReady or RequestFailed.
 struct ExportRequest {
   SessionKey session = 0;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "extraction/extract_layers.h"
+#include "extraction/layers/extract_layers.h"
 #include "rendering/annotations.h"
 #include "rendering/camera.h"
 #include "rendering/renderer.h"

@@ -6,7 +6,7 @@
 namespace isostrata {
 
 /// Sets block.seams and block.jumps, and makes equal to the last bit what is equal but for rounding: a script closes a ring by the sine of 2 pi,
-/// which is no 0. So what is cut on one side of the seam meets what is cut on the other (extraction/weld_seams.h).
+/// which is no 0. So what is cut on one side of the seam meets what is cut on the other (extraction/facets/weld_seams.h).
 ///
 /// Two sheets are one if their points are no more than a millionth of the way to the next sheet apart, or 8 units of their type's
 /// rounding, and no hundredth of that way. The last sheet then gets the first one's positions, and the values of each point array

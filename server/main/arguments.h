@@ -8,7 +8,7 @@
 
 #include "base/task.h"
 #include "data/dataset.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "rendering/style.h"
 
 namespace isostrata {

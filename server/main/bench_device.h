@@ -5,7 +5,7 @@
 #include <string>
 
 #include "data/dataset.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
 

@@ -10,7 +10,7 @@
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "engine/draw_scene.h"
-#include "extraction/brick_memory.h"
+#include "extraction/bricks/brick_memory.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
 #include "rendering/turn_camera.h"

@@ -23,7 +23,7 @@
 #include "base/simd_level.h"
 #include "data/child_process.h"
 #include "engine/catalogue.h"
-#include "extraction/first_layers.h"
+#include "extraction/layers/first_layers.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/hostile_client.h"

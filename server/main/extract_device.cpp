@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/gl_extraction_mesh.h"
 
 namespace isostrata {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "extraction/extract_layers.h"
+#include "extraction/layers/extract_layers.h"
 
 namespace isostrata {
 

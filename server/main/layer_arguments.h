@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/scene.h"
-#include "extraction/extract_layers.h"
+#include "extraction/layers/extract_layers.h"
 
 namespace isostrata {
 

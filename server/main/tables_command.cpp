@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "extraction/output_file.h"
+#include "extraction/files/output_file.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/draw_case.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
 

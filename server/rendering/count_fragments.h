@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "rendering/screen_transform.h"
 
 namespace isostrata {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "extraction/closed_facets.h"
+#include "extraction/facets/closed_facets.h"
 
 namespace isostrata {
 

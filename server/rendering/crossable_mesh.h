@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "base/buffer.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
-#include "extraction/closed_facets.h"
+#include "extraction/facets/closed_facets.h"
 
 namespace isostrata {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/buffer.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
 

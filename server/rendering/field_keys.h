@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "data/array.h"
-#include "extraction/iso_rules.h"
+#include "extraction/cells/iso_rules.h"
 #include "rendering/shaders/layout.h"
 
 namespace isostrata {

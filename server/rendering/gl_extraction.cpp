@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "extraction/structured_points.h"
+#include "extraction/cells/structured_points.h"
 #include "rendering/gl_field.h"
 #include "rendering/shader_sources.h"
 #include "rendering/table_words.h"

@@ -38,8 +38,8 @@
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
-#include "extraction/active_cells.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/cells/active_cells.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/gl_functions.h"
 #include "rendering/shaders/layout.h"
 

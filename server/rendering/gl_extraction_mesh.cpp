@@ -6,12 +6,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "data/analytic.h"
-#include "extraction/boundary_facets.h"
-#include "extraction/cell_geometry.h"
-#include "extraction/cell_triangulation.h"
-#include "extraction/memory_budget.h"
-#include "extraction/mesh_points.h"
-#include "extraction/weld_seams.h"
+#include "extraction/cells/cell_geometry.h"
+#include "extraction/cells/cell_triangulation.h"
+#include "extraction/cells/mesh_points.h"
+#include "extraction/facets/boundary_facets.h"
+#include "extraction/facets/weld_seams.h"
+#include "extraction/mesh/memory_budget.h"
 
 namespace isostrata {
 namespace {

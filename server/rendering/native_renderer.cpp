@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
-#include "extraction/interval_surfaces.h"
+#include "extraction/surfaces/interval_surfaces.h"
 #include "rendering/check_draw_input.h"
 #include "rendering/draw_crossings.h"
 #include "rendering/draw_segments.h"

@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "rendering/camera.h"
 #include "rendering/renderer.h"
 #include "rendering/surface_facets.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "extraction/base_tetrahedra.h"
+#include "extraction/surfaces/base_tetrahedra.h"
 
 namespace isostrata {
 

@@ -9,8 +9,8 @@
 
 #include "base/image.h"
 #include "data/grid.h"
-#include "extraction/base_tetrahedra.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
+#include "extraction/surfaces/base_tetrahedra.h"
 #include "rendering/camera.h"
 #include "rendering/style.h"
 

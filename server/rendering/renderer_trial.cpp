@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/compute_renderer.h"
 #include "rendering/gl_renderer.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "data/grid.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "rendering/camera.h"
 #include "rendering/face_graph.h"
 

@@ -114,9 +114,9 @@ TEST_F(Arrows, ProtobufStopsAtSession) {
 
 TEST_F(Arrows, TheImportChildReachesDataAndNoFurther) {
   write("server/import/main.cpp",
-        "#include \"data/grid.h\"\n#include \"import/limits.h\"\n#include \"extraction/interval_mesh.h\"\n");
+        "#include \"data/grid.h\"\n#include \"import/limits.h\"\n#include \"extraction/mesh/interval_mesh.h\"\n");
   EXPECT_THAT(broken_arrows(root_),
-              ElementsAre("server/import/main.cpp:3: import may not include extraction: extraction/interval_mesh.h"));
+              ElementsAre("server/import/main.cpp:3: import may not include extraction: extraction/mesh/interval_mesh.h"));
 }
 
 TEST_F(Arrows, AnUnknownRoomIsRefused) {

@@ -6,7 +6,7 @@
 
 #include "data/analytic.h"
 #include "engine/draw_scene.h"
-#include "extraction/ordered_memory.h"
+#include "extraction/unstructured/ordered_memory.h"
 #include "rendering/native_renderer.h"
 
 namespace isostrata {

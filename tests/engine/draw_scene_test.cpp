@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "extraction/small_grids.h"
 #include "support/simd_levels.h"
 

@@ -10,9 +10,9 @@
 #include <random>
 #include <vector>
 
-#include "extraction/boundary_facets.h"
-#include "extraction/cell_geometry.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/cells/cell_geometry.h"
+#include "extraction/facets/boundary_facets.h"
+#include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata {
 

@@ -9,7 +9,7 @@
 #include "data/analytic.h"
 #include "data/dataset.h"
 #include "extraction/small_grids.h"
-#include "extraction/space_time_cells.h"
+#include "extraction/space_time/space_time_cells.h"
 
 namespace isostrata {
 

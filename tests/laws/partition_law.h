@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "data/dataset.h"
-#include "extraction/boundary_facets.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/facets/boundary_facets.h"
+#include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata::laws {
 

@@ -15,7 +15,7 @@
 
 #include "base/error.h"
 #include "base/task.h"
-#include "extraction/ordered_memory.h"
+#include "extraction/unstructured/ordered_memory.h"
 #include "random/layer_laws.h"
 #include "random/mesh_laws.h"
 #include "random/random_grids.h"

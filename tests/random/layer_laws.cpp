@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "extraction/extract_layers.h"
+#include "extraction/layers/extract_layers.h"
 
 namespace isostrata::random_test {
 namespace {

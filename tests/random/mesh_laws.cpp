@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "base/task.h"
-#include "extraction/boundary_facets.h"
-#include "extraction/cell_geometry.h"
+#include "extraction/cells/cell_geometry.h"
+#include "extraction/facets/boundary_facets.h"
 #include "tables/interval_case.h"
 #include "tables/interval_complex.h"
 #include "tables/lattice_cell.h"

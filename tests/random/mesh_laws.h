@@ -9,7 +9,7 @@
 
 #include "data/array.h"
 #include "data/grid.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::random_test {
 

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/compute_renderer.h"
 #include "rendering/gl_objects.h"
 #include "rendering/renderer_trial.h"

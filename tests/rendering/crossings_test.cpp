@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/native_renderer.h"
 #include "support/box_mesh.h"
 #include "support/oracle.h"

@@ -13,7 +13,7 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "extraction/iso_rules.h"
+#include "extraction/cells/iso_rules.h"
 #include "extraction/small_grids.h"
 #include "rendering/gl_extraction_mesh.h"
 

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
-#include "extraction/gradient_normals.h"
+#include "extraction/intervals/extract_intervals.h"
+#include "extraction/surfaces/gradient_normals.h"
 #include "rendering/gl_renderer.h"
 #include "support/oracle.h"
 #include "support/pictures.h"

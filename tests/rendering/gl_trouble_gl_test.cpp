@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/gl_renderer.h"
 #include "support/pictures.h"
 

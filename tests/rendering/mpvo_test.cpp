@@ -5,7 +5,7 @@
 #include <random>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/visibility_order.h"
 #include "support/order_errors.h"
 #include "support/pictures.h"

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "support/box_mesh.h"
 #include "support/order_errors.h"
 #include "support/pictures.h"

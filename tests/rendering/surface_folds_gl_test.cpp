@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
-#include "extraction/gradient_normals.h"
+#include "extraction/intervals/extract_intervals.h"
+#include "extraction/surfaces/gradient_normals.h"
 #include "support/pictures.h"
 
 namespace isostrata::testing {

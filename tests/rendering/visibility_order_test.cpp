@@ -5,7 +5,7 @@
 #include <random>
 
 #include "data/analytic.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/cell_order.h"
 #include "support/box_mesh.h"
 #include "support/oracle.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "data/grid.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::testing {
 

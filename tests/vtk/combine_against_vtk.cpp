@@ -24,7 +24,7 @@
 
 #include "data/analytic.h"
 #include "data/dataset.h"
-#include "extraction/extract_layers.h"
+#include "extraction/layers/extract_layers.h"
 #include "support/places.h"
 #include "support/shared_data.h"
 

@@ -33,7 +33,7 @@
 #include <cmath>
 
 #include "data/files.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "support/mutated_files.h"
 
 namespace isostrata {

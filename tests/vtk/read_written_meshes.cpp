@@ -14,8 +14,8 @@
 #include <map>
 
 #include "data/analytic.h"
+#include "extraction/files/write_mesh.h"
 #include "extraction/small_grids.h"
-#include "extraction/write_mesh.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {

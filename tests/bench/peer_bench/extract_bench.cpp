@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "data/read_once.h"
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 #include "our_extraction.h"
 #include "paraview_peer.h"
 #include "vtk_peer.h"

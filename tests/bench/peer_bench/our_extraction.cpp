@@ -1,6 +1,6 @@
 #include "our_extraction.h"
 
-#include "extraction/extract_intervals.h"
+#include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata::peers {
 namespace {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/task.h"
-#include "extraction/brick_memory.h"
-#include "extraction/interval_mesh.h"
-#include "extraction/ordered_memory.h"
+#include "extraction/bricks/brick_memory.h"
+#include "extraction/mesh/interval_mesh.h"
+#include "extraction/unstructured/ordered_memory.h"
 #include "workload.h"
 
 namespace isostrata::peers {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::peers {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/image.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "spread.h"
 
 namespace isostrata::peers {

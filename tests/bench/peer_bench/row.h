@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 #include "peak_memory.h"
 #include "spread.h"
 

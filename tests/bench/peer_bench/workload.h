@@ -7,7 +7,7 @@
 
 #include "base/task.h"
 #include "data/dataset.h"
-#include "extraction/interval_mesh.h"
+#include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::peers {
 

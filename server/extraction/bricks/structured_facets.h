@@ -1,0 +1,19 @@
+// The facets that bound the intervals of a structured grid, known from the cells' cases.
+#pragma once
+
+#include <vector>
+
+#include "base/task.h"
+#include "data/array.h"
+#include "data/grid.h"
+#include "extraction/bricks/active_bricks.h"
+#include "extraction/mesh/interval_mesh.h"
+
+namespace isostrata {
+
+/// What boundary_facets gives for the mesh that was written from the records, in the order of its tetrahedra. Throws too_large,
+/// cancelled.
+std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active,
+                                             const IntervalMesh& mesh, std::uint64_t max_bytes, const Task& task);
+
+}  // namespace isostrata

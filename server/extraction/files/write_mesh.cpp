@@ -1,0 +1,27 @@
+#include "extraction/files/write_mesh.h"
+
+#include "base/error.h"
+#include "extraction/files/output_file.h"
+#include "extraction/files/write_surface.h"
+#include "extraction/files/write_vtu.h"
+
+namespace isostrata {
+
+void check_mesh_path(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending != ".vtu" && ending != ".ply" && ending != ".stl")
+    throw Error(ErrorCode::unsupported, path.string() + ": unknown ending '" + ending + "'; expected .vtu, .ply or .stl");
+}
+
+void write_mesh(const std::filesystem::path& path, const IntervalMesh& mesh, const std::string& array_name,
+                std::span<const MeshArray> more, const WriteOptions& options, const Task& task) {
+  check_mesh_path(path);
+  const std::string ending = path.extension().string();
+  OutputFile out(path);
+  if (ending == ".vtu") write_vtu(out, mesh, array_name, more, options.compression, task);
+  if (ending == ".ply") write_ply(out, mesh, more, options.facets, task);
+  if (ending == ".stl") write_stl(out, mesh, options.facets, task);
+  out.finish();
+}
+
+}  // namespace isostrata
