@@ -7,7 +7,7 @@
 
 #include "data/proxy_grid.h"
 #include "engine/choose_layers.h"
-#include "rendering/camera.h"
+#include "rendering/picture/camera.h"
 
 namespace isostrata {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rendering/log_map.h"
+#include "rendering/picture/log_map.h"
 
 namespace isostrata {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/scene.h"
-#include "rendering/style.h"
+#include "rendering/picture/style.h"
 
 namespace isostrata {
 

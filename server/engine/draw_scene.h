@@ -13,8 +13,8 @@
 #include "engine/scene.h"
 #include "extraction/layers/extract_layers.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "rendering/annotations.h"
-#include "rendering/renderer.h"
+#include "rendering/annotations/annotations.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

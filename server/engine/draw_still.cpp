@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "rendering/check_draw_input.h"
+#include "rendering/picture/check_draw_input.h"
 
 namespace isostrata {
 namespace {

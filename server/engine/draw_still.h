@@ -5,8 +5,8 @@
 #include <variant>
 
 #include "base/task.h"
-#include "rendering/canvas.h"
-#include "rendering/renderer.h"
+#include "rendering/annotations/canvas.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

@@ -31,7 +31,7 @@
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/layers/first_layers.h"
 #include "extraction/unstructured/ordered_memory.h"
-#include "rendering/native_renderer.h"
+#include "rendering/choice/native_renderer.h"
 
 namespace isostrata {
 namespace {

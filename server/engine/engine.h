@@ -14,7 +14,7 @@
 #include "engine/activity.h"
 #include "engine/dataset_store.h"
 #include "engine/frame_engine.h"
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

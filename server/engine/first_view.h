@@ -11,8 +11,8 @@
 #include "data/dataset.h"
 #include "engine/choose_camera.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "rendering/camera.h"
-#include "rendering/style.h"
+#include "rendering/picture/camera.h"
+#include "rendering/picture/style.h"
 
 namespace isostrata {
 

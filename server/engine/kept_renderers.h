@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "engine/messages.h"
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "extraction/layers/extract_layers.h"
-#include "rendering/annotations.h"
-#include "rendering/camera.h"
-#include "rendering/renderer.h"
-#include "rendering/style.h"
+#include "rendering/annotations/annotations.h"
+#include "rendering/picture/camera.h"
+#include "rendering/picture/renderer.h"
+#include "rendering/picture/style.h"
 
 namespace isostrata {
 

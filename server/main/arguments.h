@@ -9,7 +9,7 @@
 #include "base/task.h"
 #include "data/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "rendering/style.h"
+#include "rendering/picture/style.h"
 
 namespace isostrata {
 

@@ -8,7 +8,7 @@
 
 #include "base/parallel.h"
 #include "main/arguments.h"
-#include "rendering/gl_extraction.h"
+#include "rendering/device/gl_extraction.h"
 
 namespace isostrata {
 namespace {

@@ -16,7 +16,7 @@
 #include "engine/draw_scene.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
-#include "rendering/turn_camera.h"
+#include "rendering/picture/turn_camera.h"
 
 namespace isostrata {
 namespace {

@@ -13,7 +13,7 @@
 #include "extraction/bricks/brick_memory.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
-#include "rendering/turn_camera.h"
+#include "rendering/picture/turn_camera.h"
 
 namespace isostrata {
 namespace {

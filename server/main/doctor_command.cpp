@@ -18,8 +18,8 @@
 #include "main/commands.h"
 #include "main/egl_drivers.h"
 #include "main/worker_probe.h"
-#include "rendering/gl_extraction_mesh.h"
-#include "rendering/renderer.h"
+#include "rendering/device/gl_extraction_mesh.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "extraction/intervals/extract_intervals.h"
-#include "rendering/gl_extraction_mesh.h"
+#include "rendering/device/gl_extraction_mesh.h"
 
 namespace isostrata {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

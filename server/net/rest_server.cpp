@@ -3,7 +3,7 @@
 
 #include "net/json_body.h"
 #include "net/rest_routes.h"
-#include "rendering/style.h"
+#include "rendering/picture/style.h"
 #include "session/limits.h"
 
 namespace isostrata {

@@ -10,7 +10,7 @@
 #include "data/analytic.h"
 #include "engine/draw_scene.h"
 #include "engine/transfer_function.h"
-#include "rendering/log_map.h"
+#include "rendering/picture/log_map.h"
 #include "support/oracle.h"
 
 namespace isostrata {

@@ -7,7 +7,7 @@
 #include "data/analytic.h"
 #include "engine/draw_scene.h"
 #include "extraction/unstructured/ordered_memory.h"
-#include "rendering/native_renderer.h"
+#include "rendering/choice/native_renderer.h"
 
 namespace isostrata {
 namespace {

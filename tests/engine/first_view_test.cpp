@@ -10,7 +10,7 @@
 #include "data/series_ranges.h"
 #include "engine/choose_array.h"
 #include "engine/first_scene.h"
-#include "rendering/camera.h"
+#include "rendering/picture/camera.h"
 #include "support/field_dataset.h"
 
 namespace isostrata {

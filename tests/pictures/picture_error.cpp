@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "data/analytic.h"
-#include "rendering/draw_groups.h"
+#include "rendering/order/draw_groups.h"
 #include "support/order_errors.h"
 #include "support/picture_cases.h"
 #include "support/picture_error.h"

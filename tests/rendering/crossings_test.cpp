@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "data/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
-#include "rendering/native_renderer.h"
+#include "rendering/choice/native_renderer.h"
 #include "support/box_mesh.h"
 #include "support/oracle.h"
 #include "support/pictures.h"

@@ -6,7 +6,7 @@
 #include "data/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/surfaces/gradient_normals.h"
-#include "rendering/gl_renderer.h"
+#include "rendering/raster/gl_renderer.h"
 #include "support/oracle.h"
 #include "support/pictures.h"
 

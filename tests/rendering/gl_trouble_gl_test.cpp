@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "data/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
-#include "rendering/gl_renderer.h"
+#include "rendering/raster/gl_renderer.h"
 #include "support/pictures.h"
 
 namespace isostrata {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
-#include "rendering/draw_groups.h"
+#include "rendering/order/draw_groups.h"
 #include "support/order_errors.h"
 #include "support/picture_cases.h"
 

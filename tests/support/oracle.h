@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 #include "support/oracle_bins.h"
 #include "support/oracle_light.h"
 #include "support/oracle_ray.h"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata::testing {
 

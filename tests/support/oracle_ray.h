@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata::testing {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rendering/surface_shading.h"
+#include "rendering/picture/surface_shading.h"
 #include "support/oracle_light.h"
 #include "support/oracle_ray.h"
 

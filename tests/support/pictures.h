@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 #include "support/box_mesh.h"
 
 namespace isostrata::testing {

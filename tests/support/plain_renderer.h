@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata {
 

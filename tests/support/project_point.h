@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "rendering/camera.h"
+#include "rendering/picture/camera.h"
 
 namespace isostrata {
 

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "engine/draw_scene.h"
-#include "rendering/turn_camera.h"
+#include "rendering/picture/turn_camera.h"
 #include "vtk_threads.h"
 #include "vtk_volume.h"
 #include "workload.h"

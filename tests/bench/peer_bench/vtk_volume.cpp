@@ -25,7 +25,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "rendering/gl_context.h"
+#include "rendering/gl/gl_context.h"
 
 namespace isostrata::peers {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/image.h"
-#include "rendering/renderer.h"
+#include "rendering/picture/renderer.h"
 
 namespace isostrata::peers {
 

@@ -1,0 +1,46 @@
+// What people expect beside a volume: its bounding box, labelled axes, a legend of the intervals. This is the layout; canvas.h
+// paints it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rendering/annotations/canvas.h"
+#include "rendering/picture/camera.h"
+#include "rendering/picture/style.h"
+
+namespace isostrata {
+
+/// What a viewer wants to see of it.
+struct Annotations {
+  bool axes = false;    // numbered axes on the box's outline, and a triad of directions in the lower left corner
+  bool box = false;     // the bounding box's edges
+  bool legend = false;  // swatches with the intervals' ranges, and a bar for each colour map
+  bool any() const { return axes || box || legend; }
+  bool operator==(const Annotations&) const = default;
+};
+
+struct LegendEntry {
+  double lower = 0, upper = 1;
+  std::string name;  // may be empty
+  IntervalStyle style;
+  bool log = false;  // its map runs with the value's logarithm
+};
+
+struct AnnotationInput {
+  Annotations show;
+  Box3d bounds;
+  Camera camera;
+  int width = 800, height = 600;  // of the whole picture
+  Rgb background{0, 0, 0};        // what inks are chosen against
+  bool transparent = false;       // the background is left out: inks for paper, with a rim that shows on anything
+  std::string array, color_by;    // names for the legend
+  std::vector<LegendEntry> entries;
+};
+
+/// Lines of the box that the volume can hide lie under the picture, all others over it: the box holds the volume, so an edge is
+/// behind all of it where both its faces look away, and else on the outline or before it. Sizes follow the picture's: letters are
+/// a forty-eighth of its shorter side, at least 9 pixels. What does not fit, or would cover another number, is left out.
+Drawing annotate(const AnnotationInput& input);
+
+}  // namespace isostrata

@@ -1,0 +1,59 @@
+#include "base/error.h"
+#include "rendering/choice/native_renderer.h"
+#include "rendering/choice/renderer_trial.h"
+#include "rendering/compute/compute_renderer.h"
+#include "rendering/picture/renderer.h"
+#include "rendering/raster/gl_renderer.h"
+
+namespace isostrata {
+namespace {
+
+bool hardware_at_hand() {
+  for (const DeviceAttempt& attempt : probe_devices())
+    if (attempt.ok && !attempt.software) return true;
+  return false;
+}
+
+/// The OpenGL renderers draw a surface with the tetrahedron that it bounds. A flat grid's areas bound none, so the CPU draws those.
+class AreasOnTheCpu final : public Renderer {
+ public:
+  explicit AreasOnTheCpu(std::unique_ptr<Renderer> device) : device_(std::move(device)) {}
+  DrawResult draw(const DrawInput& input) override {
+    if (!input.mesh || !input.mesh->tetrahedra.empty() || input.mesh->facets.empty()) return device_->draw(input);
+    if (!native_) native_ = make_native_renderer();
+    return native_->draw(input);
+  }
+  const std::string& device() const override { return device_->device(); }
+  bool cuts_intervals() const override { return device_->cuts_intervals(); }
+
+ private:
+  std::unique_ptr<Renderer> device_, native_;
+};
+
+std::unique_ptr<Renderer> make_volume_renderer(const RendererChoice& choice) {
+  if (choice.renderer != "auto" && choice.renderer != "native" && choice.renderer != "raster" && choice.renderer != "compute")
+    throw Error(ErrorCode::invalid_argument, "renderer '" + choice.renderer + "': expected auto, native, raster or compute");
+  const bool automatic = choice.renderer == "auto";
+  if (choice.renderer == "native" ||
+      (automatic && (choice.device == "native" || (choice.device == "auto" && !choice.trial && !hardware_at_hand()))))
+    return make_native_renderer();
+  if (choice.device == "native")
+    throw Error(ErrorCode::invalid_argument, "renderer " + choice.renderer + " draws with OpenGL; the device native has none");
+  if (choice.renderer == "compute") return make_compute_renderer(open_context(choice.device), choice.device);
+  auto context = open_context(choice.device);
+  if (automatic && (choice.trial || !context->software())) {
+    context.reset();
+    return make_faster_renderer(choice.device);
+  }
+  return make_gl_renderer(std::move(context), choice.device);
+}
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice) {
+  auto renderer = make_volume_renderer(choice);
+  if (renderer->cuts_intervals()) return renderer;  // the native one
+  return std::make_unique<AreasOnTheCpu>(std::move(renderer));
+}
+
+}  // namespace isostrata

@@ -1,0 +1,50 @@
+// An interval mesh and its point arrays on the device, kept from frame to frame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rendering/gl/gl_compute.h"
+#include "rendering/picture/renderer.h"
+
+namespace isostrata {
+
+class TileMesh {
+ public:
+  explicit TileMesh(ComputeDevice& device) : device_(device) {}
+
+  /// Uploads what has changed since the last call, by the pointers' identity. Throws too_large.
+  void set(const DrawInput& input);
+
+  Vec3d middle() const { return middle_; }
+  double scale() const { return scale_; }  // world units of a length of 1 on the device
+  std::uint32_t tetrahedra() const { return tetrahedra_; }
+  /// Of an interval, those of no volume left out.
+  std::int64_t tetrahedra_of(std::size_t interval) const { return of_interval_[interval]; }
+  /// To the bindings that all programs share.
+  void bind() const;
+  void bind_arrays() const;
+
+  bool has_values() const { return has_values_; }
+  bool has_normals() const { return has_normals_; }
+  bool has_texture() const { return has_texture_; }
+
+ private:
+  void set_mesh(const DrawInput& input);
+  void set_runs(const Grid* grid, const IntervalMesh& mesh);
+
+  ComputeDevice& device_;
+  std::weak_ptr<const IntervalMesh> mesh_;
+  std::weak_ptr<const std::vector<float>> values_source_, texture_source_;
+  std::weak_ptr<const std::vector<Vec3f>> normals_source_;
+  const Grid* grid_ = nullptr;
+  Vec3d middle_;
+  double scale_ = 0;
+  std::uint32_t tetrahedra_ = 0;
+  std::vector<std::int64_t> of_interval_;
+  bool has_values_ = false, has_normals_ = false, has_texture_ = false;
+  ComputeBuffer positions_, corners_, infos_, runs_, values_, normals_, texture_;
+};
+
+}  // namespace isostrata

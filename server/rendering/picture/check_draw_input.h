@@ -1,0 +1,14 @@
+// What a renderer asks of its input before it draws, whichever renderer it is.
+#pragma once
+
+#include "rendering/picture/renderer.h"
+
+namespace isostrata {
+
+inline constexpr int kMaxImageSize = 16384;
+inline constexpr int kMaxWholeSize = 4 * kMaxImageSize;  // of a picture that is drawn in parts
+
+/// Throws invalid_argument, naming what is wrong.
+void check(const DrawInput& input);
+
+}  // namespace isostrata
