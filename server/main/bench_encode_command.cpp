@@ -13,7 +13,7 @@
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"
-#include "engine/draw_scene.h"
+#include "engine/picture/draw_scene.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
 #include "rendering/picture/turn_camera.h"

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
-#include "engine/draw_scene.h"
+#include "engine/picture/draw_scene.h"
 #include "extraction/bricks/brick_memory.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"

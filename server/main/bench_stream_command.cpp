@@ -22,7 +22,7 @@
 #include "base/program_file.h"
 #include "base/simd_level.h"
 #include "data/child_process.h"
-#include "engine/catalogue.h"
+#include "engine/data/catalogue.h"
 #include "extraction/layers/first_layers.h"
 #include "main/arguments.h"
 #include "main/commands.h"

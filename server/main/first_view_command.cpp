@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "base/stopwatch.h"
-#include "engine/first_view.h"
+#include "engine/first/first_view.h"
 #include "main/commands.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"

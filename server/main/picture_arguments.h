@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 #include "main/arguments.h"
 
 namespace isostrata {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/dataset_facts.h"
+#include "engine/data/dataset_facts.h"
 #include "net/json_body.h"
 #include "session/apply_command.h"
 #include "session/limits.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "data/dataset.h"
-#include "engine/scene.h"
+#include "engine/scene/scene.h"
 
 namespace isostrata {
 

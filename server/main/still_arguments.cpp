@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "engine/draw_still.h"
+#include "engine/picture/draw_still.h"
 
 namespace isostrata {
 namespace {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/transfer_function.h"
+#include "engine/scene/transfer_function.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "engine/run_worker.h"
+#include "engine/worker/run_worker.h"
 #include "main/commands.h"
 
 namespace isostrata {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/worker_engine.h"
+#include "engine/worker/worker_engine.h"
 #include "net/log_line.h"
 
 namespace isostrata {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/draw_scene.h"
+#include "engine/picture/draw_scene.h"
 #include "session/command_checks.h"
 #include "session/limits.h"
 #include "session/scene_commands.h"

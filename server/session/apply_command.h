@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "engine/dataset_facts.h"
-#include "engine/scene.h"
+#include "engine/data/dataset_facts.h"
+#include "engine/scene/scene.h"
 #include "isostrata/v1/isostrata.pb.h"
 
 namespace isostrata {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "engine/dataset_facts.h"
-#include "engine/scene.h"
+#include "engine/data/dataset_facts.h"
+#include "engine/scene/scene.h"
 #include "session/apply_command.h"
 #include "session/limits.h"
 

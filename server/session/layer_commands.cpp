@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/transfer_function.h"
+#include "engine/scene/transfer_function.h"
 #include "session/command_checks.h"
 #include "session/scene_commands.h"
 

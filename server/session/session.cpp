@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/utf8.h"
-#include "engine/color_range.h"
-#include "engine/draw_scene.h"
-#include "engine/transfer_function.h"
+#include "engine/picture/draw_scene.h"
+#include "engine/scene/color_range.h"
+#include "engine/scene/transfer_function.h"
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/wire.h"

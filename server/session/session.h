@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/messages.h"
+#include "engine/messages/messages.h"
 #include "session/apply_command.h"
 #include "session/invitations.h"
 #include "session/journal.pb.h"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/engine.h"
+#include "engine/engine/engine.h"
 #include "session/session.h"
 #include "session/wire.h"
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/transfer_function.h"
+#include "engine/scene/transfer_function.h"
 #include "session/limits.h"
 #include "session/random_token.h"
 #include "session/session.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "encoding/encoder.h"
-#include "engine/frame_engine.h"
+#include "engine/messages/frame_engine.h"
 #include "session/journal.h"
 #include "session/session.h"
 #include "session/sessions_observer.h"

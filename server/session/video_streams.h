@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "engine/messages.h"
+#include "engine/messages/messages.h"
 #include "session/frame_scheduler.h"
 
 namespace isostrata {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/messages.h"
+#include "engine/messages/messages.h"
 #include "isostrata/v1/isostrata.pb.h"
 #include "session/codec_choice.h"
 #include "session/frame_scheduler.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "engine/catalogue.h"
-#include "engine/messages.h"
-#include "engine/scene.h"
+#include "engine/data/catalogue.h"
+#include "engine/messages/messages.h"
+#include "engine/scene/scene.h"
 #include "isostrata/v1/isostrata.pb.h"
 
 namespace isostrata {

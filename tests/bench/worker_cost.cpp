@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/stopwatch.h"
-#include "engine/engine.h"
-#include "engine/worker_engine.h"
+#include "engine/engine/engine.h"
+#include "engine/worker/worker_engine.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "data/analytic.h"
-#include "engine/draw_scene.h"
+#include "engine/picture/draw_scene.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "rendering/choice/native_renderer.h"
 

@@ -8,7 +8,7 @@
 
 #include "data/analytic.h"
 #include "encoding/encode_image.h"
-#include "engine/draw_scene.h"
+#include "engine/picture/draw_scene.h"
 #include "support/places.h"
 
 namespace isostrata {

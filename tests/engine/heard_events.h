@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/messages.h"
+#include "engine/messages/messages.h"
 
 namespace isostrata {
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "data/import_door.h"
-#include "engine/draw_scene.h"
-#include "engine/engine.h"
+#include "engine/engine/engine.h"
 #include "engine/heard_events.h"
+#include "engine/picture/draw_scene.h"
 
 namespace isostrata {
 namespace {

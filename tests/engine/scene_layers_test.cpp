@@ -4,8 +4,8 @@
 #include <map>
 
 #include "data/analytic.h"
-#include "engine/draw_scene.h"
-#include "engine/engine.h"
+#include "engine/engine/engine.h"
+#include "engine/picture/draw_scene.h"
 
 namespace isostrata {
 namespace {

@@ -1,7 +1,7 @@
 // The facts of a dataset that nobody has to load.
 #pragma once
 
-#include "engine/dataset_facts.h"
+#include "engine/data/dataset_facts.h"
 
 namespace isostrata {
 

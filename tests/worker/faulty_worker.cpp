@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "engine/run_worker.h"
+#include "engine/worker/run_worker.h"
 #include "support/plain_renderer.h"
 
 namespace {

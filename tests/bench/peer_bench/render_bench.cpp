@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/parallel.h"
-#include "engine/draw_scene.h"
+#include "engine/picture/draw_scene.h"
 #include "rendering/picture/turn_camera.h"
 #include "vtk_threads.h"
 #include "vtk_volume.h"

@@ -1,0 +1,80 @@
+#include "engine/data/dataset_facts.h"
+
+#include <variant>
+
+namespace isostrata {
+namespace {
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
+std::uint64_t span_bytes(const PointSpan& points) {
+  return std::visit([](auto span) { return static_cast<std::uint64_t>(span.size_bytes()); }, points);
+}
+
+}  // namespace
+
+const ArrayFacts* DatasetFacts::find_array(std::string_view array) const {
+  for (const ArrayFacts& facts : arrays)
+    if (facts.name == array) return &facts;
+  return nullptr;
+}
+
+const ArrayFacts* DatasetFacts::first_array() const {
+  for (const ArrayFacts& facts : arrays)
+    if (const ValueRange first = facts.first_step(); first.lower < first.upper) return &facts;
+  for (const ArrayFacts& facts : arrays)
+    if (facts.lower < facts.upper) return &facts;
+  return nullptr;
+}
+
+DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset, const SeriesRanges& ranges) {
+  DatasetFacts facts;
+  facts.id = std::move(id);
+  facts.name = std::move(name);
+  facts.grid = dataset.grid.kind_name();
+  facts.points = dataset.grid.point_count();
+  facts.cells = dataset.grid.cell_count();
+  facts.cell_types = dataset.cell_types;
+  facts.bounds = dataset.bounds;
+  std::map<std::string_view, const ArrayRanges*> ranges_of;
+  for (const ArrayRanges& known : ranges.arrays()) ranges_of[known.name] = &known;
+  for (const PointArray& array : dataset.arrays) {
+    ArrayFacts of{array.name, array.association == Association::point ? "point" : "cell_averaged", to_string(array.type),
+                  array.components, array.lower, array.upper, array.nan_count, {}};
+    if (const auto known = ranges_of.find(array.name); known != ranges_of.end()) {
+      of.lower = known->second->all.lower;
+      of.upper = known->second->all.upper;
+      of.nan_count = known->second->nan_count;
+      of.steps = known->second->steps;
+    }
+    facts.arrays.push_back(std::move(of));
+  }
+  facts.missing_steps = ranges.steps() - ranges.known_steps();
+  facts.times = dataset.times;
+  facts.notes = dataset.notes;
+  return facts;
+}
+
+std::uint64_t dataset_bytes(const Dataset& dataset) {
+  std::uint64_t bytes = dataset.grid.hidden_cells.size_bytes();
+  std::visit(Overloaded{[](const UniformGrid&) {},
+                        [&](const RectilinearGrid& grid) {
+                          for (const auto& axis : grid.axes) bytes += axis.size() * sizeof(double);
+                        },
+                        [&](const CurvilinearGrid& grid) { bytes += span_bytes(grid.points); },
+                        [&](const UnstructuredGrid& grid) {
+                          bytes += span_bytes(grid.points) + grid.types.size_bytes() + grid.offsets.size_bytes() +
+                                   grid.connectivity.size_bytes();
+                        }},
+             dataset.grid.shape);
+  for (const PointArray& array : dataset.arrays)
+    bytes += std::visit([](auto values) { return static_cast<std::uint64_t>(values.size_bytes()); }, array.values);
+  return bytes;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,156 @@
+#include "engine/data/dataset_store.h"
+
+#include <chrono>
+#include <exception>
+#include <new>
+#include <vector>
+
+#include "base/work.h"
+#include "data/analytic.h"
+#include "data/import_door.h"
+#include "engine/data/dataset_facts.h"
+
+namespace isostrata {
+
+struct DatasetStore::Loading {
+  explicit Loading(Task::Listener listener) : task(std::move(listener)) {}
+  Task task;
+  int waiting = 0;
+  bool done = false;
+  double fraction = 0;
+  std::string stage = "reading";
+  std::shared_ptr<const Dataset> dataset;
+  std::exception_ptr failure;
+};
+
+DatasetStore::DatasetStore(DatasetStoreOptions options)
+    : DatasetStore(options, [options](const std::string& source, int step, const Task& task) {
+        OpenOptions open;
+        open.step = step;
+        open.importer = options.importer;
+        open.max_bytes = options.max_bytes;
+        open.timeout_s = options.timeout_s;
+        if (!options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
+        return open_dataset(source, open, task);
+      }) {}
+
+DatasetStore::DatasetStore(DatasetStoreOptions options, Loader loader)
+    : options_(std::move(options)), loader_(std::move(loader)) {}
+
+DatasetStore::~DatasetStore() {
+  std::unique_lock lock(mutex_);
+  for (auto& [key, loading] : loading_) loading->task.cancel();
+  changed_.wait(lock, [&] { return threads_ == 0; });
+}
+
+std::shared_ptr<const Dataset> DatasetStore::acquire(const std::string& source, int step, const Task& task) {
+  task.check();
+  const Key key{source, step};
+  std::unique_lock lock(mutex_);
+  if (const auto it = held_.find(key); it != held_.end()) {
+    it->second.last_use = ++uses_;
+    return it->second.dataset;
+  }
+  std::shared_ptr<Loading>& slot = loading_[key];
+  if (!slot || slot->task.cancelled()) {
+    // The listener may outlive this call, so it holds the store only, which waits for its threads.
+    auto weak = std::make_shared<std::weak_ptr<Loading>>();
+    slot = std::make_shared<Loading>([this, weak](double fraction, std::string_view stage) {
+      const auto loading = weak->lock();
+      if (!loading) return;
+      std::lock_guard inner(mutex_);
+      loading->fraction = fraction;
+      loading->stage = stage;
+    });
+    *weak = slot;
+    ++threads_;
+    try {
+      const Work* const asker = current_work();
+      std::thread([this, loading = slot, key, session = asker ? std::optional(asker->session()) : std::nullopt] {
+        load(loading, key, session);
+      }).detach();
+    } catch (...) {
+      --threads_;
+      loading_.erase(key);
+      throw Error(ErrorCode::unavailable, "no thread could be started to load the dataset");
+    }
+  }
+  const std::shared_ptr<Loading> loading = slot;
+  ++loading->waiting;
+  while (!loading->done) {
+    changed_.wait_for(lock, std::chrono::milliseconds(20));
+    const double fraction = loading->fraction;
+    const std::string stage = loading->stage;
+    if (task.cancelled() && !loading->done) {
+      if (--loading->waiting == 0) loading->task.cancel();
+      lock.unlock();
+      task.check();
+    }
+    lock.unlock();
+    task.report(fraction, stage);
+    lock.lock();
+  }
+  --loading->waiting;
+  if (loading->failure) std::rethrow_exception(loading->failure);
+  // The last one takes it away: the thread that loaded it may live a little longer, and what it held would count as in use.
+  return loading->waiting == 0 ? std::move(loading->dataset) : loading->dataset;
+}
+
+std::shared_ptr<const Dataset> DatasetStore::borrow(const std::string& source, int step, const Task& task) {
+  {
+    std::lock_guard lock(mutex_);
+    if (const auto it = held_.find({source, step}); it != held_.end()) return it->second.dataset;
+  }
+  return loader_(source, step, task);
+}
+
+void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional<std::uint64_t> session) {
+  std::shared_ptr<const Dataset> dataset;
+  std::exception_ptr failure;
+  try {
+    std::optional<Work> work;
+    if (session) work.emplace(*session, WorkClass::scene, Work::Options{&loading->task});
+    dataset = loader_(key.first, key.second, loading->task);
+  } catch (const std::bad_alloc&) {
+    failure = std::make_exception_ptr(Error(ErrorCode::too_large, "the dataset does not fit in memory"));
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  std::lock_guard lock(mutex_);
+  if (loading->waiting > 0) loading->dataset = dataset;
+  loading->failure = failure;
+  loading->done = true;
+  if (const auto it = loading_.find(key); it != loading_.end() && it->second == loading) loading_.erase(it);
+  if (dataset) {
+    const std::uint64_t bytes = dataset_bytes(*dataset);
+    held_[key] = {std::move(dataset), bytes, ++uses_};
+    drop_unused();
+  }
+  --threads_;
+  changed_.notify_all();
+}
+
+void DatasetStore::drop_unused() {
+  for (;;) {
+    std::uint64_t bytes = 0;
+    auto oldest = held_.end();
+    for (auto it = held_.begin(); it != held_.end(); ++it) {
+      bytes += it->second.bytes;
+      // The newest one has not been handed to those who wait for it yet, so it stays.
+      if (it->second.dataset.use_count() == 1 && it->second.last_use != uses_ &&
+          (oldest == held_.end() || it->second.last_use < oldest->second.last_use))
+        oldest = it;
+    }
+    if (bytes <= options_.max_bytes || oldest == held_.end()) return;
+    held_.erase(oldest);
+  }
+}
+
+std::uint64_t DatasetStore::held_bytes() const {
+  std::lock_guard lock(mutex_);
+  std::uint64_t bytes = 0;
+  for (const auto& [key, held] : held_) bytes += held.bytes;
+  return bytes;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,20 @@
+// A scene's layers as a mesh file.
+#pragma once
+
+#include <filesystem>
+
+#include "base/task.h"
+#include "engine/messages/exported_mesh.h"
+#include "engine/scene/scene.h"
+#include "extraction/files/write_mesh.h"
+#include "extraction/layers/extract_layers.h"
+
+namespace isostrata {
+
+/// Extracts all intervals of the scene, hidden ones too, with its terms, time and triangulation (of a smear: the scene's step),
+/// and writes them as write_mesh does, the colour array with them. Throws what extract_layers and write_mesh throw, and not_found
+/// where there is no array or no interval. Any thread.
+ExportedMesh export_mesh(const StepSource& steps, const Scene& scene, const std::filesystem::path& path,
+                         const WriteOptions& options, const Task& task);
+
+}  // namespace isostrata

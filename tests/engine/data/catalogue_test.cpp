@@ -1,0 +1,88 @@
+#include "engine/data/catalogue.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <set>
+
+#include "base/error.h"
+#include "support/temporary_folder.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CatalogueFiles : public ::testing::Test {
+ protected:
+  CatalogueFiles() {
+    for (const char* file : {"data/a.vtk", "data/deep/a.vtk", "data/finxyz.bin", "data/finq.bin", "data/notes.txt",
+                             "data/.hidden.vtk", "outside.vtk"})
+      root_.write(file, "x");
+    fs::create_symlink(root_ / "outside.vtk", root_ / "data" / "link.vtk");
+  }
+  testing::TemporaryFolder root_;
+};
+
+TEST_F(CatalogueFiles, ADirectoryOffersWhatCanBeReadInsideItself) {
+  const auto catalogue = Catalogue::from_sources({(root_ / "data").string()});
+  std::set<std::string> names, ids;
+  for (const auto& entry : catalogue.entries()) {
+    names.insert(entry.name);
+    ids.insert(entry.id);
+    EXPECT_EQ(entry.id.find('/'), std::string::npos) << entry.id;
+    EXPECT_EQ(catalogue.find(entry.id), &entry);
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"a.vtk", "deep/a.vtk", "finxyz.bin"}));
+  EXPECT_EQ(ids.size(), 3u);
+}
+
+TEST_F(CatalogueFiles, IdsAreTheSameInTheNextServer) {
+  const auto one = Catalogue::from_sources({(root_ / "data").string()});
+  const auto two = Catalogue::from_sources({"torus:8", (root_ / "data" / "deep" / "a.vtk").string()});
+  EXPECT_EQ(two.find("torus-8")->source, "torus:8");
+  EXPECT_EQ(two.entries()[1].name, "a.vtk");
+  EXPECT_EQ(one.entries().size(), 3u);
+  EXPECT_EQ(Catalogue::from_sources({(root_ / "data").string()}).entries()[1].id, one.entries()[1].id);
+}
+
+TEST_F(CatalogueFiles, LinksInCirclesPipesAndDirectoriesWithTheNameOfAFileAreLeftOut) {
+  const fs::path data = root_ / "data";
+  fs::create_directory_symlink(data, data / "deep" / "again");
+  fs::create_symlink("circle.vtk", data / "circle.vtk");
+  fs::create_symlink("nowhere.vtk", data / "dangling.vtk");
+  fs::create_directories(data / "folder.vtk");
+  ASSERT_EQ(mkfifo((data / "pipe.vtk").c_str(), 0600), 0);
+  EXPECT_EQ(Catalogue::from_sources({data.string()}).entries().size(), 3u);
+  EXPECT_THROW(Catalogue::from_sources({(data / "circle.vtk").string()}), Error);
+}
+
+TEST_F(CatalogueFiles, NumberedFilesAreOneEntryAndWhatIsPassedOverIsCounted) {
+  for (const char* file : {"data/s_1.vti", "data/s_2.vti", "data/s_3.vti"}) root_.write(file, "x");
+  const auto catalogue = Catalogue::from_sources({(root_ / "data").string(), (root_ / "data" / "s_*.vti").string()});
+  ASSERT_EQ(catalogue.entries().size(), 4u);
+  const CatalogueEntry& series = catalogue.entries().back();
+  EXPECT_EQ(series.name, "s_*.vti");
+  EXPECT_EQ(series.files, 3);
+  EXPECT_EQ(series.bytes, 3u);
+  EXPECT_EQ(series.kind, "XML VTK");
+  std::int64_t passed_over = 0;
+  for (const PassedOver& passed : catalogue.passed_over()) passed_over += passed.files;
+  EXPECT_EQ(passed_over, 4);  // the solution, the notes, what is hidden, the link
+}
+
+TEST_F(CatalogueFiles, WhatIsNotThereIsNamed) {
+  try {
+    Catalogue::from_sources({(root_ / "nosuch.vtk").string()});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::not_found);
+    EXPECT_NE(std::string(error.what()).find("nosuch.vtk"), std::string::npos);
+  }
+  EXPECT_EQ(Catalogue::analytic().find("nosuch"), nullptr);
+}
+
+}  // namespace
+}  // namespace isostrata

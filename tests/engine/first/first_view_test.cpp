@@ -1,0 +1,324 @@
+#include "engine/first/first_view.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "base/parallel.h"
+#include "data/analytic.h"
+#include "data/series_ranges.h"
+#include "engine/first/choose_array.h"
+#include "engine/first/first_scene.h"
+#include "rendering/picture/camera.h"
+#include "support/field_dataset.h"
+
+namespace isostrata {
+namespace {
+
+using testing::array_of;
+using testing::field_dataset;
+
+std::shared_ptr<const Dataset> analytic(const std::string& name, int step = 0) {
+  OpenOptions options;
+  options.step = step;
+  return make_analytic(name, options, Task());
+}
+
+FirstView view_of_data(const Dataset& dataset, const std::string& array = "") { return first_view(dataset, {array, -1}, Task()); }
+
+/// The part of the picture, half of it being 1, at which a point lies.
+std::array<double, 2> on_picture(const Camera& camera, Vec3d p, double aspect) {
+  const auto q = view_from_world(camera) * std::array<double, 4>{p.x, p.y, p.z, 1};
+  const double reach = std::tan(camera.fov_deg / 2 * std::acos(-1.0) / 180);
+  return {q[0] / -q[2] / reach / aspect, q[1] / -q[2] / reach};
+}
+
+void expect_sound(const FirstView& view, const Dataset& dataset) {
+  ASSERT_FALSE(view.array.empty()) << view.array_reason;
+  const PointArray& array = dataset.array(view.array);
+  ASSERT_FALSE(view.layers.empty());
+  EXPECT_LE(view.layers.size(), 5u);
+  for (const FirstLayer& layer : view.layers) {
+    EXPECT_LT(layer.lower, layer.upper);
+    EXPECT_GE(layer.lower, array.lower);
+    EXPECT_LE(layer.upper, array.upper);
+    EXPECT_FALSE(layer.reason.empty());
+    EXPECT_GT(layer.opacity, 0);
+    EXPECT_LT(layer.opacity, 1);
+  }
+  for (const std::string* reason :
+       {&view.array_reason, &view.step_reason, &view.kind_reason, &view.light_reason, &view.up_reason, &view.camera_reason})
+    EXPECT_FALSE(reason->empty());
+  for (const double aspect : {0.5, 1.0, 4.0 / 3, 3.0}) {
+    const Camera camera = view.camera(aspect);
+    EXPECT_NO_THROW(check(camera));
+    double farthest = 0;
+    for (const Vec3d& p : view.outline)
+      for (const double at : on_picture(camera, p, aspect)) farthest = std::max(farthest, std::abs(at));
+    EXPECT_LE(farthest, 0.96) << aspect;
+    EXPECT_GE(farthest, 0.85) << aspect;
+  }
+}
+
+const char* const kBuiltIn[] = {"torus:48",         "sphere:40", "marschner-lobb:48", "cylinder:24x24x12",
+                                "implicit-flow:24", "tets:16",   "mixed:9",           "diamond:17"};
+
+TEST(FirstView, OfEveryBuiltInFieldHasLayersInItsRangeReasonsAndACameraThatSeesThem) {
+  for (const std::string name : kBuiltIn) {
+    SCOPED_TRACE(name);
+    const auto dataset = analytic(name);
+    expect_sound(view_of_data(*dataset), *dataset);
+  }
+}
+
+TEST(FirstView, TheCameraSeesEveryPointOfItsLayers) {
+  for (const std::string name : kBuiltIn) {
+    const auto dataset = analytic(name);
+    const FirstView view = view_of_data(*dataset);
+    const Camera camera = view.camera(4.0 / 3);
+    const PointArray& array = dataset->array(view.array);
+    for (std::int64_t id = 0; id < dataset->grid.point_count(); ++id) {
+      const double value = array.at(static_cast<std::size_t>(id));
+      for (const FirstLayer& layer : view.layers)
+        if (value >= layer.lower && value <= layer.upper) {
+          for (const double at : on_picture(camera, dataset->grid.point(id), 4.0 / 3))
+            ASSERT_LE(std::abs(at), 1) << name << " point " << id;
+        }
+    }
+  }
+}
+
+TEST(FirstView, IsTheSameForAnyNumberOfThreads) {
+  for (const std::string name : {"cylinder:24x24x12", "tets:16", "torus:64"}) {
+    const auto dataset = analytic(name);
+    const FirstView many = view_of_data(*dataset);
+    set_thread_count(1);
+    const FirstView one = view_of_data(*dataset);
+    set_thread_count(0);
+    EXPECT_EQ(many.layers, one.layers) << name;
+    EXPECT_EQ(many.camera(1), one.camera(1)) << name;
+  }
+}
+
+TEST(FirstView, FollowsTheValuesUnit) {
+  const auto field = [](Vec3d p) { return std::exp(-4 * dot(p, p)) + 0.2 * p.x - 2; };
+  const auto plain = field_dataset<double>({40, 40, 40}, field);
+  const FirstView view = view_of_data(*plain);
+  for (const auto& [factor, shift] : {std::pair{1000.0, 0.0}, std::pair{1.0, 273.0}, std::pair{0.01, -7.0}}) {
+    const auto other = field_dataset<double>({40, 40, 40}, [&, f = factor, s = shift](Vec3d p) { return f * field(p) + s; });
+    const FirstView scaled = view_of_data(*other);
+    ASSERT_EQ(scaled.layers.size(), view.layers.size()) << factor;
+    EXPECT_EQ(scaled.kind, view.kind);
+    EXPECT_EQ(scaled.camera(1), view.camera(1));
+    for (std::size_t i = 0; i < view.layers.size(); ++i) {
+      EXPECT_NEAR((scaled.layers[i].lower - shift) / factor, view.layers[i].lower, 0.003) << factor << " + " << shift;
+      EXPECT_NEAR((scaled.layers[i].upper - shift) / factor, view.layers[i].upper, 0.003);
+      EXPECT_EQ(scaled.layers[i].color, view.layers[i].color);
+    }
+  }
+}
+
+TEST(FirstView, FollowsThePlacesUnit) {
+  const auto here = field_dataset({40, 30, 20}, [](Vec3d p) { return std::exp(-5 * dot(p, p)); });
+  auto there = field_dataset({40, 30, 20}, [](Vec3d p) { return std::exp(-5 * dot(p, p)); });
+  UniformGrid& grid = std::get<UniformGrid>(there->grid.shape);
+  grid.origin = {1000, -500, 20};
+  grid.spacing = grid.spacing * 1000.0;
+  there->bounds = there->grid.bounds();
+  const FirstView a = view_of_data(*here), b = view_of_data(*there);
+  EXPECT_EQ(a.layers, b.layers);
+  EXPECT_EQ(a.direction, b.direction);
+}
+
+TEST(FirstView, OfATorusIsARingInsideAShell) {
+  const auto torus = analytic("torus:64");
+  const FirstView view = view_of_data(*torus);
+  ASSERT_EQ(view.layers.size(), 2u);
+  EXPECT_EQ(view.layers[0].lower, torus->arrays[0].lower);
+  EXPECT_LT(view.layers[1].upper, 0.4) << "not the corners of the box";
+  EXPECT_TRUE(view.layers[0].surface.upper);
+  EXPECT_GT(view.layers[0].opacity, view.layers[1].opacity);
+}
+
+TEST(FirstView, OfALargeGridHasThinLayersWithTheSameSurfaces) {
+  const FirstView whole = view_of_data(*analytic("torus:64")), thin = view_of_data(*analytic("torus:200"));
+  ASSERT_EQ(thin.layers.size(), 2u);
+  EXPECT_EQ(whole.layers[0].upper, whole.layers[1].lower);
+  EXPECT_NEAR(thin.layers[0].upper, whole.layers[0].upper, 0.01) << "the ring's surface";
+  EXPECT_NEAR(thin.layers[1].upper, whole.layers[1].upper, 0.01) << "the shell's surface";
+  EXPECT_GT(thin.layers[1].lower, thin.layers[0].upper);
+  EXPECT_LT(thin.layers[1].upper - thin.layers[1].lower, 0.5 * (whole.layers[1].upper - whole.layers[1].lower));
+}
+
+TEST(FirstView, OfMarschnerLobbIsOneWallFromAbove) {
+  const FirstView view = view_of_data(*analytic("marschner-lobb:128"));
+  EXPECT_EQ(view.kind, "waves");
+  ASSERT_EQ(view.layers.size(), 1u);
+  EXPECT_NEAR(view.layers[0].lower, 0.5, 0.1);
+}
+
+TEST(FirstView, OfCtNumbersIsBoneInSkinWhateverTheirZero) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, 15);
+  for (const double zero : {0.0, 1024.0}) {
+    const auto head = field_dataset<std::int16_t>({60, 60, 60}, [&](Vec3d p) {
+      const double r = length(p);
+      const double air_floor = zero == 0 ? -1024 : 0;
+      return std::max((r < 0.7 ? 40 : r < 0.8 ? 900 : r < 0.9 ? 40 : -1000) + zero + noise(random), air_floor);
+    });
+    const FirstView view = view_of_data(*head);
+    ASSERT_EQ(view.layers.size(), 2u) << zero;
+    EXPECT_EQ(view.layers[0].name, "skin");
+    EXPECT_EQ(view.layers[1].name, "bone");
+    EXPECT_NEAR(view.layers[1].lower, 170 + zero, 1);
+    EXPECT_EQ(format_rgb(view.layers[1].color), "#f2e6c8");
+  }
+}
+
+TEST(FirstView, OfLabelsCutsBetweenWholeNumbers) {
+  const auto labels = field_dataset<std::uint8_t>({40, 40, 40}, [](Vec3d p) {
+    return length(p) < 0.3 ? 5 : length(p - Vec3d{0.5, 0.5, 0}) < 0.3 ? 3 : length(p + Vec3d{0.5, 0.5, 0}) < 0.3 ? 1 : 0;
+  });
+  const FirstView view = view_of_data(*labels);
+  expect_sound(view, *labels);
+  for (const FirstLayer& layer : view.layers)
+    EXPECT_TRUE(layer.lower == 0 || layer.lower == std::floor(layer.lower) + 0.5) << layer.lower;
+}
+
+TEST(FirstView, OfASheetIsBandsFromItsBroadSide) {
+  const auto sheet = field_dataset({80, 60, 3}, [](Vec3d p) { return std::exp(-3 * (p.x * p.x + p.y * p.y)); });
+  const FirstView view = view_of_data(*sheet);
+  EXPECT_EQ(view.kind, "sheet");
+  EXPECT_EQ(view.layers.size(), 4u);
+  EXPECT_GT(std::abs(view.direction.z), 0.7);
+  expect_sound(view, *sheet);
+}
+
+TEST(FirstView, KeepsTheArrayThatIsAskedFor) {
+  const auto dataset = analytic("cylinder:24x24x12");
+  const FirstView view = view_of_data(*dataset, "Energy");
+  EXPECT_EQ(view.array, "Energy");
+  expect_sound(view, *dataset);
+  EXPECT_THROW(view_of_data(*dataset, "energy of nothing"), Error);
+}
+
+TEST(FirstView, OfASeriesLooksAtFiveStepsAndTheLayersReachToTheEndsOfAll) {
+  int opened = 0;
+  const auto steps = [&](int step, const Task&) {
+    ++opened;
+    return analytic("cylinder:16x12x8x9", step);
+  };
+  const FirstView view = first_view(*analytic("cylinder:16x12x8x9"), steps, {}, Task());
+  EXPECT_EQ(opened, 4) << "the first is there";
+  EXPECT_EQ(view.step, 4);
+  ValueRange range;
+  for (const int step : {0, 2, 4, 6, 8}) {
+    const auto dataset = analytic("cylinder:16x12x8x9", step);
+    range = join(range, {dataset->array(view.array).lower, dataset->array(view.array).upper});
+  }
+  EXPECT_EQ(view.layers.front().lower, range.lower);
+  EXPECT_EQ(view.layers.back().upper, range.upper);
+}
+
+TEST(FirstView, LeavesOutAnArrayThatIsConstantAtEveryStepAndTakesTheStepWhereTheValuesSpread) {
+  const auto at = [](int step) {
+    auto dataset = field_dataset({20, 20, 20}, [step](Vec3d p) { return step * std::exp(-3 * dot(p, p)); });
+    dataset->arrays.insert(dataset->arrays.begin(), array_of("Density", std::vector<float>(8000, 2)));
+    dataset->times = {0, 1, 2};
+    dataset->step = step == 9 ? 2 : 0;
+    return dataset;
+  };
+  const auto steps = [&](int step, const Task&) -> std::shared_ptr<const Dataset> {
+    auto dataset = at(step == 2 ? 9 : 0);
+    dataset->step = step;
+    return dataset;
+  };
+  const FirstView view = first_view(*at(0), steps, {}, Task());
+  EXPECT_EQ(view.array, "value");
+  EXPECT_EQ(view.step, 2);
+}
+
+TEST(FirstView, OfBadDataSaysWhyThereIsNothing) {
+  const auto nothing = [](const std::shared_ptr<Dataset>& dataset) {
+    const FirstView view = view_of_data(*dataset);
+    EXPECT_TRUE(view.array.empty());
+    EXPECT_TRUE(view.layers.empty());
+    return view.array_reason;
+  };
+  EXPECT_EQ(nothing(field_dataset({8, 8, 8}, [](Vec3d) { return 4; })), "every array has one value everywhere");
+  EXPECT_EQ(nothing(field_dataset({8, 8, 8}, [](Vec3d) { return NAN; })), "no array has a finite value");
+  EXPECT_EQ(nothing(field_dataset({8, 1, 1}, [](Vec3d p) { return p.x; })),
+            "the dataset has no cells: one point or one line of points has no inside");
+  auto without = field_dataset({8, 8, 8}, [](Vec3d p) { return p.x; });
+  without->arrays.clear();
+  EXPECT_EQ(nothing(without), "the dataset has no array");
+}
+
+TEST(FirstView, OfOddDataIsSound) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const std::pair<const char*, std::shared_ptr<Dataset>> odd[] = {
+      {"one cell", field_dataset({2, 2, 2}, [](Vec3d p) { return p.x + p.y * p.z; })},
+      {"a plane", field_dataset({30, 20, 1}, [](Vec3d p) { return p.x * p.y; })},
+      {"noise", field_dataset({40, 40, 40}, [&](Vec3d) { return uniform(random); })},
+      {"nearly all in one bin", field_dataset<double>({40, 40, 40}, [](Vec3d p) { return p.x > 0.9 ? 1e9 * p.y : 1e-9 * p.z; })},
+      {"tiny components", field_dataset({60, 60, 60}, [&](Vec3d) { return uniform(random) > 0.95 ? 1 : 0; })},
+      {"one point alone differs", field_dataset({40, 40, 40},
+                                                [](Vec3d p) {
+                                                  return length(p - Vec3d{-1, -1, -1}) < 0.01 ? 1 : 0;
+                                                })},
+      {"half has no value", field_dataset({40, 40, 40}, [](Vec3d p) { return p.x > 0 ? NAN : p.y; })},
+      {"whole doubles", field_dataset<double>({20, 20, 20}, [](Vec3d p) { return 1.7e308 * p.x; })},
+      {"subnormal", field_dataset<double>({20, 20, 20}, [](Vec3d p) { return 1e-310 * p.x; })},
+      {"two planes of points", field_dataset({2, 60, 60}, [](Vec3d p) { return p.y * p.z; })},
+      {"a row of cells", field_dataset({60, 2, 2}, [](Vec3d p) { return p.x; })}};
+  for (const auto& [name, dataset] : odd) {
+    SCOPED_TRACE(name);
+    expect_sound(view_of_data(*dataset), *dataset);
+  }
+}
+
+TEST(FirstView, BecomesASceneAsItIs) {
+  const FirstView view = view_of_data(*analytic("torus:32"));
+  const auto intervals = first_intervals(view);
+  ASSERT_EQ(intervals.size(), view.layers.size());
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    EXPECT_EQ(intervals[i].lower, view.layers[i].lower);
+    EXPECT_EQ(intervals[i].color, view.layers[i].color);
+    EXPECT_EQ(intervals[i].surface, view.layers[i].surface);
+    EXPECT_EQ(intervals[i].number, i + 1);
+  }
+}
+
+// ---- arrays ----
+
+std::vector<std::string> ranked(const std::vector<std::string>& names) {
+  auto dataset = field_dataset({12, 12, 12}, [](Vec3d p) { return p.x; });
+  dataset->arrays.clear();
+  for (const std::string& name : names) {
+    std::vector<float> values;
+    for (int i = 0; i < 12 * 12 * 12; ++i) values.push_back(static_cast<float>(i % 97));
+    dataset->arrays.push_back(array_of(name, std::move(values)));
+  }
+  const Dataset* const step = dataset.get();
+  std::vector<std::string> order;
+  for (const ArrayChoice& choice : rank_arrays({&step, 1})) order.push_back(choice.name);
+  return order;
+}
+
+TEST(RankArrays, BookkeepingComesLastHoweverItIsSpelled) {
+  for (const std::string name : {"IBlank", "vtkGhostLevels", "GlobalNodeIds", "node_id", "ObjectId", "ids", "BlockI", "proc_id",
+                                 "rank", "time", "error_estimate"})
+    EXPECT_EQ(ranked({name, "humidity"}).front(), "humidity") << name;
+  for (const std::string name : {"humidity", "avoid", "grids", "Residence", "rapid"})
+    EXPECT_EQ(ranked({name, "zzz"}).front(), name) << name << " is a field";
+}
+
+TEST(RankArrays, WhatPeopleLookAtComesFirst) {
+  EXPECT_EQ(ranked({"p", "U_x", "T", "vonMises"}), (std::vector<std::string>{"vonMises", "T", "p", "U_x"}));
+  EXPECT_EQ(ranked({"humidity", "pressure"}).front(), "pressure");
+}
+
+}  // namespace
+}  // namespace isostrata
