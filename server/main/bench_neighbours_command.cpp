@@ -27,7 +27,7 @@
 #include "main/neighbour_works.h"
 #include "main/picture_arguments.h"
 #include "main/plain_socket.h"
-#include "session/random_token.h"
+#include "session/wire/random_token.h"
 
 extern char** environ;
 

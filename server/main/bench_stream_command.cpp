@@ -30,7 +30,7 @@
 #include "main/picture_arguments.h"
 #include "net/server.h"
 #include "net/shaped_link.h"
-#include "session/random_token.h"
+#include "session/wire/random_token.h"
 
 namespace isostrata {
 namespace {

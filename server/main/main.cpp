@@ -8,7 +8,7 @@
 #include "base/simd_level.h"
 #include "main/commands.h"
 #include "main/simd_option.h"
-#include "session/protobuf_log.h"
+#include "session/journal/protobuf_log.h"
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of the write, not the end of the program

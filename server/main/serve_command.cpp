@@ -26,8 +26,8 @@
 #include "main/service_manager.h"
 #include "net/server.h"
 #include "net/static_files.h"
-#include "session/protobuf_log.h"
-#include "session/random_token.h"
+#include "session/journal/protobuf_log.h"
+#include "session/wire/random_token.h"
 
 namespace isostrata {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "engine/data/dataset_facts.h"
 #include "net/json_body.h"
-#include "session/apply_command.h"
-#include "session/limits.h"
+#include "session/commands/apply_command.h"
+#include "session/wire/limits.h"
 
 namespace isostrata {
 

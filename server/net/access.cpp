@@ -1,6 +1,6 @@
 #include "net/access.h"
 
-#include "session/random_token.h"
+#include "session/wire/random_token.h"
 
 namespace isostrata {
 namespace {

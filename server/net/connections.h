@@ -12,7 +12,7 @@
 #include "net/places.h"
 #include "net/site.h"
 #include "net/wrong_tokens.h"
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 

@@ -20,7 +20,7 @@
 #include "net/problem.h"
 #include "net/security_headers.h"
 #include "net/websocket_connection.h"
-#include "session/limits.h"
+#include "session/wire/limits.h"
 
 namespace isostrata {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "base/utf8.h"
 #include "net/problem.h"
-#include "session/message_bounds.h"
-#include "session/wire.h"
+#include "session/wire/message_bounds.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "session/sessions_observer.h"
+#include "session/sessions/sessions_observer.h"
 
 namespace isostrata {
 

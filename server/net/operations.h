@@ -12,7 +12,7 @@
 
 #include "base/temporary_directory.h"
 #include "net/event_stream.h"
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 

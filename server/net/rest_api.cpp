@@ -6,7 +6,7 @@
 #include "net/openapi.h"
 #include "net/problem.h"
 #include "net/rest_routes.h"
-#include "session/wire.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

@@ -6,8 +6,8 @@
 #include "net/json_body.h"
 #include "net/problem.h"
 #include "net/rest_routes.h"
-#include "session/apply_command.h"
-#include "session/wire.h"
+#include "session/commands/apply_command.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 

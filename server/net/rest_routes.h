@@ -7,7 +7,7 @@
 #include "net/operations.h"
 #include "net/route.h"
 #include "net/session_events.h"
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include "net/json_body.h"
 #include "net/rest_routes.h"
 #include "rendering/picture/style.h"
-#include "session/limits.h"
+#include "session/wire/limits.h"
 
 namespace isostrata {
 

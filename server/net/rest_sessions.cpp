@@ -4,7 +4,7 @@
 #include "net/json_body.h"
 #include "net/problem.h"
 #include "net/rest_routes.h"
-#include "session/wire.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 

@@ -11,7 +11,7 @@
 
 #include "net/http_message.h"
 #include "net/request_target.h"
-#include "session/session.h"
+#include "session/sessions/session.h"
 
 namespace isostrata {
 

@@ -34,7 +34,7 @@ struct ServerOptions {
   std::chrono::milliseconds hello_timeout{10000};  // a WebSocket without its Hello is closed
   std::chrono::milliseconds write_timeout{10000};  // and one that does not take 64 KiB of what is sent
   double messages_per_second = 1000;  // of one WebSocket; more are passed over or read later
-  std::filesystem::path state_dir;  // where sessions survive the process (session/journal.h); empty: they do not
+  std::filesystem::path state_dir;  // where sessions survive the process (session/journal/journal.h); empty: they do not
   std::optional<std::chrono::system_clock::time_point> ends;  // when this process will be ended from outside; told to clients before
   std::chrono::milliseconds pulse{0};                         // how often `alive` is called while the server's thread runs; 0: never
   std::function<void()> alive;                                // on the thread of run()

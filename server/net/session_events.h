@@ -13,7 +13,7 @@
 
 #include "net/event_stream.h"
 #include "net/operations.h"
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "net/json_body.h"
 #include "net/problem.h"
-#include "session/random_token.h"
+#include "session/wire/random_token.h"
 
 namespace isostrata {
 namespace {

@@ -1,7 +1,7 @@
 #include "net/site_log.h"
 
 #include "base/utf8.h"
-#include "session/viewer.h"
+#include "session/pacing/viewer.h"
 
 namespace isostrata {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "net/log_line.h"
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 

@@ -18,9 +18,9 @@
 #include <limits>
 #include <optional>
 
-#include "session/limits.h"
-#include "session/message_bounds.h"
-#include "session/wire.h"
+#include "session/wire/limits.h"
+#include "session/wire/message_bounds.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

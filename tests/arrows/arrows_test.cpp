@@ -107,7 +107,7 @@ TEST_F(Arrows, TheServerDoesNotKnowTheClient) {
 
 TEST_F(Arrows, ProtobufStopsAtSession) {
   write("server/engine/scene.cpp", "#include \"isostrata/v1/isostrata.pb.h\"\n");
-  write("server/session/apply_command.cpp", "#include \"isostrata/v1/isostrata.pb.h\"\n");
+  write("server/session/commands/apply_command.cpp", "#include \"isostrata/v1/isostrata.pb.h\"\n");
   EXPECT_THAT(broken_arrows(root_),
               ElementsAre("server/engine/scene.cpp:1: Protobuf left of session: isostrata/v1/isostrata.pb.h"));
 }

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "session/protobuf_log.h"
-#include "session/sessions.h"
+#include "session/journal/protobuf_log.h"
+#include "session/sessions/sessions.h"
 #include "support/fin_facts.h"
 
 namespace isostrata::fuzz {

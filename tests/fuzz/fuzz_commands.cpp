@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "fuzz/fake_engine.h"
-#include "session/wire.h"
+#include "session/wire/wire.h"
 
 namespace {
 

@@ -4,8 +4,8 @@
 
 #include "net/json_body.h"
 #include "net/running_server.h"
-#include "session/limits.h"
-#include "session/message_bounds.h"
+#include "session/wire/limits.h"
+#include "session/wire/message_bounds.h"
 
 namespace isostrata {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 

@@ -2,9 +2,9 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include "session/apply_command.h"
-#include "session/limits.h"
-#include "session/wire.h"
+#include "session/commands/apply_command.h"
+#include "session/wire/limits.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

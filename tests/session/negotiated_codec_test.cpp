@@ -3,7 +3,7 @@
 
 #include <deque>
 
-#include "session/sessions.h"
+#include "session/sessions/sessions.h"
 
 namespace isostrata {
 namespace {

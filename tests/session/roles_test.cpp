@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "session/people_messages.h"
-#include "session/random_token.h"
-#include "session/sessions_observer.h"
+#include "session/sessions/sessions_observer.h"
+#include "session/wire/random_token.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "session/frame_scheduler.h"
+#include "session/pacing/frame_scheduler.h"
 
 namespace isostrata {
 

@@ -1,0 +1,268 @@
+#include "session/commands/apply_command.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/picture/draw_scene.h"
+#include "session/commands/command_checks.h"
+#include "session/commands/scene_commands.h"
+#include "session/wire/limits.h"
+#include "session/wire/wire.h"
+
+namespace isostrata {
+namespace {
+
+/// Calls `visit` with the command if it is one that changes a scene: the only list of them. Else false.
+template <class Visit>
+bool visit_scene_command(const v1::ClientMessage& message, const Visit& visit) {
+  switch (message.body_case()) {
+    case v1::ClientMessage::kSelectArrays:
+      return visit(message.select_arrays()), true;
+    case v1::ClientMessage::kSetTimeStep:
+      return visit(message.set_time_step()), true;
+    case v1::ClientMessage::kSetIntervals:
+      return visit(message.set_intervals()), true;
+    case v1::ClientMessage::kPatchInterval:
+      return visit(message.patch_interval()), true;
+    case v1::ClientMessage::kRemoveInterval:
+      return visit(message.remove_interval()), true;
+    case v1::ClientMessage::kReorderPriorities:
+      return visit(message.reorder_priorities()), true;
+    case v1::ClientMessage::kSetCamera:
+      return visit(message.set_camera()), true;
+    case v1::ClientMessage::kSetView:
+      return visit(message.set_view()), true;
+    case v1::ClientMessage::kSetAppearance:
+      return visit(message.set_appearance()), true;
+    case v1::ClientMessage::kSetCombination:
+      return visit(message.set_combination()), true;
+    case v1::ClientMessage::kSetTime:
+      return visit(message.set_time()), true;
+    case v1::ClientMessage::kSetCycle:
+      return visit(message.set_cycle()), true;
+    case v1::ClientMessage::kSetSmear:
+      return visit(message.set_smear()), true;
+    case v1::ClientMessage::kSetTransferFunction:
+      return visit(message.set_transfer_function()), true;
+    case v1::ClientMessage::kSetClipPlanes:
+      return visit(message.set_clip_planes()), true;
+    case v1::ClientMessage::kSetAnnotations:
+      return visit(message.set_annotations()), true;
+    default:
+      return false;
+  }
+}
+
+// Does `change` to a copy and keeps it where it was not refused.
+template <class Change>
+CommandOutcome attempt(SceneState& state, const Change& change) {
+  SceneState next = state;
+  try {
+    change(next);
+  } catch (Refused& refused) {
+    return {std::move(refused.error), false};
+  }
+  const bool changed = !(next.scene == state.scene);
+  if (changed) ++next.scene.revision;
+  state = std::move(next);
+  return {std::nullopt, changed};
+}
+
+}  // namespace
+
+bool is_scene_command(const v1::ClientMessage& message) {
+  return visit_scene_command(message, [](const auto&) {});
+}
+
+CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message, const CommandContext& context) {
+  return attempt(state, [&](SceneState& next) {
+    if (!visit_scene_command(message, [&](const auto& command) { apply(next, command, context); }))
+      refuse("unsupported", "this message does not change a scene", "");
+    const Scene& scene = next.scene;
+    if (message.has_select_arrays() && has_transfer(scene) && !scene.color_by.empty() && scene.color_by != scene.array)
+      refuse("unsupported",
+             "an interval has a transfer function of " + scene.array + "; colours by " + scene.color_by +
+                 " are not possible as long as it has",
+             "color_by");
+  });
+}
+
+bool advance_cycle(SceneState& state, std::int64_t steps) {
+  Scene& scene = state.scene;
+  const auto length = static_cast<double>(cycle_length(scene));
+  if (scene.mode != SceneMode::cycled || length < 2 || steps <= 0) return false;
+  scene.cycle.phase = std::fmod(std::floor(scene.cycle.phase) + static_cast<double>(steps), length);
+  ++scene.revision;
+  return true;
+}
+
+CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const CommandContext& context) {
+  return attempt(state, [&](SceneState& next) {
+    if (wanted.dataset() != next.scene.dataset)
+      refuse("invalid_argument", "dataset '" + wanted.dataset() + "' is not the open one, '" + next.scene.dataset + "'",
+             "dataset");
+    if (context.dataset) {
+      v1::SelectArrays arrays;
+      arrays.set_array(wanted.array());
+      arrays.set_color_by(wanted.color_by());
+      arrays.set_texture(wanted.texture());
+      apply(next, arrays, context);
+      v1::SetTimeStep step;
+      step.set_step(wanted.step());
+      apply(next, step, context);  // and forgets the time, which follows where there is one
+      v1::SetTime time;
+      if (wanted.has_time()) time.set_time(wanted.time());
+      time.set_mode(wanted.time_mode());
+      apply(next, time, context);
+      v1::SetCombination combination;
+      *combination.mutable_terms() = wanted.terms();
+      apply(next, combination, context);
+      if (wanted.has_smear()) {
+        v1::SetSmear smear;
+        *smear.mutable_smear() = wanted.smear();
+        apply(next, smear, context);
+      }
+      v1::SetIntervals intervals;
+      *intervals.mutable_intervals() = wanted.intervals();
+      // A saved state names ids of another session's life: those that are not here any more become new ones.
+      for (v1::Interval& interval : *intervals.mutable_intervals())
+        if (std::none_of(next.scene.intervals.begin(), next.scene.intervals.end(),
+                         [&](const auto& o) { return o.id == interval.id(); }))
+          interval.set_id(0);
+      apply(next, intervals, context);
+      if (wanted.has_camera()) {
+        v1::SetCamera camera;
+        *camera.mutable_camera() = wanted.camera();
+        apply(next, camera, context);
+      }
+    } else if (wanted.intervals_size() > 0 || wanted.terms_size() > 0 || wanted.has_time() || wanted.has_camera() ||
+               !wanted.array().empty()) {
+      opened(context);
+    }
+    if (wanted.has_cycle()) {
+      v1::SetCycle cycle;
+      cycle.set_seconds(wanted.cycle().seconds() == 0 ? 1 : wanted.cycle().seconds());
+      cycle.set_phase(wanted.cycle().phase());
+      cycle.set_playing(wanted.cycle().playing());
+      apply(next, cycle, context);
+    }
+    if (context.dataset || wanted.clip_planes_size() > 0) {
+      v1::SetClipPlanes planes;
+      *planes.mutable_clip_planes() = wanted.clip_planes();
+      apply(next, planes, context);
+    }
+    if (wanted.has_annotations()) {
+      v1::SetAnnotations annotations;
+      *annotations.mutable_annotations() = wanted.annotations();
+      apply(next, annotations, context);
+    }
+    v1::SetAppearance appearance;
+    appearance.set_mode(wanted.mode());
+    if (wanted.has_background()) *appearance.mutable_background() = wanted.background();
+    if (wanted.has_color_range()) *appearance.mutable_color_range() = wanted.color_range();
+    appearance.set_unit_distance(wanted.unit_distance());
+    apply(next, appearance, context);
+  });
+}
+
+std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved, std::uint32_t last_interval_id,
+                                       const CommandContext& context) {
+  SceneState restored;
+  restored.scene.dataset = saved.dataset();
+  restored.last_interval_id = last_interval_id;
+  // Stand-ins, so that the intervals keep their ids.
+  for (const v1::Interval& interval : saved.intervals()) {
+    restored.scene.intervals.emplace_back().id = interval.id();
+    restored.last_interval_id = std::max(restored.last_interval_id, interval.id());
+  }
+  v1::State slowed = saved;  // one of the time when cycles could be faster is not lost for that
+  if (slowed.cycle().seconds() != 0 && slowed.cycle().seconds() < kMinCycleSeconds)
+    slowed.mutable_cycle()->set_seconds(kMinCycleSeconds);
+  CommandOutcome outcome = apply_state(restored, slowed, context);
+  if (outcome.error) return std::move(outcome.error);
+  restored.scene.revision = std::max<std::uint64_t>(saved.revision(), 1);
+  state = std::move(restored);
+  return std::nullopt;
+}
+
+void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect) {
+  Scene& scene = state.scene;
+  scene.dataset = dataset.id;
+  scene.step = 0;
+  scene.time.reset();
+  scene.terms.clear();
+  scene.clip_planes.clear();  // they stood in the other dataset's space
+  scene.color_by.clear();
+  scene.color_range = {};
+  scene.texture.clear();
+  scene.smear.steps.clear();
+  scene.smear.times.clear();
+  scene.cycle.phase = 0;
+  scene.array.clear();
+  scene.intervals.clear();
+  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset", aspect);
+  const std::uint64_t revision = scene.revision;
+  show_first_layers(state, dataset);
+  scene.revision = revision + 1;
+}
+
+bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
+  Scene& scene = state.scene;
+  const std::vector<SceneInterval> before = std::exchange(scene.intervals, {});
+  const std::string array_before = std::exchange(scene.array, "");
+  if (const ArrayFacts* first = dataset.first_array()) {
+    scene.array = first->name;
+    constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range
+    const std::size_t layers = std::min(dataset.first_layers.size(), kOpacities.size());
+    for (std::size_t i = 0; i < layers; ++i) {
+      SceneInterval interval;
+      interval.id = i < before.size() ? before[i].id : ++state.last_interval_id;
+      interval.number = static_cast<std::uint32_t>(i + 1);
+      interval.lower = dataset.first_layers[i].lower;
+      interval.upper = dataset.first_layers[i].upper;
+      interval.color = default_interval_color(i);
+      // A thinner layer is denser by as much, so that it can be seen.
+      const double width = (interval.upper / 2 - interval.lower / 2) / (first->upper / 2 - first->lower / 2);
+      interval.opacity = kOpacities[kOpacities.size() - layers + i];
+      if (width < 0.249) interval.opacity = std::min(0.9999, 1 - std::pow(1 - interval.opacity, 0.25 / width));
+      interval.priority = static_cast<int>(i);
+      scene.intervals.push_back(std::move(interval));
+    }
+  } else if (!dataset.arrays.empty()) {
+    scene.array = dataset.arrays.front().name;
+  }
+  if (scene.array == array_before && scene.intervals == before) return false;
+  ++scene.revision;
+  return true;
+}
+
+std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height) {
+  const auto bad = [](std::uint32_t side, const char* field) -> std::optional<v1::Error> {
+    if (side >= 1 && side <= static_cast<std::uint32_t>(kMaxSide)) return std::nullopt;
+    return wire_error("invalid_argument",
+                      std::string(field) + " is " + std::to_string(side) + "; expected 1.." + std::to_string(kMaxSide), field);
+  };
+  if (auto error = bad(width, "width")) return error;
+  if (auto error = bad(height, "height")) return error;
+  if (static_cast<std::int64_t>(width) * height > kMaxPixels)
+    return wire_error(
+        "too_large",
+        std::to_string(width) + "x" + std::to_string(height) + " pixels; expected at most " + std::to_string(kMaxPixels),
+        "width");
+  return std::nullopt;
+}
+
+std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context) {
+  try {
+    if (request.bins() < 1 || request.bins() > static_cast<std::uint32_t>(kMaxBins))
+      refuse("invalid_argument", "bins is " + std::to_string(request.bins()) + "; expected 1.." + std::to_string(kMaxBins),
+             "bins");
+    array_of(request.array(), context, "array");
+  } catch (Refused& refused) {
+    return std::move(refused.error);
+  }
+  return std::nullopt;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,98 @@
+// One connection of a session: where its messages go, and its frames.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/messages/messages.h"
+#include "isostrata/v1/isostrata.pb.h"
+#include "session/pacing/codec_choice.h"
+#include "session/pacing/frame_scheduler.h"
+#include "session/pacing/video_streams.h"
+#include "session/pacing/viewer_budget.h"
+
+namespace isostrata {
+
+/// The way to one client. net's connections are outboxes; so are the fakes of tests. Calls never wait and never call back.
+class Outbox {
+ public:
+  virtual ~Outbox() = default;
+  /// Sends messages in order, before any frame that waits.
+  virtual void send(v1::ServerMessage message) = 0;
+  /// As send, but a State that still waits is replaced: the newest wins.
+  /// heeded: as ServerMessage says it.
+  virtual void send_state(v1::State state, std::uint64_t heeded) = 0;
+  /// The frame's payload is apart, since viewers of one picture share its bytes; `frame` has none.
+  virtual void send_frame(v1::Frame frame, std::shared_ptr<const Bytes> payload) = 0;
+  /// Sends what waits, then closes. `code` is a WebSocket close code.
+  virtual void close(std::uint16_t code, const std::string& reason) = 0;
+};
+
+/// Not thread-safe: lives on the io thread.
+struct Viewer {
+  static constexpr double kUsualDecoding = 1;  // of video by that of JPEG
+
+  struct Band {
+    v1::Frame frame;
+    std::shared_ptr<const Bytes> payload;
+  };
+
+  ViewerKey key = 0;
+  Outbox* outbox = nullptr;
+  SessionKey session = 0;  // 0: has not said hello
+  std::uint64_t last_seq = 0;
+  std::uint64_t heeded = 0;  // of its commands, the newest that was judged
+  std::uint64_t ignored_messages = 0;
+  FrameScheduler frames;
+  std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first
+  bool chooses = false;                    // between JPEG and the first of these, by measured times; else the first is in use
+  CodecChoice choice;
+  TimePoint chosen_at{};
+  CodecCosts decoding{kUsualDecoding};        // ms a megapixel
+  std::vector<v1::FormatForecast> forecasts;  // of the last choice
+  struct Sent {
+    std::uint64_t frame;
+    Codec codec;
+    double pixels;
+  };
+  std::deque<Sent> sent;          // moving frames, whose decoding times may still be told
+  bool takes_bands = false;       // lossless pictures in pieces
+  std::deque<Band> bands;         // of the newest one, that have not been sent
+  StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
+  RequestId ordered_request = 0;  // not started
+  std::set<RequestId> keepsakes;  // pictures for keeping that are being drawn
+
+  Codec codec() const { return chooses ? choice.codec() : ladder.front(); }
+
+  v1::Viewport viewport;                   // as it was asked for
+  TokenBucket stills{kViewerStillsPerSecond, kViewerStillsAtOnce};  // that it may ask for where it may only look
+  TimePoint pays_at{};  // the next picture for it alone waits until then
+
+  v1::Role role = v1::ROLE_CONTROLLER;
+  std::string invitation;  // that it came by; empty: it has the server's token
+  std::string name, client, client_id;
+  std::string address;     // at the other end of its connection, where that is known
+  int asked = 0;           // the last kind of message that observers were told of, and when
+  TimePoint asked_at{};
+
+  /// The message `seq` is contained in `revision` and all later ones.
+  void note_input(std::uint64_t seq, std::uint64_t revision);
+  /// The newest message that a picture of `revision` contains.
+  std::uint64_t input_of(std::uint64_t revision);
+
+ private:
+  struct Input {
+    std::uint64_t revision;
+    std::uint64_t seq;
+  };
+  std::deque<Input> inputs_;         // both increase
+  std::uint64_t contained_seq_ = 0;  // of the newest revision that was asked for
+};
+
+}  // namespace isostrata

@@ -1,0 +1,110 @@
+// Of a session: what its moving frames cost in each codec, and which codec and size each viewer gets them in.
+#include <algorithm>
+
+#include "session/sessions/session.h"
+
+namespace isostrata {
+namespace {
+
+constexpr double kMegapixel = 1e6;
+constexpr std::size_t kMostSent = 64;                        // frames of a viewer whose decoding may still be told
+constexpr Duration kChoose = std::chrono::milliseconds(40);  // between choices: costs do not change faster
+constexpr std::array<double, 6> kScales{1, 0.8, 0.65, 0.5, 0.4, 0.3};  // of each side, that the machines' speed may ask for
+constexpr double kMostDecodingMs = 10000;
+
+double megapixels(double width, double height) { return width * height / kMegapixel; }
+
+}  // namespace
+
+void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoint now) {
+  if (picture.order.phase != FramePhase::moving || picture.request.lossless) return;
+  if (ready.video && ready.video->key) return;  // the first of a stream: an encoder had to be made, too
+  const Codec codec = ready.video ? ready.video->codec : Codec::jpeg;
+  const StageTimes& ms = ready.stages;
+  const double drawing = ms.order_ms + ms.draw_ms + ms.readback_ms;
+  const double size = megapixels(ready.width, ready.height);
+  costs_.drawn_pixels.measured(drawing, size, now);
+  costs_.drawing.measured(codec, costs_.drawn_pixels.scaled(drawing, size, 1, now), now);
+  costs_.encoding.measured(codec, (ms.total_ms - ms.extract_ms - drawing) / size, now);
+}
+
+void Session::note_sent(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, std::uint64_t frame) {
+  if (order.key) return;  // the first of a stream: a decoder has to be made, too
+  viewer.sent.push_back({frame, order.codec, megapixels(ready.width, ready.height)});
+  if (viewer.sent.size() > kMostSent) viewer.sent.pop_front();
+}
+
+// What a client says may be anything.
+void Session::note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimePoint now) {
+  const auto of = std::find_if(viewer.sent.begin(), viewer.sent.end(), [&](const auto& s) { return s.frame == frame; });
+  if (of == viewer.sent.end() || !(ms > 0) || ms > kMostDecodingMs) return;
+  viewer.decoding.measured(of->codec, ms / of->pixels, now);
+  viewer.sent.erase(viewer.sent.begin(), of + 1);
+}
+
+// JPEG, which everybody takes, or the best video; no other one, since what comes after it has halved chroma.
+void Session::choose_codec(Viewer& viewer, TimePoint now) {
+  viewer.chosen_at = now;
+  std::vector<Codec> codecs{Codec::jpeg};
+  if (is_video(viewer.ladder.front())) codecs.push_back(viewer.ladder.front());
+  const double whole = megapixels(viewer.frames.width(), viewer.frames.height());
+  if (!(whole > 0) || costs_.encoding.expected(Codec::jpeg, now) <= 0) return;
+
+  // Another picture than those that the others look at is a drawing more, which all wait for.
+  int others = 0;
+  std::array<int, 2> with{};
+  for (const auto& [key, other] : viewers_) {
+    if (other == &viewer || !other->frames.visible() || other->frames.width() != viewer.frames.width() ||
+        other->frames.height() != viewer.frames.height())
+      continue;
+    ++others;
+    ++with[is_video(other->codec())];
+  }
+
+  std::vector<CodecCandidate> candidates;
+  for (const Codec codec : codecs)
+    for (const double scale : kScales) {
+      const FrameScheduler::Passing passing = viewer.frames.passing(codec, scale, now);
+      const double pixels = whole * passing.scale * passing.scale;
+      const double drawing = costs_.drawn_pixels.scaled(costs_.drawing.expected(codec, now), 1, pixels, now);
+      const double encoding = pixels * costs_.encoding.expected(codec, now),
+                   decoding = pixels * viewer.decoding.expected(codec, now);
+      CodecCandidate candidate;
+      candidate.codec = codec;
+      candidate.scale = scale;
+      candidate.making_ms = drawing + encoding + decoding;
+      if (others > 0 && with[is_video(codec)] == 0) candidate.making_ms += drawing;
+      // A change waits for the frame under way: as long as the slowest of the places takes that hold one frame at a time.
+      const double wait = std::max({drawing + encoding, passing.line_ms, decoding});
+      candidate.passing_ms = wait + passing.round_trip_ms + passing.line_ms;
+      candidate.line_ms = passing.line_ms;
+      candidate.likeness = passing.scale * passing.scale * passing.quality / 90;
+      candidates.push_back(candidate);
+    }
+  const Codec before = viewer.choice.codec();
+  const std::size_t chosen = viewer.choice.choose(candidates, now);
+  viewer.forecasts.clear();
+  for (const CodecCandidate& of : candidates) {
+    if (of.scale != candidates[chosen].scale) continue;
+    v1::FormatForecast& forecast = viewer.forecasts.emplace_back();
+    const double scale = viewer.frames.passing(of.codec, of.scale, now).scale;
+    forecast.set_format(std::string(name_of(of.codec)));
+    forecast.set_ms(of.ms());
+    forecast.set_width(static_cast<std::uint32_t>(std::lround(viewer.frames.width() * scale)));
+    forecast.set_height(static_cast<std::uint32_t>(std::lround(viewer.frames.height() * scale)));
+  }
+  if (viewer.choice.codec() != before && viewer.stream != 0) {
+    streams_.leave(viewer.key);
+    viewer.stream = 0;
+    end_streams();
+  }
+}
+
+void Session::use_codec(Viewer& viewer, TimePoint now) {
+  if (viewer.chooses && now - viewer.chosen_at >= kChoose) choose_codec(viewer, now);
+  const Codec codec = viewer.codec();
+  const bool possible = !is_video(codec) || streams_.has_room(viewer.key, now);
+  viewer.frames.set_codec(possible ? codec : Codec::jpeg, viewer.chooses ? viewer.choice.scale() : 1);
+}
+
+}  // namespace isostrata
