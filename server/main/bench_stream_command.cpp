@@ -28,8 +28,8 @@
 #include "main/commands.h"
 #include "main/hostile_client.h"
 #include "main/picture_arguments.h"
-#include "net/server.h"
-#include "net/shaped_link.h"
+#include "net/server/server.h"
+#include "net/server/shaped_link.h"
 #include "session/wire/random_token.h"
 
 namespace isostrata {

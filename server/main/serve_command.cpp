@@ -24,8 +24,8 @@
 #include "main/sandbox_option.h"
 #include "main/server_log.h"
 #include "main/service_manager.h"
-#include "net/server.h"
-#include "net/static_files.h"
+#include "net/server/server.h"
+#include "net/site/static_files.h"
 #include "session/journal/protobuf_log.h"
 #include "session/wire/random_token.h"
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "net/log_line.h"
+#include "net/site/log_line.h"
 
 namespace isostrata {
 

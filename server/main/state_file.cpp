@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "engine/data/dataset_facts.h"
-#include "net/json_body.h"
+#include "net/http/json_body.h"
 #include "session/commands/apply_command.h"
 #include "session/wire/limits.h"
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "fuzz/fake_engine.h"
-#include "net/rest_api.h"
+#include "net/rest/rest_api.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace isostrata;

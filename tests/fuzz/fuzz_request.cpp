@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "fuzz/fake_engine.h"
-#include "net/site.h"
+#include "net/site/site.h"
 
 namespace http = boost::beast::http;
 

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <vector>
 
-#include "net/access.h"
+#include "net/http/access.h"
 #include "net/running_server.h"
 
 namespace isostrata {

@@ -2,7 +2,7 @@
 // them.
 #include <gtest/gtest.h>
 
-#include "net/json_body.h"
+#include "net/http/json_body.h"
 #include "net/running_server.h"
 #include "session/wire/limits.h"
 #include "session/wire/message_bounds.h"

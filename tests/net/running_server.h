@@ -9,7 +9,7 @@
 
 #include "isostrata/client.h"
 #include "net/raw_socket.h"
-#include "net/server.h"
+#include "net/server/server.h"
 #include "support/plain_renderer.h"
 #include "support/temporary_folder.h"
 

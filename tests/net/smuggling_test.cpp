@@ -6,9 +6,9 @@
 
 #include <array>
 
+#include "net/http/security_headers.h"
 #include "net/running_server.h"
-#include "net/security_headers.h"
-#include "net/static_files.h"
+#include "net/site/static_files.h"
 
 namespace isostrata {
 namespace {

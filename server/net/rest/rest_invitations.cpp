@@ -1,0 +1,74 @@
+// Who is in a session, and the links that let others in.
+#include "net/http/json_body.h"
+#include "net/http/problem.h"
+#include "net/rest/rest_routes.h"
+#include "session/wire/wire.h"
+
+namespace isostrata {
+namespace {
+
+v1::Invitations listed(const Session& session) {
+  v1::Invitations all;
+  for (const Invitation& invitation : session.invitations().all())
+    *all.add_invitations() = session.to_wire_invitation(invitation);
+  return all;
+}
+
+void invite(const Call& call) {
+  v1::CreateInvitation wanted;
+  if (auto error = parse_message(call.request.body, wanted)) return call.reply(problem(*error));
+  Invitations::Made made = call.session->invite(wanted);
+  if (made.error) return call.reply(problem(*made.error));
+  v1::Invitation answer = call.session->to_wire_invitation(*made.invitation);
+  answer.set_token(std::move(made.token));
+  HttpResponse response = message_response(201, answer);
+  response.headers.emplace_back("Location", "invitations/" + answer.id());
+  call.reply(std::move(response));
+}
+
+void revoke(const Call& call) {
+  if (!call.session->revoke(call.path.at("invitation")))
+    return call.reply(problem(
+        wire_error("not_found", "this session has no invitation of this id; it may be over or revoked already", "invitation")));
+  call.reply({204, "", "", {}});
+}
+
+}  // namespace
+
+void add_people_routes(std::vector<Route>& routes, RestContext&) {
+  routes.push_back({.method = "GET",
+                    .path = "/sessions/{session}/participants",
+                    .id = "listParticipants",
+                    .tag = "people",
+                    .summary = "Who is connected to the session, and in which role",
+                    .answers = {{200, "Everyone", "Participants"}},
+                    .handler = [](Call call) { call.reply(message_response(200, call.session->participants())); }});
+  routes.push_back({.method = "GET",
+                    .path = "/sessions/{session}/invitations",
+                    .id = "listInvitations",
+                    .tag = "people",
+                    .summary = "The invitations that are good",
+                    .description = "Without their tokens, which only their maker was ever told.",
+                    .answers = {{200, "The oldest first", "Invitations"}},
+                    .handler = [](Call call) { call.reply(message_response(200, listed(*call.session))); }});
+  routes.push_back(
+      {.method = "POST",
+       .path = "/sessions/{session}/invitations",
+       .id = "createInvitation",
+       .tag = "people",
+       .summary = "Invites somebody into this session alone",
+       .description = "The link is the page's own address with `?token=` and the token of the answer, which is told only here.",
+       .body = RequestBody{"CreateInvitation", "In which role, and for how long"},
+       .answers = {{201, "The invitation with its token", "Invitation"}},
+       .handler = [](Call call) { invite(call); }});
+  routes.push_back({.method = "DELETE",
+                    .path = "/sessions/{session}/invitations/{invitation}",
+                    .id = "revokeInvitation",
+                    .tag = "people",
+                    .summary = "Takes an invitation back",
+                    .description = "Whoever came by it is cut off.",
+                    .answers = {{204, "Its token opens nothing any more", ""}},
+                    .handler = [](Call call) { revoke(call); }});
+}
+
+}  // namespace isostrata
