@@ -1,4 +1,4 @@
-// The door to the worker pool (oneTBB). One setting for the process: how many threads may work at once.
+// The door to the pool of threads (core_pool.h). One setting for the process: how many threads may work at once.
 #pragma once
 
 #include <cstdint>
