@@ -9,7 +9,7 @@
 #include "base/task.h"
 #include "data/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

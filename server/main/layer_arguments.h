@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/scene.h"
 #include "extraction/layers/extract_layers.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

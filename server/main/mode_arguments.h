@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/scene.h"
+#include "data/array.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/scene/scene.h"
 #include "main/arguments.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -10,8 +10,6 @@
 #include "engine/first/first_scene.h"
 #include "engine/picture/draw_scene.h"
 #include "engine/picture/draw_still.h"
-#include "engine/scene/color_range.h"
-#include "engine/scene/transfer_function.h"
 #include "main/commands.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
@@ -20,6 +18,8 @@
 #include "main/sandbox_option.h"
 #include "main/state_file.h"
 #include "main/still_arguments.h"
+#include "scene/color_range.h"
+#include "scene/transfer_function.h"
 
 namespace isostrata {
 namespace {

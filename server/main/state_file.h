@@ -4,7 +4,7 @@
 #include <string>
 
 #include "data/dataset.h"
-#include "engine/scene/scene.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/scene.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "engine/scene/transfer_function.h"
+#include "scene/transfer_function.h"
 
 namespace isostrata {
 

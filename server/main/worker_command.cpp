@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "engine/worker/run_worker.h"
 #include "main/commands.h"
+#include "worker/run_worker.h"
 
 namespace isostrata {
 

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "engine/worker/worker_engine.h"
+#include "worker/worker_engine.h"
 
 namespace isostrata {
 namespace {

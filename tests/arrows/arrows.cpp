@@ -181,8 +181,8 @@ class Checker {
 }  // namespace
 
 const std::vector<std::string>& rooms() {
-  static const std::vector<std::string> order{"base",     "tables", "data",    "extraction", "rendering",
-                                              "encoding", "engine", "session", "net",        "main"};
+  static const std::vector<std::string> order{"base",     "tables", "data",   "scene",   "extraction", "rendering",
+                                              "encoding", "engine", "worker", "session", "net",        "main"};
   return order;
 }
 

@@ -88,9 +88,9 @@ TEST_F(Arrows, AngleBracketsDoNotHideARoom) {
 }
 
 TEST_F(Arrows, AShaderIsASourceToo) {
-  write("server/extraction/cells.glsl", "#include \"rendering/picture/camera.h\"\n");
+  write("server/extraction/cells.glsl", "#include \"rendering/camera.h\"\n");
   EXPECT_THAT(broken_arrows(root_),
-              ElementsAre("server/extraction/cells.glsl:1: extraction may not include rendering: rendering/picture/camera.h"));
+              ElementsAre("server/extraction/cells.glsl:1: extraction may not include rendering: rendering/camera.h"));
 }
 
 TEST_F(Arrows, TheClientKnowsTheProtocolAndNoRoom) {

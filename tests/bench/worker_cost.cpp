@@ -12,7 +12,7 @@
 
 #include "base/stopwatch.h"
 #include "engine/engine/engine.h"
-#include "engine/worker/worker_engine.h"
+#include "worker/worker_engine.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "engine/worker/death_history.h"
+#include "worker/death_history.h"
 
 namespace isostrata {
 namespace {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "data/dataset_bytes.h"
 #include "data/import_door.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"

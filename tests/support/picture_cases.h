@@ -7,8 +7,8 @@
 
 #include "data/dataset.h"
 #include "extraction/intervals/extract_intervals.h"
-#include "rendering/picture/log_map.h"
 #include "rendering/picture/renderer.h"
+#include "scene/log_map.h"
 
 namespace isostrata::testing {
 

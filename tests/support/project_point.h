@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "rendering/picture/camera.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

@@ -1,22 +1,6 @@
 #include "engine/data/dataset_facts.h"
 
-#include <variant>
-
 namespace isostrata {
-namespace {
-
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
-
-std::uint64_t span_bytes(const PointSpan& points) {
-  return std::visit([](auto span) { return static_cast<std::uint64_t>(span.size_bytes()); }, points);
-}
-
-}  // namespace
 
 const ArrayFacts* DatasetFacts::find_array(std::string_view array) const {
   for (const ArrayFacts& facts : arrays)
@@ -58,23 +42,6 @@ DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& data
   facts.times = dataset.times;
   facts.notes = dataset.notes;
   return facts;
-}
-
-std::uint64_t dataset_bytes(const Dataset& dataset) {
-  std::uint64_t bytes = dataset.grid.hidden_cells.size_bytes();
-  std::visit(Overloaded{[](const UniformGrid&) {},
-                        [&](const RectilinearGrid& grid) {
-                          for (const auto& axis : grid.axes) bytes += axis.size() * sizeof(double);
-                        },
-                        [&](const CurvilinearGrid& grid) { bytes += span_bytes(grid.points); },
-                        [&](const UnstructuredGrid& grid) {
-                          bytes += span_bytes(grid.points) + grid.types.size_bytes() + grid.offsets.size_bytes() +
-                                   grid.connectivity.size_bytes();
-                        }},
-             dataset.grid.shape);
-  for (const PointArray& array : dataset.arrays)
-    bytes += std::visit([](auto values) { return static_cast<std::uint64_t>(values.size_bytes()); }, array.values);
-  return bytes;
 }
 
 }  // namespace isostrata

@@ -57,7 +57,4 @@ inline DatasetFacts dataset_facts(std::string id, std::string name, const Datase
   return dataset_facts(std::move(id), std::move(name), dataset, SeriesRanges(dataset));
 }
 
-/// What the dataset holds in memory or mapped: points, cells and arrays, in bytes.
-std::uint64_t dataset_bytes(const Dataset& dataset);
-
 }  // namespace isostrata

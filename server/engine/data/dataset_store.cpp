@@ -7,8 +7,8 @@
 
 #include "base/work.h"
 #include "data/analytic.h"
+#include "data/dataset_bytes.h"
 #include "data/import_door.h"
-#include "engine/data/dataset_facts.h"
 
 namespace isostrata {
 

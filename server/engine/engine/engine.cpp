@@ -28,6 +28,7 @@
 #include "engine/messages/operation.h"
 #include "engine/picture/draw_scene.h"
 #include "engine/picture/draw_still.h"
+#include "engine/picture/export_mesh.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/layers/first_layers.h"
 #include "extraction/unstructured/ordered_memory.h"

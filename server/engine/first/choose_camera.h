@@ -7,7 +7,7 @@
 
 #include "data/proxy_grid.h"
 #include "engine/first/choose_layers.h"
-#include "rendering/picture/camera.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "engine/first/first_view.h"
-#include "engine/scene/scene.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

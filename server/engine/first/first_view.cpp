@@ -4,7 +4,9 @@
 #include <cmath>
 #include <set>
 
+#include "data/dataset_bytes.h"
 #include "data/proxy_grid.h"
+#include "data/series_ranges.h"
 #include "data/value_curves.h"
 #include "engine/first/choose_array.h"
 #include "engine/first/choose_layers.h"

@@ -11,8 +11,8 @@
 #include "data/dataset.h"
 #include "engine/first/choose_camera.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "rendering/picture/camera.h"
-#include "rendering/picture/style.h"
+#include "scene/camera.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

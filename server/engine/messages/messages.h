@@ -17,8 +17,8 @@
 #include "encoding/encode_still.h"
 #include "engine/data/dataset_facts.h"
 #include "engine/messages/exported_mesh.h"
-#include "engine/scene/scene.h"
 #include "extraction/files/write_mesh.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

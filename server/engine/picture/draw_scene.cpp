@@ -6,12 +6,12 @@
 #include <cstdio>
 
 #include "base/stopwatch.h"
-#include "engine/scene/color_range.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/laws/volume_error.h"
 #include "extraction/layers/extract_at_time.h"
 #include "extraction/layers/join_meshes.h"
 #include "extraction/surfaces/gradient_normals.h"
+#include "scene/color_range.h"
 
 namespace isostrata {
 namespace {

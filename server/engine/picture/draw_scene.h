@@ -10,11 +10,11 @@
 #include "data/dataset.h"
 #include "engine/messages/messages.h"
 #include "engine/picture/base_meshes.h"
-#include "engine/scene/scene.h"
 #include "extraction/layers/extract_layers.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "rendering/annotations/annotations.h"
 #include "rendering/picture/renderer.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -5,9 +5,9 @@
 
 #include "base/task.h"
 #include "engine/messages/exported_mesh.h"
-#include "engine/scene/scene.h"
 #include "extraction/files/write_mesh.h"
 #include "extraction/layers/extract_layers.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -20,7 +20,7 @@
 #include "extraction/combine/idle_cells.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "extraction/mesh/range_term.h"
+#include "scene/range_term.h"
 
 namespace isostrata {
 

@@ -8,7 +8,7 @@
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
-#include "extraction/mesh/range_term.h"
+#include "scene/range_term.h"
 
 namespace isostrata {
 

@@ -14,7 +14,7 @@
 #include "base/task.h"
 #include "base/vec.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "extraction/mesh/range_term.h"
+#include "scene/range_term.h"
 
 namespace isostrata {
 

@@ -13,21 +13,11 @@
 #include "data/dataset.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/mesh/interval_mesh.h"
-#include "extraction/mesh/range_term.h"
+#include "scene/range_term.h"
+#include "scene/time_mode.h"
+#include "scene/triangulation.h"
 
 namespace isostrata {
-
-/// How a time between two steps is understood (the paper's section 3.2). All agree at the steps themselves.
-enum class TimeMode {
-  step,         // the step whose time is nearest
-  interpolate,  // the array's values at t, linear between the two steps, extracted as one field
-  spacetime     // the interval volume of the four-dimensional cells between the two steps, sliced at t
-};
-
-enum class Triangulation {
-  table,  // the interval tables as they are
-  strict  // no tetrahedron is turned against its cell, same facets on the cells' faces
-};
 
 struct LayerRequest {
   std::string array;  // empty: the dataset's first

@@ -9,18 +9,9 @@
 
 #include "base/buffer.h"
 #include "base/vec.h"
+#include "scene/interval.h"
 
 namespace isostrata {
-
-/// The solid region lower <= f <= upper, lower < upper. Closed at both ends; but where another interval of the same request
-/// begins at `upper`, the shared value belongs to that one, so that touching intervals never overlap. NaN is outside every
-/// interval.
-struct Interval {
-  double lower = 0;
-  double upper = 0;
-
-  bool operator==(const Interval&) const = default;
-};
 
 enum class FacetLabel : std::uint8_t {
   lower,  // on the isosurface f = lower

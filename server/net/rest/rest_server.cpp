@@ -3,7 +3,7 @@
 
 #include "net/http/json_body.h"
 #include "net/rest/rest_routes.h"
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 #include "session/wire/limits.h"
 
 namespace isostrata {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/worker/worker_engine.h"
 #include "net/site/log_line.h"
+#include "worker/worker_engine.h"
 
 namespace isostrata {
 

@@ -6,19 +6,11 @@
 #include <vector>
 
 #include "rendering/annotations/canvas.h"
-#include "rendering/picture/camera.h"
-#include "rendering/picture/style.h"
+#include "scene/annotation_choice.h"
+#include "scene/camera.h"
+#include "scene/style.h"
 
 namespace isostrata {
-
-/// What a viewer wants to see of it.
-struct Annotations {
-  bool axes = false;    // numbered axes on the box's outline, and a triad of directions in the lower left corner
-  bool box = false;     // the bounding box's edges
-  bool legend = false;  // swatches with the intervals' ranges, and a bar for each colour map
-  bool any() const { return axes || box || legend; }
-  bool operator==(const Annotations&) const = default;
-};
 
 struct LegendEntry {
   double lower = 0, upper = 1;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/image.h"
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "base/vec.h"
-#include "rendering/picture/camera.h"
 #include "rendering/picture/renderer.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "rendering/order/face_graph.h"
-#include "rendering/picture/camera.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

@@ -6,7 +6,7 @@
 #include "base/buffer.h"
 #include "data/grid.h"
 #include "rendering/order/face_graph.h"
-#include "rendering/picture/camera.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

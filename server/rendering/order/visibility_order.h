@@ -10,7 +10,7 @@
 #include "data/grid.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "rendering/order/face_graph.h"
-#include "rendering/picture/camera.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

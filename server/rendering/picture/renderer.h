@@ -11,27 +11,16 @@
 #include "data/grid.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "extraction/surfaces/base_tetrahedra.h"
-#include "rendering/picture/camera.h"
-#include "rendering/picture/style.h"
+#include "scene/camera.h"
+#include "scene/clip_plane.h"
+#include "scene/integral.h"
+#include "scene/style.h"
 
 namespace isostrata {
 
 enum class RenderMode {
   sorted,      // back to front over all intervals: the volume as it is
   prioritized  // painted by priority, nearer or not (section 4.1.3 of the paper)
-};
-
-/// How light is gathered over a ray's segment in a tetrahedron.
-enum class Integral {
-  exact,   // Gauss-Legendre points in the segment, or one exponential where colour and extinction are constant
-  table2d  // the paper's: a table over length and mean scalar value
-};
-
-/// Keeps the half-space dot(normal, x) >= offset, world space.
-struct ClipPlane {
-  Vec3d normal{1, 0, 0};
-  double offset = 0;
-  bool operator==(const ClipPlane&) const = default;
 };
 
 /// The part of a larger picture that is drawn: pixel (i, j) of it is pixel (x + i, y + j) of the whole one, ray for ray.

@@ -13,7 +13,7 @@
 #include <optional>
 
 #include "base/vec.h"
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

@@ -6,7 +6,7 @@
 
 #include "base/image.h"
 #include "rendering/gl/gl_objects.h"
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

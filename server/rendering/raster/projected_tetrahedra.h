@@ -21,9 +21,9 @@
 #include <vector>
 
 #include "extraction/mesh/interval_mesh.h"
-#include "rendering/picture/camera.h"
 #include "rendering/picture/renderer.h"
 #include "rendering/raster/surface_facets.h"
+#include "scene/camera.h"
 
 namespace isostrata {
 

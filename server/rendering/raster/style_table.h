@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rendering/gl/gl_objects.h"
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "rendering/picture/style.h"
+#include "scene/style.h"
 
 namespace isostrata {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "engine/data/dataset_facts.h"
-#include "engine/scene/scene.h"
 #include "isostrata/v1/isostrata.pb.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/data/dataset_facts.h"
-#include "engine/scene/scene.h"
+#include "scene/scene.h"
 #include "session/commands/apply_command.h"
 #include "session/wire/limits.h"
 

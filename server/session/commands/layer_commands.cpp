@@ -2,7 +2,7 @@
 #include <cmath>
 #include <set>
 
-#include "engine/scene/transfer_function.h"
+#include "scene/transfer_function.h"
 #include "session/commands/command_checks.h"
 #include "session/commands/scene_commands.h"
 

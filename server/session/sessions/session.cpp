@@ -7,8 +7,8 @@
 
 #include "base/utf8.h"
 #include "engine/picture/draw_scene.h"
-#include "engine/scene/color_range.h"
-#include "engine/scene/transfer_function.h"
+#include "scene/color_range.h"
+#include "scene/transfer_function.h"
 #include "session/wire/limits.h"
 #include "session/wire/random_token.h"
 #include "session/wire/wire.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/scene/transfer_function.h"
+#include "scene/transfer_function.h"
 #include "session/sessions/session.h"
 #include "session/wire/limits.h"
 #include "session/wire/random_token.h"

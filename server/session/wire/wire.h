@@ -8,8 +8,8 @@
 
 #include "engine/data/catalogue.h"
 #include "engine/messages/messages.h"
-#include "engine/scene/scene.h"
 #include "isostrata/v1/isostrata.pb.h"
+#include "scene/scene.h"
 
 namespace isostrata {
 

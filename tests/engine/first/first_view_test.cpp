@@ -10,7 +10,7 @@
 #include "data/series_ranges.h"
 #include "engine/first/choose_array.h"
 #include "engine/first/first_scene.h"
-#include "rendering/picture/camera.h"
+#include "scene/camera.h"
 #include "support/field_dataset.h"
 
 namespace isostrata {

@@ -1,5 +1,5 @@
 // The server's camera, on this side: right-handed, looking down -z, fovDeg the full vertical angle of view. The overlay is drawn with it,
-// so it must agree with server/rendering/picture/camera.h.
+// so it must agree with server/scene/camera.h.
 import type { Box, Camera, Vec3 } from './model';
 import { add, cross, dot, length, normalize, scale, sub } from './vec';
 

@@ -1,0 +1,15 @@
+// Planes that cut the picture.
+#pragma once
+
+#include "base/vec.h"
+
+namespace isostrata {
+
+/// Keeps the half-space dot(normal, x) >= offset, world space.
+struct ClipPlane {
+  Vec3d normal{1, 0, 0};
+  double offset = 0;
+  bool operator==(const ClipPlane&) const = default;
+};
+
+}  // namespace isostrata
