@@ -23,7 +23,7 @@
 #include "main/config_file.h"
 #include "main/sandbox_option.h"
 #include "main/server_log.h"
-#include "main/service_manager.h"
+#include "main/systemd.h"
 #include "net/server/server.h"
 #include "net/site/static_files.h"
 #include "session/journal/protobuf_log.h"

@@ -1,4 +1,4 @@
-#include "main/service_manager.h"
+#include "main/systemd.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
