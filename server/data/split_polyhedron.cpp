@@ -26,11 +26,14 @@ Cycle without_repeats(std::span<const std::int64_t> face) {
   return cycle;
 }
 
-/// Whether b lies on the way from a to c, or within a thousandth of it: positions in single precision may be that far off where
-/// edges are short.
-bool in_line(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+/// How much a way may turn (the sine squared) at a corner that is in line: rounding of positions in single precision, where edges are
+/// short; and what smoothing a mesh does to a point in the middle of an edge.
+constexpr double kByRounding = 1e-6, kBySmoothing = 0.2;
+
+/// Whether the way from a by b to c goes straight on.
+bool in_line(const Vec3d& a, const Vec3d& b, const Vec3d& c, double turn) {
   const Vec3d to = b - a, on = c - b, off = cross(to, on);
-  return dot(to, on) > 0 && dot(off, off) <= 1e-6 * dot(to, to) * dot(on, on);
+  return dot(to, on) > 0 && dot(off, off) <= turn * dot(to, to) * dot(on, on);
 }
 
 /// Begun at the smallest id, towards its smaller neighbour: both cells that share the face see the same sequence, one of them
@@ -44,13 +47,13 @@ Cycle canonical(std::span<const std::int64_t> face, bool& forwards) {
   return cycle;
 }
 
-/// Whether the fan from cycle[apex] has no triangle turned against the polygon; `strictly`: nor one without area, nor one of three
-/// corners that are in line.
-bool fan_covers(const std::vector<Vec3d>& p, const Vec3d& normal, std::size_t apex, bool strictly) {
+/// Whether the fan from cycle[apex] has no triangle turned against the polygon, nor (where `turn` is not 0) one without area or one of
+/// three corners that are in line.
+bool fan_covers(const std::vector<Vec3d>& p, const Vec3d& normal, std::size_t apex, double turn) {
   const std::size_t n = p.size();
   const auto at = [&](std::size_t i) -> const Vec3d& { return p[(apex + i) % n]; };
-  if (strictly && (in_line(at(0), at(1), at(2)) || in_line(at(n - 2), at(n - 1), at(0)))) return false;
-  const double least = strictly ? 1e-9 * dot(normal, normal) : 0;
+  if (turn > 0 && (in_line(at(0), at(1), at(2), turn) || in_line(at(n - 2), at(n - 1), at(0), turn))) return false;
+  const double least = turn > 0 ? 1e-9 * dot(normal, normal) : 0;
   for (std::size_t i = 1; i + 1 < n; ++i)
     if (!(dot(twice_area(at(0), at(i), at(i + 1)), normal) >= least)) return false;
   return true;
@@ -67,7 +70,7 @@ std::optional<std::size_t> find_ear(const std::vector<Vec3d>& p, const Vec3d& no
   const std::size_t n = p.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3d &a = p[(i + n - 1) % n], &b = p[i], &c = p[(i + 1) % n];
-    if (!(dot(twice_area(a, b, c), normal) > 0) || in_line(a, b, c)) continue;
+    if (!(dot(twice_area(a, b, c), normal) > 0) || in_line(a, b, c, kByRounding)) continue;
     bool empty = true;
     for (std::size_t k = 0; k < n && empty; ++k) {
       if (k == i || k == (i + 1) % n || k == (i + n - 1) % n) continue;
@@ -83,7 +86,9 @@ std::optional<std::size_t> find_ear(const std::vector<Vec3d>& p, const Vec3d& no
 bool is_triangle_of_four(const Cycle& face, const Position& position) {
   if (face.size() != 4) return false;
   const std::array<Vec3d, 4> p{position(face[0]), position(face[1]), position(face[2]), position(face[3])};
-  return in_line(p[0], p[1], p[2]) || in_line(p[1], p[2], p[3]) || in_line(p[2], p[3], p[0]) || in_line(p[3], p[0], p[1]);
+  for (std::size_t i = 0; i < 4; ++i)
+    if (in_line(p[i], p[(i + 1) % 4], p[(i + 2) % 4], kByRounding)) return true;
+  return false;
 }
 
 class Splitter {
@@ -311,9 +316,9 @@ void cut_polygon(std::span<const std::int64_t> face, const Position& position, s
     const std::size_t n = cycle.size();
     for (std::size_t i = 1; i + 1 < n; ++i) add(cycle[apex], cycle[(apex + i) % n], cycle[(apex + i + 1) % n]);
   };
-  for (const bool strictly : {true, false})
+  for (const double turn : {kBySmoothing, kByRounding, 0.0})
     for (std::size_t apex = 0; apex < p.size(); ++apex)
-      if (fan_covers(p, normal, apex, strictly)) return fan(apex);
+      if (fan_covers(p, normal, apex, turn)) return fan(apex);
   while (cycle.size() > 3) {
     const auto ear = find_ear(p, normal);
     if (!ear) break;  // the outline crosses itself

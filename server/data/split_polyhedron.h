@@ -61,9 +61,9 @@ void split_polyhedron(const PolyhedronFaces& faces, const std::function<Vec3d(st
 
 /// Cuts a polygon into triangles, three ids each, the same for every cell that has it: a fan from its smallest id where that
 /// covers the polygon with triangles that have an area, else a fan from another point, else one with triangles without area, else
-/// cut ears, begun at the smallest id towards its smaller neighbour. Corners in line with two others (middles of edges, beside
-/// refined cells) make no triangle with them where there is another way: it would be one of the face beyond that edge, too. Each
-/// triangle goes round as the polygon does.
+/// cut ears, begun at the smallest id towards its smaller neighbour. A corner in line with its neighbours, or nearly (the middle of
+/// an edge, beside refined cells), makes no triangle with them where there is another way: the face beyond that edge would have it, too.
+/// Each triangle goes round as the polygon does.
 void cut_polygon(std::span<const std::int64_t> cycle, const std::function<Vec3d(std::int64_t)>& position,
                  std::vector<std::int64_t>& triangles);
 

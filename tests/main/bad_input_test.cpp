@@ -196,7 +196,7 @@ TEST(BadInput, SurfacesAmongSolidsAreLeftOut) {
 
 TEST(BadInput, PolyhedraOfAllSortsConformAndTile) {
   const TemporaryFolder folder;
-  for (const auto& mesh : {isostrata::test::truncated_cubes({3, 3, 3}, 31), isostrata::test::refined_cubes({3, 3, 3}, 31),
+  for (const auto& mesh : {isostrata::test::truncated_cubes({3, 3, 3}, 31), isostrata::test::refined_cubes({3, 3, 3}, 31, 0.06),
                            isostrata::test::voronoi_cells({3, 3, 3}, 31)}) {
     VtuText vtu;
     vtu.points = mesh.points;

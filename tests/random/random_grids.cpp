@@ -330,10 +330,12 @@ RandomInput polyhedra(Random& random) {
   test::PolyhedralMesh mesh;
   const auto any_three = [&] { return std::array<std::int64_t, 3>{1 + below(random, 3), 1 + below(random, 3), 1 + below(random, 3)}; };
   const std::int64_t which = below(random, 3);
+  bool flat_faces = true;
   if (which == 0) {
     mesh = test::voronoi_cells(any_three(), random());
   } else if (which == 1) {
-    mesh = test::refined_cubes(any_three(), random());
+    flat_faces = one_in(random, 2);
+    mesh = test::refined_cubes(any_three(), random(), flat_faces ? 0 : uniform(random, 0, 0.06));
   } else {
     PolyhedronFaces faces;
     for (std::int64_t cell = 0; cell < 20; ++cell) {
@@ -358,7 +360,7 @@ RandomInput polyhedra(Random& random) {
   }
   RandomInput input;
   input.grid = unstructured_grid(renumbered(split_polyhedra(mesh), random));
-  input.expectation.flat_faces = true;
+  input.expectation.flat_faces = flat_faces;
   input.expectation.scale = 8;
   input.expectation.whole = mesh.volume;
   const ValueKind kind(random);

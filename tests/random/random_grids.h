@@ -33,8 +33,8 @@ RandomInput glued_cells(Random& random);
 /// at random.
 RandomInput mixed_mesh(Random& random);
 
-/// Convex polyhedra, split: the Voronoi cells of random points in a box; cubes of which some are refined; hulls of random points with
-/// whole coordinates, the sum of whose volumes whole numbers say. All numbered at random, after their faces were cut.
+/// Polyhedra, split: the Voronoi cells of random points in a box; cubes of which some are refined, with inner points moved or not; hulls
+/// of random points with whole coordinates, the sum of whose volumes whole numbers say. All numbered at random, after their faces were cut.
 RandomInput polyhedra(Random& random);
 
 /// A uniform, rectilinear or curvilinear grid with hidden cells.

@@ -12,15 +12,16 @@
 
 namespace isostrata::test {
 
-/// Unit cubes (i,j,k) below `cubes`, each whole or, one in `one_in`, eight of half the size. A whole one beside a refined one has four
-/// small faces there, and points in the middle of its edges: corners of its faces in line with two others.
-inline PolyhedralMesh refined_cubes(std::array<std::int64_t, 3> cubes, std::uint64_t seed, std::uint64_t one_in = 4) {
+/// Unit cubes (i,j,k) below `cubes`, each whole or, one in four, eight of half the size. A whole one beside a refined one has four
+/// small faces there, and points in the middle of its edges: corners of its faces in line with two others. Points inside the box are
+/// moved by up to `moved` along each axis: then faces are not plane, and those corners are a little off the line.
+inline PolyhedralMesh refined_cubes(std::array<std::int64_t, 3> cubes, std::uint64_t seed, double moved = 0) {
   using Place = std::array<std::int64_t, 3>;  // in half edges
   std::mt19937_64 random(seed);
   std::map<Place, bool> refined;
   for (std::int64_t k = 0; k < cubes[2]; ++k)
     for (std::int64_t j = 0; j < cubes[1]; ++j)
-      for (std::int64_t i = 0; i < cubes[0]; ++i) refined[{i, j, k}] = random() % one_in == 0;
+      for (std::int64_t i = 0; i < cubes[0]; ++i) refined[{i, j, k}] = random() % 4 == 0;
   const auto is_refined = [&](const Place& cube) {
     const auto found = refined.find(cube);
     return found != refined.end() && found->second;
@@ -89,6 +90,12 @@ inline PolyhedralMesh refined_cubes(std::array<std::int64_t, 3> cubes, std::uint
         }
       }
     }
+  }
+  std::uniform_real_distribution<double> by(-moved, moved);
+  for (Vec3d& p : mesh.points) {
+    bool inside = true;
+    for (int a = 0; a < 3; ++a) inside = inside && p[a] > 0 && p[a] < static_cast<double>(cubes[static_cast<std::size_t>(a)]);
+    if (inside) p = p + Vec3d{by(random), by(random), by(random)};
   }
   number_at_random(mesh, random);
   mesh.volume = static_cast<double>(cubes[0] * cubes[1] * cubes[2]);
