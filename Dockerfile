@@ -19,7 +19,7 @@ COPY deploy/packages.txt deploy/setup /tmp/isostrata/deploy/
 RUN /tmp/isostrata/deploy/setup run && apt-get clean && rm -rf /tmp/isostrata /var/lib/apt/lists/*
 RUN useradd --system --create-home --uid 10001 --shell /usr/sbin/nologin isostrata
 COPY --from=build /opt/isostrata/bin /usr/local/bin
-COPY --from=build /opt/isostrata/lib/libisostrata_oiio.so /usr/local/lib/
+COPY --from=build /opt/isostrata/lib/isostrata /usr/local/lib/isostrata
 COPY --from=build /opt/isostrata/share /usr/local/share
 COPY deploy/healthcheck /usr/local/bin/isostrata-healthcheck
 # Asks NVIDIA's container runtime, where the machine has it, for the driver's EGL; without a GPU Mesa draws on the CPU.

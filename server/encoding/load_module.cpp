@@ -18,7 +18,7 @@ std::vector<fs::path> places(const char* file, const char* variable) {
   if (const char* given = std::getenv(variable)) return *given ? std::vector<fs::path>{given} : std::vector<fs::path>{};
   const fs::path folder = program_file().parent_path();
   if (folder.empty()) return {};
-  return {folder / file, folder.parent_path() / "lib" / file};
+  return {folder / file, folder.parent_path() / "lib/isostrata" / file};
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ struct LoadedModule {
   std::string problem;          // or why there is none
 };
 
-/// `file` where the environment's `variable` says (empty there: none), beside the program, and in lib/ beside the program's
-/// folder. `function` is the name of its one function, which returns a struct that begins with the int `version`. Of several that
+/// `file` where the environment's `variable` says (empty there: none), beside the program, and in lib/isostrata/ beside the
+/// program's folder. `function` is the name of its one function, which returns a struct that begins with the int `version`. Of several that
 /// are found the first that can be loaded and is of this version; it stays for good. Any thread.
 LoadedModule load_module(const char* file, const char* variable, const char* function, int version);
 
