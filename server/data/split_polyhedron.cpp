@@ -26,16 +26,6 @@ Cycle without_repeats(std::span<const std::int64_t> face) {
   return cycle;
 }
 
-/// How much a way may turn (the sine squared) at a corner that is in line: rounding of positions in single precision, where edges are
-/// short; and what smoothing a mesh does to a point in the middle of an edge.
-constexpr double kByRounding = 1e-6, kBySmoothing = 0.2;
-
-/// Whether the way from a by b to c goes straight on.
-bool in_line(const Vec3d& a, const Vec3d& b, const Vec3d& c, double turn) {
-  const Vec3d to = b - a, on = c - b, off = cross(to, on);
-  return dot(to, on) > 0 && dot(off, off) <= turn * dot(to, to) * dot(on, on);
-}
-
 /// Begun at the smallest id, towards its smaller neighbour: both cells that share the face see the same sequence, one of them
 /// backwards.
 Cycle canonical(std::span<const std::int64_t> face, bool& forwards) {
@@ -47,30 +37,20 @@ Cycle canonical(std::span<const std::int64_t> face, bool& forwards) {
   return cycle;
 }
 
-/// Whether the fan from cycle[apex] has no triangle turned against the polygon, nor (where `turn` is not 0) one without area or one of
-/// three corners that are in line.
-bool fan_covers(const std::vector<Vec3d>& p, const Vec3d& normal, std::size_t apex, double turn) {
+/// Whether the fan from cycle[apex] has no triangle turned against the polygon.
+bool fan_covers(const std::vector<Vec3d>& p, const Vec3d& normal, std::size_t apex) {
   const std::size_t n = p.size();
-  const auto at = [&](std::size_t i) -> const Vec3d& { return p[(apex + i) % n]; };
-  if (turn > 0 && (in_line(at(0), at(1), at(2), turn) || in_line(at(n - 2), at(n - 1), at(0), turn))) return false;
-  const double least = turn > 0 ? 1e-9 * dot(normal, normal) : 0;
   for (std::size_t i = 1; i + 1 < n; ++i)
-    if (!(dot(twice_area(at(0), at(i), at(i + 1)), normal) >= least)) return false;
+    if (dot(twice_area(p[apex], p[(apex + i) % n], p[(apex + i + 1) % n]), normal) < 0) return false;
   return true;
 }
 
-Vec3d twice_area(const std::vector<Vec3d>& p) {
-  Vec3d area;
-  for (std::size_t i = 1; i + 1 < p.size(); ++i) area = area + twice_area(p[0], p[i], p[i + 1]);
-  return area;
-}
-
 /// The corner whose ear may be cut off: it turns with the polygon, and no other corner lies in its triangle.
-std::optional<std::size_t> find_ear(const std::vector<Vec3d>& p, const Vec3d& normal) {
+std::optional<std::size_t> find_ear(const std::vector<Vec3d>& p, const Vec3d& normal, const std::vector<char>& left_out) {
   const std::size_t n = p.size();
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3d &a = p[(i + n - 1) % n], &b = p[i], &c = p[(i + 1) % n];
-    if (!(dot(twice_area(a, b, c), normal) > 0) || in_line(a, b, c, kByRounding)) continue;
+    if (left_out[i] || !(dot(twice_area(a, b, c), normal) > 0)) continue;
     bool empty = true;
     for (std::size_t k = 0; k < n && empty; ++k) {
       if (k == i || k == (i + 1) % n || k == (i + n - 1) % n) continue;
@@ -82,18 +62,16 @@ std::optional<std::size_t> find_ear(const std::vector<Vec3d>& p, const Vec3d& no
   return std::nullopt;
 }
 
-/// A triangle with a point on one of its edges. Whole it would share three points with the face beyond that edge.
-bool is_triangle_of_four(const Cycle& face, const Position& position) {
-  if (face.size() != 4) return false;
-  const std::array<Vec3d, 4> p{position(face[0]), position(face[1]), position(face[2]), position(face[3])};
-  for (std::size_t i = 0; i < 4; ++i)
-    if (in_line(p[i], p[(i + 1) % 4], p[(i + 2) % 4], kByRounding)) return true;
-  return false;
+std::array<std::int64_t, 4> sorted_corners(std::span<const std::int64_t> face) {
+  std::array<std::int64_t, 4> ids{face[0], face[1], face[2], face[3]};
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
 class Splitter {
  public:
-  Splitter(const PolyhedronFaces& faces, const Position& position, PolyhedronSplit& out) : position_(position), out_(out) {
+  Splitter(const PolyhedronFaces& faces, const Position& position, const EdgePoints& edge_points, PolyhedronSplit& out)
+      : position_(position), edge_points_(edge_points), out_(out) {
     for (std::size_t f = 0; f < faces.size(); ++f) {
       Cycle cycle = without_repeats(faces.face(f));
       if (cycle.size() >= 3) cycles_.push_back(std::move(cycle));
@@ -102,6 +80,7 @@ class Splitter {
 
   void run() {
     out_.kind = SplitKind::open;
+    out_.turned = false;
     out_.types.clear();
     out_.connectivity.clear();
     out_.points.clear();
@@ -178,7 +157,7 @@ class Splitter {
   // ---- one of the four ------------------------------------------------------------------------------------------------------
 
   bool whole() {
-    if (std::any_of(cycles_.begin(), cycles_.end(), [&](const Cycle& c) { return is_triangle_of_four(c, position_); })) return false;
+    if (std::any_of(cycles_.begin(), cycles_.end(), [&](const Cycle& c) { return edge_points_.is_triangle_of_four(c); })) return false;
     for (const CellType type : kCellTypes) {
       const CellTopology& cell = topology(type);
       if (cell.faces.size() != cycles_.size() || static_cast<std::size_t>(cell.vertex_count) != out_.points.size()) continue;
@@ -226,13 +205,13 @@ class Splitter {
     std::vector<std::array<Vec3d, 3>> bases;  // of a quadrilateral the triangles of both its triangulations
     std::vector<std::int64_t> triangles;
     for (const Cycle& c : cycles_) {
-      if (c.size() == 4 && !is_triangle_of_four(c, position_)) {
+      if (c.size() == 4 && !edge_points_.is_triangle_of_four(c)) {
         for (std::size_t i = 0; i < 4; ++i) bases.push_back({at(c[i]), at(c[(i + 1) % 4]), at(c[(i + 2) % 4])});
         add(CellType::pyramid, {c[3], c[2], c[1], c[0], kAddedPoint});
         continue;
       }
       triangles.clear();
-      cut_polygon(c, position_, triangles);
+      cut_polygon(c, position_, edge_points_, triangles);
       for (std::size_t t = 0; t < triangles.size(); t += 3) {
         bases.push_back({at(triangles[t]), at(triangles[t + 1]), at(triangles[t + 2])});
         add(CellType::tetrahedron, {triangles[t], triangles[t + 2], triangles[t + 1], kAddedPoint});
@@ -253,9 +232,14 @@ class Splitter {
     if (inside > tolerance) return;
     if (const auto kernel = kernel_point(bases)) {
       set_added(*kernel);
-      if (depth(bases, out_.added) > inside) return;
+      const double deeper = depth(bases, out_.added);
+      if (deeper > inside) {
+        out_.turned = deeper < 0;
+        return;
+      }
       set_added(mean_);
     }
+    out_.turned = inside < 0;
     if (inside < -tolerance) out_.kind = SplitKind::overlapping;
   }
 
@@ -295,6 +279,7 @@ class Splitter {
   }
 
   const Position& position_;
+  const EdgePoints& edge_points_;
   PolyhedronSplit& out_;
   std::vector<Cycle> cycles_;  // counter-clockwise seen from outside
   std::vector<Vec3d> p_;       // [out_.points]
@@ -303,12 +288,54 @@ class Splitter {
 
 }  // namespace
 
-void cut_polygon(std::span<const std::int64_t> face, const Position& position, std::vector<std::int64_t>& triangles) {
+void EdgePoints::add(const PolyhedronFaces& cell) {
+  std::vector<Cycle> cycles;
+  std::vector<std::pair<std::int64_t, std::size_t>> corners;  // and how many their face has
+  for (std::size_t f = 0; f < cell.size(); ++f) {
+    Cycle cycle = without_repeats(cell.face(f));
+    if (cycle.size() < 3) continue;
+    for (const std::int64_t id : cycle) corners.emplace_back(id, cycle.size());
+    cycles.push_back(std::move(cycle));
+  }
+  std::sort(corners.begin(), corners.end());
+  std::vector<std::int64_t> own;
+  for (std::size_t i = 0, next = 0; i < corners.size(); i = next) {
+    while (next < corners.size() && corners[next].first == corners[i].first) ++next;
+    if (next - i == 2) own.push_back(corners[i].first);
+    // The middle of a face that is four, beside a refined cell: there are points in the middle of edges, too.
+    nearly_ = nearly_ || (next - i == 4 && corners[i].second == 4 && corners[next - 1].second == 4);
+  }
+  if (own.empty()) return;
+  nearly_ = true;
+  points_.insert(own.begin(), own.end());
+  for (const Cycle& cycle : cycles)
+    if (cycle.size() == 4 && std::any_of(cycle.begin(), cycle.end(), [&](auto id) { return std::binary_search(own.begin(), own.end(), id); }))
+      triangles_of_four_.insert(sorted_corners(cycle));
+}
+
+bool EdgePoints::contains(std::int64_t id, const Vec3d& before, const Vec3d& at, const Vec3d& after) const {
+  if (contains(id)) return true;
+  if (!nearly_) return false;
+  const Vec3d to = at - before, on = after - at, off = cross(to, on);
+  return dot(to, on) > 0 && dot(off, off) <= 0.2 * dot(to, to) * dot(on, on);  // the sine, squared
+}
+
+bool EdgePoints::is_triangle_of_four(std::span<const std::int64_t> face) const {
+  return face.size() == 4 && !triangles_of_four_.empty() && triangles_of_four_.contains(sorted_corners(face));
+}
+
+void cut_polygon(std::span<const std::int64_t> face, const Position& position, const EdgePoints& edge_points,
+                 std::vector<std::int64_t>& triangles) {
   bool forwards = true;
   Cycle cycle = canonical(face, forwards);
   std::vector<Vec3d> p;
+  std::vector<char> on_edge;
+  Vec3d normal;
+  const std::size_t corners = cycle.size();
   for (const std::int64_t id : cycle) p.push_back(position(id));
-  const Vec3d normal = twice_area(p);
+  for (std::size_t i = 0; i < corners; ++i)
+    on_edge.push_back(edge_points.contains(cycle[i], p[(i + corners - 1) % corners], p[i], p[(i + 1) % corners]));
+  for (std::size_t i = 1; i + 1 < p.size(); ++i) normal = normal + twice_area(p[0], p[i], p[i + 1]);
   const auto add = [&](std::int64_t a, std::int64_t b, std::int64_t c) {
     triangles.insert(triangles.end(), {a, forwards ? b : c, forwards ? c : b});
   };
@@ -316,22 +343,24 @@ void cut_polygon(std::span<const std::int64_t> face, const Position& position, s
     const std::size_t n = cycle.size();
     for (std::size_t i = 1; i + 1 < n; ++i) add(cycle[apex], cycle[(apex + i) % n], cycle[(apex + i + 1) % n]);
   };
-  for (const double turn : {kBySmoothing, kByRounding, 0.0})
-    for (std::size_t apex = 0; apex < p.size(); ++apex)
-      if (fan_covers(p, normal, apex, turn)) return fan(apex);
+  for (std::size_t apex = 0; apex < corners; ++apex)
+    if (!on_edge[(apex + 1) % corners] && !on_edge[(apex + corners - 1) % corners] && fan_covers(p, normal, apex)) return fan(apex);
   while (cycle.size() > 3) {
-    const auto ear = find_ear(p, normal);
+    auto ear = find_ear(p, normal, on_edge);
+    if (!ear) ear = find_ear(p, normal, std::vector<char>(cycle.size()));
     if (!ear) break;  // the outline crosses itself
     const std::size_t n = cycle.size(), i = *ear;
+    const auto at = static_cast<std::ptrdiff_t>(i);
     add(cycle[(i + n - 1) % n], cycle[i], cycle[(i + 1) % n]);
-    cycle.erase(cycle.begin() + static_cast<std::ptrdiff_t>(i));
-    p.erase(p.begin() + static_cast<std::ptrdiff_t>(i));
+    cycle.erase(cycle.begin() + at);
+    p.erase(p.begin() + at);
+    on_edge.erase(on_edge.begin() + at);
   }
   fan(0);
 }
 
-void split_polyhedron(const PolyhedronFaces& faces, const Position& position, PolyhedronSplit& out) {
-  Splitter(faces, position, out).run();
+void split_polyhedron(const PolyhedronFaces& faces, const Position& position, const EdgePoints& edge_points, PolyhedronSplit& out) {
+  Splitter(faces, position, edge_points, out).run();
 }
 
 }  // namespace isostrata

@@ -121,10 +121,18 @@ class CellKeeper {
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
     flat_ = true;
     for (vtkIdType c = 0; c < count && flat_; ++c) flat_ = !has_volume(types->GetValue(c));
+    for (vtkIdType c = 0; c < count; ++c) find_edge_points(c, types->GetValue(c));
     for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
+    if (turned_) {
+      edge_points_.nearly_in_line();
+      kept_ = {};
+      counts_ = {};
+      next_hull_ = 0;
+      for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
+    }
     note(notes);
-    if (static_cast<vtkIdType>(kept_.types.size()) == count && skipped_.empty() && open_.empty() && split_.empty() &&
-        fans_.empty())
+    if (static_cast<vtkIdType>(kept_.types.size()) == count && counts_.skipped.empty() && counts_.open.empty() && counts_.split.empty() &&
+        counts_.fans.empty())
       kept_.source.clear();
     return std::move(kept_);
   }
@@ -158,6 +166,16 @@ class CellKeeper {
              std::to_string(wanted));
   }
 
+  void find_edge_points(vtkIdType c, int vtk_type) {
+    if (vtk_type == VTK_POLYHEDRON) {
+      read_face_stream(c);
+      edge_points_.add(faces_);
+    } else if (vtk_type == VTK_CONVEX_POINT_SET && read_point_set(c)) {
+      edge_points_.add(faces_);
+      hulls_.push_back(faces_);
+    }
+  }
+
   void keep(vtkIdType c, int vtk_type) {
     switch (vtk_type) {
       case VTK_POLYHEDRON:
@@ -175,10 +193,10 @@ class CellKeeper {
       case VTK_CONVEX_POINT_SET:
         cells_->GetCellAtId(c, corners_);
         if (corners_->GetNumberOfIds() > static_cast<vtkIdType>(kMostHullPoints)) {
-          ++skipped_[vtk_type];
+          ++counts_.skipped[vtk_type];
           return;
         }
-        read_point_set(c);
+        faces_ = hulls_[next_hull_++];
         split(c, vtk_type);
         return;
       default:
@@ -190,12 +208,12 @@ class CellKeeper {
     }
     const Kept as = kept_as(vtk_type);
     if (as.corners == 0 || is_flat(as.type) != flat_) {
-      ++skipped_[vtk_type];
+      ++counts_.skipped[vtk_type];
       return;
     }
     cells_->GetCellAtId(c, corners_);
     check_count(c, vtk_type, corners_->GetNumberOfIds(), as.corners, as.linearised);
-    if (as.linearised) ++linearised_[vtk_type];
+    if (as.linearised) ++counts_.linearised[vtk_type];
     static constexpr std::array<vtkIdType, 8> kFromVoxel{0, 1, 3, 2, 4, 5, 7, 6};
     const bool by_axes = vtk_type == VTK_VOXEL || vtk_type == VTK_PIXEL;
     for (vtkIdType v = 0; v < as.corners; ++v)
@@ -215,7 +233,7 @@ class CellKeeper {
       for (const vtkIdType v : {odd ? b : a, odd ? a : b, i}) kept_.connectivity.push_back(checked(c, corners_->GetId(v)));
       end_cell(c, CellType::triangle);
     }
-    Split& row = fans_[vtk_type];
+    Split& row = counts_.fans[vtk_type];
     ++row.cells;
     row.pieces += n - 2;
   }
@@ -272,8 +290,10 @@ class CellKeeper {
   }
 #endif
 
-  /// The hull of the cell's points, which are in corners_.
-  void read_point_set(vtkIdType c) {
+  /// The hull of the cell's points; false where they are too many.
+  bool read_point_set(vtkIdType c) {
+    cells_->GetCellAtId(c, corners_);
+    if (corners_->GetNumberOfIds() > static_cast<vtkIdType>(kMostHullPoints)) return false;
     std::vector<Vec3d> points;
     cycle_.clear();
     for (vtkIdType v = 0; v < corners_->GetNumberOfIds(); ++v) {
@@ -281,6 +301,7 @@ class CellKeeper {
       points.push_back(position_(cycle_.back()));
     }
     hull_faces(points, cycle_, faces_);
+    return true;
   }
 
   /// Two polygons of n points over each other.
@@ -301,9 +322,9 @@ class CellKeeper {
   }
 
   void split(vtkIdType c, int vtk_type) {
-    split_polyhedron(faces_, position_, pieces_);
+    split_polyhedron(faces_, position_, edge_points_, pieces_);
     if (pieces_.kind == SplitKind::open) {
-      ++open_[vtk_type];
+      ++counts_.open[vtk_type];
       return;
     }
     const std::int64_t added = points_ + static_cast<std::int64_t>(kept_.added.size());
@@ -314,11 +335,12 @@ class CellKeeper {
       end_cell(c, type);
     }
     if (pieces_.kind == SplitKind::whole) {
-      ++whole_[vtk_type];
+      ++counts_.whole[vtk_type];
       return;
     }
-    overlapping_ += pieces_.kind == SplitKind::overlapping;
-    Split& row = split_[vtk_type];
+    turned_ = turned_ || pieces_.turned;
+    counts_.overlapping += pieces_.kind == SplitKind::overlapping;
+    Split& row = counts_.split[vtk_type];
     ++row.cells;
     row.pieces += static_cast<std::int64_t>(pieces_.types.size());
     AddedPoints& to = kept_.added;
@@ -330,29 +352,34 @@ class CellKeeper {
 
   void note(std::vector<std::string>& notes) const {
     const auto say = [&](std::int64_t n, const std::string& what) { notes.push_back(std::to_string(n) + " " + what); };
-    for (const auto& [type, n] : skipped_)
+    for (const auto& [type, n] : counts_.skipped)
       say(n,
           vtk_name(type) +
               (flat_
                    ? " skipped: only cells with an area or a volume are read"
                    : " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are "
                      "read"));
-    for (const auto& [type, row] : fans_)
+    for (const auto& [type, row] : counts_.fans)
       say(row.cells, vtk_name(type) + " read as " + std::to_string(row.pieces) + " triangles");
-    for (const auto& [type, n] : open_) say(n, vtk_name(type) + " skipped: their faces do not close up");
-    for (const auto& [type, n] : linearised_) say(n, vtk_name(type) + " read as linear cells by their corners");
-    for (const auto& [type, n] : whole_)
+    for (const auto& [type, n] : counts_.open) say(n, vtk_name(type) + " skipped: their faces do not close up");
+    for (const auto& [type, n] : counts_.linearised) say(n, vtk_name(type) + " read as linear cells by their corners");
+    for (const auto& [type, n] : counts_.whole)
       say(n, vtk_name(type) + " kept whole: they are tetrahedra, pyramids, wedges or hexahedra");
-    for (const auto& [type, row] : split_)
+    for (const auto& [type, row] : counts_.split)
       say(row.cells, vtk_name(type) + " split into " + std::to_string(row.pieces) +
                          " tetrahedra and pyramids, each about a point added inside it, which has the mean of the cell's values");
-    if (overlapping_ > 0)
-      say(overlapping_,
+    if (counts_.overlapping > 0)
+      say(counts_.overlapping,
           "vtkPolyhedron have no point that sees all of their faces: their pieces overlap and volumes are too large");
   }
 
   struct Split {
     std::int64_t cells = 0, pieces = 0;
+  };
+  struct Counts {
+    std::map<int, std::int64_t> skipped, open, linearised, whole;
+    std::map<int, Split> split, fans;
+    std::int64_t overlapping = 0;
   };
 
   vtkUnstructuredGrid* grid_;
@@ -360,13 +387,15 @@ class CellKeeper {
   vtkIdType points_;
   const std::string& name_;
   KeptCells kept_;
-  std::map<int, std::int64_t> skipped_, open_, linearised_, whole_;
-  std::map<int, Split> split_, fans_;
+  Counts counts_;
   bool flat_ = false;  // no cell of the file has a volume, so those with an area are kept
-  std::int64_t overlapping_ = 0;
+  bool turned_ = false;  // some piece of a polyhedron is
   vtkNew<vtkIdList> corners_, face_ids_;
   std::vector<std::int64_t> cycle_;
   PolyhedronFaces faces_;
+  EdgePoints edge_points_;
+  std::vector<PolyhedronFaces> hulls_;  // of the convex point sets, in their order
+  std::size_t next_hull_ = 0;
   PolyhedronSplit pieces_;
   const std::function<Vec3d(std::int64_t)> position_ = [this](std::int64_t id) {
     double p[3];

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "support/edge_points_of.h"
 #include "support/refined_cubes.h"
 #include "support/truncated_cubes.h"
 #include "support/voronoi_cells.h"
@@ -21,11 +22,7 @@ std::function<Vec3d(std::int64_t)> positions(const std::vector<Vec3d>& points) {
   return [&points](std::int64_t id) { return points[static_cast<std::size_t>(id)]; };
 }
 
-PolyhedronFaces faces_of(const std::vector<Cycle>& cycles) {
-  PolyhedronFaces faces;
-  for (const Cycle& cycle : cycles) faces.add(cycle);
-  return faces;
-}
+using test::faces_of;
 
 Vec3d piece_point(const PolyhedronSplit& split, const std::vector<Vec3d>& points, std::int64_t id) {
   return id == kAddedPoint ? split.added : points[static_cast<std::size_t>(id)];
@@ -102,7 +99,7 @@ TEST(SplitPolyhedron, KeepsTheFourCellsWhateverWayTheyAreWritten) {
       }
       std::shuffle(cycles.begin(), cycles.end(), random);
       PolyhedronSplit split;
-      split_polyhedron(faces_of(cycles), positions(points), split);
+      split_polyhedron(faces_of(cycles), positions(points), {}, split);
       SCOPED_TRACE(std::string(topology(type).name) + ", seed 11, trial " + std::to_string(trial));
       ASSERT_EQ(split.kind, SplitKind::whole);
       ASSERT_EQ(split.types, std::vector{type});
@@ -126,9 +123,10 @@ TEST(SplitPolyhedron, ConformsAndFillsSpaceWithPolyhedraOfAllSorts) {
     std::map<Cycle, int> uses;
     double total = 0;
     std::int64_t added = static_cast<std::int64_t>(mesh.points.size());
+    const EdgePoints edge_points = test::edge_points_of(mesh);
     PolyhedronSplit split;
     for (const std::vector<Cycle>& cell : mesh.cells) {
-      split_polyhedron(faces_of(cell), positions(mesh.points), split);
+      split_polyhedron(faces_of(cell), positions(mesh.points), edge_points, split);
       ASSERT_NE(split.kind, SplitKind::open);
       ASSERT_NE(split.kind, SplitKind::overlapping);
       total += volume(split, mesh.points);
@@ -164,6 +162,25 @@ TEST(SplitPolyhedron, ConformsAndFillsSpaceWithPolyhedraOfAllSorts) {
   }
 }
 
+TEST(SplitPolyhedron, CutsAMeshAlikeWherePointsMove) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    test::PolyhedralMesh mesh = seed % 2 ? test::voronoi_cells({4, 3, 3}, seed) : test::refined_cubes({4, 3, 3}, seed);
+    const auto pieces = [&] {
+      const EdgePoints edge_points = test::edge_points_of(mesh);
+      std::vector<std::int64_t> all;
+      PolyhedronSplit split;
+      for (const std::vector<Cycle>& cell : mesh.cells) {
+        split_polyhedron(faces_of(cell), positions(mesh.points), edge_points, split);
+        all.insert(all.end(), split.connectivity.begin(), split.connectivity.end());
+      }
+      return all;
+    };
+    const std::vector<std::int64_t> before = pieces();
+    for (Vec3d& p : mesh.points) p = {p.x + 0.3 * p.y, 1.2 * p.y - 0.1 * p.z, 0.9 * p.z + 0.2 * p.x};
+    EXPECT_EQ(pieces(), before) << "seed " << seed;
+  }
+}
+
 /// Unit cubes of a lattice as one polyhedron: the faces that only one of them has.
 std::vector<Cycle> union_of_cubes(const std::vector<std::array<int, 3>>& cubes, int n) {
   std::map<Cycle, Cycle> faces;
@@ -194,7 +211,7 @@ TEST(SplitPolyhedron, FindsAPointThatSeesAllOfAnLShape) {
   const auto points = lattice(5);
   const auto cycles = union_of_cubes({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {0, 1, 0}, {0, 2, 0}, {0, 3, 0}}, 5);
   PolyhedronSplit split;
-  split_polyhedron(faces_of(cycles), positions(points), split);
+  split_polyhedron(faces_of(cycles), positions(points), {}, split);
   ASSERT_EQ(split.kind, SplitKind::star);
   EXPECT_NEAR(volume(split, points), 7, 1e-12);
   EXPECT_LT(split.added.x, 1);
@@ -216,7 +233,7 @@ TEST(SplitPolyhedron, LeavesNoPieceFlatWhereTheMeanLiesInTheEdgeOfAnL) {
   std::vector<Cycle> cycles{{5, 4, 3, 2, 1, 0}, {6, 7, 8, 9, 10, 11}};
   for (std::int64_t i = 0; i < 6; ++i) cycles.push_back({i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i});
   PolyhedronSplit split;
-  split_polyhedron(faces_of(cycles), positions(points), split);
+  split_polyhedron(faces_of(cycles), positions(points), {}, split);
   ASSERT_EQ(split.kind, SplitKind::star);
   std::size_t at = 0;
   double sum = 0;
@@ -237,7 +254,7 @@ TEST(SplitPolyhedron, SaysWhereNoPointSeesAllFaces) {
   const auto points = lattice(4);
   PolyhedronSplit split;
   split_polyhedron(faces_of(union_of_cubes({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}, {0, 2, 0}, {2, 2, 0}}, 4)),
-                   positions(points), split);
+                   positions(points), {}, split);
   EXPECT_EQ(split.kind, SplitKind::overlapping);
   EXPECT_FALSE(split.types.empty());
 }
@@ -247,21 +264,21 @@ TEST(SplitPolyhedron, RefusesWhatIsNotClosed) {
   auto cycles = union_of_cubes({{0, 0, 0}}, 2);
   PolyhedronSplit split;
   cycles.pop_back();
-  split_polyhedron(faces_of(cycles), positions(points), split);
+  split_polyhedron(faces_of(cycles), positions(points), {}, split);
   EXPECT_EQ(split.kind, SplitKind::open);
   EXPECT_TRUE(split.types.empty());
   cycles.push_back(cycles.front());  // one face twice, another missing
-  split_polyhedron(faces_of(cycles), positions(points), split);
+  split_polyhedron(faces_of(cycles), positions(points), {}, split);
   EXPECT_EQ(split.kind, SplitKind::open);
-  split_polyhedron({}, positions(points), split);
+  split_polyhedron({}, positions(points), {}, split);
   EXPECT_EQ(split.kind, SplitKind::open);
-  split_polyhedron(faces_of({{0}, {1, 1, 1}, {2, 3}}), positions(points), split);
+  split_polyhedron(faces_of({{0}, {1, 1, 1}, {2, 3}}), positions(points), {}, split);
   EXPECT_EQ(split.kind, SplitKind::open);
 }
 
 std::vector<std::array<std::int64_t, 3>> cut(const Cycle& cycle, const std::vector<Vec3d>& points) {
   Cycle flat;
-  cut_polygon(cycle, positions(points), flat);
+  cut_polygon(cycle, positions(points), {}, flat);
   std::vector<std::array<std::int64_t, 3>> triangles;
   for (std::size_t t = 0; t < flat.size(); t += 3) {
     std::array<std::int64_t, 3> triangle{flat[t], flat[t + 1], flat[t + 2]};

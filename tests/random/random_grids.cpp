@@ -7,6 +7,7 @@
 #include "data/analytic.h"
 #include "data/hull_faces.h"
 #include "data/split_polyhedron.h"
+#include "support/edge_points_of.h"
 #include "support/refined_cubes.h"
 #include "support/truncated_cubes.h"
 #include "support/voronoi_cells.h"
@@ -170,12 +171,11 @@ UnstructuredParts renumbered(UnstructuredParts parts, Random& random) {
 UnstructuredParts split_polyhedra(const test::PolyhedralMesh& mesh) {
   UnstructuredParts parts;
   parts.points = mesh.points;
+  const EdgePoints edge_points = test::edge_points_of(mesh);
   PolyhedronSplit split;
   for (const auto& cell : mesh.cells) {
-    PolyhedronFaces faces;
-    for (const auto& face : cell) faces.add(face);
     split_polyhedron(
-        faces, [&](std::int64_t id) { return parts.points[static_cast<std::size_t>(id)]; }, split);
+        test::faces_of(cell), [&](std::int64_t id) { return parts.points[static_cast<std::size_t>(id)]; }, edge_points, split);
     if (split.kind == SplitKind::open) throw BrokenLaw("a polyhedron is not closed");
     if (split.kind == SplitKind::overlapping) throw BrokenLaw("no point sees all faces of a polyhedron");
     std::size_t at = 0;
