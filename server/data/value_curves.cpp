@@ -5,8 +5,6 @@
 
 namespace isostrata {
 
-int ValueCurves::bin_of(double t) { return std::clamp(static_cast<int>(t * kBins), 0, kBins - 1); }
-
 ValueCurves::ValueCurves(const ProxyGrid& proxy) : below_(kSteps + 1, 0) {
   std::array<std::int64_t, kBins> count{};
   std::array<double, kBins> first{}, second{};

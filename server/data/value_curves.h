@@ -1,6 +1,7 @@
 // What there is at each value of a field: how much of it, how steep it is there, how well it holds together.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -18,7 +19,7 @@ class ValueCurves {
   explicit ValueCurves(const ProxyGrid& proxy);
 
   static double middle(int bin) { return (bin + 0.5) / kBins; }
-  static int bin_of(double t);
+  static int bin_of(double t) { return std::clamp(static_cast<int>(t * kBins), 0, kBins - 1); }
 
   /// The share of the samples at or above t.
   double share_above(double t) const;

@@ -320,8 +320,12 @@ LayersChoice choose_layers(const ProxyGrid& proxy, const ValueCurves& curves, co
   if (curves.coherence(middle, true) < 0.6 && curves.coherence(middle, false) < 0.6) {
     choice.kind = FieldKind::noise;
     choice.reason = "noise: no range of values holds together";
-  } else if (walls(proxy, curves, middle) > 5 && planes(proxy, curves, middle) > 2 && in_the_middle < 0.65 &&
-             curves.share_above(0.75) > 0.1 && share_below(curves, 0.25) > 0.1 && !hints.rests_at_zero) {
+    choice.layers = {{LayerRole::wall, middle, 1, true, "", "the half with the higher values: its ends would be dust"}};
+    drop_empty(choice, curves);
+    return choice;
+  }
+  if (walls(proxy, curves, middle) > 5 && planes(proxy, curves, middle) > 2 && in_the_middle < 0.65 &&
+      curves.share_above(0.75) > 0.1 && share_below(curves, 0.25) > 0.1 && !hints.rests_at_zero) {
     choice.kind = FieldKind::waves;
     choice.reason = "waves: one wall shows more than two ends";
     choice.layers = {{LayerRole::wall, middle, 1, true, "", "the half with the higher values"}};

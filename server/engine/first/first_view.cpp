@@ -137,7 +137,7 @@ FieldHints hints_of(const Dataset& dataset, const PointArray& array) {
 }
 
 /// A sheet is seen from its broad side: it must vary there.
-bool varies_on_its_face(const ProxyGrid& proxy, const ValueCurves& curves) {
+bool varies_on_its_face(const ProxyGrid& proxy) {
   const Vec3d s = proxy.sides();
   const int thin = s.x <= s.y && s.x <= s.z ? 0 : s.y <= s.z ? 1 : 2;
   std::array<double, 3> sorted{s.x, s.y, s.z};
@@ -155,6 +155,7 @@ bool varies_on_its_face(const ProxyGrid& proxy, const ValueCurves& curves) {
   if (on_face.size() < 20) return true;
   std::sort(on_face.begin(), on_face.end());
   const double spread = on_face[on_face.size() * 95 / 100] - on_face[on_face.size() * 5 / 100];
+  const ValueCurves curves(proxy);
   return spread >= 0.35 * (curves.value_above(0.02) - curves.value_above(0.98));
 }
 
@@ -173,7 +174,7 @@ Looked choose(const Dataset& dataset, const std::vector<ArrayChoice>& ranked, Fi
     const PointArray& array = dataset.array(candidate.name);
     ProxyGrid proxy = make_proxy(dataset, array, task);
     if (proxy.empty()) continue;
-    const bool good = dataset.grid.flat() || varies_on_its_face(proxy, ValueCurves(proxy));
+    const bool good = dataset.grid.flat() || varies_on_its_face(proxy);
     if (best.array && !good) continue;
     const bool first = !best.array;
     view.array = array.name;

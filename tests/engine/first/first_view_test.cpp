@@ -279,6 +279,18 @@ TEST(FirstView, OfOddDataIsSound) {
   }
 }
 
+TEST(FirstView, OfNoiseIsItsUpperHalfForEndsWouldBeDust) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto noise = field_dataset({30, 30, 30}, [&](Vec3d) { return uniform(random); });
+  const FirstView view = view_of_data(*noise);
+  EXPECT_EQ(view.kind, "noise");
+  ASSERT_EQ(view.layers.size(), 1u);
+  EXPECT_NEAR(view.layers[0].lower, 0.5, 0.05);
+  EXPECT_EQ(view.layers[0].upper, noise->arrays[0].upper);
+  EXPECT_TRUE(view.layers[0].surface.lower && view.layers[0].surface.domain);
+}
+
 TEST(FirstView, BecomesASceneAsItIs) {
   const FirstView view = view_of_data(*analytic("torus:32"));
   const auto intervals = first_intervals(view);
