@@ -23,10 +23,11 @@
 #include "base/simd_level.h"
 #include "data/child_process.h"
 #include "engine/data/catalogue.h"
-#include "extraction/layers/first_layers.h"
+#include "engine/first/first_view.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/hostile_client.h"
+#include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
 #include "net/server/server.h"
 #include "net/server/shaped_link.h"
@@ -48,6 +49,7 @@ struct BenchArguments {
   std::vector<std::string> intervals;
   std::vector<std::string> links{"loopback", "40ms-20mbit", "80ms-2mbit", "40ms-20mbit-to-2mbit", "20ms-5mbit"};
   std::string size = "1280x720", codec = "auto", renderer = "native", device = "auto";
+  std::string camera;  // where a session that has opened the data stands
   double seconds = 8, rate = 60;
   int viewers = 0, silent = 0;
   std::vector<std::string> hostile;  // manners of a neighbour; none: nobody else is there
@@ -110,25 +112,22 @@ struct ScratchFile {
   const fs::path path;
 };
 
-/// The layers that a session begins with, of the first array that has a range.
-std::vector<std::string> layers_to_look_at(const std::string& data) {
-  if (data == kDefaultData) return {kDefaultInterval};
-  constexpr std::array<const char*, 4> kLooks{",color=#e61f1f,opacity=0.3", ",color=#1fe61f,opacity=0.5",
-                                              ",color=#1f1fe6,opacity=0.7", ",color=#e6e61f,opacity=0.9"};
-  const std::shared_ptr<const Dataset> dataset = open_argument(data);
-  std::vector<std::string> all;
-  for (const PointArray& array : dataset->arrays) {
-    if (!(array.lower < array.upper)) continue;
-    for (const Interval& layer : first_layers(dataset->grid, array, kFirstPictureCells, command_task())) {
-      std::array<char, 64> ends{};
-      std::snprintf(ends.data(), ends.size(), "%.17g:%.17g", layer.lower, layer.upper);
-      all.push_back(ends.data() + std::string(kLooks[all.size() % kLooks.size()]));
-    }
-    break;
-  }
-  if (all.empty())
-    throw Error(ErrorCode::not_found, data + ": no array with a range to make a layer of; give one with --interval");
-  return all;
+/// What a session begins with: the server's own choice.
+FirstView first_view_of(const std::string& data) {
+  const StepSource steps = step_source(data);
+  FirstView view = first_view(*steps(0, command_task()), steps, {}, command_task());
+  if (view.array.empty()) throw Error(ErrorCode::not_found, data + ": nothing to look at: " + view.array_reason);
+  return view;
+}
+
+/// As --camera has it: that of a session which has just opened the dataset.
+std::string camera_text(const FirstView& view, const std::string& size) {
+  const auto [width, height] = parse_size(size);
+  const Camera camera = view.camera(std::min(1.0, static_cast<double>(width) / height));
+  std::array<char, 400> text{};
+  std::snprintf(text.data(), text.size(), "eye=%.17g,%.17g,%.17g;at=%.17g,%.17g,%.17g;up=%.17g,%.17g,%.17g;fov=%.17g", camera.eye.x,
+                camera.eye.y, camera.eye.z, camera.at.x, camera.at.y, camera.at.z, camera.up.x, camera.up.y, camera.up.z, camera.fov_deg);
+  return text.data();
 }
 
 /// Serves on a thread of its own until it goes.
@@ -218,7 +217,7 @@ json::object measure(const BenchServer& server, const BenchArguments& arguments,
                                  "--json",
                                  "--turn",
                                  "--camera",
-                                 "reset",
+                                 arguments.camera,
                                  "--size",
                                  arguments.size,
                                  "--codec",
@@ -340,13 +339,17 @@ void run(BenchArguments arguments) {
   parse_size(arguments.size);
   for (const std::string& link : arguments.links) parse_link(link);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
-  if (arguments.intervals.empty()) arguments.intervals = layers_to_look_at(arguments.data);
+  const FirstView view = first_view_of(arguments.data);
+  arguments.camera = camera_text(view, arguments.size);
+  if (arguments.intervals.empty() && arguments.data == kDefaultData) arguments.intervals.push_back(kDefaultInterval);
   for (std::string& interval : arguments.intervals)
     if (interval.find("opacity") == std::string::npos) interval += ",color=#e61f1f,opacity=0.6";
   // What rest must show, made by the command whose pictures are the measure.
   const ScratchFile reference(".png");
   std::vector<std::string> words{"render",           arguments.data, "--size",         arguments.size, "--renderer",
-                                 arguments.renderer, "--device",     arguments.device, "--out",        reference.path.string()};
+                                 arguments.renderer, "--device",     arguments.device, "--out",        reference.path.string(),
+                                 "--camera",         arguments.camera};
+  if (!arguments.intervals.empty()) words.insert(words.end(), {"--array", view.array, "--step", std::to_string(view.step)});
   for (const std::string& interval : arguments.intervals) words.insert(words.end(), {"--interval", interval});
   const ChildResult rendered = run_child({beside_this_program("isostrata"), words, {}}, 300, command_task(), [](std::string_view) {});
   if (rendered.exit_status != 0 || rendered.signal != 0)

@@ -103,8 +103,8 @@ void run(const FirstViewArguments& arguments) {
 
 void add_first_view_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("first-view",
-                                         "What render and scripts show when nothing was chosen: array, layers, colours, light, "
-                                         "camera, time, each with its reason");
+                                         "What the page, scripts and render show when nothing was chosen: array, layers, colours, "
+                                         "light, camera, time, each with its reason");
   const auto arguments = std::make_shared<FirstViewArguments>();
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
   command->add_option("--array", arguments->array, "The array to show (default: the best)");
@@ -112,7 +112,7 @@ void add_first_view_command(CLI::App& app) {
       ->add_option("--step", arguments->step,
                    "The time step to show, from 0 (default: the middle one, or where the values spread most)")
       ->check(CLI::Range(0, 1 << 30));
-  command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the picture that the camera is for")->capture_default_str();
+  command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the picture that the camera is for; sessions begin with that of a square one")->capture_default_str();
   command->add_flag("--json", arguments->json, "One JSON document on standard output");
   add_sandbox_option(*command);
   command->callback([arguments] { run(*arguments); });

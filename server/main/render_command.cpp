@@ -336,8 +336,8 @@ void add_render_command(CLI::App& app) {
           "LOWER:UPPER (-inf and inf leave an end open) and any of ,color=#rrggbb|map:NAME ,opacity=X|A..B ,priority=N; may be repeated. opacity is that of a "
           "layer one unit distance thick; A..B runs as colours do. Its boundary is drawn with ,surface=lower|upper|both|domain|"
           "all (some joined by +) and ,surface-color=#rrggbb ,surface-opacity=X ,specular=X ,shininess=X ,silhouette=X "
-          ",texture=stripes|NAME ,repeat=X. A map may be a ramp: map:#0000ff-#ffffff. Default: what shows most, with a camera "
-          "that sees it (isostrata first-view FILE says what, and why)")
+          ",texture=stripes|NAME ,repeat=X. A map may be a ramp: map:#0000ff-#ffffff. Default: what the page begins with, too: what "
+          "shows most, with a camera that sees it (isostrata first-view FILE says what, and why)")
       ->allow_extra_args(false);
   command->add_option("--color-by", arguments->color_by,
                       "The array that colour maps run over, over its whole range (default: --array)");

@@ -103,6 +103,7 @@ TEST_F(ClientCommand, SetMovesAnIntervalAndKeepsStates) {
   watcher.open_dataset("torus:12");
   const std::string session = watcher.welcome().session();
   const auto id = watcher.state().intervals(0).id();
+  const int layers = watcher.state().intervals_size();
   const Ended ended =
       server_.client({"set", "--session", session, "--move", std::to_string(id) + "=0.125:0.25", "--save-state", path("s.json")});
   ASSERT_EQ(ended.status, 0) << ended.err;
@@ -112,7 +113,7 @@ TEST_F(ClientCommand, SetMovesAnIntervalAndKeepsStates) {
   watcher.set_intervals({});
   ASSERT_EQ(server_.client({"set", "--session", session, "--load-state", path("s.json")}).status, 0);
   watcher.set_view("+y");
-  EXPECT_EQ(watcher.state().intervals_size(), 4);
+  EXPECT_EQ(watcher.state().intervals_size(), layers);
   EXPECT_EQ(server_.client({"set", "--session", session, "--move", "first=0:1"}).status, 2);
   EXPECT_EQ(server_.client({"set", "--session", session, "--move", "999=0:1"}).status, 1);
   EXPECT_EQ(server_.client({"set", "--session", session, "--load-state", path("nosuch.json")}).status, 1);

@@ -3,7 +3,6 @@ import { existsSync, mkdtempSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, join } from 'node:path';
 import { afterAll, expect, test } from 'vitest';
-import type { Interval } from '../../web/src/lib/model';
 import { writePlot3d } from './plot3d';
 import { dataFolder, Server } from './server';
 import { drawnPixels, launch, Viewer } from './viewer';
@@ -24,14 +23,9 @@ test.each(grids)('four layers of $name in red, green, blue and yellow', async ({
     await viewer.until('the dataset', (state) => state.array !== '', 60_000);
     await viewer.page.getByLabel('Layers of').selectOption('Density');
     await viewer.until('Density', (state) => state.array === 'Density');
-    while (viewer.state.intervals.length < 4) {
-      const { length } = viewer.state.intervals;
-      await viewer.page.getByRole('button', { name: 'Add layer' }).click();
-      await viewer.until('one more layer', (state) => state.intervals.length > length);
-    }
     const ends = [[0.4, 0.9], [1.02, 1.309], [1.309, 2.2], [2.2, 4.9775]] as const;
     const colors = ['#e6302a', '#24b04a', '#2a6df0', '#f5d020'];
-    const layers = viewer.state.intervals.slice(0, 4) as Interval[];
+    const layers = await viewer.layersOfOurOwn(4);
     // The upper ends first and from above, so that lower stays less than upper on the way.
     for (const [i, layer] of layers.entries()) {
       const row = viewer.row(layer);

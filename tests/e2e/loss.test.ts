@@ -86,8 +86,8 @@ async function settled(before: Interval[], dragged: Interval, upper: number, old
 async function open(url: string): Promise<{ before: Interval[]; dragged: Interval; picture: Picture }> {
   viewer = await Viewer.open(browser, url);
   await viewer.until('layers', (state) => state.intervals.length > 1);
+  const before = await viewer.layersOfOurOwn(2); // wide enough for the hand's way
   const picture = await viewer.exactPicture();
-  const before = viewer.state.intervals;
   return { before, dragged: before[0] as Interval, picture };
 }
 

@@ -22,17 +22,17 @@ afterEach(async () => {
   server.checkAlive();
 });
 
-async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<Interval> {
+async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<void> {
   viewer = await Viewer.open(browser, server.ready.url, options);
-  const state = await viewer.until('layers', (s) => s.intervals.length > 1);
+  await viewer.until('layers', (s) => s.intervals.length > 1);
   await viewer.exactPicture();
-  return state.intervals[0] as Interval;
 }
 const paintBy = (word: string) => viewer.page.getByRole('radio', { name: word, exact: true }).click();
 
 describe('the modes of the page', () => {
   test('a surface is switched on, changed and switched off again', async () => {
-    const first = await open();
+    await open();
+    const [first] = (await viewer.layersOfOurOwn(1)) as [Interval];
     const before = await viewer.exactPicture();
     const row = viewer.row(first);
     await row.getByRole('button', { name: 'upper', exact: true }).click();
@@ -54,6 +54,7 @@ describe('the modes of the page', () => {
 
   test('a cycle plays by itself, stands still when paused, and goes on by hand', async () => {
     await open();
+    await viewer.layersOfOurOwn(3);
     await paintBy('Cycle');
     const seen = new Set<number>();
     await viewer.until('three phases', (s) => s.mode === 'cycled' && seen.add(s.cycle.phase).size >= 3);
@@ -117,6 +118,8 @@ describe('the modes of the page', () => {
     await viewer.page.getByLabel('Between steps').selectOption('interpolate');
     await viewer.until('a time', (s) => s.time !== null && s.timeMode === 'interpolate');
     await viewer.page.getByRole('slider', { name: 'Time' }).focus();
+    await viewer.page.keyboard.press('Home');
+    await viewer.until('the first time', (s) => s.time === 0);
     for (let i = 0; i < 20; i++) await viewer.page.keyboard.press('ArrowRight');
     await viewer.until('a later time', (s) => (s.time ?? 0) > 0);
     await viewer.exactPicture();

@@ -29,16 +29,14 @@ async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<vo
   await viewer.until('layers', (state) => state.intervals.length > 0);
   await viewer.exactPicture();
 }
-/** One broad layer in the middle of the range: a scene in which every edit can be seen. */
-async function openWithOneLayer(): Promise<Interval> {
+async function openWithLayers(count: number): Promise<Interval[]> {
   await open();
-  for (const interval of viewer.state.intervals) await viewer.row(interval).getByRole('button', { name: /delete/ }).click();
-  await viewer.until('no layers', (state) => state.intervals.length === 0);
-  await viewer.page.getByRole('button', { name: 'Add layer' }).click();
-  const state = await viewer.until('one layer', (s) => s.intervals.length === 1);
+  const layers = await viewer.layersOfOurOwn(count);
   await viewer.exactPicture();
-  return state.intervals[0] as Interval;
+  return layers;
 }
+/** One broad layer in the middle of the range: a scene in which every edit can be seen. */
+const openWithOneLayer = async () => (await openWithLayers(1))[0] as Interval;
 const folder = () => {
   const path = join(repository, 'build', 'e2e');
   mkdirSync(path, { recursive: true });
@@ -83,9 +81,17 @@ describe('the page', () => {
     const first = viewer.state.dataset;
     await viewer.page.getByLabel('Dataset').selectOption({ index: 1 });
     await viewer.until('the other dataset', (state) => state.dataset !== first && state.intervals.length > 0);
-    for (const side of ['+z', 'Reset']) {
+    const [layer] = (await viewer.layersOfOurOwn(1)) as [Interval];
+    const least = Number(await viewer.thumb(layer, 'lower').getAttribute('aria-valuemin'));
+    const most = Number(await viewer.thumb(layer, 'upper').getAttribute('aria-valuemax'));
+    await viewer.thumb(layer, 'lower').press('Home');
+    await viewer.thumb(layer, 'upper').press('End');
+    await viewer.until('all values', ({ intervals }) => intervals[0]?.lower === least && intervals[0].upper === most);
+    const plus = () => viewer.page.getByRole('group', { name: 'Views' }).getByText('+z', { exact: true }).click();
+    const turn = () => viewer.drag(viewer.page.getByRole('application'), 110, 60);
+    for (const [side, look] of [['+z', plus], ['turned', turn]] as const) {
       const { revision } = viewer.state;
-      await viewer.page.getByRole('group', { name: 'Views' }).getByText(side, { exact: true }).click();
+      await look();
       await viewer.until(`the view ${side}`, (state) => state.revision > revision);
       const { width, height, pixels } = await viewer.exactPicture();
       let [left, right, top, bottom] = [width, 0, height, 0];
@@ -231,7 +237,7 @@ describe('a layer', () => {
 
 describe('names and colours', () => {
   test('belong to their layers: a deleted one takes its own along, and a new one takes what is free', async () => {
-    await open();
+    await openWithLayers(3);
     const rows = () =>
       viewer.page.locator('[data-layer]').evaluateAll((list) =>
         list.map((row) => ({
@@ -258,7 +264,7 @@ describe('names and colours', () => {
 
 describe('priorities', () => {
   test('are reordered by keyboard, and paint the picture', async () => {
-    await open();
+    await openWithLayers(4);
     await viewer.page.getByRole('radio', { name: 'Priority' }).click();
     await viewer.until('priority mode', (state) => state.mode === 'prioritized');
     for (const interval of viewer.state.intervals)
@@ -292,7 +298,7 @@ describe('priorities', () => {
   });
 
   test('are reordered by dragging a grip', async () => {
-    await open();
+    await openWithLayers(4);
     const rows = () => viewer.page.locator('[data-layer]').evaluateAll((list) => list.map((row) => (row as HTMLElement).dataset.layer));
     const order = await rows();
     const last = viewer.page.locator(`[data-grip="${order[order.length - 1]}"]`);
@@ -327,9 +333,11 @@ describe('the rest of the page', () => {
     expect(await viewer.page.getByLabel('Time', { exact: true }).count()).toBe(0);
     await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x24x4x5');
     await viewer.until('the cylinder', (s) => s.dataset.startsWith('cylinder') && s.intervals.length > 0);
-    const before = await viewer.exactPicture();
     const slider = viewer.page.getByLabel('Time', { exact: true });
     await slider.focus();
+    await viewer.page.keyboard.press('Home');
+    await viewer.until('the first step', (s) => s.step === 0);
+    const before = await viewer.exactPicture();
     await viewer.page.keyboard.press('ArrowRight');
     await viewer.page.getByRole('button', { name: 'Step on' }).click();
     await viewer.until('the third step', (s) => s.step === 2);

@@ -169,6 +169,17 @@ export class Viewer {
     return this.page.locator(`[data-layer="${interval.id}"]`);
   }
 
+  /** In place of what was chosen for the dataset: so many layers as *Add layer* makes them, side by side, of one opacity and without surfaces. */
+  async layersOfOurOwn(count: number): Promise<Interval[]> {
+    for (const interval of this.state.intervals) await this.row(interval).getByRole('button', { name: /delete/ }).click();
+    await this.until('no layers', (state) => state.intervals.length === 0);
+    for (let there = 1; there <= count; there++) {
+      await this.page.getByRole('button', { name: 'Add layer' }).click();
+      await this.until(`layer ${there}`, (state) => state.intervals.length === there);
+    }
+    return this.state.intervals;
+  }
+
   /** Presses the pointer in the middle of an element and moves it by so many pixels, in steps as a hand does. */
   async drag(target: Locator, dx: number, dy: number): Promise<void> {
     const box = await target.boundingBox();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "session/sessions/sessions.h"
+#include "support/fin_facts.h"
 
 namespace isostrata {
 
@@ -108,7 +109,7 @@ class SessionsOnAClock {
     facts.bounds.include({-1, -1, -1});
     facts.bounds.include({1, 2, 3});
     facts.arrays = {{array, "point", "float32", 1, 0, 8, 0}};
-    facts.first_layers = {{0, 2}, {2, 4}, {4, 8}};
+    facts.first_view = first_view_of(array, {{0, 2}, {2, 4}, {4, 8}}, facts.bounds);
     facts.times = {0, 1, 2};
     return facts;
   }

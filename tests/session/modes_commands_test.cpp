@@ -5,6 +5,7 @@
 #include "session/commands/apply_command.h"
 #include "session/wire/limits.h"
 #include "session/wire/wire.h"
+#include "support/fin_facts.h"
 
 namespace isostrata {
 namespace {
@@ -16,7 +17,7 @@ class ModesCommands : public ::testing::Test {
     facts_.bounds.include({-1, -1, -1});
     facts_.bounds.include({1, 2, 3});
     facts_.arrays = {{"Density", "point", "float32", 1, 0, 8, 0}, {"Energy", "point", "float64", 1, -100, 300, 0}};
-    facts_.first_layers = {{0, 2}, {2, 4}, {4, 8}};
+    facts_.first_view = first_view_of("Density", {{0, 2}, {2, 4}, {4, 8}}, facts_.bounds);
     facts_.times = {0, 1, 2};
     open_in_scene(state_, facts_);
   }

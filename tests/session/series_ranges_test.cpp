@@ -14,12 +14,12 @@ class RangesInASession : public ::testing::Test, protected SessionsOnAClock {
     facts.arrays.front().lower = facts.arrays.front().upper = 0;
     facts.arrays.front().steps = {{0, 0}, {}, {}};
     facts.missing_steps = 2;
-    facts.first_layers.clear();
+    facts.first_view = {};
     if (!all) return facts;
     facts.arrays.front().upper = 80;
     facts.arrays.front().steps = {{0, 0}, {0, 20}, {5, 80}};
     facts.missing_steps = 0;
-    facts.first_layers = {{0, 20}, {20, 40}, {40, 80}};
+    facts.first_view = first_view_of("temperature", {{0, 20}, {20, 40}, {40, 80}}, facts.bounds);
     return facts;
   }
   std::shared_ptr<FakeClient> viewer_of(const DatasetFacts& facts) {
@@ -66,8 +66,9 @@ TEST_F(RangesInASession, AreToldAgainAndLayersThatNobodyTouchedFollow) {
 
 TEST_F(RangesInASession, LayersThatSomebodyTouchedStay) {
   DatasetFacts early = mug(true);
+  early.arrays.front().upper = 20;
   early.missing_steps = 1;
-  early.first_layers = {{0, 5}, {5, 20}};
+  early.first_view = first_view_of("temperature", {{0, 5}, {5, 20}}, early.bounds);
   const auto client = viewer_of(early);
   const OpenRequest request = asked_for_all();
   v1::ClientMessage patch;
@@ -105,7 +106,7 @@ TEST_F(RangesInASession, ColoursOverAllStepsAreDrawnAgainWhenMoreIsKnown) {
 TEST_F(RangesInASession, LayersKeepTheirIdsWhenTheyFollow) {
   DatasetFacts early = mug(true);
   early.missing_steps = 1;
-  early.first_layers = {{0, 5}, {5, 20}};
+  early.first_view = first_view_of("temperature", {{0, 5}, {5, 20}}, early.bounds);
   const auto client = viewer_of(early);
   const auto before = client->outbox.state();
   const OpenRequest request = asked_for_all();

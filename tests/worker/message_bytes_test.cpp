@@ -57,7 +57,11 @@ DatasetReady full_dataset() {
   ready.facts.bounds.include({1, 2, 3});
   ready.facts.arrays = {{"a", "point", "float32", 1, 0, 1, 9}};
   ready.facts.times = {0, 0.5};
-  ready.facts.first_layers = {{0.25, 0.5}};
+  ready.facts.first_view.array = "a";
+  ready.facts.first_view.layers = {{0.25, 0.5, {0.5f, 0.25f, 1}, 0.75, {}, "skin", "why"}};
+  ready.facts.first_view.layers[0].surface.lower = true;
+  ready.facts.first_view.outline = {{1, 2, 3}, {4, 5, 6}};
+  ready.facts.first_view.camera_reason = "that";
   return ready;
 }
 
@@ -114,7 +118,7 @@ TEST(MessageBytes, FactsOfADatasetArriveAsTheyWere) {
   EXPECT_EQ(facts.bounds.upper, ready.facts.bounds.upper);
   ASSERT_EQ(facts.arrays.size(), 1u);
   EXPECT_EQ(facts.arrays[0].nan_count, 9);
-  EXPECT_EQ(facts.first_layers, ready.facts.first_layers);
+  EXPECT_EQ(facts.first_view, ready.facts.first_view);
 }
 
 TEST(MessageBytes, WhatIsCutShortOrTooLongIsRefused) {

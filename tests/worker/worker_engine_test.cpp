@@ -102,7 +102,7 @@ TEST_F(WorkerEngineTest, DrawsWhatAnEngineInThisProcessDraws) {
   options.renderer = [] { return std::make_unique<PlainRenderer>(std::make_shared<PlainRendererControl>()); };
   Engine here(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
   here.post(OpenRequest{1, 101, "torus-12"});
-  EXPECT_EQ(wait_for<DatasetReady>([](const auto& r) { return r.request == 101; }).facts.first_layers, ready.facts.first_layers);
+  EXPECT_EQ(wait_for<DatasetReady>([](const auto& r) { return r.request == 101; }).facts.first_view, ready.facts.first_view);
   here.post(SceneUpdate{1, scene(7)});
   here.post(frame(1, 102, true));
   const FrameReady ours = frame_of(102);

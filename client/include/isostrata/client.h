@@ -111,7 +111,8 @@ class Client {
   void set_clip_planes(const std::vector<v1::ClipPlane>& planes);
   void set_annotations(bool axes, bool box, bool legend);
   void set_camera(const v1::Camera& camera);
-  /// "reset", "+x", "-x", "+y", "-y", "+z" or "-z": the whole dataset in this connection's viewport.
+  /// "reset": as when the dataset was opened; "+x", "-x", "+y", "-y", "+z" or "-z": the whole dataset from that side, in this
+  /// connection's viewport.
   void set_view(const std::string& view);
 
   // ---- pictures

@@ -385,7 +385,7 @@ class Session:
         self.command(set_camera=v1.SetCamera(camera=camera.to_wire()))
 
     def view(self, view: str = "reset") -> None:
-        """"reset", "+x", "-x", "+y", "-y", "+z" or "-z": the whole dataset."""
+        """"reset": as when the dataset was opened; "+x", "-x", "+y", "-y", "+z" or "-z": the whole dataset from that side."""
         self.command(set_view=v1.SetView(view=view))
 
     # ---- pictures ----------------------------------------------------------------------------------------------------------------

@@ -8,14 +8,6 @@ const ArrayFacts* DatasetFacts::find_array(std::string_view array) const {
   return nullptr;
 }
 
-const ArrayFacts* DatasetFacts::first_array() const {
-  for (const ArrayFacts& facts : arrays)
-    if (const ValueRange first = facts.first_step(); first.lower < first.upper) return &facts;
-  for (const ArrayFacts& facts : arrays)
-    if (facts.lower < facts.upper) return &facts;
-  return nullptr;
-}
-
 DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset, const SeriesRanges& ranges) {
   DatasetFacts facts;
   facts.id = std::move(id);

@@ -10,7 +10,7 @@
 #include "base/vec.h"
 #include "data/dataset.h"
 #include "data/series_ranges.h"
-#include "extraction/mesh/interval_mesh.h"
+#include "engine/first/first_view.h"
 
 namespace isostrata {
 
@@ -24,9 +24,6 @@ struct ArrayFacts {
   std::vector<ValueRange> steps = {};  // ArrayRanges::steps; may be empty
 
   ValueRange range() const { return {lower, upper}; }
-
-  /// At the step that is shown first.
-  ValueRange first_step() const { return steps.empty() ? ValueRange{lower, upper} : steps.front(); }
 };
 
 struct DatasetFacts {
@@ -42,16 +39,13 @@ struct DatasetFacts {
   int missing_steps = 0;  // whose values the arrays' ranges leave out, because nobody has read them yet
   std::vector<std::string> notes;
 
-  std::vector<Interval> first_layers;  // of first_array(), for the first picture (extraction/layers/first_layers.h)
+  FirstView first_view;  // what is shown before anybody has chosen
 
-  /// The first array with two different finite values at the first step, else the first that has them over all known steps; null
-  /// where there is none.
-  const ArrayFacts* first_array() const;
   /// Null where there is none of that name.
   const ArrayFacts* find_array(std::string_view array) const;
 };
 
-/// Everything but first_layers. The ranges are those of `ranges`, which knows this step.
+/// Everything but first_view. The ranges are those of `ranges`, which knows this step.
 DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset, const SeriesRanges& ranges);
 inline DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& dataset) {
   return dataset_facts(std::move(id), std::move(name), dataset, SeriesRanges(dataset));

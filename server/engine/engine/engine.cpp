@@ -30,7 +30,6 @@
 #include "engine/picture/draw_still.h"
 #include "engine/picture/export_mesh.h"
 #include "extraction/bricks/brick_memory.h"
-#include "extraction/layers/first_layers.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "rendering/choice/native_renderer.h"
 
@@ -226,37 +225,37 @@ class Engine::Impl {
     run(request.all_ranges ? WorkClass::background : WorkClass::scene, request.session, request.request, *operation, [&] {
       const CatalogueEntry& source = entry(request.dataset);
       const auto dataset = acquire(source, 0, operation->task());
+      FirstView view = view_of_series(source, dataset, operation->task());  // may read steps: what is known of the ranges is asked for afterwards
       const KnownRanges::Known known = ranges_.find(source.source).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}});
       DatasetFacts facts = dataset_facts(source.id, source.name, *dataset, known.ranges);
       facts.notes.insert(facts.notes.end(), known.notes.begin(), known.notes.end());
-      if (const ArrayFacts* first = facts.first_array())
-        facts.first_layers = layers_of(source, *dataset, *first, request.all_ranges ? known.ranges.widest_step(first->name) : 0,
-                                       operation->task());
+      facts.first_view = std::move(view);
       send(DatasetReady{request.session, request.request, std::move(facts)});
     });
   }
 
-  // Chosen at the step where the array spans most, so that they are not too many cells at any step; what was chosen once for a
-  // range stays.
-  std::vector<Interval> layers_of(const CatalogueEntry& source, const Dataset& first_step, const ArrayFacts& of, int step,
-                                  const Task& task) {
-    const auto key = std::tuple(source.source, of.name, of.lower, of.upper);
+  // Made once for a dataset that is held. A series of which nothing was to be seen is looked at again, for steps may be known by then that
+  // have more.
+  FirstView view_of_series(const CatalogueEntry& source, const std::shared_ptr<const Dataset>& first_step, const Task& task) {
     {
       std::lock_guard lock(mutex_);
-      if (const auto it = layers_.find(key); it != layers_.end()) return it->second;
+      if (const auto it = views_.find(source.source); it != views_.end() && it->second.first.lock() == first_step) return it->second.second;
     }
-    std::shared_ptr<const Dataset> other;
-    if (step != 0 && first_step.grid.cell_count() > kFirstPictureCells) other = store_.borrow(source.source, step, task);
-    const Dataset& dataset = other ? *other : first_step;
-    PointArray array = dataset.array(of.name);
-    array.lower = of.lower;
-    array.upper = of.upper;
-    std::vector<Interval> layers = first_layers(dataset.grid, array, kFirstPictureCells, task);
-    if (other) {
-      std::lock_guard lock(mutex_);
-      layers_[key] = layers;
+    const auto borrow = [&](int step, const Task& of) {
+      auto dataset = store_.borrow(source.source, step, of);
+      ranges_.add(source.source, *dataset);
+      return dataset;
+    };
+    FirstView view = first_view(*first_step, borrow, {}, task);
+    if (view.array.empty()) {
+      const auto known = ranges_.find(source.source);
+      for (const ArrayRanges& array : known ? known->ranges.arrays() : std::vector<ArrayRanges>{})
+        if (array.all.lower < array.all.upper) return first_view(*first_step, borrow, {array.name, known->ranges.widest_step(array.name)}, task);
+      return view;
     }
-    return layers;
+    std::lock_guard lock(mutex_);
+    views_[source.source] = {first_step, view};
+    return view;
   }
 
   // One more step, then whoever else waits for the same series: what two sessions show is read once. The importers that are
@@ -961,7 +960,7 @@ class Engine::Impl {
   SessionKey last_drawn_ = 0;
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
   std::uint64_t next_operation_ = 1;
-  std::map<std::tuple<std::string, std::string, double, double>, std::vector<Interval>> layers_;  // by source, array and its range
+  std::map<std::string, std::pair<std::weak_ptr<const Dataset>, FirstView>> views_;  // by source
 
   // Destroyed from the last: every thread ends before what it uses.
   DatasetStore store_;

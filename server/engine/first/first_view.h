@@ -1,5 +1,5 @@
-// What is shown of a dataset when nobody has chosen anything: `isostrata render`, scripts and the gallery ask here, so that they
-// show the same, to the last bit. New sessions of a server still begin with extraction/first_layers.
+// What is shown of a dataset when nobody has chosen anything: new sessions of a server, and so the page and scripts, `isostrata render`
+// and the gallery ask here, so that they show the same, to the last bit.
 #pragma once
 
 #include <functional>

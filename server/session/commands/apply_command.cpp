@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/first/first_scene.h"
 #include "engine/picture/draw_scene.h"
 #include "session/commands/command_checks.h"
 #include "session/commands/scene_commands.h"
@@ -186,10 +187,17 @@ std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved
   return std::nullopt;
 }
 
+// A session may be opened before anybody has a window, and one of several may have opened it: were every window's own width filled, the
+// same commands would make different pictures.
+Camera opening_camera(const DatasetFacts& dataset, double aspect) {
+  if (!dataset.first_view.array.empty()) return dataset.first_view.camera(std::min(aspect, 1.0));
+  return dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset", aspect);
+}
+
 void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect) {
   Scene& scene = state.scene;
   scene.dataset = dataset.id;
-  scene.step = 0;
+  scene.step = dataset.first_view.step;
   scene.time.reset();
   scene.terms.clear();
   scene.clip_planes.clear();  // they stood in the other dataset's space
@@ -201,7 +209,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.cycle.phase = 0;
   scene.array.clear();
   scene.intervals.clear();
-  scene.camera = dataset.bounds.empty() ? Camera{} : view_of(dataset.bounds, "reset", aspect);
+  scene.camera = opening_camera(dataset, aspect);
   const std::uint64_t revision = scene.revision;
   show_first_layers(state, dataset);
   scene.revision = revision + 1;
@@ -211,23 +219,16 @@ bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
   Scene& scene = state.scene;
   const std::vector<SceneInterval> before = std::exchange(scene.intervals, {});
   const std::string array_before = std::exchange(scene.array, "");
-  if (const ArrayFacts* first = dataset.first_array()) {
-    scene.array = first->name;
-    constexpr std::array kOpacities = {0.1, 0.25, 0.45, 0.7};  // of a layer as wide as a quarter of the range
-    const std::size_t layers = std::min(dataset.first_layers.size(), kOpacities.size());
-    for (std::size_t i = 0; i < layers; ++i) {
-      SceneInterval interval;
+  const FirstView& view = dataset.first_view;
+  if (const ArrayFacts* array = dataset.find_array(view.array)) {
+    scene.array = array->name;
+    scene.intervals = first_intervals(view);
+    for (std::size_t i = 0; i < scene.intervals.size(); ++i) {
+      SceneInterval& interval = scene.intervals[i];
       interval.id = i < before.size() ? before[i].id : ++state.last_interval_id;
-      interval.number = static_cast<std::uint32_t>(i + 1);
-      interval.lower = dataset.first_layers[i].lower;
-      interval.upper = dataset.first_layers[i].upper;
-      interval.color = default_interval_color(i);
-      // A thinner layer is denser by as much, so that it can be seen.
-      const double width = (interval.upper / 2 - interval.lower / 2) / (first->upper / 2 - first->lower / 2);
-      interval.opacity = kOpacities[kOpacities.size() - layers + i];
-      if (width < 0.249) interval.opacity = std::min(0.9999, 1 - std::pow(1 - interval.opacity, 0.25 / width));
-      interval.priority = static_cast<int>(i);
-      scene.intervals.push_back(std::move(interval));
+      // What reached to the ends of all that was looked at reaches to the ends of what is known by now.
+      if (interval.lower == view.lower) interval.lower = std::min(interval.lower, array->lower);
+      if (interval.upper == view.upper) interval.upper = std::max(interval.upper, array->upper);
     }
   } else if (!dataset.arrays.empty()) {
     scene.array = dataset.arrays.front().name;

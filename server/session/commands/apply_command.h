@@ -47,8 +47,13 @@ std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved
 /// two that could be shown.
 bool advance_cycle(SceneState& state, std::int64_t steps);
 
-/// A first look at a dataset that was just opened: its first array with a range, its first_layers in red, green, blue and yellow,
-/// the higher the denser, seen from the three-quarter view. Appearance stays as it is.
+/// Where one stands when the dataset has just been opened, and after *Reset*: all that its first_view shows is in the picture, or the
+/// whole box if it has none. The same for every picture at least as wide as high; from a narrower one, `aspect` times as wide as high,
+/// it is farther away.
+Camera opening_camera(const DatasetFacts& dataset, double aspect);
+
+/// A first look at a dataset that was just opened: its first_view from its opening_camera; if it has none, its first array without
+/// layers. Appearance stays as it is.
 void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect = 1);
 /// The array and the layers of a first look at the dataset, in place of those that are there; they keep their ids. False where
 /// they are the same.

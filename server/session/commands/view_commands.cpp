@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "session/commands/apply_command.h"
 #include "session/commands/command_checks.h"
 #include "session/commands/scene_commands.h"
 #include "session/wire/wire.h"
@@ -60,7 +61,8 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
   if (!kViews.contains(name(command.view(), "view")))
     refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
   const bool orthographic = state.scene.camera && state.scene.camera->orthographic;
-  state.scene.camera = view_of(dataset.bounds, command.view(), context.aspect);
+  state.scene.camera = command.view() == "reset" ? opening_camera(dataset, context.aspect)
+                                                 : view_of(dataset.bounds, command.view(), context.aspect);
   state.scene.camera->orthographic = orthographic;
 }
 

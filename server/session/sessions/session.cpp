@@ -375,8 +375,11 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
   last_use_ = now;
   if (id.empty() || id.size() > kMaxNameBytes) return reply(wire_error("invalid_argument", "a dataset's id is expected", "id"));
   if (opening_ && opening_->dataset == id) {
-    opening_->viewer = viewer ? viewer->key : opening_->viewer;
-    opening_->seq = viewer ? viewer->last_seq : opening_->seq;
+    if (viewer) {
+      opening_->viewer = viewer->key;
+      opening_->seq = viewer->last_seq;
+      opening_->aspect = viewer->frames.aspect();
+    }
     opening_->reply = [first = std::move(opening_->reply), second = std::move(reply)](std::optional<v1::Error> error) {
       first(error);
       second(std::move(error));
@@ -401,7 +404,7 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     // What was said in between was meant for a dataset that never came; it is judged by the one that is open now.
     run_deferred(now);
   }
-  Opening opening{0, id, viewer ? viewer->key : 0, viewer ? viewer->last_seq : 0, std::move(reply)};
+  Opening opening{0, id, viewer ? viewer->key : 0, viewer ? viewer->last_seq : 0, viewer ? viewer->frames.aspect() : 1, std::move(reply)};
   opening.request =
       engine_.ask(OpenRequest{key_, 0, id}, [this](const EngineEvent& event, TimePoint then) { opened(event, then); });
   opening_ = std::move(opening);
@@ -424,8 +427,7 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
       return run_deferred(now);
     }
     asleep_.reset();
-    const Viewer* asker = living(opening.viewer);
-    open_in_scene(state_, *dataset_, asker ? asker->frames.aspect() : 1);
+    open_in_scene(state_, *dataset_, opening.aspect);
     if (reading_ranges_) first_look_ = state_.scene;
     if (Viewer* viewer = living(opening.viewer)) {
       viewer->heeded = std::max(viewer->heeded, opening.seq);

@@ -177,6 +177,7 @@ class Session {
     std::string dataset;
     ViewerKey viewer = 0;
     std::uint64_t seq = 0;
+    double aspect = 1;  // of the viewer's window when the command came: pictures do not depend on how long opening takes
     Reply reply;
     std::string client;  // as in Deferred
     std::uint64_t command = 0;

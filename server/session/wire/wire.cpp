@@ -187,6 +187,7 @@ v1::DatasetInfo to_wire(const DatasetFacts& facts) {
   }
   for (const double time : facts.times) out.add_times(time);
   out.set_missing_range_steps(facts.missing_steps);
+  if (facts.first_view.array.empty()) out.set_nothing_to_show(facts.first_view.array_reason);
   for (const std::string& note : facts.notes) out.add_notes(note);
   return out;
 }

@@ -31,17 +31,43 @@ class ApplyCommand : public ::testing::Test {
   SceneState state_;
 };
 
-TEST_F(ApplyCommand, OpeningShowsFourTouchingLayersOfTheFirstArrayThatHasARange) {
+TEST_F(ApplyCommand, OpeningShowsTheFirstViewAsItIs) {
+  facts_.first_view.step = 1;
+  facts_.first_view.layers[1].surface.upper = true;
+  facts_.first_view.layers[1].name = "skin";
+  open_in_scene(state_, facts_, 1.5);
   const Scene& scene = state_.scene;
   EXPECT_EQ(scene.array, "Density");
+  EXPECT_EQ(scene.step, 1);
   ASSERT_EQ(scene.intervals.size(), 4u);
-  EXPECT_EQ(scene.intervals.front().lower, 0);
-  EXPECT_EQ(scene.intervals.back().upper, 8);
-  for (std::size_t i = 1; i < 4; ++i) {
-    EXPECT_EQ(scene.intervals[i].lower, scene.intervals[i - 1].upper);
-    EXPECT_GT(scene.intervals[i].opacity, scene.intervals[i - 1].opacity);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const FirstLayer& layer = facts_.first_view.layers[i];
+    EXPECT_EQ(scene.intervals[i].lower, layer.lower);
+    EXPECT_EQ(scene.intervals[i].upper, layer.upper);
+    EXPECT_EQ(scene.intervals[i].color, layer.color);
+    EXPECT_EQ(scene.intervals[i].opacity, layer.opacity);
+    EXPECT_EQ(scene.intervals[i].surface, layer.surface);
+    EXPECT_EQ(scene.intervals[i].name, layer.name);
   }
-  EXPECT_TRUE(scene.camera.has_value());
+  EXPECT_EQ(scene.camera, facts_.first_view.camera(1));
+}
+
+TEST_F(ApplyCommand, OfADatasetWithNothingToShowTheWholeBoxIsSeen) {
+  facts_.first_view = {};
+  open_in_scene(state_, facts_, 1);
+  EXPECT_EQ(state_.scene.array, "Empty");
+  EXPECT_TRUE(state_.scene.intervals.empty());
+  EXPECT_EQ(state_.scene.camera, view_of(facts_.bounds, "reset", 1));
+}
+
+TEST_F(ApplyCommand, LayersThatReachToTheEndsReachToThoseThatBecomeKnown) {
+  for (ArrayFacts& array : facts_.arrays)
+    if (array.name == "Density") array.lower = -1, array.upper = 9;
+  EXPECT_TRUE(show_first_layers(state_, facts_));
+  EXPECT_EQ(state_.scene.intervals.front().lower, -1);
+  EXPECT_EQ(state_.scene.intervals.back().upper, 9);
+  EXPECT_EQ(state_.scene.intervals[1].lower, 2);
+  EXPECT_FALSE(show_first_layers(state_, facts_));
 }
 
 TEST_F(ApplyCommand, ClipPlanesAreReplacedTogetherAndGoWithTheDataset) {
