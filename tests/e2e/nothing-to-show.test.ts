@@ -40,6 +40,14 @@ CELLS ${n} ${2 * n}\n${range(n).map((i) => `1 ${i}`).join('\n')}\nCELL_TYPES ${n
 POINT_DATA ${n}\nSCALARS charge float 1\nLOOKUP_TABLE default\n${range(n).join('\n')}\n`;
 }
 
+/** One value at 8 x 8 x 8 points, in NumPy's format. */
+function constant(value: number): Buffer {
+  const head = "{'descr': '<f4', 'fortran_order': False, 'shape': (8, 8, 8), }".padEnd(117) + '\n';
+  const values = Buffer.alloc(4 * 512);
+  for (let i = 0; i < 512; i++) values.writeFloatLE(value, 4 * i);
+  return Buffer.concat([Buffer.from([0x93, ...Buffer.from('NUMPY'), 1, 0, head.length, 0]), Buffer.from(head), values]);
+}
+
 beforeAll(async () => {
   folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-empty-'));
   writeFileSync(join(folder, 'a.vtu'), block(3, 0));
@@ -50,7 +58,10 @@ beforeAll(async () => {
       '<DataSet timestep="0" part="0" file="a.vtu"/><DataSet timestep="0" part="1" file="b.vtu"/></Collection></VTKFile>',
   );
   writeFileSync(join(folder, 'points.vtk'), points(1234));
-  server = await Server.start({ data: [join(folder, 'points.vtk'), join(folder, 'two-parts.pvd'), 'sphere:16', 'diamond:16'] });
+  writeFileSync(join(folder, 'constant.npy'), constant(4));
+  writeFileSync(join(folder, 'nan.npy'), constant(Number.NaN));
+  const files = ['points.vtk', 'two-parts.pvd', 'constant.npy', 'nan.npy'].map((name) => join(folder, name));
+  server = await Server.start({ data: [...files, 'sphere:16', 'diamond:16'] });
   browser = await launch();
 });
 afterAll(async () => {
@@ -114,5 +125,36 @@ test('a flat grid is a picture of areas, and its layers say theirs', async () =>
   await expect.poll(() => viewer.row(viewer.state.intervals[0]!).locator('.facts').innerText()).toMatch(/area [\d.]+/);
   await viewer.photograph('areas.png');
   expect(viewer.problems).toEqual([]);
+  await viewer.close();
+});
+
+test('values that are all the same, or no numbers, are said to be that', async () => {
+  const viewer = await Viewer.open(browser, server.ready.url);
+  for (const [name, reason] of [['constant', 'every array has one value everywhere'], ['nan', 'no array has a finite value']] as const) {
+    const option = viewer.page.getByLabel('Dataset').locator('option').filter({ hasText: `${name}.npy` });
+    await viewer.page.getByLabel('Dataset').selectOption((await option.getAttribute('value')) as string);
+    await expect.poll(() => viewer.page.locator('.viewport').innerText()).toContain(`Nothing to show: ${reason}.`);
+    await expect.poll(() => viewer.page.locator('footer .phase').innerText()).toBe('nothing to show');
+    await viewer.photograph(`${name}.png`);
+  }
+  expect(viewer.problems).toEqual([]);
+  await viewer.close();
+});
+
+test('a picture beside which the layers lie says so until they are in it again', async () => {
+  const viewer = await Viewer.open(browser, server.ready.url);
+  const option = viewer.page.getByLabel('Dataset').locator('option').filter({ hasText: 'sphere' });
+  await viewer.page.getByLabel('Dataset').selectOption((await option.getAttribute('value')) as string);
+  await viewer.until('layers', (state) => state.dataset.startsWith('sphere') && state.intervals.length > 0);
+  await viewer.exactPicture();
+  const viewport = viewer.page.locator('.viewport');
+  expect(await viewport.innerText()).not.toContain('None of the layers');
+  await viewport.focus();
+  for (let i = 0; i < 60; i++) await viewer.page.keyboard.press('Shift+ArrowLeft');
+  await expect.poll(() => viewport.innerText()).toContain('None of the layers can be seen here');
+  expect(drawnPixels(await viewer.exactPicture())).toBe(0);
+  await viewer.page.getByRole('button', { name: 'Reset' }).click();
+  await expect.poll(() => viewport.innerText()).not.toContain('None of the layers');
+  expect(drawnPixels(await viewer.exactPicture())).toBeGreaterThan(0);
   await viewer.close();
 });

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { layerNumber } from '../src/lib/intervals';
 import { emptyState, type DatasetInfo, type Interval, type SceneState } from '../src/lib/model';
-import { badgeOf, emptyReason } from '../src/lib/picture-words';
+import { badgeOf, emptyReason, isBlank } from '../src/lib/picture-words';
 import { newIntervalColor, hexOf, usualColor } from '../src/lib/colors';
 import { stillSize } from '../src/lib/still-size';
 
@@ -27,6 +27,7 @@ const info: DatasetInfo = {
   arrays: [{ name: 'p', association: 'point', type: 'float32', components: 1, nanCount: 0, lower: 0, upper: 9, steps: [] }],
   times: [0],
   missingRangeSteps: 0,
+  nothingToShow: '',
   notes: [],
 };
 const view: SceneState = { ...emptyState, dataset: 'fin', array: 'p', revision: 5, intervals: [interval(1)] };
@@ -34,20 +35,38 @@ const full = { tetrahedra: 40, intervals: [] };
 const none = { tetrahedra: 0, intervals: [] };
 
 test('an empty picture is explained by what is missing, and a full one is not', () => {
-  expect(emptyReason(view, info, full)).toBeNull();
-  expect(emptyReason(view, info, null)).toBeNull();
-  expect(emptyReason(view, { ...info, cells: 0 }, none)).toContain('8,750 points and no cells');
-  expect(emptyReason(view, { ...info, arrays: [] }, none)).toContain('no array of numbers');
-  expect(emptyReason({ ...view, intervals: [] }, info, none)).toContain('No layers yet');
-  expect(emptyReason({ ...view, intervals: [interval(1, { visible: false })] }, info, full)).toContain('hidden');
-  expect(emptyReason(view, info, none)).toContain('no cell has values of p in any layer');
-  expect(emptyReason(view, { ...info, times: [0, 1] }, none)).toContain('at this time');
-  expect(emptyReason(view, { ...info, arrays: [{ ...info.arrays[0]!, lower: 1, upper: -1 }] }, none)).toContain('no finite value');
+  expect(emptyReason(view, info, full, false)).toBeNull();
+  expect(emptyReason(view, info, null, false)).toBeNull();
+  expect(emptyReason(view, { ...info, cells: 0 }, none, false)).toContain('8,750 points and no cells');
+  expect(emptyReason(view, { ...info, arrays: [] }, none, false)).toContain('no array of numbers');
+  expect(emptyReason({ ...view, intervals: [] }, info, none, false)).toContain('No layers yet');
+  const constant = { ...info, nothingToShow: 'every array has one value everywhere' };
+  expect(emptyReason({ ...view, intervals: [] }, constant, none, false)).toBe('Nothing to show: every array has one value everywhere.');
+  expect(emptyReason(view, constant, full, false)).toBeNull();
+  expect(emptyReason({ ...view, intervals: [interval(1, { visible: false })] }, info, full, false)).toContain('hidden');
+  expect(emptyReason(view, info, none, false)).toContain('no cell has values of p in any layer');
+  expect(emptyReason(view, { ...info, times: [0, 1] }, none, false)).toContain('at this time');
+  expect(emptyReason(view, { ...info, arrays: [{ ...info.arrays[0]!, lower: 1, upper: -1 }] }, none, false)).toContain('no finite value');
   const flat = (area: number) => ({ tetrahedra: 0, intervals: [{ id: 1, activeCells: 3, tetrahedra: 0, volume: 0, area }] });
-  expect(emptyReason(view, info, flat(2))).toBeNull();
-  expect(emptyReason(view, info, flat(0))).toContain('in any layer');
+  expect(emptyReason(view, info, flat(2), false)).toBeNull();
+  expect(emptyReason(view, info, flat(0), false)).toContain('in any layer');
+  expect(emptyReason(view, info, full, true)).toContain('None of the layers can be seen');
+  expect(emptyReason(view, info, none, true)).toContain('in any layer');
   // Of another dataset than the one that is chosen nobody knows yet.
-  expect(emptyReason({ ...view, dataset: 'other' }, { ...info, cells: 0 }, none)).toBeNull();
+  expect(emptyReason({ ...view, dataset: 'other' }, { ...info, cells: 0 }, none, false)).toBeNull();
+});
+
+test('a picture is blank if every pixel has the colour of the background', () => {
+  const picture = (count: number, r: number, g: number, b: number) => new Uint8ClampedArray(Array.from({ length: count }, () => [r, g, b, 255]).flat());
+  const background = [0.05, 0.06, 0.08] as const;
+  const black = picture(100, 13, 15, 20);
+  expect(isBlank(black, background)).toBe(true);
+  expect(isBlank(picture(100, 200, 100, 0), background)).toBe(false); // within one solid layer
+  for (const channel of [0, 1, 2]) {
+    const speck = black.slice();
+    speck[4 * 57 + channel]! += 3;
+    expect(isBlank(speck, background)).toBe(false);
+  }
 });
 
 test('the badge says exact only of the newest state, losslessly, where there is something', () => {

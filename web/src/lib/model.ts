@@ -185,6 +185,7 @@ export interface DatasetInfo {
   arrays: ArrayInfo[];
   times: number[];
   missingRangeSteps: number; // that the arrays' ranges leave out until they have been read
+  nothingToShow: string; // why a session of it begins without layers; '': it begins with some
   notes: string[];
 }
 

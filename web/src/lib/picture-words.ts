@@ -6,21 +6,33 @@ type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'>;
 
 type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'>;
 
-/** Why the picture has to be empty; null where something is to be seen, or nobody knows yet. */
-export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Drawn | null): string | null {
+/** Why the picture has to be empty; null where something is to be seen, or nobody knows yet. blank: a finished picture is all background. */
+export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Drawn | null, blank: boolean): string | null {
   if (!view.dataset || info?.id !== view.dataset) return null;
   if (info.cells === 0)
     return `Nothing to show: ${info.name} has ${info.points.toLocaleString('en')} points and no cells. Layers are cut out of cells.`;
   if (info.arrays.length === 0) return `Nothing to show: ${info.name} has no array of numbers, so there are no values to cut at.`;
-  if (view.intervals.length === 0) return 'No layers yet. Drag across the histogram below to make one.';
+  if (view.intervals.length === 0) {
+    if (info.nothingToShow) return `Nothing to show: ${info.nothingToShow}.`;
+    return 'No layers yet. Drag across the histogram below to make one.';
+  }
   const seen = view.intervals.filter((interval) => interval.visible);
   if (seen.length === 0 && !view.terms.some((term) => !term.hidden)) return 'Nothing to show: all layers are hidden.';
   const areas = frame?.intervals.some(({ id, area }) => area && seen.some((interval) => interval.id === id));
-  if (frame?.tetrahedra !== 0 || areas) return null;
+  if (frame?.tetrahedra !== 0 || areas)
+    return blank ? 'None of the layers can be seen here. Reset shows all; what is still not seen is too thin or too transparent.' : null;
   const array = info.arrays.find((a) => a.name === view.array);
   if (array && !(array.lower <= array.upper)) return `Nothing to show: ${view.array} has no finite value.`;
   const step = info.times.length > 1 ? ' at this time' : '';
   return `Nothing to show: no cell${step} has values of ${view.array} in any layer${view.terms.length ? ', as they are combined' : ''}.`;
+}
+
+/** Whether every pixel (rgba) has the background's colour, up to rounding. */
+export function isBlank(pixels: Uint8ClampedArray, background: readonly [number, number, number]): boolean {
+  const [r, g, b] = background.map((c) => c * 255) as [number, number, number];
+  for (let i = 0; i < pixels.length; i += 4)
+    if (Math.abs(pixels[i]! - r) > 1.5 || Math.abs(pixels[i + 1]! - g) > 1.5 || Math.abs(pixels[i + 2]! - b) > 1.5) return false;
+  return true;
 }
 
 export interface Badge {

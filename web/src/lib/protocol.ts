@@ -407,6 +407,7 @@ function datasetInfoOf(d: WireDatasetInfo): DatasetInfo {
       steps: stepLower.map((least, step) => ({ lower: least, upper: stepUpper[step] ?? least })),
     })),
     missingRangeSteps: d.missingRangeSteps,
+    nothingToShow: d.nothingToShow,
     times: d.times,
     notes: d.notes,
   };

@@ -66,6 +66,8 @@ export class Session {
   frame = $state.raw<FrameReadout | null>(null);
   /** The newest one that was shown while something changed. */
   moving = $state.raw<FrameReadout | null>(null);
+  /** Set by the viewport: the finished picture is all background. */
+  blank = $state(false);
   volumeErrors = $state.raw<VolumeError[]>([]);
   progress = $state.raw<Progress[]>([]);
   roundTripMs = $state.raw<number | null>(null);
