@@ -26,6 +26,12 @@ bool decomposed(const fs::path& folder) {
   return true;
 }
 
+/// We split polyhedra ourselves, in agreement with their neighbours. From VTK 9.6 on the reader never does.
+template <class Reader>
+void keep_polyhedra(Reader& reader) {
+  if constexpr (requires { reader.SetDecomposePolyhedra(0); }) reader.SetDecomposePolyhedra(0);
+}
+
 }  // namespace
 
 Imported read_openfoam(const ReadRequest& request) {
@@ -41,7 +47,7 @@ Imported read_openfoam(const ReadRequest& request) {
   reader->SetCaseType(parts ? vtkPOpenFOAMReader::DECOMPOSED_CASE : vtkPOpenFOAMReader::RECONSTRUCTED_CASE);
   reader->SetSkipZeroTime(false);
   reader->SetCreateCellToPoint(0);    // cell arrays are averaged as those of any other format
-  reader->SetDecomposePolyhedra(0);   // and polyhedra split
+  keep_polyhedra(*reader);
   report_progress(reader, request);
   reader->UpdateInformation();
   throw_on_vtk_error(name);
