@@ -131,7 +131,7 @@ Imported read_series_file(const ReadRequest& request) {
   check_size(request);
   std::ifstream in(request.file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  json::error_code error;
+  boost::system::error_code error;
   const json::value root = json::parse(text, error);
   const json::object* object = error ? nullptr : root.if_object();
   const json::value* list = object ? object->if_contains("files") : nullptr;
@@ -142,7 +142,7 @@ Imported read_series_file(const ReadRequest& request) {
     const json::object* of = entry.if_object();
     const json::value* file = of ? of->if_contains("name") : nullptr;
     const json::value* at = of ? of->if_contains("time") : nullptr;
-    json::error_code no_number;
+    boost::system::error_code no_number;
     const double time = at ? at->to_number<double>(no_number) : static_cast<double>(files.size());
     if (!file || !file->is_string() || no_number || !std::isfinite(time))
       throw Error(ErrorCode::bad_data, name + ": entry " + std::to_string(files.size()) + " has no name, or a time that is not a finite number");
