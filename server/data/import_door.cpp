@@ -78,29 +78,6 @@ struct Kept {
   std::optional<TemporaryDirectory> files;
 };
 
-void check_file(const fs::path& file, const OpenOptions& options) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  const int opened = open_beneath(file, O_PATH);
-  const int why = errno;
-  if (opened >= 0) close(opened);
-  if (opened < 0 && why == EXDEV)
-    throw Error(ErrorCode::not_found, file.string() + ": is now a link out of the directory that is served, and is not followed");
-  if (is_series_pattern(file))
-    series_files(file);  // throws where there are none
-  else if (file.empty() || !fs::exists(status))
-    throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
-  if (options.step < 0)
-    throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
-}
-
-std::shared_ptr<const Dataset> map_checked(const fs::path& directory, const fs::path& file, const OpenOptions& options,
-                                           ImportFiles files) {
-  const std::shared_ptr<Dataset> dataset = map_import(directory, file.filename().string(), options, files);
-  dataset->name = without_mark(file).string();
-  return dataset;
-}
-
 /// All that the child is told of ours: no token, no name, no path of programs.
 std::vector<std::string> environment() {
   std::vector<std::string> out{"HDF5_USE_FILE_LOCKING=FALSE", "MALLOC_ARENA_MAX=1"};  // an arena is 64 MiB of address space a thread
@@ -156,25 +133,46 @@ bool is_kept(const fs::path& directory, const std::string& origin) {
 
 }  // namespace
 
+void check_source(const fs::path& file, const OpenOptions& options) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  const int opened = open_beneath(file, O_PATH);
+  const int why = errno;
+  if (opened >= 0) close(opened);
+  if (opened < 0 && why == EXDEV)
+    throw Error(ErrorCode::not_found, file.string() + ": is now a link out of the directory that is served, and is not followed");
+  if (is_series_pattern(file))
+    series_files(file);  // throws where there are none
+  else if (file.empty() || !fs::exists(status))
+    throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
+  if (options.step < 0)
+    throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
+}
+
+void import_into(const fs::path& directory, const fs::path& file, const OpenOptions& options, const Task& task) {
+  check_source(file, options);
+  run_import(file, directory, options, task);
+}
+
 std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
-  check_file(file, options);
+  check_source(file, options);
   const TemporaryDirectory directory(temporary_base(), "isostrata-import-");
   run_import(file, directory.path(), options, task);
-  auto dataset = map_checked(directory.path(), file, options, ImportFiles::unlinked);
+  auto dataset = map_import(directory.path(), file, options, ImportFiles::unlinked);
   task.report(1, "reading");
   return dataset;
 }
 
 std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const OpenOptions& options, const fs::path& keep,
                                                    const Task& task) {
-  check_file(file, options);
+  check_source(file, options);
   const auto [name, origin] = kept_name(file, options.step);
   const fs::path place = keep / name;
   auto kept = std::make_shared<Kept>();
   if (is_kept(place, origin)) {
     kept->files.emplace(place);
     try {
-      kept->dataset = map_checked(place, file, options, ImportFiles::left);
+      kept->dataset = map_import(place, file, options, ImportFiles::left);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::bad_data) throw;
       kept = std::make_shared<Kept>();  // damaged since: it is gone, and read again
@@ -183,7 +181,7 @@ std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const O
   if (!kept->dataset) {
     kept->files.emplace(temporary_base(), "isostrata-import-");
     run_import(file, kept->files->path(), options, task);
-    kept->dataset = map_checked(kept->files->path(), file, options, ImportFiles::left);
+    kept->dataset = map_import(kept->files->path(), file, options, ImportFiles::left);
     std::ofstream(kept->files->path() / kOrigin, std::ios::binary) << origin;
     if (!kept->files->move_to(place)) kept->files.reset();  // there is one already
   }

@@ -22,9 +22,14 @@
 // Dataset.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "base/vec.h"
 #include "data/dataset.h"
 
 namespace isostrata {
@@ -39,12 +44,30 @@ std::shared_ptr<const Dataset> open_import(const std::filesystem::path& file, co
 std::shared_ptr<const Dataset> open_import_keeping(const std::filesystem::path& file, const OpenOptions& options,
                                                    const std::filesystem::path& keep, const Task& task);
 
+/// Whether there is a `file` to read, which does not lead out of what is served. Throws not_found.
+void check_source(const std::filesystem::path& file, const OpenOptions& options);
+
+/// The first half on its own: has a child read `file` into `directory`, which is the caller's, new and empty. Throws as open_import does.
+void import_into(const std::filesystem::path& directory, const std::filesystem::path& file, const OpenOptions& options, const Task& task);
+
 enum class ImportFiles { unlinked, left };
 
-/// The second half on its own: checks and maps a directory that a child wrote. `name` is for messages. Throws bad_data,
-/// too_large.
-std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, const std::string& name, const OpenOptions& options,
-                                    ImportFiles files = ImportFiles::unlinked);
+/// What takes a look at every value and every cell to know.
+struct ImportMeasures {
+  struct Range {
+    double lower = 0, upper = 0;
+    std::int64_t nan_count = 0;
+  };
+  std::vector<Range> arrays;
+  Box3d bounds;
+  std::map<std::string, std::int64_t> cell_types;
+};
+ImportMeasures measures_of(const Dataset& dataset);
+
+/// The second half on its own: checks and maps a directory that a child wrote. `file` is what it was read from. With `known` it does not look
+/// at the values: only for files of our own that were checked when they were written. Throws bad_data, too_large.
+std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, const std::filesystem::path& file, const OpenOptions& options,
+                                    ImportFiles files = ImportFiles::unlinked, const ImportMeasures* known = nullptr);
 
 /// isostrata-import beside this executable. Throws unavailable where it is not there.
 std::filesystem::path default_importer();

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "data/beneath.h"
 #include "data/import_door.h"
 
 namespace isostrata {
@@ -60,8 +61,8 @@ class Mapping {
 
 class Manifest {
  public:
-  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options, ImportFiles files)
-      : directory_(directory), name_(name), options_(options), files_(files) {
+  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options, ImportFiles files, bool checked)
+      : directory_(directory), name_(name), options_(options), files_(files), checked_(checked) {
     const fs::path path = directory / "manifest.json";
     std::error_code error;
     const auto size = fs::file_size(path, error);
@@ -100,6 +101,7 @@ class Manifest {
     return std::string(value.get_string());
   }
   const json::object& root() const { return root_; }
+  bool checked() const { return checked_; }  // before: values and cells are good
 
   /// Maps `count` elements; counts towards the memory budget.
   std::span<const std::byte> map(const std::string& file, std::int64_t count, std::size_t element,
@@ -128,6 +130,7 @@ class Manifest {
   std::string name_;
   const OpenOptions& options_;
   const ImportFiles files_;
+  const bool checked_;
   json::object root_;
   std::uint64_t total_ = 0;
 };
@@ -162,6 +165,7 @@ PointSpan map_points(Manifest& manifest, Storages& keep, std::optional<std::int6
     points = manifest.map<Vec3d>("points.bin", count, keep);
   else
     manifest.refuse("wrote points of type '" + type + "'");
+  if (manifest.checked()) return points;
   std::atomic<std::int64_t> broken{-1};
   std::visit(
       [&](auto span) {
@@ -186,6 +190,7 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
   grid.types = manifest.map<std::uint8_t>("types.bin", cells, keep);
   grid.offsets = manifest.map<std::int64_t>("offsets.bin", cells + 1, keep);
   grid.connectivity = manifest.map<std::int64_t>("connectivity.bin", ids, keep);
+  if (manifest.checked()) return grid;
   if (grid.offsets.front() != 0 || grid.offsets.back() != ids) manifest.refuse("wrote offsets that do not span the connectivity");
 
   const auto points = std::visit([](auto span) { return static_cast<std::int64_t>(span.size()); }, grid.points);
@@ -318,7 +323,7 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
     array.type = read_type(manifest, manifest.need(fields, "type"));
     array.values =
         scalar_span(array.type, manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
-    measure_range(array);
+    if (!manifest.checked()) measure_range(array);
     arrays.push_back(std::move(array));
   }
   return arrays;
@@ -326,13 +331,21 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
 
 }  // namespace
 
-std::shared_ptr<Dataset> map_import(const fs::path& directory, const std::string& name, const OpenOptions& options,
-                                    ImportFiles files) {
-  Manifest manifest(directory, name, options, files);
+ImportMeasures measures_of(const Dataset& dataset) {
+  ImportMeasures measures;
+  for (const PointArray& array : dataset.arrays) measures.arrays.push_back({array.lower, array.upper, array.nan_count});
+  measures.bounds = dataset.bounds;
+  measures.cell_types = dataset.cell_types;
+  return measures;
+}
+
+std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files,
+                                    const ImportMeasures* known) {
+  Manifest manifest(directory, file.filename().string(), options, files, known != nullptr);
   if (manifest.integer(manifest.need(manifest.root(), "format"), "format", 0, 1 << 20) != 1)
     manifest.refuse("is of another version than this server");
   auto dataset = std::make_shared<Dataset>();
-  dataset->name = name;
+  dataset->name = without_mark(file).string();
   dataset->grid = map_grid(manifest);
   dataset->arrays = map_arrays(manifest, dataset->grid.point_count());
 
@@ -348,8 +361,19 @@ std::shared_ptr<Dataset> map_import(const fs::path& directory, const std::string
   const json::value& notes = manifest.need(manifest.root(), "notes");
   if (!notes.is_array() || notes.get_array().size() > kMostNotes) manifest.refuse("wrote no list of at most 1000 notes");
   for (const json::value& note : notes.get_array()) dataset->notes.push_back(manifest.text(note, "a note"));
-  dataset->bounds = dataset->grid.bounds();
-  dataset->cell_types = count_cell_types(dataset->grid);
+  if (!known) {
+    dataset->bounds = dataset->grid.bounds();
+    dataset->cell_types = count_cell_types(dataset->grid);
+    return dataset;
+  }
+  if (known->arrays.size() != dataset->arrays.size()) manifest.refuse("wrote another number of arrays than was measured");
+  for (std::size_t i = 0; i < dataset->arrays.size(); ++i) {
+    dataset->arrays[i].lower = known->arrays[i].lower;
+    dataset->arrays[i].upper = known->arrays[i].upper;
+    dataset->arrays[i].nan_count = known->arrays[i].nan_count;
+  }
+  dataset->bounds = known->bounds;
+  dataset->cell_types = known->cell_types;
   return dataset;
 }
 

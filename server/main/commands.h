@@ -14,6 +14,7 @@ void add_render_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_tables_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+void add_cache_command(CLI::App& app);
 void add_worker_command(CLI::App& app);
 
 void add_bench_encode_command(CLI::App& bench);

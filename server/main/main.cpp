@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/simd_level.h"
+#include "main/cache_environment.h"
 #include "main/commands.h"
 #include "main/simd_option.h"
 #include "session/journal/protobuf_log.h"
@@ -24,11 +25,13 @@ int main(int argc, char** argv) {
   isostrata::add_bench_command(app);
   isostrata::add_tables_command(app);
   isostrata::add_doctor_command(app);
+  isostrata::add_cache_command(app);
   isostrata::add_worker_command(app);
   for (CLI::App* command : app.get_subcommands({})) isostrata::add_simd_option(*command);
 
   try {
     isostrata::use_simd_level_of_environment();
+    isostrata::set_import_cache(isostrata::import_cache_of_environment());
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

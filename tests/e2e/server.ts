@@ -44,7 +44,7 @@ export class Server {
     const more = [...(options.more ?? [])];
     if (!more.includes('--state-dir')) more.push('--state-dir', 'none'); // a test leaves nothing behind
     const args = ['serve', ...options.data, '--port', port, '--ready-file', readyFile, '--web-root', webRoot, ...more];
-    const env = { ...process.env, ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}) };
+    const env = { ...process.env, ISOSTRATA_CACHE: 'off', ...(options.token ? { ISOSTRATA_TOKEN: options.token } : {}) };
     const child = spawn(binary, args, { cwd: repository, env, stdio: ['ignore', 'pipe', 'pipe'] });
     const server = new Server(child, options);
     for (const stream of [child.stdout, child.stderr]) stream?.on('data', (text) => (server.log += String(text)));

@@ -8,6 +8,7 @@
 #include "base/work.h"
 #include "data/analytic.h"
 #include "data/dataset_bytes.h"
+#include "data/import_cache.h"
 #include "data/import_door.h"
 
 namespace isostrata {
@@ -30,7 +31,8 @@ DatasetStore::DatasetStore(DatasetStoreOptions options)
         open.importer = options.importer;
         open.max_bytes = options.max_bytes;
         open.timeout_s = options.timeout_s;
-        if (!options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
+        const bool cached = import_cache() && !is_analytic(source) && can_be_cached(*import_cache(), source);
+        if (!cached && !options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
         return open_dataset(source, open, task);
       }) {}
 

@@ -1,0 +1,44 @@
+// What was read from foreign files once, kept between runs: servers and commands of one user share it.
+//
+// An entry is a folder with the files that the import child wrote (import_door.h), what was measured of them, and, written last, its origin: the files
+// that it was read from with their sizes and times, the step, and the reader. A folder without an origin is nobody's and goes. An entry is put in
+// place by one rename, so whoever is killed leaves nothing half done. After the machine has started anew an entry is checked once more, for what
+// was written shortly before it stopped may not be on the disk; and each time on a machine that cannot keep the import child out of the cache.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "data/dataset.h"
+
+namespace isostrata {
+
+struct ImportCache {
+  std::filesystem::path folder;          // made where it is not there, for this user alone
+  std::uint64_t max_bytes = 4ull << 30;  // the entries used longest ago make room
+  double least_seconds = 0.5;            // what is read faster is not kept
+};
+
+/// The one of this process, which open_dataset uses; none at first. Call it once, early, from the main thread.
+void set_import_cache(std::optional<ImportCache> cache);
+const std::optional<ImportCache>& import_cache();
+
+/// Whether the cache could keep it: not where its files alone take more than half of the bytes.
+bool can_be_cached(const ImportCache& cache, const std::filesystem::path& file);
+
+/// As open_import. Maps the entry if there is one of the files as they are now; else reads them, and keeps what took long enough. A folder that
+/// cannot be written is as none. Any thread, any process.
+std::shared_ptr<const Dataset> open_import_cached(const std::filesystem::path& file, const OpenOptions& options, const ImportCache& cache,
+                                                  const Task& task);
+
+struct ImportCacheUse {
+  int entries = 0;
+  std::uint64_t bytes = 0;
+};
+ImportCacheUse use_of(const ImportCache& cache);
+/// Removes all entries; what is mapped stays with who has it.
+void clear(const ImportCache& cache);
+
+}  // namespace isostrata

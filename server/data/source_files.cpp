@@ -1,0 +1,103 @@
+#include "data/source_files.h"
+
+#include <set>
+#include <vector>
+
+#include "base/error.h"
+#include "data/file_series.h"
+#include "data/recognise.h"
+#include "data/referred_names.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMost = 10'000;
+
+/// Formats of which referred_names tells all that a reader opens beside the file itself.
+bool says_what_it_reads(FileKind kind) {
+  switch (kind) {
+    case FileKind::vtk_legacy:
+    case FileKind::vtk_xml:
+    case FileKind::multi_block:
+    case FileKind::pvd:
+    case FileKind::series:
+    case FileKind::vtkhdf:
+    case FileKind::nrrd:
+    case FileKind::numpy:
+    case FileKind::tiff:
+    case FileKind::gaussian_cube:
+    case FileKind::netcdf:
+    case FileKind::slc:
+      return true;
+    default:
+      return false;
+  }
+}
+
+class Files {
+ public:
+  void add(const fs::path& file, int depth) {
+    if (full() || !seen_.insert(file).second) return;
+    std::error_code error;
+    if (is_series_pattern(file)) {
+      for (const SeriesFile& member : series_files(file)) add(member.path, depth);
+      return;
+    }
+    note(file);
+    if (fs::is_directory(file, error)) return add_below(file);
+    const Recognised of = recognise(file);
+    if (!says_what_it_reads(of.kind)) return add_below(file.parent_path());
+    if (depth >= 4) return;
+    for (const std::string& name : referred_names(file, of)) {
+      const fs::path referred = file.parent_path() / name;
+      if (fs::is_regular_file(referred, error))
+        add_referred(referred, depth + 1);
+      else
+        add_below(referred.parent_path());  // a pattern, or what is not there yet
+    }
+  }
+  bool full() const { return seen_.size() > kMost; }
+  const std::string& lines() const { return lines_; }
+
+ private:
+  void add_referred(const fs::path& file, int depth) {
+    try {
+      add(file, depth);
+    } catch (const Error&) {  // raw numbers are of no format
+    }
+  }
+  void add_below(const fs::path& folder) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator it(folder.empty() ? "." : folder, fs::directory_options::skip_permission_denied, error), end;
+         !error && it != end && !full(); it.increment(error)) {
+      if (it.depth() >= 2) it.disable_recursion_pending();
+      if (seen_.insert(it->path()).second) note(it->path());
+    }
+  }
+  void note(const fs::path& file) {
+    std::error_code error;
+    const auto changed = fs::last_write_time(file, error);
+    const auto bytes = fs::is_regular_file(file, error) ? fs::file_size(file, error) : 0;
+    lines_ += fs::absolute(file).string() + ' ' + std::to_string(error ? 0 : bytes) + ' ' + std::to_string(changed.time_since_epoch().count()) + '\n';
+  }
+
+  std::set<fs::path> seen_;
+  std::string lines_;
+};
+
+}  // namespace
+
+std::optional<std::string> source_files(const fs::path& file) {
+  Files files;
+  try {
+    files.add(file, 0);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  if (files.full()) return std::nullopt;
+  return files.lines();
+}
+
+}  // namespace isostrata

@@ -1,0 +1,14 @@
+// Where what was read from files is kept between runs.
+#pragma once
+
+#include <optional>
+
+#include "data/import_cache.h"
+
+namespace isostrata {
+
+/// $ISOSTRATA_CACHE is a folder, or "off"; by default $XDG_CACHE_HOME/isostrata, else ~/.cache/isostrata, and none where neither is known.
+/// $ISOSTRATA_CACHE_SIZE is how much it may hold ("8GB"; suffixes KB, MB, GB). Throws invalid_argument where one of them makes no sense.
+std::optional<ImportCache> import_cache_of_environment();
+
+}  // namespace isostrata
