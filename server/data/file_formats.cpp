@@ -1,5 +1,6 @@
 #include "data/file_formats.h"
 
+#include <algorithm>
 #include <array>
 
 namespace isostrata {

@@ -1,5 +1,6 @@
 #include "import/check_netcdf.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 

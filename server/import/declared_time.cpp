@@ -1,5 +1,6 @@
 #include "import/declared_time.h"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "import/dicom_header.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>

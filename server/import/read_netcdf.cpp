@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "import/check_netcdf.h"
 #include "import/mapped_file.h"
