@@ -17,13 +17,17 @@ RUN deploy/build && cmake --install build/release --prefix /opt/isostrata --stri
 FROM debian:bookworm-slim
 COPY deploy/packages.txt deploy/setup /tmp/isostrata/deploy/
 RUN /tmp/isostrata/deploy/setup run && apt-get clean && rm -rf /tmp/isostrata /var/lib/apt/lists/*
-RUN useradd --system --create-home --uid 10001 --shell /usr/sbin/nologin isostrata
+RUN useradd --system --create-home --uid 10001 --shell /usr/sbin/nologin isostrata && install -d -o isostrata -m 700 /state
 COPY --from=build /opt/isostrata/bin /usr/local/bin
 COPY --from=build /opt/isostrata/lib/isostrata /usr/local/lib/isostrata
 COPY --from=build /opt/isostrata/share /usr/local/share
 COPY deploy/healthcheck /usr/local/bin/isostrata-healthcheck
 # Asks NVIDIA's container runtime, where the machine has it, for the driver's EGL; without a GPU Mesa draws on the CPU.
 ENV NVIDIA_DRIVER_CAPABILITIES=graphics,utility
+# Sessions outlive the container in a volume (-v NAME:/state). Nothing else has to be written, so it runs --read-only --tmpfs /tmp.
+ENV XDG_STATE_HOME=/state
+ENV MESA_SHADER_CACHE_DISABLE=true
+VOLUME /state
 USER isostrata
 WORKDIR /home/isostrata
 EXPOSE 8080
