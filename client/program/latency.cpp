@@ -104,6 +104,7 @@ boost::json::object report(const Client& client, const Dragged& d, const SceneAr
                                {"draw_ms", summary(each(d.frames, &DraggedFrame::draw_ms))},
                                {"encode_ms", summary(each(d.frames, &DraggedFrame::encode_ms))},
                                {"decode_ms", summary(each(d.frames, &DraggedFrame::decode_ms))},
+                               {"rest_to_settled_ms", d.rest_to_settled_ms},
                                {"rest_to_lossless_ms", d.rest_to_lossless_ms},
                                {"lossless_bytes", d.lossless_bytes}};
   if (!reference.empty()) document["lossless_differs"] = differing(d.lossless, reference);

@@ -7,6 +7,7 @@ void add_bench_command(CLI::App& app) {
   bench->require_subcommand(1);
   add_bench_encode_command(*bench);
   add_bench_extract_command(*bench);
+  add_bench_hand_command(*bench);
   add_bench_neighbours_command(*bench);
   add_bench_render_command(*bench);
   add_bench_stream_command(*bench);

@@ -19,17 +19,14 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/program_file.h"
 #include "base/simd_level.h"
 #include "data/child_process.h"
-#include "engine/data/catalogue.h"
 #include "engine/first/first_view.h"
 #include "main/arguments.h"
+#include "main/bench_server.h"
 #include "main/commands.h"
 #include "main/hostile_client.h"
-#include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
-#include "net/server/server.h"
 #include "net/server/shaped_link.h"
 #include "session/wire/random_token.h"
 
@@ -111,69 +108,6 @@ struct ScratchFile {
   }
   const fs::path path;
 };
-
-/// What a session begins with: the server's own choice.
-FirstView first_view_of(const std::string& data) {
-  const StepSource steps = step_source(data);
-  FirstView view = first_view(*steps(0, command_task()), steps, {}, command_task());
-  if (view.array.empty()) throw Error(ErrorCode::not_found, data + ": nothing to look at: " + view.array_reason);
-  return view;
-}
-
-/// As --camera has it: that of a session which has just opened the dataset.
-std::string camera_text(const FirstView& view, const std::string& size) {
-  const auto [width, height] = parse_size(size);
-  const Camera camera = view.camera(std::min(1.0, static_cast<double>(width) / height));
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), "eye=%.17g,%.17g,%.17g;at=%.17g,%.17g,%.17g;up=%.17g,%.17g,%.17g;fov=%.17g", camera.eye.x,
-                camera.eye.y, camera.eye.z, camera.at.x, camera.at.y, camera.at.z, camera.up.x, camera.up.y, camera.up.z, camera.fov_deg);
-  return text.data();
-}
-
-/// Serves on a thread of its own until it goes.
-class BenchServer {
- public:
-  explicit BenchServer(const BenchArguments& arguments) : token_(random_token(192)) {
-    ServerOptions options;
-    std::vector<std::string> data{arguments.data};
-    if (!arguments.hostile.empty()) data.emplace_back(kNeighbourData);
-    options.engine.catalogue = Catalogue::from_sources(data);
-    options.engine.renderer_choice = {arguments.renderer, arguments.device};
-    options.port = 0;
-    options.token = token_;
-    server_ = std::make_unique<Server>(std::move(options));
-    thread_ = std::thread([this] { server_->run(false); });
-  }
-  ~BenchServer() {
-    server_->stop("the measurement is over");
-    thread_.join();
-  }
-  unsigned short port() const { return server_->port(); }
-  std::unique_ptr<HostileClient> neighbour(const std::string& manners) const {
-    return std::make_unique<HostileClient>(port(), token_, kNeighbourId, manners);
-  }
-  std::string url(unsigned short port) const { return "http://127.0.0.1:" + std::to_string(port) + "/?token=" + token_; }
-
- private:
-  const std::string token_;
-  std::unique_ptr<Server> server_;
-  std::thread thread_;
-};
-
-fs::path beside_this_program(const char* name) {
-  const fs::path path = program_file().parent_path() / name;
-  if (!fs::exists(path)) throw Error(ErrorCode::unavailable, path.string() + " is not there; build the target " + name);
-  return path;
-}
-
-json::value run_json(const fs::path& program, const std::vector<std::string>& arguments, double timeout_s) {
-  std::string text;
-  const ChildResult result =
-      run_child({program, arguments, {}}, timeout_s, command_task(), [&](std::string_view line) { text += line; });
-  if (result.signal != 0 || result.exit_status != 0)
-    throw Error(ErrorCode::unavailable, program.filename().string() + " failed: " + result.errors);
-  return json::parse(text);
-}
 
 /// Lowers the rate in ten steps once the run is under way; the time when it has fallen, in ms of the steady clock.
 double fall(ShapedLink& link, const LinkArgument& from, double seconds) {
@@ -306,7 +240,7 @@ json::array measure_with_neighbours(const BenchServer& server, const BenchArgume
     for (std::size_t i = 0; i < all.size(); ++i) {
       const std::string& manners = all[(i + static_cast<std::size_t>(round)) % all.size()];
       std::unique_ptr<HostileClient> neighbour;
-      if (manners != "none") neighbour = server.neighbour(manners);
+      if (manners != "none") neighbour = std::make_unique<HostileClient>(server.port(), server.token(), kNeighbourId, manners);
       const auto began = std::chrono::steady_clock::now();
       const double used = cpu_seconds() - (neighbour ? neighbour->cpu_seconds() : 0);
       json::object one = measure(server, arguments, link, reference);
@@ -356,7 +290,9 @@ void run(BenchArguments arguments) {
     throw Error(ErrorCode::unavailable, "isostrata render failed: " + rendered.errors);
   json::array runs;
   {
-    const BenchServer server(arguments);
+    std::vector<std::string> data{arguments.data};
+    if (!arguments.hostile.empty()) data.emplace_back(kNeighbourData);
+    const BenchServer server(data, arguments.renderer, arguments.device);
     for (const std::string& link : arguments.links) {
       if (!arguments.hostile.empty()) {
         for (json::value& one : measure_with_neighbours(server, arguments, link, reference.path.string()))

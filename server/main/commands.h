@@ -19,6 +19,7 @@ void add_worker_command(CLI::App& app);
 
 void add_bench_encode_command(CLI::App& bench);
 void add_bench_extract_command(CLI::App& bench);
+void add_bench_hand_command(CLI::App& bench);
 void add_bench_neighbours_command(CLI::App& bench);
 void add_bench_render_command(CLI::App& bench);
 void add_bench_stream_command(CLI::App& bench);
