@@ -1,7 +1,11 @@
 #include "data/file_series.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <map>
 #include <set>
@@ -9,6 +13,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "data/beneath.h"
 #include "data/recognise.h"
 
 namespace isostrata {
@@ -113,6 +118,15 @@ bool matches(std::string_view name, std::string_view pattern, std::vector<std::u
   return name.empty();
 }
 
+/// A path with a mark (beneath.h) may not lead out of its root.
+void check_link(const fs::path& link) {
+  const int opened = open_beneath(link, O_PATH);
+  const int why = errno;
+  if (opened >= 0) close(opened);
+  if (opened < 0 && why == EXDEV)
+    throw Error(ErrorCode::not_found, without_mark(link).string() + ": is now a link out of the directory that is served, and is not followed");
+}
+
 void add_stamp(const fs::path& file, SourceStamp& stamp) {
   std::error_code no_size, no_time;
   const std::uint64_t size = fs::is_regular_file(file, no_size) ? fs::file_size(file, no_size) : 0;
@@ -138,6 +152,7 @@ std::vector<SeriesFile> series_files(const fs::path& pattern) {
   for (fs::directory_iterator it(pattern.parent_path().empty() ? fs::path(".") : pattern.parent_path(), error), end; !error && it != end; it.increment(error)) {
     std::vector<std::uint64_t> numbers;
     if (!matches(it->path().filename().string(), text, numbers) || !it->is_regular_file(ignored)) continue;
+    if (it->is_symlink(ignored)) check_link(it->path());
     if (files.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
     files.push_back({it->path(), std::move(numbers)});
   }

@@ -21,7 +21,7 @@ bool is_series_pattern(const std::filesystem::path& path);
 bool names_pictures(const std::filesystem::path& path);
 
 /// The files of a pattern, in the order of their numbers; for Exodus restarts, "x.e-s*", "x.e" is the first. Throws not_found where there are none,
-/// too_large above 100000.
+/// and where one of a pattern below a root (beneath.h) is a link that leads out of it; too_large above 100000.
 std::vector<SeriesFile> series_files(const std::filesystem::path& pattern);
 
 struct NameGroup {

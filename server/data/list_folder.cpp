@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
+#include <iterator>
 #include <optional>
-#include <set>
 
 #include "base/error.h"
 #include "base/utf8.h"
 #include "data/file_series.h"
-#include "data/recognise.h"
-#include "data/referred_names.h"
 
 namespace isostrata {
 namespace {
@@ -18,23 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kMaxDepth = 8;
 constexpr std::int64_t kMostFiles = 200'000;
+constexpr std::int64_t kCaseQuietNs = 2'000'000'000;  // since a time's folder of an OpenFOAM case got its last file
 constexpr std::size_t kLeastSlices = 3;  // two pictures with numbers are two pictures
 
 constexpr const char* kPiece = "belongs to another file: a piece, a part or a step that is listed there";
-constexpr const char* kSolution = "a PLOT3D solution, which is read with its grid";
-
-bool inside(const fs::path& path, const fs::path& folder) { return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end(); }
-
-std::int64_t milliseconds(fs::file_time_type time) {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::file_clock::to_sys(time).time_since_epoch()).count();
-}
-
-/// Of a file that is damaged, or that the first bytes say nothing of.
-std::optional<FileKind> kind_by_name(const std::string& name) {
-  for (const FileFormat& format : file_formats())
-    if (format.kind != FileKind::gzip && format.kind != FileKind::pictures && ends_with_one_of(name, format.extensions)) return format.kind;
-  return std::nullopt;
-}
 
 /// Kinds whose numbered files are steps.
 bool is_step(FileKind kind) {
@@ -46,215 +30,283 @@ bool is_step(FileKind kind) {
   }
 }
 
-class Lister {
- public:
-  Lister(fs::path root, std::size_t most) : root_(std::move(root)), most_(most) {}
+using Folders = std::map<fs::path, FolderContents>;
 
-  FolderListing run() {
-    visit(root_, 0);
-    std::sort(out_.entries.begin(), out_.entries.end(), [](const FolderEntry& a, const FolderEntry& b) { return a.name < b.name; });
+/// Makes one folder's part of the listing of what was looked at.
+class Listing {
+ public:
+  Listing(const fs::path& root, const Folders& folders, const std::set<std::string>& pieces, const std::set<std::string>& writing)
+      : root_(root), folders_(folders), pieces_(pieces), writing_(writing) {}
+
+  FolderLister::Part run(const fs::path& folder) {
+    list(folder, folders_.at(folder));
     for (auto& [reason, passed] : passed_) out_.passed_over.push_back(std::move(passed));
-    std::stable_sort(out_.passed_over.begin(), out_.passed_over.end(), [](const PassedOver& a, const PassedOver& b) { return a.files > b.files; });
     return std::move(out_);
   }
 
  private:
-  struct File {
-    std::string name;
-    Recognised of;
-  };
-
+  /// Below the root, as text: lexically_relative takes long where there are many.
   std::string below(const fs::path& path) const {
-    return path == root_ ? root_.filename().string() : path.lexically_relative(root_).string();
+    if (path == root_) return root_.filename().string();
+    const std::string &text = path.native(), &root = root_.native();
+    return text.substr(root.size() + (root.ends_with('/') ? 0 : 1));
   }
 
-  void pass_over(const fs::path& path, const std::string& reason) {
+  void pass_over(const fs::path& folder, const std::string& name, const std::string& reason) {
     PassedOver& passed = passed_[reason];
     passed.reason = reason;
     ++passed.files;
-    if (passed.examples.size() < 3) passed.examples.push_back(valid_utf8(below(path)));
+    if (passed.examples.size() < 3) passed.examples.push_back(valid_utf8(below(folder / name)));
   }
 
-  void add(const fs::path& source, FileKind kind, const std::vector<fs::path>& files) {
-    if (out_.entries.size() >= most_) {
-      out_.cut_off = true;
-      return;
-    }
-    FolderEntry entry{below(source), source.string(), kind, 0, 0, static_cast<int>(files.size())};
-    for (const fs::path& file : files) {
-      std::error_code no_size, no_time;
-      const std::uint64_t bytes = fs::is_regular_file(file, no_size) ? fs::file_size(file, no_size) : 0;
-      if (!no_size) entry.bytes += bytes;
-      const auto time = fs::last_write_time(file, no_time);
-      if (!no_time) entry.changed = std::max(entry.changed, milliseconds(time));
-    }
-    out_.entries.push_back(std::move(entry));
+  bool is_piece(const fs::path& folder, const std::string& name) const { return !pieces_.empty() && pieces_.contains((folder / name).string()); }
+
+  const LookedAt* find(const fs::path& file) const {
+    const auto at = folders_.find(file.parent_path());
+    return at == folders_.end() ? nullptr : at->second.find(file.filename().string());
   }
 
-  void visit(const fs::path& folder, int depth) {
-    if (is_openfoam_case(folder)) return add(folder, FileKind::openfoam, {folder});
-    std::vector<fs::path> files, folders;
-    std::error_code error, ignored;
-    for (fs::directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end; !error && it != end; it.increment(error)) {
-      if (++seen_ > kMostFiles) {
-        out_.cut_off = true;
-        break;
-      }
-      const fs::path path = it->path();
-      const fs::file_status status = it->status(ignored);
-      if (path.filename().string().starts_with('.')) {
-        pass_over(path, "hidden: its name begins with a dot");
-      } else if (fs::is_directory(status)) {
-        if (!it->is_symlink(ignored)) folders.push_back(path);  // a link may lead round in a circle
-      } else if (!fs::exists(status)) {
-        pass_over(path, "a link that leads nowhere");
-      } else if (!fs::is_regular_file(status)) {
-        pass_over(path, "a pipe, a socket or a device");
-      } else if (const fs::path real = fs::canonical(path, ignored); ignored || !inside(real, root_)) {
-        pass_over(path, "a link that leads out of the folder");
-      } else {
-        files.push_back(path);
-      }
+  FolderEntry* add(const fs::path& source, FileKind kind, const fs::path& folder, const std::vector<const LookedAt*>& files) {
+    FolderEntry& entry = out_.entries.emplace_back();
+    entry.name = below(source);
+    entry.source = source.string();
+    entry.kind = kind;
+    entry.files = static_cast<int>(files.size());
+    entry.settled = 0;
+    for (const LookedAt* file : files) {
+      note(entry, folder, *file);
+      if (files.size() > 1) entry.marks.push_back(entry.mark);
+      if (!entry.writing) ++entry.settled;
     }
-    std::sort(files.begin(), files.end());
-    std::sort(folders.begin(), folders.end());
-    list_files(folder, files);
-    for (const fs::path& inner : folders) {
-      if (depth + 1 <= kMaxDepth)
-        visit(inner, depth + 1);
-      else
-        out_.cut_off = true;
+    return &entry;
+  }
+
+  void note(FolderEntry& entry, const fs::path& folder, const LookedAt& file) const {
+    entry.bytes += file.stamp.bytes;
+    entry.changed = std::max(entry.changed, file.stamp.changed_ns / 1'000'000);
+    entry.mark = mark_of(entry.mark, file.name, file.stamp);
+    entry.writing = entry.writing || (!writing_.empty() && writing_.contains((folder / file.name).string()));
+  }
+
+  /// What a file lists is part of it: its size, its time, and whether it has grown.
+  void add_listed(FolderEntry& entry, const fs::path& folder, const LookedAt& list) const {
+    if (list.refers_to.empty()) return;
+    std::uint64_t mark = 0;
+    entry.settled = 0;
+    for (const std::string& name : list.refers_to) {
+      if (name.find('*') != std::string::npos) continue;
+      const fs::path path = (folder / name).lexically_normal();
+      const LookedAt* file = find(path);
+      mark = mark_of(mark, name, file ? file->stamp : FileStamp{});
+      entry.marks.push_back(mark);
+      if (file) note(entry, path.parent_path(), *file);
+      if (!entry.writing) ++entry.settled;
     }
   }
 
-  void list_files(const fs::path& folder, const std::vector<fs::path>& files) {
-    std::vector<File> found;
-    std::vector<fs::path> dicom, pictures;
-    std::vector<std::pair<fs::path, std::string>> refused;
-    for (const fs::path& path : files) {
-      const std::string name = path.filename().string();
-      try {
-        const Recognised of = recognise(path);
-        if (of.kind == FileKind::dicom)
-          dicom.push_back(path);
-        else if (of.kind == FileKind::tiff)
-          pictures.push_back(path);
-        else if (const std::string why = not_a_grid(path, of); !why.empty())
-          refused.emplace_back(path, why);
-        else
-          found.push_back({name, of});
-      } catch (const Error& failure) {
-        const auto kind = kind_by_name(small_letters(name));
-        if (failure.code() == ErrorCode::bad_data && kind)
-          found.push_back({name, {*kind, {}}});
-        else if (names_pictures(path))
-          pictures.push_back(path);
-        else
-          refused.emplace_back(path, without_name(failure.what(), name));
-      }
+  void list(const fs::path& folder, const FolderContents& contents) {
+    if (contents.openfoam_case) return list_case(folder, contents);
+    for (const auto& [name, why] : contents.passed_over) pass_over(folder, name, why);
+    std::vector<const LookedAt*> dicom, pictures;
+    std::map<FileKind, std::vector<const LookedAt*>> steps;
+    for (const LookedAt& file : contents.files) {
+      if (file.use == LookedAt::Use::dicom)
+        dicom.push_back(&file);
+      else if (is_piece(folder, file.name))
+        pass_over(folder, file.name, kPiece);
+      else if (file.use == LookedAt::Use::picture)
+        pictures.push_back(&file);
+      else if (file.use == LookedAt::Use::none)
+        pass_over(folder, file.name, file.why_not);
+      else if (is_step(file.of.kind))
+        steps[file.of.kind].push_back(&file);
+      else if (FolderEntry* entry = add(folder / file.name, file.of.kind, folder, {&file}))
+        add_listed(*entry, folder, file);
     }
-    if (dicom.size() == 1)
-      add(dicom.front(), FileKind::dicom, dicom);
-    else if (!dicom.empty())
-      add(folder, FileKind::dicom, dicom);
-    for (const File& file : found)
-      for (const std::string& name : referred_names(folder / file.name, file.of)) refer(folder, name);
-    for (const auto& [path, why] : refused) pass_over(path, is_piece(path) ? kPiece : why);
-    list_found(folder, found);
+    if (!dicom.empty()) add(dicom.size() == 1 ? folder / dicom.front()->name : folder, FileKind::dicom, folder, dicom);
+    for (const auto& [kind, files] : steps)
+      for (const auto& [name, members] : grouped(files)) {
+        FolderEntry* entry = add(folder / name, kind, folder, members);
+        if (entry && members.size() == 1) add_listed(*entry, folder, *members.front());
+      }
     list_pictures(folder, pictures);
   }
 
-  /// A file that another one names is that one's, wherever it lies below the folder.
-  void refer(const fs::path& folder, const std::string& name) {
-    const fs::path path = (folder / name).lexically_normal();
-    if (name.find('*') == std::string::npos) {
-      pieces_.insert(path.string());
-      return;
+  void list_case(const fs::path& folder, const FolderContents& contents) {
+    FolderEntry* entry = add(folder, FileKind::openfoam, folder, {});
+    if (!entry) return;
+    entry->files = 1;
+    for (const LookedAt& time : contents.files) {
+      entry->changed = std::max(entry->changed, time.stamp.changed_ns / 1'000'000);
+      entry->mark = mark_of(entry->mark, time.name, {});  // fields are added to a time that is there
+      entry->marks.push_back(entry->mark);
+      entry->writing = entry->writing || now_ns_ - time.stamp.changed_ns < kCaseQuietNs;
+      if (!entry->writing) ++entry->settled;
     }
-    try {
-      for (const SeriesFile& file : series_files(path)) pieces_.insert(file.path.string());
-    } catch (const Error&) {
-    }
+    entry->changed = std::max(entry->changed, contents.changed_ns / 1'000'000);
   }
 
-  bool is_piece(const fs::path& path) const { return pieces_.contains(path.lexically_normal().string()); }
-
-  void list_found(const fs::path& folder, const std::vector<File>& found) {
-    std::map<FileKind, std::vector<std::string>> steps;
-    std::map<std::string, FileKind> kinds;
-    for (const File& file : found) {
-      const fs::path path = folder / file.name;
-      if (is_piece(path))
-        pass_over(path, kPiece);
-      else if (is_step(file.of.kind))
-        steps[file.of.kind].push_back(file.name);
-      else
-        add(path, file.of.kind, {path});
-    }
-    for (auto& [kind, names] : steps)
-      for (const NameGroup& group : group_by_number(std::move(names))) {
-        std::vector<fs::path> members;
-        for (const std::string& member : group.members) members.push_back(folder / member);
-        add(folder / group.name, kind, members);
-      }
-  }
-
-  void list_pictures(const fs::path& folder, const std::vector<fs::path>& pictures) {
+  using Group = std::pair<std::string, std::vector<const LookedAt*>>;  // a name or a pattern, and its files in the order of their numbers
+  static std::vector<Group> grouped(const std::vector<const LookedAt*>& files) {  // by name
+    const auto by_name = [](const LookedAt* file, const std::string& name) { return file->name < name; };
     std::vector<std::string> names;
-    for (const fs::path& path : pictures) {
-      if (is_piece(path))
-        pass_over(path, kPiece);
-      else
-        names.push_back(path.filename().string());
+    for (const LookedAt* file : files) names.push_back(file->name);
+    std::vector<Group> out;
+    for (NameGroup& group : group_by_number(std::move(names))) {
+      std::vector<const LookedAt*> members;
+      for (const std::string& member : group.members) members.push_back(*std::lower_bound(files.begin(), files.end(), member, by_name));
+      out.emplace_back(std::move(group.name), std::move(members));
     }
-    for (const NameGroup& group : group_by_number(std::move(names))) {
-      std::vector<fs::path> members;
-      for (const std::string& member : group.members) members.push_back(folder / member);
-      const bool tiff = ends_with_one_of(small_letters(group.name), ".tif .tiff");
-      if (members.size() >= kLeastSlices)
-        add(folder / group.name, FileKind::pictures, members);
-      else
-        for (const fs::path& member : members)
-          if (tiff)
-            add(member, FileKind::tiff, {member});  // its pages may be slices
-          else
-            pass_over(member, "one picture; a stack of at least 3 numbered ones is listed as a volume");
+    return out;
+  }
+
+  void list_pictures(const fs::path& folder, const std::vector<const LookedAt*>& pictures) {
+    for (const auto& [name, members] : grouped(pictures)) {
+      std::optional<std::pair<int, int>> size;
+      bool alike = true;
+      for (const LookedAt* file : members) {
+        if (size && file->picture && *size != *file->picture) alike = false;
+        if (file->picture) size = file->picture;
+      }
+      if (members.size() >= kLeastSlices && alike) {
+        add(folder / name, FileKind::pictures, folder, members);
+        continue;
+      }
+      for (const LookedAt* file : members) {
+        if (ends_with_one_of(small_letters(file->name), ".tif .tiff"))
+          add(folder / file->name, FileKind::tiff, folder, {file});  // its pages may be slices
+        else
+          pass_over(folder, file->name,
+                    alike ? "one picture; a stack of at least 3 numbered ones is listed as a volume" : "one of pictures of several sizes; the slices of a volume have one");
+      }
     }
   }
 
-  /// Why a file of a format that is read is none to open by itself; empty where it is.
-  static std::string not_a_grid(const fs::path& path, const Recognised& of) {
-    const std::string name = small_letters(path.filename().string());
-    if (of.kind == FileKind::plot3d && !ends_with_one_of(name, ".xyz .p3d .x .g xyz.bin")) return kSolution;
-    if (of.kind == FileKind::openfoam) return "a mark of an OpenFOAM case without the case around it";
-    if (of.vtk_type == "PolyData" || of.vtk_type == "PPolyData") return "a surface; expected a grid whose cells have a volume";
-    if (of.kind != FileKind::vtk_xml) return {};
-    if (of.vtk_type.starts_with("Hyper") || of.vtk_type.ends_with("AMR")) return "a grid of levels; save it as .vtu or .vti (ParaView: Resample To Image)";
-    if (!of.vtk_type.ends_with("ImageData") && !of.vtk_type.ends_with("Grid")) return "XML VTK of a type that is no grid";
-    return {};
-  }
-
-  static std::string without_name(std::string message, const std::string& name) {
-    if (message.starts_with(name + ": ")) message.erase(0, name.size() + 2);
-    return message;
-  }
-
-  const fs::path root_;
-  const std::size_t most_;
-  std::int64_t seen_ = 0;
-  std::set<std::string> pieces_;
+  const fs::path& root_;
+  const Folders& folders_;
+  const std::int64_t now_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  const std::set<std::string>& pieces_;
+  const std::set<std::string>& writing_;
   std::map<std::string, PassedOver> passed_;
-  FolderListing out_;
+  FolderLister::Part out_;
 };
 
 }  // namespace
+
+namespace {
+
+std::int64_t count_of(const FolderContents& contents) {
+  return static_cast<std::int64_t>(contents.files.size() + contents.folders.size() + contents.passed_over.size());
+}
+
+}  // namespace
+
+void FolderLister::forget(const fs::path& folder) {
+  const std::string below = folder.string() + "/";
+  for (auto it = folders_.lower_bound(folder); it != folders_.end() && (it->first == folder || it->first.native().starts_with(below));) {
+    renewed_.insert(it->first);
+    parts_.erase(it->first);
+    seen_ -= count_of(it->second);
+    it = folders_.erase(it);
+  }
+}
+
+void FolderLister::look(const fs::path& folder, int depth) {
+  const auto known = folders_.find(folder);
+  const std::int64_t before = known == folders_.end() ? 0 : count_of(known->second);
+  std::optional<FolderContents> contents = look_at_folder(folder, root_, kMostFiles - seen_ + before, known == folders_.end() ? nullptr : &known->second);
+  if (!contents) return forget(folder);
+  seen_ += count_of(*contents) - before;
+  renewed_.insert(folder);
+  const std::vector<std::string> gone_before = known == folders_.end() ? std::vector<std::string>{} : known->second.folders;
+  FolderContents& now = folders_[folder] = std::move(*contents);
+  for (const std::string& inner : gone_before)
+    if (!std::binary_search(now.folders.begin(), now.folders.end(), inner)) forget(folder / inner);
+  for (const std::string& inner : std::vector<std::string>(now.folders)) {
+    if (depth + 1 > kMaxDepth)
+      cut_off_ = true;
+    else if (everything_ || !folders_.contains(folder / inner))
+      look(folder / inner, depth + 1);
+  }
+}
+
+/// A file that another one names is that one's, wherever it lies below the folder.
+void FolderLister::refer(const fs::path& folder, const std::string& name, std::set<std::string>& pieces) const {
+  const fs::path path = (folder / name).lexically_normal();
+  if (name.find('*') == std::string::npos) {
+    pieces.insert(path.string());
+    return;
+  }
+  try {
+    for (const SeriesFile& file : series_files(path)) pieces.insert(file.path.string());
+  } catch (const Error&) {
+  }
+}
+
+std::set<fs::path> FolderLister::renew(const std::set<std::string>& writing) {
+  if (everything_ || folders_.empty()) {
+    everything_ = true;
+    cut_off_ = false;
+    look(root_, 0);
+  } else {
+    for (const fs::path& folder : stale_)
+      if (folders_.contains(folder)) look(folder, static_cast<int>(std::distance(folder.begin(), folder.end()) - std::distance(root_.begin(), root_.end())));
+  }
+  stale_.clear();
+  everything_ = folders_.empty();
+  if (!renewed_.empty()) {
+    std::set<std::string> pieces;
+    for (const auto& [folder, contents] : folders_)
+      for (const LookedAt& file : contents.files) {
+        for (const std::string& name : file.refers_to) refer(folder, name, pieces);
+        if (!file.refers_to.empty()) renewed_.insert(folder);  // what it lists may be another
+      }
+    std::vector<std::string> others;
+    std::set_symmetric_difference(pieces.begin(), pieces.end(), pieces_.begin(), pieces_.end(), std::back_inserter(others));
+    for (const std::string& piece : others)
+      if (const fs::path folder = fs::path(piece).parent_path(); folders_.contains(folder)) renewed_.insert(folder);
+    pieces_ = std::move(pieces);
+  }
+  for (const fs::path& folder : renewed_)
+    if (const auto at = folders_.find(folder); at != folders_.end()) {
+      parts_[folder] = Listing(root_, folders_, pieces_, writing).run(folder);
+      cut_off_ = cut_off_ || at->second.cut_off;
+    }
+  cut_off_ = cut_off_ || seen_ >= kMostFiles;
+  std::set<fs::path> renewed = std::move(renewed_);
+  renewed_.clear();
+  if (folders_.empty()) throw Error(ErrorCode::not_found, root_.string() + ": this directory cannot be listed");
+  return renewed;
+}
+
+FolderListing FolderLister::list(const std::set<std::string>& writing, std::size_t most) {
+  renew(writing);
+  FolderListing out;
+  std::map<std::string, PassedOver> passed_over;
+  for (const auto& [folder, part] : parts_) {
+    out.entries.insert(out.entries.end(), part.entries.begin(), part.entries.end());
+    for (const PassedOver& passed : part.passed_over) {
+      PassedOver& all = passed_over[passed.reason];
+      all.reason = passed.reason;
+      all.files += passed.files;
+      for (const std::string& example : passed.examples)
+        if (all.examples.size() < 3) all.examples.push_back(example);
+    }
+  }
+  std::sort(out.entries.begin(), out.entries.end(), [](const FolderEntry& a, const FolderEntry& b) { return a.name < b.name; });
+  out.cut_off = cut_off_ || out.entries.size() > most;
+  if (out.entries.size() > most) out.entries.resize(most);
+  for (auto& [reason, passed] : passed_over) out.passed_over.push_back(std::move(passed));
+  std::stable_sort(out.passed_over.begin(), out.passed_over.end(), [](const PassedOver& a, const PassedOver& b) { return a.files > b.files; });
+  return out;
+}
 
 FolderListing list_folder(const fs::path& folder, std::size_t most) {
   std::error_code error;
   const fs::path root = fs::canonical(folder, error);
   if (!error) fs::directory_iterator(root, error);
   if (error) throw Error(ErrorCode::not_found, folder.string() + ": this directory cannot be listed: " + error.message());
-  return Lister(root, most).run();
+  return FolderLister(root).list({}, most);
 }
 
 }  // namespace isostrata

@@ -29,6 +29,20 @@ std::string vtk_file_attribute(std::string_view head, std::string_view attribute
   return {};
 }
 
+/// Whether the text's first element is <VTKFile>: before it stand white space, declarations and comments alone. A program that holds the word is no such file.
+bool begins_as_vtk_xml(std::string_view head) {
+  const auto skip = [&head](std::size_t count) { head.remove_prefix(std::min(count, head.size())); };
+  if (head.starts_with("\xef\xbb\xbf")) skip(3);
+  for (;;) {
+    skip(head.find_first_not_of(" \t\r\n"));
+    const std::string_view end = head.starts_with("<?") ? "?>" : head.starts_with("<!--") ? "-->" : head.starts_with("<!") ? ">" : "";
+    if (end.empty()) return head.starts_with("<VTKFile");
+    const auto at = head.find(end);
+    if (at == std::string_view::npos) return false;
+    skip(at + end.size());
+  }
+}
+
 std::string_view extensions_of(FileKind kind) { return format_of(kind).extensions; }
 
 std::string head_of(const fs::path& file) {
@@ -139,7 +153,7 @@ Recognised recognise(const fs::path& path) {
   if (head.starts_with("NRRD0")) return {FileKind::nrrd, {}};
   if (head.starts_with("\x93NUMPY")) return {FileKind::numpy, {}};
   if (begins_as_dicom(head)) return {FileKind::dicom, {}};
-  if (head.find("<VTKFile") != std::string::npos) {
+  if (begins_as_vtk_xml(head)) {
     std::string type = vtk_file_attribute(head, "type");
     if (type == "Collection") return {FileKind::pvd, {}};
     const bool blocks = type == "vtkMultiBlockDataSet" || type == "vtkPartitionedDataSet" || type == "vtkPartitionedDataSetCollection";

@@ -43,6 +43,13 @@ void SeriesRanges::add(const Dataset& step) {
   }
 }
 
+void SeriesRanges::grow(int wanted) {
+  if (wanted <= steps()) return;
+  const bool keep = arrays_.size() * static_cast<std::size_t>(wanted) <= kMostKept;
+  known_.resize(static_cast<std::size_t>(wanted), false);
+  for (ArrayRanges& array : arrays_) array.steps.resize(keep ? static_cast<std::size_t>(wanted) : std::min<std::size_t>(array.steps.size(), 1));
+}
+
 void SeriesRanges::skip(int step) { note(step); }
 
 int SeriesRanges::next() const {

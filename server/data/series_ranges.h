@@ -43,6 +43,8 @@ class SeriesRanges {
 
   /// Arrays that the first dataset did not have are passed over.
   void add(const Dataset& step);
+  /// There are so many steps now, of which nothing is known yet; fewer than before are not believed.
+  void grow(int steps);
   /// Nothing can be known of it: the file could not be read.
   void skip(int step);
 

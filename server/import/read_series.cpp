@@ -89,6 +89,18 @@ std::vector<double> times_of(const std::filesystem::path& file, const ReadReques
   return times == std::vector<double>{0.0} ? std::vector<double>{} : times;
 }
 
+/// The last file of a series that grows may not be one yet: it is left out, and what is said of that is given back.
+std::string leave_out_unfinished(std::vector<SeriesFile>& files) {
+  if (files.size() < 2) return {};
+  try {
+    recognise(files.back().path);
+    return {};
+  } catch (const Error& error) {
+    files.pop_back();
+    return "the last file is left out: " + std::string(error.what());
+  }
+}
+
 }  // namespace
 
 Imported read_pvd(const ReadRequest& request) {
@@ -162,7 +174,8 @@ Imported read_series_file(const ReadRequest& request) {
 Imported read_numbered(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_depth(request);
-  const std::vector<SeriesFile> files = series_files(request.file);
+  std::vector<SeriesFile> files = series_files(request.file);
+  const std::string left_out = leave_out_unfinished(files);
   std::vector<Listed> said, counted;
   bool all_say = true;
   const bool one_number = files.back().numbers.size() == 1;
@@ -183,6 +196,7 @@ Imported read_numbered(const ReadRequest& request) {
   Imported imported = read_listed(request, use_said ? said : counted);
   imported.notes.push_back(std::to_string(files.size()) + " files as one series; times are " +
                            (use_said ? "those that the files say" : one_number ? "the numbers in their names" : "counted from 0"));
+  if (!left_out.empty()) imported.notes.push_back(left_out);
   return imported;
 }
 

@@ -3,12 +3,14 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
 #include <set>
 #include <tuple>
 
+#include "data/beneath.h"
 #include "data/file_series.h"
 #include "data/files.h"
 #include "data/list_folder.h"
@@ -105,6 +107,38 @@ TEST(NumberedFiles, AreStepsInTheOrderOfTheirNumbersWithGaps) {
   EXPECT_EQ(test::open(scratch / "plume_*.vti", 3)->array("f").lower, 101);
 }
 
+TEST(NumberedFiles, ALastOneThatIsNoFileYetIsLeftOutWithAWord) {
+  const Scratch scratch;
+  for (const int n : {1, 2}) scratch.write("p_" + std::to_string(n) + ".vti", image(n));
+  scratch.write("p_3.vti", "");
+  const auto data = test::open(scratch / "p_*.vti", 1);
+  EXPECT_EQ(data->times, (std::vector<double>{1, 2}));
+  EXPECT_NE(std::find(data->notes.begin(), data->notes.end(), "the last file is left out: p_3.vti: is empty"), data->notes.end());
+  scratch.write("p_3.vti", image(3));
+  EXPECT_EQ(test::open(scratch / "p_*.vti", 2)->array("f").lower, 3);
+}
+
+TEST(NumberedFiles, OneThatIsSwappedForALinkOutOfTheServedFolderIsNotFollowed) {
+  const Scratch scratch;
+  for (const int n : {1, 2}) scratch.write("data/in/p_" + std::to_string(n) + ".vti", image(n));
+  const fs::path outside = scratch.write("outside.vti", image(77));
+  const fs::path pattern = beneath(fs::canonical(scratch / "data"), "in/p_*.vti");
+  ASSERT_EQ(test::open(pattern, 1)->array("f").lower, 2);
+  fs::remove(scratch / "data/in/p_2.vti");
+  fs::create_symlink(outside, scratch / "data/in/p_2.vti");
+  for (const int step : {0, 1}) {
+    OpenOptions options;
+    options.step = step;
+    const Error refused = test::refusal(pattern, options);
+    EXPECT_EQ(refused.code(), ErrorCode::not_found);
+    EXPECT_NE(std::string(refused.what()).find("a link out of the directory"), std::string::npos) << refused.what();
+  }
+  fs::remove(scratch / "data/in/p_2.vti");
+  fs::create_symlink("../elsewhere.vti", scratch / "data/in/p_2.vti");  // one that stays inside is followed
+  scratch.write("data/elsewhere.vti", image(5));
+  EXPECT_EQ(test::open(pattern, 0)->array("f").lower, 1);
+}
+
 TEST(NumberedFiles, HaveTheTimesThatTheySay) {
   const Scratch scratch;
   for (const int n : {1, 2, 3}) scratch.write("a" + std::to_string(n) + ".vti", image(n, at_time(0.25 * n * n)));
@@ -183,6 +217,107 @@ TEST(ListFolder, AMessyFolderIsSeriesDataSetsAndReasons) {
       EXPECT_GT(entry.changed, 1'600'000'000'000);
     }
   EXPECT_TRUE(list_folder(scratch / "data", 3).cut_off);
+}
+
+/// The beginning of a PNG, as far as its size.
+std::string png(int width, int height) {
+  std::string head("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  for (const int side : {width, height})
+    for (int shift = 24; shift >= 0; shift -= 8) head += static_cast<char>(side >> shift);
+  return head + "\x08\0\0\0\0";
+}
+
+TEST(ListFolder, AProgramThatNamesTheElementIsNoXmlVtk) {
+  const Scratch scratch;
+  scratch.write("server.ts", "// reads files\nconst first = '<VTKFile type=\"ImageData\">';\n");
+  scratch.write("quoted.xml", "<page><VTKFile type=\"ImageData\"/></page>");
+  scratch.write("declared.vti", "<?xml version=\"1.0\"?>\n<!-- made by -- us -->\n<!DOCTYPE x>\n" + image());
+  const FolderListing listing = list_folder(scratch.path());
+  EXPECT_EQ(names(listing), (std::map<std::string, int>{{"declared.vti", 1}}));
+  EXPECT_EQ(passed(listing, "a program or its settings"), 1);
+}
+
+TEST(ListFolder, NumberedPicturesOfSeveralSizesAreNoStack) {
+  const Scratch scratch;
+  for (const int n : {1, 2, 3}) {
+    scratch.write("slice_" + std::to_string(n) + ".png", png(300, 200));
+    scratch.write("shot_" + std::to_string(n) + ".png", png(300, 200 + n));
+    scratch.write("map_" + std::to_string(n) + ".pgm", "P5\n# " + std::to_string(n) + "\n" + std::to_string(10 * n) + " 20\n255\n");
+  }
+  const FolderListing listing = list_folder(scratch.path());
+  EXPECT_EQ(names(listing), (std::map<std::string, int>{{"slice_*.png", 3}}));
+  EXPECT_EQ(passed(listing, "several sizes"), 6);
+}
+
+bool same(const FolderListing& a, const FolderListing& b) {
+  const auto entry = [](const FolderEntry& e) { return std::tuple(e.name, e.source, e.kind, e.bytes, e.changed, e.files, e.mark, e.marks); };
+  const auto reason = [](const PassedOver& p) { return std::tuple(p.reason, p.files, p.examples); };
+  return std::equal(a.entries.begin(), a.entries.end(), b.entries.begin(), b.entries.end(),
+                    [&](const auto& x, const auto& y) { return entry(x) == entry(y); }) &&
+         std::equal(a.passed_over.begin(), a.passed_over.end(), b.passed_over.begin(), b.passed_over.end(),
+                    [&](const auto& x, const auto& y) { return reason(x) == reason(y); }) &&
+         a.cut_off == b.cut_off;
+}
+
+TEST(FolderLister, WhatItIsToldToLookAtAgainIsListedAsByANewLook) {
+  std::mt19937 random(16);
+  const auto pick = [&](int n) { return std::uniform_int_distribution<int>(0, n - 1)(random); };
+  const Scratch scratch;
+  scratch.write("in/first.vti", image());
+  FolderLister lister(fs::canonical(scratch.path()));
+  lister.list();
+  for (int round = 0; round < 200; ++round) {
+    const std::string folder = std::array{"in", "in/deep", "other"}[static_cast<std::size_t>(pick(3))];
+    const fs::path path = scratch / (folder + "/" + std::array{"a_1.vti", "a_2.vti", "a_3.vti", "whole.pvtu", "notes.txt"}[static_cast<std::size_t>(pick(5))]);
+    const std::set<fs::path> touched{path.parent_path(), path.parent_path().parent_path(), scratch.path()};
+    switch (pick(4)) {
+      case 0:
+        fs::remove(path);
+        break;
+      case 1:
+        if (pick(4) == 0) fs::remove_all(path.parent_path());
+        break;
+      case 2:
+        if (const fs::path to = path.parent_path() / "a_7.vti"; fs::exists(path)) fs::rename(path, to);
+        break;
+      default:
+        scratch.write(path.lexically_relative(scratch.path()).string(),
+                      path.extension() == ".pvtu"
+                          ? testing::vtk_file("PUnstructuredGrid", "<PUnstructuredGrid><Piece Source=\"a_" + std::to_string(1 + pick(3)) + ".vti\"/></PUnstructuredGrid>")
+                          : image(round));
+    }
+    for (const fs::path& of : touched) lister.look_again(fs::weakly_canonical(of));
+    ASSERT_TRUE(same(lister.list(), list_folder(scratch.path()))) << "seed 16, round " << round << ", " << path;
+  }
+}
+
+TEST(FolderLister, ASeriesHasGrownIfItsOldMarkIsTheBeginningOfTheNewOnes) {
+  const Scratch scratch;
+  for (const int n : {8, 9}) scratch.write("p_" + std::to_string(n) + ".vti", image(n));
+  const auto entry = [&] { return list_folder(scratch.path()).entries.at(0); };
+  const FolderEntry two = entry();
+  ASSERT_EQ(two.marks.size(), 2u);
+  EXPECT_EQ(two.mark, two.marks.back());
+  EXPECT_EQ(two.mark, mark_on_disk(two.source, 2));
+  scratch.write("p_10.vti", image(10));
+  EXPECT_EQ(entry().marks.at(1), two.mark);
+  EXPECT_EQ(mark_on_disk(two.source, 2), two.mark);
+  EXPECT_EQ(mark_on_disk(two.source, 4), 0u);
+  scratch.write("p_9.vti", image(99));
+  EXPECT_NE(entry().marks.at(1), two.mark);
+  EXPECT_NE(mark_on_disk(two.source, 2), two.mark);
+}
+
+TEST(FolderLister, TellsWhichFilesOfASeriesAreBeingWritten) {
+  const Scratch scratch;
+  for (const int n : {1, 2, 3}) scratch.write("p_" + std::to_string(n) + ".vti", image(n));
+  FolderLister lister(fs::canonical(scratch.path()));
+  const FolderEntry entry = lister.list({fs::canonical(scratch / "p_3.vti").string()}).entries.at(0);
+  EXPECT_TRUE(entry.writing);
+  EXPECT_EQ(entry.files, 3);
+  EXPECT_EQ(entry.settled, 2);
+  lister.look_again(fs::canonical(scratch.path()));
+  EXPECT_FALSE(lister.list().entries.at(0).writing);
 }
 
 TEST(ListFolder, WhatIsListedOpens) {

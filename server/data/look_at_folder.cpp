@@ -1,0 +1,197 @@
+#include "data/look_at_folder.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <string_view>
+
+#include "base/error.h"
+#include "data/file_series.h"
+#include "data/picture_size.h"
+#include "data/referred_names.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSolution = "a PLOT3D solution, which is read with its grid";
+
+FileStamp stamp_of_stat(const struct stat& about) {
+  return {S_ISREG(about.st_mode) ? static_cast<std::uint64_t>(about.st_size) : 0,
+          std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec, about.st_ino};
+}
+
+bool inside(const fs::path& path, const fs::path& folder) { return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end(); }
+
+/// Of a file that is damaged, or that the first bytes say nothing of.
+std::optional<FileKind> kind_by_name(const std::string& name) {
+  for (const FileFormat& format : file_formats())
+    if (format.kind != FileKind::gzip && format.kind != FileKind::pictures && ends_with_one_of(name, format.extensions)) return format.kind;
+  return std::nullopt;
+}
+
+/// Why a file of a format that is read is none to open by itself; empty where it is.
+std::string not_a_grid(const std::string& name, const Recognised& of) {
+  if (of.kind == FileKind::plot3d && !ends_with_one_of(small_letters(name), ".xyz .p3d .x .g xyz.bin")) return kSolution;
+  if (of.kind == FileKind::openfoam) return "a mark of an OpenFOAM case without the case around it";
+  if (of.vtk_type == "PolyData" || of.vtk_type == "PPolyData") return "a surface; expected a grid whose cells have a volume";
+  if (of.kind != FileKind::vtk_xml) return {};
+  if (of.vtk_type.starts_with("Hyper") || of.vtk_type.ends_with("AMR")) return "a grid of levels; save it as .vtu or .vti (ParaView: Resample To Image)";
+  if (!of.vtk_type.ends_with("ImageData") && !of.vtk_type.ends_with("Grid")) return "XML VTK of a type that is no grid";
+  return {};
+}
+
+std::string without_name(std::string message, const std::string& name) {
+  if (message.starts_with(name + ": ")) message.erase(0, name.size() + 2);
+  return message;
+}
+
+void look_inside(const fs::path& path, LookedAt& file) {
+  try {
+    file.of = recognise(path);
+    if (file.of.kind == FileKind::dicom) {
+      file.use = LookedAt::Use::dicom;
+    } else if (file.of.kind == FileKind::tiff) {
+      file.use = LookedAt::Use::picture;
+    } else {
+      file.why_not = not_a_grid(file.name, file.of);
+      file.use = file.why_not.empty() ? LookedAt::Use::open : LookedAt::Use::none;
+    }
+  } catch (const Error& failure) {
+    const auto kind = kind_by_name(small_letters(file.name));
+    if (failure.code() == ErrorCode::bad_data && kind) {
+      file.of = {*kind, {}};
+      file.use = LookedAt::Use::open;  // opening it says what is wrong with it
+    } else if (names_pictures(path)) {
+      file.use = LookedAt::Use::picture;
+    } else {
+      file.why_not = without_name(failure.what(), file.name);
+    }
+  }
+  if (file.use == LookedAt::Use::picture) file.picture = picture_size(path);
+  if (file.use == LookedAt::Use::open) file.refers_to = referred_names(path, file.of);
+}
+
+using Directory = std::unique_ptr<DIR, int (*)(DIR*)>;
+
+/// The folders of an OpenFOAM case that are named by a time.
+void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
+  std::vector<std::pair<double, LookedAt>> times;
+  for (const dirent* it = readdir(listed); it; it = readdir(listed)) {
+    const std::string name = it->d_name;
+    double time = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), time);
+    struct stat about {};
+    if (error != std::errc{} || end != name.data() + name.size() || fstatat(descriptor, it->d_name, &about, 0) != 0 || !S_ISDIR(about.st_mode)) continue;
+    times.push_back({time, {.name = name, .stamp = stamp_of_stat(about)}});
+  }
+  std::sort(times.begin(), times.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [time, of] : times) out.files.push_back(std::move(of));
+  out.openfoam_case = true;
+}
+
+}  // namespace
+
+std::optional<FileStamp> file_stamp(const fs::path& file) {
+  struct stat about {};
+  if (stat(file.c_str(), &about) != 0) return std::nullopt;
+  return stamp_of_stat(about);
+}
+
+// FNV-1a: nothing depends on its strength, since a stamp is no proof either.
+std::uint64_t mark_of(std::uint64_t before, const std::string& name, const FileStamp& stamp) {
+  std::uint64_t hash = before ? before : 14695981039346656037u;
+  const auto add = [&hash](const void* bytes, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) hash = (hash ^ static_cast<const unsigned char*>(bytes)[i]) * 1099511628211u;
+  };
+  add(name.data(), name.size());
+  for (const std::uint64_t number : {stamp.bytes, static_cast<std::uint64_t>(stamp.changed_ns), stamp.inode}) add(&number, sizeof number);
+  return hash ? hash : 1;
+}
+
+std::uint64_t mark_on_disk(const fs::path& source, int files) {
+  std::error_code error;
+  std::uint64_t mark = 0;
+  if (is_series_pattern(source)) {
+    try {
+      for (const SeriesFile& file : series_files(source)) {
+        if (files-- <= 0) break;
+        const auto stamp = file_stamp(file.path);
+        if (!stamp) return 0;
+        mark = mark_of(mark, file.path.filename().string(), *stamp);
+      }
+    } catch (const Error&) {
+      return 0;
+    }
+    return files > 0 ? 0 : mark;
+  }
+  const auto stamp = fs::is_directory(source, error) ? std::nullopt : file_stamp(source);
+  return stamp ? mark_of(0, source.filename().string(), *stamp) : 0;
+}
+
+const LookedAt* FolderContents::find(const std::string& name) const {
+  const auto at = std::lower_bound(files.begin(), files.end(), name, [](const LookedAt& file, const std::string& wanted) { return file.name < wanted; });
+  return openfoam_case || at == files.end() || at->name != name ? nullptr : &*at;
+}
+
+std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::path& root, std::int64_t most, const FolderContents* before) {
+  const Directory listed(opendir(folder.c_str()), closedir);
+  if (!listed) return std::nullopt;
+  const int descriptor = dirfd(listed.get());
+  FolderContents out;
+  struct stat about {};
+  if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of_stat(about).changed_ns;
+  if (is_openfoam_case(folder)) {
+    look_at_times(descriptor, listed.get(), out);
+    return out;
+  }
+  for (const dirent* it = readdir(listed.get()); it; it = readdir(listed.get())) {
+    const std::string name = it->d_name;
+    if (name == "." || name == "..") continue;
+    if (--most < 0) {
+      out.cut_off = true;
+      break;
+    }
+    const auto pass_over = [&](const char* why) { out.passed_over.emplace_back(name, why); };
+    if (name.starts_with('.')) {
+      pass_over("hidden: its name begins with a dot");
+      continue;
+    }
+    if (fstatat(descriptor, it->d_name, &about, AT_SYMLINK_NOFOLLOW) != 0) continue;  // it has gone meanwhile
+    if (S_ISLNK(about.st_mode)) {
+      if (fstatat(descriptor, it->d_name, &about, 0) != 0) {
+        pass_over("a link that leads nowhere");
+        continue;
+      }
+      if (S_ISDIR(about.st_mode)) continue;  // it may lead round in a circle
+      std::error_code error;
+      if (const fs::path real = fs::canonical(folder / name, error); S_ISREG(about.st_mode) && (error || !inside(real, root))) {
+        pass_over("a link that leads out of the folder");
+        continue;
+      }
+    }
+    if (S_ISDIR(about.st_mode))
+      out.folders.push_back(name);
+    else if (!S_ISREG(about.st_mode))
+      pass_over("a pipe, a socket or a device");
+    else
+      out.files.push_back({.name = name, .stamp = stamp_of_stat(about)});
+  }
+  std::sort(out.folders.begin(), out.folders.end());
+  std::sort(out.files.begin(), out.files.end(), [](const LookedAt& a, const LookedAt& b) { return a.name < b.name; });
+  for (LookedAt& file : out.files) {
+    const LookedAt* same = before ? before->find(file.name) : nullptr;
+    if (same && same->stamp == file.stamp)
+      file = *same;
+    else
+      look_inside(folder / file.name, file);
+  }
+  return out;
+}
+
+}  // namespace isostrata
