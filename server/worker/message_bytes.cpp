@@ -16,6 +16,10 @@ namespace {
 template <class E>
 constexpr E last_of = E::there_is_no_last_value_of_this_enum_here;
 template <>
+constexpr CatalogueNews last_of<CatalogueNews> = CatalogueNews::gone;
+template <>
+constexpr OnDisk last_of<OnDisk> = OnDisk::gone;
+template <>
 constexpr ErrorCode last_of<ErrorCode> = ErrorCode::internal;
 template <>
 constexpr SceneMode last_of<SceneMode> = SceneMode::smear;

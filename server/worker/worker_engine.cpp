@@ -66,6 +66,7 @@ class WorkerEngine::Impl {
       : options_(std::move(engine)),
         worker_(std::move(worker)),
         sink_(std::move(sink)),
+        catalogue_(options_.catalogue),
         choice_(options_.renderer_choice),
         retry_(worker_.retry_pause) {
     if (worker_.program.empty()) worker_.program = "/proc/self/exe";
@@ -85,6 +86,8 @@ class WorkerEngine::Impl {
     {
       std::lock_guard lock(mutex_);
       if (stopping_) return;
+      if (const auto* update = std::get_if<CatalogueUpdate>(&request))
+        for (const CatalogueEntry& entry : update->entries) catalogue_.put(entry);  // the next worker is told at once
       RequestLedger::Outcome outcome = ledger_.ask(std::move(request));
       event = std::move(outcome.event);
       given_up_ = given_up_ || (outcome.give_up_worker && living_);
@@ -538,7 +541,7 @@ class WorkerEngine::Impl {
 
   WorkerSetup setup() const {
     WorkerSetup setup;
-    setup.catalogue = options_.catalogue.entries();
+    setup.catalogue = catalogue_.entries();
     setup.renderer = choice_.renderer;
     setup.device = choice_.device;
     setup.max_bytes = options_.store.max_bytes;
@@ -565,6 +568,7 @@ class WorkerEngine::Impl {
   std::deque<ToWorker> queue_;
   RequestLedger ledger_;
   DeathHistory history_;
+  Catalogue catalogue_;  // with what was told since
   RendererChoice choice_;
   std::string device_;
   DeviceRetry retry_;

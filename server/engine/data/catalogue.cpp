@@ -11,6 +11,7 @@
 #include "data/analytic.h"
 #include "data/beneath.h"
 #include "data/file_series.h"
+#include "data/look_at_folder.h"
 #include "data/recognise.h"
 
 namespace isostrata {
@@ -40,15 +41,35 @@ std::string id_of(const std::string& name, const std::string& source) {
   return id + hash.data();
 }
 
-/// A file below the root, so that what is put in its place later cannot lead out of it. Of numbered files, which are many, the plain path.
+/// A file, or the pattern of files, below the root, so that what is put in their place later cannot lead out of it.
 std::string marked(const fs::path& root, const fs::path& file) {
+  const std::string& text = file.native();  // most are plainly below it, and there are many
+  if (const auto length = root.native().size(); length > 1 && text.size() > length + 1 && text.starts_with(root.native()) && text[length] == '/')
+    return text.substr(0, length) + "/." + text.substr(length);
   const fs::path rest = file.lexically_relative(root);
   const bool inside_root = !rest.empty() && *rest.begin() != "..";
-  return inside_root && !is_series_pattern(file) ? beneath(root, rest).string() : file.string();
+  return inside_root ? beneath(root, rest).string() : file.string();
 }
 
-/// A file or the pattern of a series, with what is known of it. Whether it can be opened shows when it is.
-CatalogueEntry entry_of(const fs::path& path) {
+/// Of a pattern that somebody has named: its files may be links out of their folder from the start, and are then meant.
+fs::path marked_pattern(const fs::path& pattern) {
+  const fs::path folder = fs::canonical(pattern.parent_path());
+  const fs::path inside = beneath(folder, pattern.filename());
+  try {
+    series_files(inside);
+    return inside;
+  } catch (const Error&) {
+    return folder / pattern.filename();
+  }
+}
+
+}  // namespace
+
+std::string version_id(const CatalogueEntry& entry) { return entry.version == 0 ? entry.id : entry.id + "~" + std::to_string(entry.version); }
+std::string plain_id(const std::string& id) { return id.substr(0, id.rfind('~')); }
+
+/// Whether it can be opened shows when it is.
+CatalogueEntry Catalogue::entry_of(const fs::path& path) {
   CatalogueEntry entry;
   entry.name = path.filename().string();
   fs::path first = path;
@@ -56,7 +77,7 @@ CatalogueEntry entry_of(const fs::path& path) {
     const std::vector<SeriesFile> files = series_files(path);
     first = files.front().path;
     entry.files = static_cast<int>(files.size());
-    entry.source = (fs::canonical(first).parent_path() / path.filename()).string();
+    entry.source = marked_pattern(fs::absolute(path)).string();
   } else {
     const fs::path real = fs::canonical(path);
     entry.source = marked(real.parent_path(), real);
@@ -68,37 +89,92 @@ CatalogueEntry entry_of(const fs::path& path) {
   const SourceStamp stamp = stamp_of(path);
   entry.bytes = stamp.bytes;
   entry.changed_unix_ms = stamp.changed_unix_ms();
+  entry.slices = is_series_pattern(path) && names_pictures(path);
+  entry.parts = entry.files;
+  entry.mark = mark_on_disk(entry.source, entry.files);
+  return entry;
+}
+
+CatalogueEntry Catalogue::entry_of(const fs::path& root, const FolderEntry& listed) {
+  CatalogueEntry entry{{}, listed.name, marked(root, listed.source), std::string(format_of(listed.kind).name), listed.bytes, listed.changed, listed.files};
+  entry.slices = listed.kind == FileKind::pictures || listed.kind == FileKind::dicom;
+  entry.writing = listed.writing;
+  entry.parts = std::max(1, static_cast<int>(listed.marks.size()));
+  // What a reader may find otherwise than it was listed: of lists, cases and folders too much to look at again after each reading.
+  const bool numbered = listed.files > 1 && is_series_pattern(listed.source);
+  entry.mark = numbered || listed.marks.empty() ? listed.mark : 0;
+  if (listed.kind == FileKind::openfoam || (listed.kind == FileKind::dicom && listed.files > 1)) entry.mark = 0;
+  return entry;
+}
+
+namespace {
+
+/// Of a catalogue that follows nothing: whoever opens a file later gets what is there then.
+CatalogueEntry unmarked(CatalogueEntry entry) {
+  entry.mark = 0;
   return entry;
 }
 
 }  // namespace
 
-void Catalogue::add(CatalogueEntry entry) {
+const CatalogueEntry* Catalogue::add(CatalogueEntry entry) {
   const std::string plain = without_mark(entry.source).string();
-  if (entries_.size() >= kMaxEntries || !sources_.insert(plain).second) return;
-  entry.id = is_analytic(plain) ? plain : id_of(entry.name, plain);
-  std::replace(entry.id.begin(), entry.id.end(), ':', '-');
-  const std::string stem = entry.id;
-  for (int n = 2; find(entry.id); ++n) entry.id = stem + "-" + std::to_string(n);
+  if (entries_.size() >= kMaxEntries) {
+    cut_off_ = true;
+    return nullptr;
+  }
+  if (!sources_.insert(plain).second) return nullptr;
+  if (entry.id.empty()) {
+    entry.id = is_analytic(plain) ? plain : id_of(entry.name, plain);
+    std::replace(entry.id.begin(), entry.id.end(), ':', '-');
+    const std::string stem = entry.id;
+    for (int n = 2; find(entry.id); ++n) entry.id = stem + "-" + std::to_string(n);
+  }
   entry.name = valid_utf8(entry.name);
   place_of_[entry.id] = entries_.size();
   entries_.push_back(std::move(entry));
+  return &entries_.back();
 }
 
-void Catalogue::add_directory(const fs::path& directory) {
-  FolderListing listing = list_folder(directory, kMaxEntries);
-  const fs::path root = fs::canonical(directory);
-  for (FolderEntry& entry : listing.entries) {
-    entry.source = marked(root, entry.source);
-    add({{}, std::move(entry.name), std::move(entry.source), std::string(format_of(entry.kind).name), entry.bytes, entry.changed, entry.files});
-  }
-  for (PassedOver& passed : listing.passed_over) {
+void Catalogue::put(CatalogueEntry entry) {
+  entry.name = valid_utf8(entry.name);
+  const auto [at, is_new] = place_of_.try_emplace(entry.id, entries_.size());
+  if (is_new)
+    entries_.push_back(std::move(entry));
+  else
+    entries_[at->second] = std::move(entry);
+}
+
+void Catalogue::reserve(std::size_t entries) {
+  entries_.reserve(entries);
+  place_of_.reserve(entries);
+}
+
+std::string Catalogue::new_id(const CatalogueEntry& entry, std::unordered_set<std::string>& given) {
+  const std::string plain = without_mark(entry.source).string();
+  std::string stem = is_analytic(plain) ? plain : id_of(entry.name, plain);
+  std::replace(stem.begin(), stem.end(), ':', '-');
+  std::string id = stem;
+  for (int n = 2; !given.insert(id).second; ++n) id = stem + "-" + std::to_string(n);
+  return id;
+}
+
+void Catalogue::pass_over(const std::vector<PassedOver>& all) {
+  for (const PassedOver& passed : all) {
     const auto same = std::find_if(passed_over_.begin(), passed_over_.end(), [&](const PassedOver& other) { return other.reason == passed.reason; });
     if (same == passed_over_.end())
-      passed_over_.push_back(std::move(passed));
+      passed_over_.push_back(passed);
     else
       same->files += passed.files;
   }
+}
+
+void Catalogue::add_directory(const fs::path& directory) {
+  const FolderListing listing = list_folder(directory, kMaxEntries);
+  const fs::path root = fs::canonical(directory);
+  for (const FolderEntry& entry : listing.entries) add(unmarked(entry_of(root, entry)));
+  cut_off_ = cut_off_ || listing.cut_off;
+  pass_over(listing.passed_over);
 }
 
 Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
@@ -110,7 +186,7 @@ Catalogue Catalogue::from_sources(const std::vector<std::string>& sources) {
     else if (fs::is_directory(source, error))
       catalogue.add_directory(source);
     else if (fs::is_regular_file(source, error) || is_series_pattern(source))
-      catalogue.add(entry_of(source));
+      catalogue.add(unmarked(entry_of(source)));
     else
       throw Error(ErrorCode::not_found, source +
                                             ": no such file or directory, and not the name of analytic data "

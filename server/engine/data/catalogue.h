@@ -4,15 +4,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "data/list_folder.h"
 
 namespace isostrata {
+
+/// What was noticed of an entry since the server began (living_catalogue.h).
+enum class CatalogueNews : std::uint8_t { none, appeared, grown, changed, gone };
 
 struct CatalogueEntry {
   std::string id;      // short, stable for the same source within one server's life: "bluntfinxyz-3f2a91"
@@ -22,35 +27,72 @@ struct CatalogueEntry {
   std::uint64_t bytes = 0;           // of all its files
   std::int64_t changed_unix_ms = 0;  // the newest of them
   int files = 1;                     // steps or slices that are files of their own
+  bool slices = false;               // files are slices of a volume, else steps
+  bool writing = false;              // one of its files is being written
+  CatalogueNews news = CatalogueNews::none;
+  std::int64_t noticed_unix_ms = 0;  // when
+  // Counts contents: one more if what had been there was rewritten, removed or put into another order. Steps that follow at the end change nothing of it.
+  std::uint32_t version = 0;
+  int parts = 1;           // of this version that are complete: numbered files, files of a list, times of an OpenFOAM case
+  std::uint64_t mark = 0;  // mark_on_disk of the source with so many files, which whoever has read it compares; 0: nothing is known
 };
 
-/// Immutable once made.
+/// The id of one version of an entry, by which an engine knows it: "plume-3f2a91~2"; of version 0 the entry's own.
+std::string version_id(const CatalogueEntry& entry);
+/// The entry's own of such an id.
+std::string plain_id(const std::string& id);
+
+/// Immutable once made, but for those who make it.
 class Catalogue {
  public:
   /// Each source is a file, the pattern of a series, a directory (what list_folder finds in it, or what it is itself: an OpenFOAM case, slices of DICOM) or the
-  /// name of analytic data. At most 10000. Throws not_found where a source is none of these, or cannot be listed.
+  /// name of analytic data. Throws not_found where a source is none of these, or cannot be listed.
   static Catalogue from_sources(const std::vector<std::string>& sources);
   /// Of entries that another catalogue gave; no file is looked at.
   static Catalogue from_entries(std::vector<CatalogueEntry> entries);
   /// The built-in analytic scenes.
   static Catalogue analytic();
+  /// A file or the pattern of a series as an entry without an id. Throws not_found.
+  static CatalogueEntry entry_of(const std::filesystem::path& path);
+  /// One of a directory's listing, whose real path is `root`.
+  static CatalogueEntry entry_of(const std::filesystem::path& root, const FolderEntry& listed);
+
+  /// One more, under its id or else under a new one; passed over where the source is there already, or there are kMaxEntries. Null where it was.
+  const CatalogueEntry* add(CatalogueEntry entry);
+  /// In place of the one with its id, or one more.
+  void put(CatalogueEntry entry);
+  void reserve(std::size_t entries);
+  /// One that is not among those that were given, which it then is: of the same name and source the same in the next server, but where several would have it.
+  static std::string new_id(const CatalogueEntry& entry, std::unordered_set<std::string>& given);
+  /// Those that are not as in the catalogue before this one, at most 20.
+  const std::vector<CatalogueEntry>& latest() const { return latest_; }
+  void set_latest(std::vector<CatalogueEntry> latest) { latest_ = std::move(latest); }
+  void pass_over(const std::vector<PassedOver>& passed);
+  void set_cut_off() { cut_off_ = true; }
 
   /// The most entries that one has; what is beyond them is left out.
-  static constexpr std::size_t kMaxEntries = 10000;
+  static constexpr std::size_t kMaxEntries = 200'000;
   const std::vector<CatalogueEntry>& entries() const { return entries_; }
   /// What the directories hold that is not offered, by reason.
   const std::vector<PassedOver>& passed_over() const { return passed_over_; }
+  /// There is more in the directories than is looked at.
+  bool cut_off() const { return cut_off_; }
   /// Null where there is none of that id.
   const CatalogueEntry* find(std::string_view id) const;
 
  private:
-  void add(CatalogueEntry entry);
+  struct TextHash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view text) const { return std::hash<std::string_view>()(text); }
+  };
   void add_directory(const std::filesystem::path& directory);
 
   std::vector<CatalogueEntry> entries_;
   std::vector<PassedOver> passed_over_;
-  std::map<std::string, std::size_t, std::less<>> place_of_;  // of an id, in entries_
+  std::unordered_map<std::string, std::size_t, TextHash, std::equal_to<>> place_of_;  // of an id, in entries_
+  std::vector<CatalogueEntry> latest_;
   std::set<std::string> sources_;
+  bool cut_off_ = false;
 };
 
 }  // namespace isostrata

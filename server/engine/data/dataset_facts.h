@@ -26,6 +26,9 @@ struct ArrayFacts {
   ValueRange range() const { return {lower, upper}; }
 };
 
+/// What has become of the files since they were read.
+enum class OnDisk : std::uint8_t { as_read, changed, gone };
+
 struct DatasetFacts {
   std::string id;    // of the catalogue
   std::string name;  // what a person reads; never a path
@@ -39,6 +42,7 @@ struct DatasetFacts {
   int missing_steps = 0;  // whose values the arrays' ranges leave out, because nobody has read them yet
   std::vector<std::string> notes;
 
+  OnDisk on_disk = OnDisk::as_read;
   FirstView first_view;  // what is shown before anybody has chosen
 
   /// Null where there is none of that name.

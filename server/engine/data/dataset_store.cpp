@@ -25,16 +25,18 @@ struct DatasetStore::Loading {
 };
 
 DatasetStore::DatasetStore(DatasetStoreOptions options)
-    : DatasetStore(options, [options](const std::string& source, int step, const Task& task) {
-        OpenOptions open;
-        open.step = step;
-        open.importer = options.importer;
-        open.max_bytes = options.max_bytes;
-        open.timeout_s = options.timeout_s;
-        const bool cached = import_cache() && !is_analytic(source) && can_be_cached(*import_cache(), source);
-        if (!cached && !options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
-        return open_dataset(source, open, task);
-      }) {}
+    : DatasetStore(options, [options](const std::string& source, int step, const Task& task) { return open(options, source, step, task); }) {}
+
+std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task) {
+  OpenOptions open;
+  open.step = step;
+  open.importer = options.importer;
+  open.max_bytes = options.max_bytes;
+  open.timeout_s = options.timeout_s;
+  const bool cached = import_cache() && !is_analytic(source) && can_be_cached(*import_cache(), source);
+  if (!cached && !options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
+  return open_dataset(source, open, task);
+}
 
 DatasetStore::DatasetStore(DatasetStoreOptions options, Loader loader)
     : options_(std::move(options)), loader_(std::move(loader)) {}
@@ -146,6 +148,11 @@ void DatasetStore::drop_unused() {
     if (bytes <= options_.max_bytes || oldest == held_.end()) return;
     held_.erase(oldest);
   }
+}
+
+void DatasetStore::drop(const std::string& source, int step) {
+  const std::lock_guard lock(mutex_);
+  held_.erase({source, step});
 }
 
 std::uint64_t DatasetStore::held_bytes() const {

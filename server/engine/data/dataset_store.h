@@ -32,7 +32,9 @@ class DatasetStore {
   using Loader = std::function<std::shared_ptr<const Dataset>(const std::string& source, int step, const Task& task)>;
 
   explicit DatasetStore(DatasetStoreOptions options);
-  /// For tests: loads by another function than open_dataset.
+  /// What it loads with: open_dataset, keeping what was imported where the options say so. `source` is a path or the name of analytic data.
+  static std::shared_ptr<const Dataset> open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task);
+  /// Loads by another function, for which `source` may stand for anything.
   DatasetStore(DatasetStoreOptions options, Loader loader);
   /// Cancels what is loading and waits for it.
   ~DatasetStore();
@@ -43,6 +45,9 @@ class DatasetStore {
 
   /// As acquire, but what is not held is loaded for the caller alone and takes nobody's place.
   std::shared_ptr<const Dataset> borrow(const std::string& source, int step, const Task& task);
+
+  /// Reads it anew the next time, for whoever asks then.
+  void drop(const std::string& source, int step);
 
   std::uint64_t held_bytes() const;
 

@@ -3,37 +3,40 @@
 namespace isostrata {
 
 void KnownRanges::add(const std::string& source, const Dataset& step) {
-  const SourceStamp stamp = stamp_of(source);
   const std::lock_guard lock(mutex_);
   const auto [it, first] = series_.try_emplace(source);
-  Series& series = it->second;
-  if (first || series.stamp != stamp || series.known.ranges.steps() != static_cast<int>(step.times.size()))
-    series = {stamp, {SeriesRanges(step), {}}};
+  Known& known = it->second;
+  if (first)
+    known.ranges = SeriesRanges(step);
   else
-    series.known.ranges.add(step);
+    known.ranges.grow(static_cast<int>(step.times.size()));
+  known.ranges.add(step);
+  if (step.times.size() <= known.times.size()) return;
+  known.times = step.times;
+  known.said = step.notes;
 }
 
 void KnownRanges::skip(const std::string& source, int step, const std::string& why) {
   const std::lock_guard lock(mutex_);
   const auto it = series_.find(source);
   if (it == series_.end()) return;
-  it->second.known.ranges.skip(step);
-  if (it->second.known.notes.size() < kMostNotes)
-    it->second.known.notes.push_back("step " + std::to_string(step) + " is left out of the ranges: " + why);
+  it->second.ranges.skip(step);
+  if (it->second.notes.size() < kMostNotes)
+    it->second.notes.push_back("step " + std::to_string(step) + " is left out of the ranges: " + why);
 }
 
 std::optional<KnownRanges::Known> KnownRanges::find(const std::string& source) const {
   const std::lock_guard lock(mutex_);
   const auto it = series_.find(source);
   if (it == series_.end()) return std::nullopt;
-  return it->second.known;
+  return it->second;
 }
 
 std::optional<int> KnownRanges::next(const std::string& source) const {
   const std::lock_guard lock(mutex_);
   const auto it = series_.find(source);
   if (it == series_.end()) return std::nullopt;
-  return it->second.known.ranges.next();
+  return it->second.ranges.next();
 }
 
 }  // namespace isostrata

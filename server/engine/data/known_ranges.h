@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "data/file_series.h"
 #include "data/series_ranges.h"
 
 namespace isostrata {
@@ -19,7 +18,8 @@ namespace isostrata {
 /// Any thread may call any function. Lock: mutex_.
 class KnownRanges {
  public:
-  /// Counts a step that was read. A file that has another size or another time than before is another series.
+  /// Counts a step that was read. More steps than were known follow at the end; a dataset that knows of fewer was read before they came. source: names one version
+  /// of a dataset (version_id).
   void add(const std::string& source, const Dataset& step);
   /// Of a step that cannot be read.
   void skip(const std::string& source, int step, const std::string& why);
@@ -27,6 +27,8 @@ class KnownRanges {
   struct Known {
     SeriesRanges ranges;
     std::vector<std::string> notes;  // which steps the ranges leave out
+    std::vector<double> times;       // of all steps, as far as anybody has seen
+    std::vector<std::string> said;   // Dataset::notes of the step that knew of so many
   };
   /// Nothing where no step of the source was read.
   std::optional<Known> find(const std::string& source) const;
@@ -35,13 +37,9 @@ class KnownRanges {
 
  private:
   static constexpr std::size_t kMostNotes = 5;
-  struct Series {
-    SourceStamp stamp;
-    Known known;
-  };
 
   mutable std::mutex mutex_;
-  std::map<std::string, Series> series_;
+  std::map<std::string, Known> series_;
 };
 
 }  // namespace isostrata

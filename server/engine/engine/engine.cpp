@@ -20,6 +20,7 @@
 #include "base/kept_blocks.h"
 #include "base/work.h"
 #include "data/histogram.h"
+#include "data/look_at_folder.h"
 #include "engine/data/known_ranges.h"
 #include "engine/engine/encoder_threads.h"
 #include "engine/engine/kept_renderers.h"
@@ -134,7 +135,8 @@ class Engine::Impl {
   Impl(EngineOptions options, Sink sink)
       : options_(std::move(options)),
         sink_(std::move(sink)),
-        store_(options_.store),
+        catalogue_(options_.catalogue),
+        store_(options_.store, [this](const std::string& id, int step, const Task& task) { return load(id, step, task); }),
         bases_(options_.store.max_bytes),
         ordered_(options_.store.max_bytes) {
     make_ = options_.renderer ? options_.renderer : [choice = options_.renderer_choice] { return make_renderer(choice); };
@@ -181,17 +183,40 @@ class Engine::Impl {
     return operation;
   }
 
-  const CatalogueEntry& entry(const std::string& id) const {
-    const CatalogueEntry* found = options_.catalogue.find(id);
+  CatalogueEntry entry(const std::string& id) const {
+    const std::lock_guard lock(catalogue_mutex_);
+    const CatalogueEntry* found = catalogue_.find(id);
     if (!found) throw Error(ErrorCode::not_found, "dataset '" + id + "': not in this server's catalogue");
     return *found;
   }
 
-  // Where the file lies is the server's own business: a failure names it as clients know it.
+  // One version of a dataset is never mixed with another: what was read is of the files that the catalogue lists, or it is not used.
+  std::shared_ptr<const Dataset> load(const std::string& id, int step, const Task& task) const {
+    const CatalogueEntry of = entry(id);
+    auto dataset = DatasetStore::open(options_.store, of.source, step, task);
+    check_unchanged(of);
+    return dataset;
+  }
+
+  static void check_unchanged(const CatalogueEntry& of) {
+    if (of.mark == 0 || mark_on_disk(of.source, of.parts) == of.mark) return;
+    throw Error(ErrorCode::unavailable, of.name + ": has changed on disk since it was opened, or is being written, so that this part of it cannot be read; open it again");
+  }
+
+  // A dataset that was read before its series grew knows of fewer times; whoever looks for one begins with the first step.
   std::shared_ptr<const Dataset> acquire(const CatalogueEntry& of, int step, const Task& task) {
+    auto dataset = acquire_held(of, step, task);
+    const auto known = step == 0 ? ranges_.find(of.id) : std::nullopt;
+    if (!known || known->times.size() <= dataset->times.size()) return dataset;
+    store_.drop(of.id, 0);
+    return acquire_held(of, step, task);
+  }
+
+  // Where the file lies is the server's own business: a failure names it as clients know it.
+  std::shared_ptr<const Dataset> acquire_held(const CatalogueEntry& of, int step, const Task& task) {
     try {
-      auto dataset = store_.acquire(of.source, step, task);
-      ranges_.add(of.source, *dataset);
+      auto dataset = store_.acquire(of.id, step, task);
+      ranges_.add(of.id, *dataset);
       return dataset;
     } catch (const Error& error) {
       throw Error(error.code(), without_place(error.what(), of));
@@ -223,15 +248,37 @@ class Engine::Impl {
 
   void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
     run(request.all_ranges ? WorkClass::background : WorkClass::scene, request.session, request.request, *operation, [&] {
-      const CatalogueEntry& source = entry(request.dataset);
-      const auto dataset = acquire(source, 0, operation->task());
+      const CatalogueEntry source = entry(request.dataset);
+      const auto dataset = acquire_held(source, 0, operation->task());
+      look_for_steps(source, *dataset, operation->task());
       FirstView view = view_of_series(source, dataset, operation->task());  // may read steps: what is known of the ranges is asked for afterwards
-      const KnownRanges::Known known = ranges_.find(source.source).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}});
+      const KnownRanges::Known known = ranges_.find(source.id).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}, {}, {}});
       DatasetFacts facts = dataset_facts(source.id, source.name, *dataset, known.ranges);
+      if (known.times.size() > facts.times.size()) {
+        facts.times = known.times;
+        facts.notes = known.said;
+      }
       facts.notes.insert(facts.notes.end(), known.notes.begin(), known.notes.end());
       facts.first_view = std::move(view);
       send(DatasetReady{request.session, request.request, std::move(facts)});
     });
+  }
+
+  // Of a series that has grown the first new step says what times there are; it is what somebody will look at next, too.
+  void look_for_steps(const CatalogueEntry& source, const Dataset& first_step, const Task& task) {
+    {
+      const std::lock_guard lock(catalogue_mutex_);
+      if (!grown_.contains(source.id)) return;
+    }
+    const auto known = ranges_.find(source.id);
+    const auto steps = static_cast<int>(known ? known->times.size() : first_step.times.size());
+    try {
+      acquire_held(source, steps, task);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::not_found) throw;  // else what has come is no step
+    }
+    const std::lock_guard lock(catalogue_mutex_);
+    grown_.erase(source.id);
   }
 
   // Made once for a dataset that is held. A series of which nothing was to be seen is looked at again, for steps may be known by then that
@@ -239,22 +286,22 @@ class Engine::Impl {
   FirstView view_of_series(const CatalogueEntry& source, const std::shared_ptr<const Dataset>& first_step, const Task& task) {
     {
       std::lock_guard lock(mutex_);
-      if (const auto it = views_.find(source.source); it != views_.end() && it->second.first.lock() == first_step) return it->second.second;
+      if (const auto it = views_.find(source.id); it != views_.end() && it->second.first.lock() == first_step) return it->second.second;
     }
     const auto borrow = [&](int step, const Task& of) {
-      auto dataset = store_.borrow(source.source, step, of);
-      ranges_.add(source.source, *dataset);
+      auto dataset = store_.borrow(source.id, step, of);
+      ranges_.add(source.id, *dataset);
       return dataset;
     };
     FirstView view = first_view(*first_step, borrow, {}, task);
     if (view.array.empty()) {
-      const auto known = ranges_.find(source.source);
+      const auto known = ranges_.find(source.id);
       for (const ArrayRanges& array : known ? known->ranges.arrays() : std::vector<ArrayRanges>{})
         if (array.all.lower < array.all.upper) return first_view(*first_step, borrow, {array.name, known->ranges.widest_step(array.name)}, task);
       return view;
     }
     std::lock_guard lock(mutex_);
-    views_[source.source] = {first_step, view};
+    views_[source.id] = {first_step, view};
     return view;
   }
 
@@ -268,9 +315,9 @@ class Engine::Impl {
       const Work work(request.session, WorkClass::background, {&task, true, opening.waiting()});
       task.check();
       const CatalogueEntry& source = entry(request.dataset);
-      if (!ranges_.next(source.source)) acquire(source, 0, task);
-      if (const int step = *ranges_.next(source.source); step >= 0) {
-        const SeriesRanges known = ranges_.find(source.source)->ranges;
+      if (!ranges_.next(source.id)) acquire(source, 0, task);
+      if (const int step = *ranges_.next(source.id); step >= 0) {
+        const SeriesRanges known = ranges_.find(source.id)->ranges;
         const double steps = known.steps();
         operation->report_part(known.known_steps() / steps, (known.known_steps() + 1) / steps, "reading the ranges of all steps");
         task.report(0, "reading");
@@ -289,10 +336,10 @@ class Engine::Impl {
 
   void read_step(const CatalogueEntry& source, int step, const Task& task) {
     try {
-      ranges_.add(source.source, *store_.borrow(source.source, step, task));
+      ranges_.add(source.id, *store_.borrow(source.id, step, task));
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
-      ranges_.skip(source.source, step, without_place(error.what(), source));
+      ranges_.skip(source.id, step, without_place(error.what(), source));
     }
   }
 
@@ -366,6 +413,26 @@ class Engine::Impl {
       send(failure_of(std::current_exception(), session, request));
     }
     operation.finish();
+  }
+
+  void take(CatalogueUpdate& update) {
+    std::set<std::string> ids;
+    {
+      const std::lock_guard lock(catalogue_mutex_);
+      for (CatalogueEntry& of : update.entries) {
+        ids.insert(of.id);
+        const CatalogueEntry* before = catalogue_.find(of.id);
+        if (before && before->parts < of.parts) grown_.insert(of.id);
+        catalogue_.put(std::move(of));
+      }
+    }
+    // What could not be read while it was being written is tried again.
+    const std::lock_guard lock(mutex_);
+    for (auto& [key, session] : sessions_) {
+      if (!session.scene || !session.extraction_failure || !ids.contains(session.scene->dataset)) continue;
+      session.extraction_failure.reset();
+      advance(key, session);
+    }
   }
 
   void take(SceneUpdate& update) {
@@ -963,6 +1030,9 @@ class Engine::Impl {
   std::map<std::string, std::pair<std::weak_ptr<const Dataset>, FirstView>> views_;  // by source
 
   // Destroyed from the last: every thread ends before what it uses.
+  mutable std::mutex catalogue_mutex_;  // guards these two
+  Catalogue catalogue_;
+  std::set<std::string> grown_;  // ids of series whose new steps nobody has looked at
   DatasetStore store_;
   BrickMemory bricks_;                       // of all sessions
   BaseMeshes bases_;                         // likewise

@@ -15,6 +15,7 @@
 #include "encoding/codec.h"
 #include "encoding/encode_image.h"
 #include "encoding/encode_still.h"
+#include "engine/data/catalogue.h"
 #include "engine/data/dataset_facts.h"
 #include "engine/messages/exported_mesh.h"
 #include "extraction/files/write_mesh.h"
@@ -124,6 +125,12 @@ struct CloseSession {
   SessionKey session = 0;
 };
 
+/// Entries that requests may name from now on, under their version_id (catalogue.h): new ones, and ones that have changed. None is forgotten.
+struct CatalogueUpdate {
+  SessionKey session = 0;  // of none
+  std::vector<CatalogueEntry> entries;
+};
+
 /// Forgets the stream's encoder. Frames of it that are still being drawn are answered RequestFailed.
 struct CloseStream {
   SessionKey session = 0;
@@ -131,7 +138,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest>;
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
