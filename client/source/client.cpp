@@ -261,6 +261,15 @@ class Client::Impl {
     give_up(unstoppable, path);
   }
 
+  void note_dataset(const v1::DatasetEntry& entry) {
+    for (v1::DatasetEntry& known : *welcome_.mutable_datasets())
+      if (known.id() == entry.id()) {
+        known = entry;
+        return;
+      }
+    *welcome_.add_datasets() = entry;
+  }
+
   v1::Welcome welcome_;
   v1::State state_;
   v1::DatasetInfo dataset_;
@@ -277,6 +286,8 @@ class Client::Impl {
       state_ = message.state();
     } else if (message.has_dataset_info()) {
       dataset_ = message.dataset_info();
+    } else if (message.has_datasets_changed()) {
+      for (const v1::DatasetEntry& entry : message.datasets_changed().entries()) note_dataset(entry);
     } else if (message.has_progress() && on_progress_) {
       on_progress_(message.progress());
     }

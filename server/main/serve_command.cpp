@@ -60,6 +60,7 @@ struct ServeArguments {
   std::string ready_file;
   std::string log_format = "text";
   std::string web_root;
+  std::string watch = "auto";
 };
 
 std::string read_token_file(const std::string& path) {
@@ -205,11 +206,17 @@ void serve(ServeArguments arguments) {
   std::vector<std::string> sources = arguments.paths;
   sources.insert(sources.end(), arguments.data_roots.begin(), arguments.data_roots.end());
   ServerOptions options;
-  options.engine.catalogue = sources.empty() ? Catalogue::analytic() : Catalogue::from_sources(sources);
-  if (options.engine.catalogue.entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened");
-  if (options.engine.catalogue.entries().size() >= Catalogue::kMaxEntries)
-    log.warn("too_many_files", "only the first " + std::to_string(Catalogue::kMaxEntries) +
-                                   " files are offered; name a smaller directory to see others");
+  if (sources.empty()) {
+    options.engine.catalogue = Catalogue::analytic();
+  } else {
+    LivingOptions living;
+    living.watch.inotify = arguments.watch != "poll";
+    options.living = std::make_shared<LivingCatalogue>(sources, living);
+    const std::shared_ptr<const Catalogue> found = options.living->now();
+    if (found->entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened yet");
+    if (found->cut_off()) log.warn("too_many_files", "there are more files than are looked at (200000, 8 folders deep); name a smaller directory to see others");
+    log.info("watching", "changes of files are noticed by " + options.living->how());
+  }
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
   options.worker.emplace();
@@ -259,7 +266,7 @@ void serve(ServeArguments arguments) {
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
   server.run(true, [&] {
     if (!arguments.ready_file.empty()) write_ready_file(arguments.ready_file, server, socket);
-    log.info("ready", "serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on " +
+    log.info("ready", "serving " + std::to_string(server.catalogue().entries().size()) + " datasets on " +
                           (socket.empty() ? "port " + std::to_string(server.port()) : "the socket " + socket));
     print_address(server, socket);
     manager.tell("READY=1\nSTATUS=serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on " +
@@ -280,9 +287,15 @@ void add_serve_command(CLI::App& app) {
   const auto arguments = std::make_shared<ServeArguments>();
   command
       ->add_option("path", arguments->paths,
-                   "Files, directories of files, or names of analytic data; none: the built-in analytic scenes")
+                   "Files, directories of files, or names of analytic data; none: the built-in analytic scenes. Files that come later are offered, too")
       ->type_name("PATH");
   command->add_option("--data-root", arguments->data_roots, "More directories whose files may be opened")->type_name("DIR");
+  command
+      ->add_option("--watch", arguments->watch,
+                   "How files that come, grow, change and go are noticed: auto: by inotify, and by looking every second where that does not work (files of other "
+                   "machines, more folders than watches); poll: by looking every second, for file systems that claim to tell and do not")
+      ->check(CLI::IsMember({"auto", "poll"}))
+      ->capture_default_str();
   command->add_option("--host", arguments->host, "Address to listen on")->capture_default_str();
   command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")
       ->check(CLI::Range(0, 65535))

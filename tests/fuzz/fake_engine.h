@@ -38,10 +38,7 @@ class FakeEngine {
   static SessionsOptions options() {
     SessionsOptions options;
     options.max_sessions = 4;
-    for (const char* id : {"fin", "gone"}) {
-      options.datasets.emplace_back().set_id(id);
-      options.datasets.back().set_name(id);
-    }
+    options.catalogue = std::make_shared<Catalogue>(Catalogue::from_entries({{.id = "fin", .name = "fin", .source = "fin"}, {.id = "gone", .name = "gone", .source = "gone"}}));
     return options;
   }
   void send(const EngineEvent& event) { sessions.on_event(event, std::chrono::steady_clock::now()); }
@@ -79,6 +76,7 @@ class FakeEngine {
   void answer(const ForgetFrame&) {}
   void answer(const CloseSession&) {}
   void answer(const CloseStream&) {}
+  void answer(const CatalogueUpdate&) {}
 };
 
 /// For the next input.

@@ -60,9 +60,7 @@ struct FakeClient {
 class SessionsOnAClock {
  public:
   explicit SessionsOnAClock(SessionsOptions options = {}) {
-    v1::DatasetEntry entry;
-    entry.set_id("fin");
-    options.datasets = {entry};
+    options.catalogue = std::make_shared<Catalogue>(Catalogue::from_entries({{.id = "fin", .name = "fin", .source = "fin"}}));
     sessions = std::make_unique<Sessions>(std::move(options), [this](EngineRequest r) { requests.push_back(std::move(r)); }, now);
   }
 

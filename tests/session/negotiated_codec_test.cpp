@@ -31,7 +31,7 @@ class NegotiatedCodec : public ::testing::Test {
   NegotiatedCodec() {
     SessionsOptions options;
     options.moving_codecs = {Codec::vp9_444, Codec::jpeg};
-    options.datasets.emplace_back().set_id("torus");
+    options.catalogue = std::make_shared<Catalogue>(Catalogue::from_entries({{.id = "torus", .name = "torus", .source = "torus:8"}}));
     sessions_ = std::make_unique<Sessions>(std::move(options), [this](EngineRequest request) {
       if (const auto* close = std::get_if<CloseStream>(&request)) closed_streams_.push_back(close->stream);
       requests_.push_back(std::move(request));

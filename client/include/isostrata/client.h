@@ -46,6 +46,7 @@ class Client {
 
   // ---- what the server has told ----------------------------------------------------------------------------------------------
 
+  /// Its datasets are kept current: files that came later are among them.
   const v1::Welcome& welcome() const;
   /// The newest that has been received.
   const v1::State& state() const;

@@ -1,9 +1,8 @@
 // What can be opened, without a session.
-#include <boost/json/array.hpp>
-
 #include "net/http/json_body.h"
 #include "net/http/problem.h"
 #include "net/rest/rest_routes.h"
+#include "session/wire/dataset_list.h"
 #include "session/wire/wire.h"
 
 namespace isostrata {
@@ -11,6 +10,34 @@ namespace isostrata {
 namespace json = boost::json;
 
 namespace {
+
+constexpr std::uint32_t kMostInOneAnswer = 10'000;
+
+void list(RestContext& context, const Call& call) {
+  v1::ListDatasets wanted;
+  std::uint32_t first = 0, most = kMostListed;
+  if (auto error = number_parameter(call, "first", first)) return call.reply(problem(*error));
+  if (auto error = number_parameter(call, "most", most)) return call.reply(problem(*error));
+  if (most < 1 || most > kMostInOneAnswer)
+    return call.reply(problem(wire_error("invalid_argument", "most is " + std::to_string(most) + "; expected 1 to " + std::to_string(kMostInOneAnswer), "most")));
+  const std::string tag = "\"datasets-" + std::to_string(context.sessions.catalogue_revision()) + "\"";
+  if (call.request.header("if-none-match") == tag) {
+    HttpResponse unchanged{304, "", "", {}};
+    unchanged.headers.emplace_back("ETag", tag);
+    return call.reply(std::move(unchanged));
+  }
+  wanted.set_folder(call.parameter("folder"));
+  wanted.set_search(call.parameter("search"));
+  wanted.set_first(first);
+  wanted.set_most(most);
+  const bool one_level = call.target.query.contains("folder") || call.target.query.contains("search");
+  v1::DatasetList answer = one_level ? list_datasets(context.sessions.catalogue(), wanted, kMostInOneAnswer) : all_datasets(context.sessions.catalogue(), first, most);
+  answer.set_revision(context.sessions.catalogue_revision());
+  answer.set_watching(context.sessions.watching());
+  HttpResponse response = message_response(200, answer);
+  response.headers.emplace_back("ETag", tag);
+  call.reply(std::move(response));
+}
 
 // Loads the dataset, watched by nobody (session 0), and goes on with its facts.
 void with_dataset(RestContext& context, const Call& call, std::function<void(const DatasetFacts& facts)> go_on) {
@@ -62,13 +89,15 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "listDatasets",
                     .tag = "datasets",
                     .summary = "What can be opened",
-                    .answers = {{200, "The catalogue", "Datasets"}},
-                    .handler = [&context](Call call) {
-                      json::array entries;
-                      for (const v1::DatasetEntry& entry : context.sessions.datasets())
-                        entries.push_back(json::object{{"id", entry.id()}, {"name", entry.name()}});
-                      call.reply(json_response(200, json::object{{"datasets", std::move(entries)}}));
-                    }});
+                    .description =
+                        "All of it, or with folder one level, or with search what is named so. Files that come, grow, change and go while the "
+                        "server runs are in the next answer; the ETag changes with the list, so If-None-Match makes asking again cheap.",
+                    .query = {{"folder", "One level: what lies in this folder itself, and its folders; empty: the served folder"},
+                              {"search", "Words of which each is in a name, below the folder"},
+                              {"first", "Folders and datasets that are left out at the beginning", true, 0, UINT32_MAX, "0"},
+                              {"most", "How many at most", true, 1, kMostInOneAnswer, "1000"}},
+                    .answers = {{200, "The catalogue, or a part of it", "DatasetList"}, {304, "It is still that of If-None-Match", ""}},
+                    .handler = [&context](Call call) { list(context, call); }});
   routes.push_back({.method = "GET",
                     .path = "/datasets/{dataset}",
                     .id = "getDataset",

@@ -33,6 +33,7 @@ Session::Reply answer_state(RestContext& context, const Call& call, int status) 
 void command_and_answer(RestContext& context, Call call, const v1::ClientMessage& message, int status) {
   if (message.has_open_dataset())
     return call.session->open(message.open_dataset().id(), nullptr, rest_now(), answer_state(context, call, status));
+  if (message.has_reload_dataset()) return call.session->reload(nullptr, rest_now(), answer_state(context, call, status));
   call.session->command(message, nullptr, rest_now(), answer_state(context, call, status), call.expected);
 }
 
@@ -80,7 +81,7 @@ void do_command(RestContext& context, const Call& call) {
     context.sessions.post(CancelRequest{call.session->key(), message.cancel().operation(), 0});
     return call.reply(state_response(200, *call.session));
   }
-  if (!message.has_open_dataset() && !is_scene_command(message))
+  if (!message.has_open_dataset() && !message.has_reload_dataset() && !is_scene_command(message))
     return call.reply(problem(
         wire_error("unsupported", "this message has no meaning without a connection; expected one that changes the scene")));
   command_and_answer(context, call, message);
@@ -148,7 +149,7 @@ void add_state_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "doCommand",
                     .tag = "state",
                     .summary = "Does a command of the WebSocket",
-                    .description = "The same message: every command that changes the scene, OpenDataset and Cancel.",
+                    .description = "The same message: every command that changes the scene, OpenDataset, ReloadDataset and Cancel.",
                     .body = RequestBody{"ClientMessage", "One command"},
                     .answers = {{200, "The state as it is now", "State"}},
                     .conditional = true,

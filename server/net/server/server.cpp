@@ -84,11 +84,9 @@ SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine
   sessions.device = engine.device();
   sessions.device_is_software = engine.device_is_software();
   sessions.engine = [&engine] { return engine.facts(); };
-  for (const CatalogueEntry& entry : engine.catalogue().entries()) {
-    v1::DatasetEntry& to = sessions.datasets.emplace_back();
-    to.set_id(entry.id);
-    to.set_name(entry.name);
-  }
+  sessions.follows_files = options.living != nullptr;
+  sessions.catalogue = options.living ? options.living->now() : std::make_shared<Catalogue>(engine.catalogue());
+  if (options.living) sessions.watching = options.living->how();
   return sessions;
 }
 
@@ -130,6 +128,7 @@ class Server::Impl {
         pulse_(io_) {}
 
   ~Impl() {
+    if (options_.living) options_.living->stop();
     // Most coroutines end here; those that wait for an answer are destroyed with io_.
     connections_.places.close_all();
     boost::system::error_code ignored;
@@ -146,6 +145,7 @@ class Server::Impl {
 
   unsigned short port() const { return port_; }
   const FrameEngine& engine() const { return *engine_; }
+  const Catalogue& catalogue() const { return sessions_.catalogue(); }
 
   std::string url() const {
     std::string host = bracketed(options_.host);
@@ -169,6 +169,13 @@ class Server::Impl {
     if (options_.ends) asio::co_spawn(io_, give_notice(), asio::detached);
     if (options_.pulse.count() > 0 && options_.alive) asio::co_spawn(io_, say_alive(), asio::detached);
     if (ready) asio::post(io_, ready);
+    if (options_.living)
+      options_.living->follow([this](std::shared_ptr<const Catalogue> now) {
+        asio::post(io_, [this, now = std::move(now), how = options_.living->how()] {
+          sessions_.set_catalogue(now, how, Steady::now());
+          wake();
+        });
+      });
     for (;;) {
       try {
         io_.run();
@@ -314,6 +321,7 @@ Server::~Server() = default;
 unsigned short Server::port() const { return impl_->port(); }
 std::string Server::url() const { return impl_->url(); }
 const FrameEngine& Server::engine() const { return impl_->engine(); }
+const Catalogue& Server::catalogue() const { return impl_->catalogue(); }
 void Server::run(bool signals, const std::function<void()>& ready) { impl_->run(signals, ready); }
 void Server::stop(const std::string& reason) { impl_->stop(reason); }
 

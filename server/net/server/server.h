@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/data/living_catalogue.h"
 #include "net/site/log_line.h"
 #include "worker/worker_engine.h"
 
@@ -40,6 +41,8 @@ struct ServerOptions {
   std::function<void()> alive;                                // on the thread of run()
   std::function<void(const std::string& reason)> ending;      // on the thread of run(), once; empty: nobody is told
   std::function<void(const std::string& what)> warn;          // of trouble that the server lives with; any thread
+  /// Follows its files while the server runs, in place of engine.catalogue; null: that one, which stays as it is.
+  std::shared_ptr<LivingCatalogue> living;
   EngineOptions engine;
   std::optional<WorkerOptions> worker;  // the engine runs in a process of its own; none: in this one
   LogSink log;                          // called on the thread of run(); empty: nobody listens
@@ -56,6 +59,8 @@ class Server {
   unsigned short port() const;
   std::string url() const;  // with its token
   const FrameEngine& engine() const;
+  /// What can be opened when the server begins.
+  const Catalogue& catalogue() const;
 
   /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are
   /// told the reason, sessions are on the disk, and it returns within kGoodbye.

@@ -148,6 +148,7 @@ void Session::changed(TimePoint now, Cause cause) {
 Scene Session::drawn() const {
   Scene scene = drawn_scene(state_.scene);
   const ArrayFacts* array = dataset_ ? dataset_->find_array(scene.color_by.empty() ? scene.array : scene.color_by) : nullptr;
+  if (!scene.dataset.empty() && !shown_.empty()) scene.dataset = shown_;
   scene.color_range = resolved(scene.color_range, array ? array->lower : 1, array ? array->upper : 0);
   return scene;
 }
@@ -241,7 +242,10 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     }
     case v1::ClientMessage::kRequestHistogram:
       return send_histogram(viewer, message);
+    case v1::ClientMessage::kReloadDataset:
+      return reload(&viewer, now, reply);
     case v1::ClientMessage::kCancel:
+      if (opening_ && opening_->waiting_as != 0 && opening_->waiting_as == message.cancel().operation()) give_up_waiting(now);
       engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
       viewer.heeded = std::max(viewer.heeded, seq);
       return viewer.outbox->send_state(wire_state(), viewer.heeded);
@@ -371,7 +375,7 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
   reply(std::move(outcome.error));
 }
 
-void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply) {
+void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload) {
   last_use_ = now;
   if (id.empty() || id.size() > kMaxNameBytes) return reply(wire_error("invalid_argument", "a dataset's id is expected", "id"));
   if (opening_ && opening_->dataset == id) {
@@ -386,7 +390,7 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     };
     return;
   }
-  if (!opening_ && dataset_ && state_.scene.dataset == id) {
+  if (!opening_ && dataset_ && state_.scene.dataset == id && (!reload || engine_.newest(id) == shown_ || dataset_->on_disk == OnDisk::gone)) {
     if (viewer) {
       viewer->note_input(viewer->last_seq, state_.scene.revision);
       viewer->outbox->send(dataset_message(*dataset_));
@@ -398,6 +402,7 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
   if (opening_) {
     engine_.post(CancelRequest{key_, 0, opening_->request, true});
     engine_.forget(opening_->request);
+    tell_waited(true);
     Opening given_up = std::move(*opening_);
     opening_.reset();
     given_up.reply(wire_error("cancelled", "another dataset was asked for"));
@@ -405,8 +410,11 @@ void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply r
     run_deferred(now);
   }
   Opening opening{0, id, viewer ? viewer->key : 0, viewer ? viewer->last_seq : 0, viewer ? viewer->frames.aspect() : 1, std::move(reply)};
+  opening.reload = reload && dataset_ && state_.scene.dataset == id;
+  opening.named = engine_.newest(id);
+  if (const CatalogueEntry* entry = engine_.entry(id)) opening.asked = *entry;
   opening.request =
-      engine_.ask(OpenRequest{key_, 0, id}, [this](const EngineEvent& event, TimePoint then) { opened(event, then); });
+      engine_.ask(OpenRequest{key_, 0, opening.named}, [this](const EngineEvent& event, TimePoint then) { opened(event, then); });
   opening_ = std::move(opening);
 }
 
@@ -416,15 +424,29 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
   opening_.reset();
   last_use_ = now;
   if (const auto* failed = std::get_if<RequestFailed>(&event)) {
+    if (try_again(*failed, opening, now)) {
+      opening_ = std::move(opening);
+      return wait_for_file(now);
+    }
     opening.reply(wire_error(*failed));
   } else if (const auto* ready = std::get_if<DatasetReady>(&event)) {
     give_up_ranges();
     dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
+    shown_ = opening.named;
+    parts_ = opening.asked.parts;
+    unread_ = false;
     read_ranges();
+    if (opening.reload) {
+      show_reloaded(opening, now);
+      opening.reply(std::nullopt);
+      run_deferred(now);
+      return on_disk(now);
+    }
     if (asleep_ && asleep_->dataset() == dataset_->id) {
       woken(*dataset_, now);
       opening.reply(std::nullopt);
-      return run_deferred(now);
+      run_deferred(now);
+      return on_disk(now);
     }
     asleep_.reset();
     open_in_scene(state_, *dataset_, opening.aspect);
@@ -438,11 +460,12 @@ void Session::opened(const EngineEvent& event, TimePoint now) {
     opening.reply(std::nullopt);
   }
   run_deferred(now);
+  on_disk(now);  // it may have changed while it was read
 }
 
 void Session::read_ranges() {
   if (dataset_->missing_steps == 0) return;
-  reading_ranges_ = engine_.ask(OpenRequest{key_, 0, dataset_->id, true},
+  reading_ranges_ = engine_.ask(OpenRequest{key_, 0, shown_, true},
                                 [this](const EngineEvent& event, TimePoint now) { ranges_read(event, now); });
 }
 
@@ -460,7 +483,9 @@ void Session::ranges_read(const EngineEvent& event, TimePoint now) {
   const auto* ready = std::get_if<DatasetReady>(&event);
   if (!ready) return;
   const ColorRange colors_before = drawn().color_range;
-  dataset_ = std::make_shared<const DatasetFacts>(ready->facts);
+  auto facts = std::make_shared<DatasetFacts>(ready->facts);
+  facts->on_disk = dataset_->on_disk;
+  dataset_ = std::move(facts);
   broadcast(dataset_message(*dataset_));
   // Layers that nobody has touched were chosen by what was known then.
   if (first_look && first_look->array == state_.scene.array && first_look->intervals == state_.scene.intervals &&
@@ -516,6 +541,7 @@ void Session::on_event(const EngineEvent& event, TimePoint now) {
     message.mutable_done()->set_superseded(done->superseded);
   } else if (const auto* failed = std::get_if<RequestFailed>(&event)) {
     message = error_message(wire_error(*failed));
+    unread_ = true;
   } else {
     return;
   }

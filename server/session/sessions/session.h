@@ -31,6 +31,10 @@ class EngineDoor {
   virtual RequestId ask(EngineRequest request, Listener listener) = 0;
   /// The listener will not be called any more.
   virtual void forget(RequestId request) = 0;
+  /// What the catalogue says of a dataset now; null: nothing, or nothing follows the files.
+  virtual const CatalogueEntry* entry(const std::string& /*dataset*/) const { return nullptr; }
+  /// The id by which the engine knows the newest version of it (version_id).
+  virtual std::string newest(const std::string& dataset) { return dataset; }
   /// Of all who may only look, in all sessions.
   virtual ViewerBudget& viewer_budget() = 0;
   /// What is to be kept of the session is another than before. now: it is on its way to the disk before anybody is told.
@@ -101,7 +105,16 @@ class Session {
                std::optional<std::uint64_t> expected = {});
   /// Opens a dataset; another one that is still being opened is given up. What is open already stays as it is and is described
   /// again.
-  void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply);
+  /// reload: also what is open already is read again where it has changed, and the scene goes on with it.
+  void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload = false);
+  /// Reads the open dataset as it is on the disk now.
+  void reload(Viewer* viewer, TimePoint now, Reply reply);
+  /// The catalogue has changed.
+  void on_disk(TimePoint now);
+  /// A file that is waited for may not come.
+  void look_at_waiting(TimePoint now);
+  /// The engine's id of the version of the dataset that is shown; empty: none is.
+  const std::string& shown() const { return shown_; }
   /// The request that opens a dataset now; 0: none.
   RequestId opening() const { return opening_ ? opening_->request : 0; }
   /// The request that reads all steps of the dataset for the ranges of its arrays; 0: none.
@@ -181,6 +194,13 @@ class Session {
     Reply reply;
     std::string client;  // as in Deferred
     std::uint64_t command = 0;
+    bool reload = false;
+    std::string named;                     // the engine's id that was asked for
+    CatalogueEntry asked;                  // as it was when it was asked for
+    std::optional<RequestFailed> failure;  // it could not be read and is waited for
+    TimePoint until{};                     // so long
+    std::uint64_t waiting_as = 0;          // the operation by which viewers know that
+    int tries = 0;
   };
 
   struct Deferred {
@@ -204,6 +224,14 @@ class Session {
   void changed(TimePoint now, Cause cause = Cause::command);
   void announce(TimePoint now);
   void opened(const EngineEvent& event, TimePoint now);
+  bool try_again(const RequestFailed& failed, Opening& opening, TimePoint now);
+  void wait_for_file(TimePoint now);
+  void ask_again();
+  void tell_waited(bool cancelled);
+  void give_up_waiting(TimePoint now);
+  void set_on_disk(OnDisk what);
+  void read_new_steps(int parts);
+  void show_reloaded(const Opening& opening, TimePoint now);
   void read_ranges();
   void ranges_read(const EngineEvent& event, TimePoint now);
   void give_up_ranges();
@@ -258,6 +286,10 @@ class Session {
   std::optional<Opening> opening_;
   std::deque<Deferred> deferred_;    // commands that wait for opening_
   RequestId reading_ranges_ = 0;
+  std::string shown_;            // as shown()
+  int parts_ = 0;                // of it, that its times are known of
+  RequestId reading_steps_ = 0;  // asks for the times of new ones
+  bool unread_ = false;          // something of it could not be read
   std::optional<Scene> first_look_;  // what a dataset was shown as, until its ranges are complete
   std::optional<v1::State> asleep_;  // the state that a journal has kept, until its dataset is open
   std::map<RequestId, Picture> pictures_;

@@ -34,6 +34,7 @@ std::optional<std::string> Session::forbidden(const Viewer& viewer, const v1::Cl
       break;
     }
     case v1::ClientMessage::kOpenDataset:
+    case v1::ClientMessage::kReloadDataset:
     case v1::ClientMessage::kCancel:
     case v1::ClientMessage::kCreateInvitation:
     case v1::ClientMessage::kListInvitations:

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "session/commands/apply_command.h"
+#include "session/wire/dataset_list.h"
 #include "session/wire/limits.h"
 #include "session/wire/random_token.h"
 #include "session/wire/wire.h"
@@ -40,7 +41,7 @@ bool offers(const Format& formats, std::string_view wanted) {
 }  // namespace
 
 Sessions::Sessions(SessionsOptions options, std::function<void(EngineRequest)> post, TimePoint now)
-    : options_(std::move(options)), post_(std::move(post)) {
+    : options_(std::move(options)), post_(std::move(post)), catalogue_(options_.catalogue), watching_(options_.watching) {
   if (options_.journal.empty()) return;
   journal_ = std::make_unique<Journal>(
       JournalOptions{.directory = options_.journal, .max_sessions = options_.max_sessions, .warn = options_.warn});
@@ -134,6 +135,15 @@ void Sessions::receive(ViewerKey key, const v1::ClientMessage& message, TimePoin
   if (viewer.session == 0) return hello(viewer, message, now);
   Session* session = find(viewer.session);
   if (!session) return;
+  if (message.has_list_datasets()) {
+    session->touch(now);
+    v1::ServerMessage answer;
+    *answer.mutable_dataset_list() = list_datasets(*catalogue_, message.list_datasets());
+    answer.mutable_dataset_list()->set_in_reply_to(message.seq());
+    answer.mutable_dataset_list()->set_revision(catalogue_revision_);
+    answer.mutable_dataset_list()->set_watching(watching_);
+    return viewer.outbox->send(std::move(answer));
+  }
   tell_asked(*session, viewer, message);
   session->receive(viewer, message, now);
 }
@@ -247,8 +257,10 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   if (!kept_) viewer.outbox->send(not_kept());
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.
-  if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && !options_.datasets.empty())
-    session->open(options_.datasets.front().id(), nullptr, now, [session](std::optional<v1::Error> error) {
+  const auto& entries = catalogue_->entries();
+  const auto first = std::find_if(entries.begin(), entries.end(), [](const CatalogueEntry& of) { return of.news != CatalogueNews::gone && !of.writing; });
+  if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && first != entries.end())
+    session->open(first->id, nullptr, now, [session](std::optional<v1::Error> error) {
       if (error && error->code() != "cancelled") session->broadcast(error_message(std::move(*error)));
     });
   session->pump(now);
@@ -302,7 +314,11 @@ void Sessions::welcome(Viewer& viewer, Session& session) {
   welcome.set_last_command(session.last_command(viewer.client_id));
   if (const v1::Error* error = session.last_command_error(viewer.client_id)) *welcome.mutable_last_command_error() = *error;
   welcome.set_ends_unix_ms(static_cast<double>(options_.ends));
-  for (const v1::DatasetEntry& entry : options_.datasets) *welcome.add_datasets() = entry;
+  for (const CatalogueEntry& entry : catalogue_->entries()) {
+    if (welcome.datasets_size() == static_cast<int>(kMostListed)) break;
+    *welcome.add_datasets() = to_wire(entry);
+  }
+  welcome.set_datasets_all(static_cast<std::uint32_t>(catalogue_->entries().size()));
   *welcome.mutable_state() = session.wire_state();
   if (session.dataset()) *welcome.mutable_dataset_info() = to_wire(*session.dataset());
   const EngineFacts drawing = engine();
@@ -439,8 +455,65 @@ void Sessions::remove(SessionKey key) {
   sessions_.erase(ending);
 }
 
+const CatalogueEntry* Sessions::entry(const std::string& dataset) const { return options_.follows_files ? catalogue_->find(plain_id(dataset)) : nullptr; }
+
+// The engine is told of what is used, and not of the hundred thousand files beside it.
+std::string Sessions::newest(const std::string& dataset) {
+  const CatalogueEntry* found = entry(dataset);
+  if (!found) return dataset;
+  CatalogueEntry named = *found;
+  named.id = version_id(*found);
+  const auto [at, first] = told_.try_emplace(named.id, named);
+  if (first || at->second.mark != named.mark || at->second.parts != named.parts || at->second.source != named.source) {
+    at->second = named;
+    post_(CatalogueUpdate{0, {named}});
+  }
+  return named.id;
+}
+
+void Sessions::set_catalogue(std::shared_ptr<const Catalogue> catalogue, std::string watching, TimePoint now) {
+  now_ = now;
+  catalogue_ = std::move(catalogue);
+  watching_ = std::move(watching);
+  ++catalogue_revision_;
+  std::vector<std::string> told;
+  for (const auto& [id, entry] : told_)
+    if (const CatalogueEntry* found = catalogue_->find(plain_id(id)); found && version_id(*found) == id) told.push_back(found->id);
+  for (const std::string& id : told) newest(id);
+  v1::ServerMessage message;
+  message.mutable_datasets_changed()->set_all(static_cast<std::uint32_t>(catalogue_->entries().size()));
+  for (const CatalogueEntry& of : catalogue_->latest()) *message.mutable_datasets_changed()->add_entries() = to_wire(of);
+  message.mutable_datasets_changed()->set_revision(catalogue_revision_);
+  for (auto& [key, session] : sessions_) {
+    session->broadcast(message);
+    session->on_disk(now);
+  }
+}
+
+/// Clients, the journal and the sessions know a dataset by its id; the engine knows its versions.
+void Sessions::name_version(EngineRequest& request) {
+  if (!options_.follows_files) return;
+  const auto name = [this](SessionKey key, std::string& dataset) {
+    if (dataset.empty() || dataset.find('~') != std::string::npos) return;
+    const Session* session = key ? find(key) : nullptr;
+    dataset = session && plain_id(session->shown()) == dataset ? session->shown() : newest(dataset);
+  };
+  std::visit(
+      [&](auto& r) {
+        if constexpr (requires { r.dataset; }) name(r.session, r.dataset);
+        if constexpr (requires { r.scene.dataset; }) name(r.session, r.scene.dataset);
+      },
+      request);
+}
+
+void Sessions::post(EngineRequest request) {
+  name_version(request);
+  post_(std::move(request));
+}
+
 RequestId Sessions::ask(EngineRequest request, Listener listener) {
   const RequestId id = ++last_request_;
+  name_version(request);
   SessionKey session = 0;
   std::visit(
       [&](auto& r) {
@@ -462,8 +535,22 @@ void Sessions::give_up(RequestId request) {
   post_(ForgetFrame{session, request});
 }
 
-void Sessions::on_event(const EngineEvent& event, TimePoint now) {
+void Sessions::on_event(const EngineEvent& from_engine, TimePoint now) {
   now_ = now;
+  std::optional<EngineEvent> renamed;
+  if (options_.follows_files) {
+    if (const auto* ready = std::get_if<DatasetReady>(&from_engine); ready && ready->facts.id.find('~') != std::string::npos) {
+      renamed = from_engine;
+      std::get<DatasetReady>(*renamed).facts.id = plain_id(ready->facts.id);
+    } else if (const auto* counted = std::get_if<HistogramReady>(&from_engine)) {
+      renamed = from_engine;
+      std::get<HistogramReady>(*renamed).dataset = plain_id(counted->dataset);
+    } else if (const auto* summed = std::get_if<StatisticsReady>(&from_engine)) {
+      renamed = from_engine;
+      std::get<StatisticsReady>(*renamed).dataset = plain_id(summed->dataset);
+    }
+  }
+  const EngineEvent& event = renamed ? *renamed : from_engine;
   for (SessionsObserver* observer : observers_) observer->engine_event(find(session_of(event)), event);
   const RequestId request = request_of(event);
   if (request == 0) {
@@ -495,6 +582,7 @@ TimePoint Sessions::tick(TimePoint now) {
   if (keep) watched_kept_ = now;
   for (auto& [key, session] : sessions_) {
     session->expire_invitations(clock);
+    session->look_at_waiting(now);
     if (session->watched()) {
       if (keep) session_changed(*session, false);
       session->pump(now);

@@ -26,7 +26,9 @@ struct SessionsOptions {
   std::string device;
   bool device_is_software = false;
   std::function<EngineFacts()> engine;  // whose process draws, asked again each time; empty: device is all that is known
-  std::vector<v1::DatasetEntry> datasets;
+  std::shared_ptr<const Catalogue> catalogue = std::make_shared<Catalogue>();
+  bool follows_files = false;           // the catalogue will be replaced by newer ones, and the engine is told of entries when they are asked for
+  std::string watching;                 // DatasetList.watching
   std::filesystem::path journal;                       // the directory where sessions survive the process; empty: they do not
   std::function<void(const std::string& what)> warn;  // of the journal's trouble; any thread
   UnixMs ends = 0;                                     // when the server is known to end, by the system's clock; 0: not known
@@ -84,7 +86,12 @@ class Sessions final : public EngineDoor {
   /// Ends it at the next tick, unless somebody watches it then.
   void end_unwatched_soon(SessionKey key) { over_.push_back(key); }
   std::vector<const Session*> list() const;
-  const std::vector<v1::DatasetEntry>& datasets() const { return options_.datasets; }
+  const Catalogue& catalogue() const { return *catalogue_; }
+  /// Grows with every change of it.
+  std::uint64_t catalogue_revision() const { return catalogue_revision_; }
+  const std::string& watching() const { return watching_; }
+  /// Another one from now on: everyone is told, and so is each session whose dataset is another than it was.
+  void set_catalogue(std::shared_ptr<const Catalogue> catalogue, std::string watching, TimePoint now);
   const SessionsOptions& options() const { return options_; }
   EngineFacts engine() const;
 
@@ -106,7 +113,9 @@ class Sessions final : public EngineDoor {
   /// Waits until all sessions are on the disk; false where they are not by then, or are not kept at all.
   bool flush_journal(std::chrono::milliseconds timeout) { return journal_ && journal_->flush(timeout); }
 
-  void post(EngineRequest request) override { post_(std::move(request)); }
+  void post(EngineRequest request) override;
+  const CatalogueEntry* entry(const std::string& dataset) const override;
+  std::string newest(const std::string& dataset) override;
   RequestId ask(EngineRequest request, Listener listener) override;
   void forget(RequestId request) override { pending_.erase(request); }
   /// Nobody wants the answer any more: the listener will not be called, and the work ends. One that was answered is ignored.
@@ -130,6 +139,7 @@ class Sessions final : public EngineDoor {
   Session* find(SessionKey key);
   void look_at_engine(TimePoint now);
   void look_at_journal();
+  void name_version(EngineRequest& request);
   void tell_asked(const Session& session, Viewer& viewer, const v1::ClientMessage& message);
 
   const SessionsOptions options_;
@@ -148,6 +158,10 @@ class Sessions final : public EngineDoor {
   bool kept_ = true;            // as everyone has been told
   TimePoint engine_looked_at_{}, watched_kept_{};
   SessionKey last_session_ = 0;
+  std::shared_ptr<const Catalogue> catalogue_;
+  std::uint64_t catalogue_revision_ = 1;
+  std::string watching_;
+  std::map<std::string, CatalogueEntry> told_;  // of what the engine knows, by version_id
   TimePoint now_{};
 };
 

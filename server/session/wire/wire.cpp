@@ -189,6 +189,7 @@ v1::DatasetInfo to_wire(const DatasetFacts& facts) {
   out.set_missing_range_steps(facts.missing_steps);
   if (facts.first_view.array.empty()) out.set_nothing_to_show(facts.first_view.array_reason);
   for (const std::string& note : facts.notes) out.add_notes(note);
+  out.set_on_disk(facts.on_disk == OnDisk::changed ? v1::ON_DISK_CHANGED : facts.on_disk == OnDisk::gone ? v1::ON_DISK_GONE : v1::ON_DISK_UNSPECIFIED);
   return out;
 }
 
