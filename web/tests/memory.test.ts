@@ -53,6 +53,8 @@ describe('after the server was restarted', () => {
   test('what is no longer there is said', () => {
     const gone = restoreStep(saved, emptyState, null, [{ id: 'other', name: 'other' }], false);
     expect(gone).toMatchObject({ kind: 'impossible' });
+    // Of a list of which these are the first, it may be among the others.
+    expect(restoreStep(saved, emptyState, null, [{ id: 'other', name: 'other' }], false, 2)).toMatchObject({ kind: 'send' });
     const changed = restoreStep(saved, { ...emptyState, dataset: 'fin' }, info('fin', 'Pressure'), datasets, false);
     expect(changed.kind === 'impossible' && changed.reason).toContain('Density');
   });

@@ -170,6 +170,30 @@ describe('the store', () => {
     expect(session.view.dataset).toBe('fin');
   });
 
+  test('follows the list of files, asks again for the part that is looked at, and tells of new steps once', async () => {
+    const { session, says, cases, find } = harness();
+    says(welcome('s'));
+    says({ case: 'datasetInfo', value: { ...info, times: [0, 1] } });
+    says({ case: 'datasetsChanged', value: { all: 2, entries: [{ id: 'late', name: 'late.vtk', news: 1 }] } });
+    expect(session.datasets.map((entry) => [entry.id, entry.news]).at(-1)).toEqual(['late', 'appeared']);
+    expect(cases()).not.toContain('listDatasets'); // nobody looks
+    session.browse({ folder: 'run', search: '', first: 0 });
+    says({ case: 'datasetList', value: { folder: 'run', total: 1, datasets: [{ id: 'a', name: 'run/a.vtk', bytes: 5n }] } });
+    expect(session.listing?.datasets[0]).toMatchObject({ name: 'run/a.vtk', bytes: 5 });
+    const asked = find('listDatasets')?.seq ?? 0;
+    says({ case: 'datasetsChanged', value: { all: 2, entries: [{ id: 'late', name: 'late.vtk', news: 4 }] } });
+    await new Promise((done) => setTimeout(done, 150));
+    expect(find('listDatasets')?.seq).toBeGreaterThan(asked);
+    says({ case: 'datasetInfo', value: { ...info, times: [0, 1, 2] } });
+    says({ case: 'datasetInfo', value: { ...info, times: [0, 1, 2] } });
+    expect(session.notices.list.filter((notice) => notice.text === 'One more step has come.')).toHaveLength(1);
+    says({ case: 'datasetInfo', value: { ...info, times: [0, 1, 2], onDisk: 1 } });
+    expect(session.info?.onDisk).toBe('changed');
+    session.reloadDataset();
+    expect(find('reloadDataset')).toBeDefined();
+    session.browse(null);
+    expect(session.listing).toBeNull();
+  });
   test('tells begin and end of overlapping interactions once', () => {
     const { session, says, sent } = harness();
     says(welcome('s'));

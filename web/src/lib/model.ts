@@ -169,10 +169,46 @@ export interface ArrayInfo extends Range {
   steps: Range[]; // at each step; lower > upper: no value, or not read yet. Of a long series the first alone. The range itself is over all that are known
 }
 
+/** What was noticed of a dataset's files since the server began. */
+export type DatasetNews = 'none' | 'appeared' | 'grown' | 'changed' | 'gone';
+
 export interface DatasetEntry {
   id: string;
-  name: string;
+  name: string; // below the served folder
+  kind: string;
+  bytes: number;
+  changedMs: number; // when the newest of its files was; 0: it has none
+  files: number;
+  steps: number; // 0: only opening it says
+  news: DatasetNews;
+  noticedMs: number;
+  writing: boolean;
 }
+
+export interface DatasetFolder {
+  name: string; // below the served folder
+  datasets: number;
+  changedMs: number;
+  news: number;
+}
+
+/** One page of one folder, or of what a search finds. */
+export interface DatasetList {
+  folder: string;
+  search: string;
+  first: number;
+  total: number;
+  folders: DatasetFolder[];
+  datasets: DatasetEntry[];
+  all: number;
+  passedOver: { reason: string; files: number; examples: string[] }[];
+  cutOff: boolean;
+  watching: string;
+  nowMs: number; // the server's clock
+}
+
+/** What has become of the files of the open dataset since they were read. */
+export type OnDisk = 'as read' | 'changed' | 'gone';
 
 export interface DatasetInfo {
   id: string;
@@ -186,6 +222,7 @@ export interface DatasetInfo {
   times: number[];
   missingRangeSteps: number; // that the arrays' ranges leave out until they have been read
   nothingToShow: string; // why a session of it begins without layers; '': it begins with some
+  onDisk?: OnDisk; // absent: as read
   notes: string[];
 }
 
@@ -201,7 +238,8 @@ export interface Welcome {
   server: string;
   session: string;
   resumeToken: string;
-  datasets: DatasetEntry[];
+  datasets: DatasetEntry[]; // the first of them
+  datasetsAll?: number; // that there are
   state: SceneState | null;
   datasetInfo: DatasetInfo | null;
   device: string;
@@ -333,6 +371,8 @@ export type ServerEvent =
   | { kind: 'participants'; participants: Participant[] }
   | { kind: 'invitation'; invitation: Invitation }
   | { kind: 'invitations'; invitations: Invitation[] }
+  | { kind: 'datasetList'; list: DatasetList }
+  | { kind: 'datasetsChanged'; all: number; entries: DatasetEntry[] } // those with other news, at most some
   | { kind: 'unknown' };
 
 export const emptyState: SceneState = {

@@ -16,6 +16,8 @@ export interface Notice {
 export function placeOf(body: Command): { place: Place; interval: number | null } {
   switch (body.case) {
     case 'openDataset':
+    case 'reloadDataset':
+    case 'listDatasets':
       return { place: 'dataset', interval: null };
     case 'selectArrays':
       return { place: 'arrays', interval: null };

@@ -3,14 +3,18 @@ import { create, fromBinary, toBinary, type MessageInitShape } from '@bufbuild/p
 import {
   ClientMessageSchema,
   ColorSpan as WireSpan,
+  DatasetNews as WireNews,
   FramePhase,
+  OnDisk as WireOnDisk,
   RangeOperator as WireOperator,
   RenderMode as WireMode,
   Role as WireRole,
   ServerMessageSchema,
   TimeMode as WireTimeMode,
   type Camera as WireCamera,
+  type DatasetEntry as WireEntry,
   type DatasetInfo as WireDatasetInfo,
+  type DatasetList as WireList,
   type Frame as WireFrame,
   type Interval as WireInterval,
   type Invitation as WireInvitation,
@@ -28,11 +32,15 @@ import type {
   ColorRange,
   ColorSpan,
   Cycle,
+  DatasetEntry,
   DatasetInfo,
+  DatasetList,
+  DatasetNews,
   Frame,
   Interval,
   IntervalPatch,
   Invitation,
+  OnDisk,
   RangeOperator,
   RangeTerm,
   RenderMode,
@@ -90,6 +98,18 @@ const timeModes = byWire<TimeMode, WireTimeMode>([
   ['step', WireTimeMode.STEP],
   ['interpolate', WireTimeMode.INTERPOLATE],
   ['spacetime', WireTimeMode.SPACETIME],
+]);
+const news = byWire<DatasetNews, WireNews>([
+  ['none', WireNews.UNSPECIFIED],
+  ['appeared', WireNews.APPEARED],
+  ['grown', WireNews.GROWN],
+  ['changed', WireNews.CHANGED],
+  ['gone', WireNews.GONE],
+]);
+const onDisk = byWire<OnDisk, WireOnDisk>([
+  ['as read', WireOnDisk.UNSPECIFIED],
+  ['changed', WireOnDisk.CHANGED],
+  ['gone', WireOnDisk.GONE],
 ]);
 const roles = byWire<Role, WireRole>([
   ['controller', WireRole.CONTROLLER],
@@ -211,6 +231,11 @@ export const command = {
     value: { width, height, annotations },
   }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
+  reloadDataset: (): Command => ({ case: 'reloadDataset', value: {} }),
+  listDatasets: (folder: string, search: string, first: number, most: number): Command => ({
+    case: 'listDatasets',
+    value: { folder, search, first, most },
+  }),
   cancel: (operation: bigint): Command => ({ case: 'cancel', value: { operation } }),
   setRole: (participant: bigint, role: Role): Command => ({ case: 'setRole', value: { participant, role: roles.wire(role) } }),
   createInvitation: (role: Role, seconds: number, name: string): Command => ({
@@ -238,6 +263,10 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
       return { kind: 'state', state: stateOf(body.value) };
     case 'datasetInfo':
       return { kind: 'datasetInfo', info: datasetInfoOf(body.value) };
+    case 'datasetList':
+      return { kind: 'datasetList', list: listOf(body.value) };
+    case 'datasetsChanged':
+      return { kind: 'datasetsChanged', all: body.value.all, entries: body.value.entries.map(entryOf) };
     case 'histogram': {
       const { dataset, step, array, lower, upper, counts } = body.value;
       return { kind: 'histogram', histogram: { dataset, step, array, lower, upper, counts: counts.map(Number) } };
@@ -408,10 +437,38 @@ function datasetInfoOf(d: WireDatasetInfo): DatasetInfo {
     })),
     missingRangeSteps: d.missingRangeSteps,
     nothingToShow: d.nothingToShow,
+    onDisk: onDisk.name(d.onDisk),
     times: d.times,
     notes: d.notes,
   };
 }
+
+const entryOf = (e: WireEntry): DatasetEntry => ({
+  id: e.id,
+  name: e.name,
+  kind: e.kind,
+  bytes: Number(e.bytes),
+  changedMs: e.changedUnixMs,
+  files: e.files,
+  steps: e.steps,
+  news: news.name(e.news),
+  noticedMs: e.noticedUnixMs,
+  writing: e.writing,
+});
+
+const listOf = (l: WireList): DatasetList => ({
+  folder: l.folder,
+  search: l.search,
+  first: l.first,
+  total: l.total,
+  folders: l.folders.map((f) => ({ name: f.name, datasets: f.datasets, changedMs: f.changedUnixMs, news: f.news })),
+  datasets: l.datasets.map(entryOf),
+  all: l.all,
+  passedOver: l.passedOver.map(({ reason, files, examples }) => ({ reason, files: Number(files), examples })),
+  cutOff: l.cutOff,
+  watching: l.watching,
+  nowMs: l.nowUnixMs,
+});
 
 function welcomeOf(w: WireWelcome): Welcome {
   return {
@@ -419,7 +476,8 @@ function welcomeOf(w: WireWelcome): Welcome {
     server: w.server,
     session: w.session,
     resumeToken: w.resumeToken,
-    datasets: w.datasets.map(({ id, name }) => ({ id, name })),
+    datasets: w.datasets.map(entryOf),
+    datasetsAll: w.datasetsAll,
     state: w.state ? stateOf(w.state) : null,
     datasetInfo: w.datasetInfo ? datasetInfoOf(w.datasetInfo) : null,
     device: w.device,

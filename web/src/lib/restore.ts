@@ -12,13 +12,14 @@ export function restoreStep(
   saved: SceneState,
   current: SceneState,
   info: DatasetInfo | null,
-  datasets: readonly DatasetEntry[],
+  datasets: readonly Pick<DatasetEntry, 'id' | 'name'>[],
   opened: boolean,
+  all = datasets.length, // that there are, of which these are the first
 ): RestoreStep {
   if (saved.dataset === '') return { kind: 'send', commands: [], done: true };
   if (current.dataset !== saved.dataset) {
     if (opened) return { kind: 'wait' };
-    if (!datasets.some((entry) => entry.id === saved.dataset))
+    if (all <= datasets.length && !datasets.some((entry) => entry.id === saved.dataset))
       return { kind: 'impossible', reason: `The server no longer has the dataset “${saved.dataset}”.` };
     return { kind: 'send', commands: [command.openDataset(saved.dataset)], done: false };
   }

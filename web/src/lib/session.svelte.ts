@@ -9,7 +9,9 @@ import {
   type Annotations,
   type Camera,
   type ColorRange,
+  type DatasetEntry,
   type DatasetInfo,
+  type DatasetList,
   type Frame,
   type Histogram,
   type Interval,
@@ -53,6 +55,8 @@ export interface SessionDoors {
 }
 
 const histogramBins = 256;
+/** Folders and datasets of one look at the list: what the page has elements for. */
+export const listedRows = 100;
 
 export class Session {
   status = $state.raw<ConnectionStatus>({ kind: 'connecting', attempt: 0 });
@@ -62,6 +66,10 @@ export class Session {
   /** Whether the server has not yet said what the person's newest edits have become. */
   waits = $state.raw(false);
   info = $state.raw<DatasetInfo | null>(null);
+  /** The first of what can be opened, as far as the server has told; `listing` tells the others. */
+  datasets = $state.raw<DatasetEntry[]>([]);
+  /** The part of the list that is looked at; null: none is. */
+  listing = $state.raw<DatasetList | null>(null);
   histogram = $state.raw<Histogram | null>(null);
   frame = $state.raw<FrameReadout | null>(null);
   /** The newest one that was shown while something changed. */
@@ -113,6 +121,8 @@ export class Session {
   private saveTimer: ReturnType<typeof setTimeout> | null = null;
   private keepsakes = new Map<number, (answer: Frame | string) => void>(); // by the message that asked
   private selectNewest = false;
+  private browsing: { folder: string; search: string; first: number } | null = null;
+  private relistTimer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(private readonly doors: SessionDoors) {
     this.connection = doors.connection({
@@ -171,6 +181,17 @@ export class Session {
     this.edit({ dataset: id });
     this.notices.clear('dataset');
     this.sendInOrder(command.openDataset(id));
+  }
+  /** What is on the disk now, in place of what was read. */
+  reloadDataset(): void {
+    this.notices.clear('dataset');
+    this.sendInOrder(command.reloadDataset());
+  }
+  /** Looks at a part of the list from now on, also when it changes; null: no more. */
+  browse(what: { folder: string; search: string; first: number } | null): void {
+    this.browsing = what;
+    if (what) this.send(command.listDatasets(what.folder, what.search, what.first, listedRows));
+    else this.listing = null;
   }
   selectArrays(change: { array?: string; colorBy?: string; texture?: string }): void {
     this.edit(change);
@@ -385,6 +406,7 @@ export class Session {
       case 'state':
         return this.onState(event.state);
       case 'datasetInfo':
+        this.tellSteps(event.info);
         this.info = event.info;
         this.waking = false;
         this.continueRestore();
@@ -444,9 +466,33 @@ export class Session {
       case 'invitations':
         this.invitations = event.invitations;
         return;
+      case 'datasetList':
+        if (this.browsing) this.listing = event.list;
+        return;
+      case 'datasetsChanged':
+        return this.onDatasetsChanged(event.entries);
       case 'unknown':
         return;
     }
+  }
+
+  private tellSteps(info: DatasetInfo): void {
+    const before = this.info;
+    if (!before || before.id !== info.id || before.onDisk === 'changed' || info.times.length <= before.times.length) return;
+    const more = info.times.length - before.times.length;
+    this.notices.add({ text: `${more === 1 ? 'One more step has' : `${more} more steps have`} come.`, place: 'step', interval: null, field: '', tone: 'note' });
+  }
+
+  private onDatasetsChanged(entries: DatasetEntry[]): void {
+    const told = new Map(entries.map((entry) => [entry.id, entry]));
+    const kept = this.datasets.map((old) => told.get(old.id) ?? old);
+    const added = entries.filter((entry) => !this.datasets.some((old) => old.id === entry.id));
+    this.datasets = [...kept, ...added].slice(0, 1000);
+    if (!this.browsing || this.relistTimer !== null) return;
+    this.relistTimer = setTimeout(() => {
+      this.relistTimer = null;
+      if (this.browsing) this.browse(this.browsing);
+    }, 100);
   }
 
   private onWelcome(welcome: Welcome): void {
@@ -463,6 +509,7 @@ export class Session {
     if (saved?.cycle && this.doors.calm()) saved = { ...saved, cycle: { ...saved.cycle, playing: false } };
     this.doors.saved.session = { id: welcome.session, resumeToken: welcome.resumeToken };
     this.welcome = welcome;
+    this.datasets = welcome.datasets;
     this.role = welcome.role ?? 'controller';
     this.ending = null;
     // A guest finds the session as it is and brings nothing of their own.
@@ -493,6 +540,7 @@ export class Session {
     // A drag goes on under the hand that has not let go.
     if (this.interactions > 0) this.send(command.interaction(true));
     for (const logged of this.log.missing(welcome.lastCommand ?? 0)) this.transmit(logged);
+    if (this.browsing) this.browse(this.browsing);
     this.ping();
     this.onState(state);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
@@ -614,14 +662,14 @@ export class Session {
   }
 
   private openFirst(): void {
-    const first = this.welcome?.datasets[0];
+    const first = this.datasets.find((entry) => entry.news !== 'gone' && !entry.writing);
     if (first && !this.restoring && !this.server.dataset) this.openDataset(first.id);
   }
 
   private continueRestore(): void {
     const restoring = this.restoring;
     if (!restoring) return;
-    const step = restoreStep(restoring.saved, this.server, this.info, this.welcome?.datasets ?? [], restoring.opened);
+    const step = restoreStep(restoring.saved, this.server, this.info, this.datasets, restoring.opened, this.welcome?.datasetsAll);
     if (step.kind === 'wait') return;
     if (step.kind === 'impossible') {
       this.restoring = null;
