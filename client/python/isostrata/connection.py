@@ -12,7 +12,7 @@ import traceback
 import uuid
 from collections import deque
 from dataclasses import dataclass
-from typing import Any, Callable, Deque, List, Optional
+from typing import Any, Callable, Deque, Dict, List, Optional
 
 from google.protobuf.message import DecodeError
 
@@ -68,6 +68,8 @@ class Connection:
         self.progress: Optional[v1.Progress] = None
         self.on_progress: Optional[Callable[[v1.Progress], None]] = None
         self.on_state: Optional[Callable[[], None]] = None
+        self.on_files: Optional[Callable[[v1.DatasetsChanged], None]] = None
+        self.datasets: Dict[str, v1.DatasetEntry] = {}  # by id, the first of what can be opened
         self.heeded = 0  # the newest message of ours that a State has answered
         self.on_event = on_event
         self.made = 0  # how often the connection has been made
@@ -429,12 +431,13 @@ class Connection:
 
     def _hear(self, message: v1.ServerMessage) -> None:
         kind = message.WhichOneof("body")
-        progress = changed = None
+        progress = changed = files = None
         with self._changed:
             if kind == "welcome":
                 self.state = message.welcome.state
                 self.dataset = message.welcome.dataset_info
                 self.welcome = message.welcome
+                self.datasets = {entry.id: entry for entry in message.welcome.datasets}
                 changed = self.on_state
             elif kind == "state":
                 # One that answers a command which changed nothing is no news.
@@ -447,6 +450,10 @@ class Connection:
                     self._known = message.state.revision
             elif kind == "dataset_info":
                 self.dataset = message.dataset_info
+            elif kind == "datasets_changed":
+                for entry in message.datasets_changed.entries:
+                    self.datasets[entry.id] = entry
+                files = self.on_files
             elif kind == "frame":
                 message.frame.input_seq = self._sent.number_of(message.frame.input_seq)
                 self._sent.judged(message.frame.input_seq)
@@ -473,6 +480,8 @@ class Connection:
             _call(progress, message.progress)
         if changed:
             _call(changed)
+        if files:
+            _call(files, message.datasets_changed)
 
     def _pong(self, message: v1.ServerMessage) -> None:
         mark = message.pong.client_time_ms

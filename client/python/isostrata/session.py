@@ -189,8 +189,25 @@ class Session:
 
     @property
     def datasets(self) -> List[str]:
-        """Their names."""
-        return [entry.name for entry in self._connection.welcome.datasets]
+        """The names of what can be opened, of more than 1000 the first; files that come later are among them."""
+        return [entry.name for entry in list(self._connection.datasets.values()) if entry.news != v1.DATASET_NEWS_GONE]
+
+    def list_datasets(self, folder: str = "", search: str = "", first: int = 0, most: int = 1000) -> v1.DatasetList:
+        """What lies in a folder, or below it what has the words of ``search`` in its name: folders, and datasets with kind, bytes, time of
+        change, steps and news; what was passed over, and why."""
+        wanted = v1.ListDatasets(folder=folder, search=search, first=first, most=most)
+        found: List[v1.DatasetList] = []
+
+        def listed() -> bool:
+            answer = self._connection.take_answer(
+                "dataset_list", lambda a: (a.dataset_list.folder, a.dataset_list.search, a.dataset_list.first) == (folder.rstrip("/"), search, first)
+            )
+            if answer:
+                found.append(answer.dataset_list)
+            return bool(found)
+
+        self._connection.ask(v1.ClientMessage(list_datasets=wanted), listed, "the server did not list its datasets")
+        return found[0]
 
     @property
     def color_maps(self) -> List[str]:
@@ -224,7 +241,7 @@ class Session:
 
     def open(self, dataset: str) -> None:
         """By name or id; waits until it is open."""
-        entries = self._connection.welcome.datasets
+        entries = list(self._connection.datasets.values())
         wanted = next((e.id for e in entries if e.id == dataset), next((e.id for e in entries if e.name == dataset), dataset))
         if self.message.dataset == wanted and self.info.id == wanted:
             return
@@ -238,6 +255,21 @@ class Session:
             return self.info.id == wanted and self.message.dataset == wanted and heeded
 
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
+
+    def reload(self) -> None:
+        """Shows the open dataset's files as they are now, where they were rewritten (``info.on_disk``); layers, camera and colours stay."""
+        seq = self._connection.send(v1.ClientMessage(reload_dataset=v1.ReloadDataset()))
+
+        def is_read() -> bool:
+            self._connection._refuse(seq)
+            return self._connection.heeded >= seq and self.info.on_disk != v1.ON_DISK_CHANGED
+
+        self._connection.wait(is_read, "the dataset was not read again in time")
+
+    def on_files(self, listener: Optional[Callable[[Session, v1.DatasetsChanged], None]]) -> None:
+        """Called when files that can be opened come, grow, change or go, from another thread, as on_change. What becomes of the open dataset
+        is in ``info``, whose ``times`` grow with its series: ``s.wait(lambda s: len(s.info.times) > 10, 600)``. None: no more."""
+        self._connection.on_files = listener and (lambda changed: listener(self, changed))
 
     @property
     def array(self) -> str:
