@@ -1,5 +1,6 @@
 #include "data/picture_size.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <sstream>

@@ -101,6 +101,7 @@ TEST_P(ServedFolder, ASessionGainsTheStepsOfASeriesAndNothingElseChanges) {
   begin();
   client::Client client(server_->client_options());
   wait_for_info(client, [](const auto& info) { return info.times_size() == 2 && info.missing_range_steps() == 0; });
+  client.set_view("+x");  // answered by the state, which comes after what is said of the dataset
   const v1::State before = client.state();
   put("run_3.nrrd", field(500));
   const auto grown = wait_for_info(client, [](const auto& info) { return info.times_size() == 3 && info.missing_range_steps() == 0; });
