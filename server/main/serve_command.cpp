@@ -213,6 +213,7 @@ void serve(ServeArguments arguments) {
     living.watch.inotify = arguments.watch != "poll";
     options.living = std::make_shared<LivingCatalogue>(sources, living);
     const std::shared_ptr<const Catalogue> found = options.living->now();
+    options.engine.catalogue = *found;  // what is there at the start, for the first worker and those that replace it; what comes later is told
     if (found->entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened yet");
     if (found->cut_off()) log.warn("too_many_files", "there are more files than are looked at (200000, 8 folders deep); name a smaller directory to see others");
     log.info("watching", "changes of files are noticed by " + options.living->how());

@@ -24,7 +24,7 @@ std::string body(const std::string& response) { return response.substr(response.
 TEST(ShapedLink, CarriesWhatTheServerSaysByteForByte) {
   RunningServer server;
   const ShapedLink link(server.port(), {milliseconds(2), 50e6});
-  const std::string target = "/api/v1/datasets";
+  const std::string target = "/api/v1/openapi.json";
   EXPECT_EQ(status_of(get(link.port(), target)), 200);
   EXPECT_EQ(body(get(link.port(), target)), body(get(server.port(), target)));
 }

@@ -1,4 +1,4 @@
-#include "session/wire/dataset_list.h"
+#include "session/sessions/dataset_list.h"
 
 #include <algorithm>
 #include <map>
