@@ -1,6 +1,8 @@
 // What a mesh says whatever its points and cells are numbered like, for comparing two ways of making it.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -66,6 +68,24 @@ inline MeshContent content_of(const IntervalMesh& mesh) {
   std::sort(out.tetrahedra.begin(), out.tetrahedra.end());
   std::sort(out.facets.begin(), out.facets.end());
   return out;
+}
+
+/// The same mesh with the same summaries, however its points and cells are numbered.
+inline void expect_the_same(const IntervalMesh& fast, const IntervalMesh& slow) {
+  const MeshContent one = content_of(fast), other = content_of(slow);
+  EXPECT_EQ(one.points, other.points);
+  EXPECT_EQ(one.positions, other.positions);
+  EXPECT_EQ(one.tetrahedra, other.tetrahedra);
+  EXPECT_EQ(one.facets, other.facets);
+  EXPECT_EQ(one.counts, other.counts);
+  EXPECT_EQ(fast.active_cells, slow.active_cells);
+  EXPECT_EQ(fast.cells, slow.cells);
+  ASSERT_EQ(fast.summaries.size(), slow.summaries.size());
+  for (std::size_t i = 0; i < fast.summaries.size(); ++i) {
+    EXPECT_EQ(fast.summaries[i].interval, slow.summaries[i].interval);
+    EXPECT_NEAR(fast.summaries[i].volume, slow.summaries[i].volume, 1e-12 * (1 + slow.summaries[i].volume));
+    EXPECT_NEAR(fast.summaries[i].signed_volume, slow.summaries[i].signed_volume, 1e-12 * (1 + slow.summaries[i].volume));
+  }
 }
 
 }  // namespace isostrata

@@ -41,23 +41,6 @@ IntervalMesh extract_by_layout(const Grid& grid, const PointArray& array, const 
   return std::move(*mesh);
 }
 
-void expect_the_same(const IntervalMesh& fast, const IntervalMesh& slow) {
-  const MeshContent one = content_of(fast), other = content_of(slow);
-  EXPECT_EQ(one.points, other.points);
-  EXPECT_EQ(one.positions, other.positions);
-  EXPECT_EQ(one.tetrahedra, other.tetrahedra);
-  EXPECT_EQ(one.facets, other.facets);
-  EXPECT_EQ(one.counts, other.counts);
-  EXPECT_EQ(fast.active_cells, slow.active_cells);
-  EXPECT_EQ(fast.cells, slow.cells);
-  ASSERT_EQ(fast.summaries.size(), slow.summaries.size());
-  for (std::size_t i = 0; i < fast.summaries.size(); ++i) {
-    EXPECT_EQ(fast.summaries[i].interval, slow.summaries[i].interval);
-    EXPECT_NEAR(fast.summaries[i].volume, slow.summaries[i].volume, 1e-12 * (1 + slow.summaries[i].volume));
-    EXPECT_NEAR(fast.summaries[i].signed_volume, slow.summaries[i].signed_volume, 1e-12 * (1 + slow.summaries[i].volume));
-  }
-}
-
 /// A conforming mesh of tetrahedra whose points and cells are numbered at random, some mirrored.
 UnstructuredParts shuffled_tetrahedra(int size, std::mt19937_64& random) {
   const auto dataset = make_analytic("tets:" + std::to_string(size), {}, kQuiet);
