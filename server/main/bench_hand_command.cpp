@@ -16,7 +16,6 @@
 #include "main/bench_server.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
-#include "session/wire/random_token.h"
 
 namespace isostrata {
 namespace {
@@ -45,24 +44,14 @@ json::array usual_size(const json::value& timeline) {
 json::object measure(const HandArguments& arguments, const std::string& data) {
   const BenchServer server({data}, arguments.renderer, arguments.device);
   const FirstView view = first_view_of(data);
-  const std::filesystem::path timeline =
-      std::filesystem::temp_directory_path() / ("isostrata-hand-" + random_token(64) + ".json");
+  const ScratchFile timeline(".json");
   std::vector<std::string> words{server.url(server.port()),         "latency",    "--json",         "--camera",
                                  camera_text(view, arguments.size), "--size",     arguments.size,   "--seconds",
-                                 std::to_string(arguments.seconds), "--timeline", timeline.string()};
+                                 std::to_string(arguments.seconds), "--timeline", timeline.path.string()};
   if (arguments.gesture == "turn") words.emplace_back("--turn");
-  json::value told;
-  json::value run;
-  try {
-    run = run_json(beside_this_program("isostrata-client"), words, arguments.seconds + 300);
-    std::ifstream file(timeline);
-    told = json::parse(std::string(std::istreambuf_iterator<char>(file), {}));
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(timeline, ignored);
-    throw;
-  }
-  std::filesystem::remove(timeline);
+  const json::value run = run_json(beside_this_program("isostrata-client"), words, arguments.seconds + 300);
+  std::ifstream file(timeline.path);
+  const json::value told = json::parse(std::string(std::istreambuf_iterator<char>(file), {}));
   json::object moving = run.at("input_to_decoded_ms").as_object();
   moving.erase("max");
   const auto [width, height] = parse_size(arguments.size);

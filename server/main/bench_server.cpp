@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/json/parse.hpp>
 #include <cstdio>
+#include <system_error>
 
 #include "base/error.h"
 #include "base/program_file.h"
@@ -34,6 +35,14 @@ BenchServer::~BenchServer() {
 
 std::string BenchServer::url(unsigned short port) const {
   return "http://127.0.0.1:" + std::to_string(port) + "/?token=" + token_;
+}
+
+ScratchFile::ScratchFile(const char* extension)
+    : path(std::filesystem::temp_directory_path() / ("isostrata-bench-" + random_token(64) + extension)) {}
+
+ScratchFile::~ScratchFile() {
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
 }
 
 FirstView first_view_of(const std::string& data) {

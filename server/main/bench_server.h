@@ -34,6 +34,15 @@ class BenchServer {
   std::thread thread_;
 };
 
+/// The name of a file of our own in the temporary folder, which is gone with this.
+struct ScratchFile {
+  explicit ScratchFile(const char* extension);
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  const std::filesystem::path path;
+};
+
 /// What a session of the data begins with: the server's own choice. Throws not_found if there is nothing to show, and what
 /// opening throws.
 FirstView first_view_of(const std::string& data);

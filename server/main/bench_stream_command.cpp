@@ -28,7 +28,6 @@
 #include "main/hostile_client.h"
 #include "main/picture_arguments.h"
 #include "net/server/shaped_link.h"
-#include "session/wire/random_token.h"
 
 namespace isostrata {
 namespace {
@@ -98,16 +97,6 @@ LinkArgument parse_link(const std::string& name) {
                 "link '" + name + "': expected loopback, or RTTms-RATEmbit such as 40ms-20mbit or 40ms-20mbit-to-2mbit");
   return link;
 }
-
-struct ScratchFile {
-  explicit ScratchFile(const char* extension)
-      : path(fs::temp_directory_path() / ("isostrata-bench-" + random_token(64) + extension)) {}
-  ~ScratchFile() {
-    std::error_code ignored;
-    fs::remove(path, ignored);
-  }
-  const fs::path path;
-};
 
 /// Lowers the rate in ten steps once the run is under way; the time when it has fallen, in ms of the steady clock.
 double fall(ShapedLink& link, const LinkArgument& from, double seconds) {

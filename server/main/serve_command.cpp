@@ -270,7 +270,7 @@ void serve(ServeArguments arguments) {
     log.info("ready", "serving " + std::to_string(server.catalogue().entries().size()) + " datasets on " +
                           (socket.empty() ? "port " + std::to_string(server.port()) : "the socket " + socket));
     print_address(server, socket);
-    manager.tell("READY=1\nSTATUS=serving " + std::to_string(server.engine().catalogue().entries().size()) + " datasets on " +
+    manager.tell("READY=1\nSTATUS=serving " + std::to_string(server.catalogue().entries().size()) + " datasets on " +
                  server.engine().device());
   });
   if (!arguments.ready_file.empty()) {
