@@ -191,15 +191,28 @@ class Listing {
   FolderLister::Part out_;
 };
 
-}  // namespace
-
-namespace {
-
 std::int64_t count_of(const FolderContents& contents) {
   return static_cast<std::int64_t>(contents.files.size() + contents.folders.size() + contents.passed_over.size());
 }
 
 }  // namespace
+
+void PassedOverSum::add(const std::vector<PassedOver>& some) {
+  for (const PassedOver& passed : some) {
+    PassedOver& all = by_reason_[passed.reason];
+    all.reason = passed.reason;
+    all.files += passed.files;
+    for (const std::string& example : passed.examples)
+      if (all.examples.size() < 3) all.examples.push_back(example);
+  }
+}
+
+std::vector<PassedOver> PassedOverSum::most_first() const {
+  std::vector<PassedOver> out;
+  for (const auto& [reason, passed] : by_reason_) out.push_back(passed);
+  std::stable_sort(out.begin(), out.end(), [](const PassedOver& a, const PassedOver& b) { return a.files > b.files; });
+  return out;
+}
 
 void FolderLister::forget(const fs::path& folder) {
   const std::string below = folder.string() + "/";
@@ -282,22 +295,15 @@ std::set<fs::path> FolderLister::renew(const std::set<std::string>& writing) {
 FolderListing FolderLister::list(const std::set<std::string>& writing, std::size_t most) {
   renew(writing);
   FolderListing out;
-  std::map<std::string, PassedOver> passed_over;
+  PassedOverSum passed_over;
   for (const auto& [folder, part] : parts_) {
     out.entries.insert(out.entries.end(), part.entries.begin(), part.entries.end());
-    for (const PassedOver& passed : part.passed_over) {
-      PassedOver& all = passed_over[passed.reason];
-      all.reason = passed.reason;
-      all.files += passed.files;
-      for (const std::string& example : passed.examples)
-        if (all.examples.size() < 3) all.examples.push_back(example);
-    }
+    passed_over.add(part.passed_over);
   }
   std::sort(out.entries.begin(), out.entries.end(), [](const FolderEntry& a, const FolderEntry& b) { return a.name < b.name; });
   out.cut_off = cut_off_ || out.entries.size() > most;
   if (out.entries.size() > most) out.entries.resize(most);
-  for (auto& [reason, passed] : passed_over) out.passed_over.push_back(std::move(passed));
-  std::stable_sort(out.passed_over.begin(), out.passed_over.end(), [](const PassedOver& a, const PassedOver& b) { return a.files > b.files; });
+  out.passed_over = passed_over.most_first();
   return out;
 }
 

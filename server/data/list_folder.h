@@ -45,6 +45,16 @@ struct FolderListing {
 /// are passed over. Throws not_found where the folder cannot be listed.
 FolderListing list_folder(const std::filesystem::path& folder, std::size_t most = 10'000);
 
+/// Adds up files that were passed over for the same reason, with at most three examples of each.
+class PassedOverSum {
+ public:
+  void add(const std::vector<PassedOver>& some);
+  std::vector<PassedOver> most_first() const;
+
+ private:
+  std::map<std::string, PassedOver> by_reason_;
+};
+
 /// The same of one folder again and again: what has not changed is not opened again, and not listed again. Not thread-safe.
 class FolderLister {
  public:

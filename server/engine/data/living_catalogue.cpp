@@ -15,6 +15,7 @@
 #include <unordered_set>
 
 #include "base/error.h"
+#include "base/unix_time.h"
 #include "data/analytic.h"
 #include "data/beneath.h"
 #include "data/file_series.h"
@@ -29,8 +30,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMostLatest = 20;
 constexpr milliseconds kLookAgain{1000};  // at what is being written, and for a folder that is gone
 
-std::int64_t unix_ms() { return std::chrono::duration_cast<milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count(); }
-
 /// One of the sources that a server was started with.
 struct Source {
   std::string text;
@@ -39,12 +38,6 @@ struct Source {
   bool stale = true;
   bool there = true;
 };
-
-/// Without the mark that beneath() makes.
-std::string plain(const std::string& source) {
-  const auto mark = source.find("/./");
-  return mark == std::string::npos ? source : source.substr(0, mark + 1) + source.substr(mark + 3);
-}
 
 /// What is known of an entry beside what clients see.
 struct Known {
@@ -257,21 +250,11 @@ class LivingCatalogue::Impl {
   }
 
   std::vector<PassedOver> all_passed_over() const {
-    std::map<std::string, PassedOver> all;
+    PassedOverSum all;
     for (const Source& source : sources_)
       if (source.folder)
-        for (const auto& [folder, part] : source.folder->parts())
-          for (const PassedOver& passed : part.passed_over) {
-            PassedOver& of = all[passed.reason];
-            of.reason = passed.reason;
-            of.files += passed.files;
-            for (const std::string& example : passed.examples)
-              if (of.examples.size() < 3) of.examples.push_back(example);
-          }
-    std::vector<PassedOver> out;
-    for (auto& [reason, passed] : all) out.push_back(std::move(passed));
-    std::stable_sort(out.begin(), out.end(), [](const PassedOver& a, const PassedOver& b) { return a.files > b.files; });
-    return out;
+        for (const auto& [folder, part] : source.folder->parts()) all.add(part.passed_over);
+    return all.most_first();
   }
 
   void take_file(Source& source) {
@@ -307,7 +290,7 @@ class LivingCatalogue::Impl {
 
   /// What is listed now, against what is known of it.
   void take(CatalogueEntry entry, std::vector<std::uint64_t> marks, std::uint64_t mark, int settled) {
-    const std::string key = plain(entry.source);
+    const std::string key = without_mark(entry.source).string();
     key_ = key;
     auto at = known_.find(key);
     if (at == known_.end()) at = take_over(key, marks);
@@ -412,14 +395,14 @@ class LivingCatalogue::Impl {
 
   void note(CatalogueEntry& entry, CatalogueNews news) {
     entry.news = news;
-    entry.noticed_unix_ms = unix_ms();
+    entry.noticed_unix_ms = unix_ms_now();
     changed_ = true;
-    if (noted_.size() < kMostLatest) noted_.push_back(entry.source.empty() ? key_ : plain(entry.source));
+    if (noted_.size() < kMostLatest) noted_.push_back(entry.source.empty() ? key_ : without_mark(entry.source).string());
   }
 
   /// An entry is listed as gone for a while.
   void forget_gone() {
-    const std::int64_t now = unix_ms();
+    const UnixMs now = unix_ms_now();
     std::vector<const Known*> gone;
     for (const Known* known : order_)
       if (known->gone()) gone.push_back(known);

@@ -2,7 +2,7 @@
 #include "net/http/json_body.h"
 #include "net/http/problem.h"
 #include "net/rest/rest_routes.h"
-#include "session/sessions/dataset_list.h"
+#include "session/wire/dataset_list.h"
 #include "session/wire/wire.h"
 
 namespace isostrata {

@@ -1,7 +1,6 @@
 #include "session/sessions/invitations.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "session/wire/limits.h"
@@ -9,10 +8,6 @@
 #include "session/wire/wire.h"
 
 namespace isostrata {
-
-UnixMs unix_ms_now() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 Invitations::Made Invitations::make(const v1::CreateInvitation& wanted, UnixMs now, const std::string& made_by) {
   const auto refused = [](const char* code, const std::string& message, const char* field) {

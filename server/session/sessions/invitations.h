@@ -1,18 +1,14 @@
 // Links that let others into one session. What is kept of an invitation's token is its hash.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/unix_time.h"
 #include "isostrata/v1/isostrata.pb.h"
 
 namespace isostrata {
-
-using UnixMs = std::int64_t;  // by the system's clock: an invitation outlives the process
-
-UnixMs unix_ms_now();
 
 struct Invitation {
   std::string id;

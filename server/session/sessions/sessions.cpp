@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "session/commands/apply_command.h"
-#include "session/sessions/dataset_list.h"
+#include "session/wire/dataset_list.h"
 #include "session/wire/limits.h"
 #include "session/wire/random_token.h"
 #include "session/wire/wire.h"

@@ -1,4 +1,4 @@
-#include "session/sessions/dataset_list.h"
+#include "session/wire/dataset_list.h"
 
 #include <algorithm>
 #include <map>
@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/unix_time.h"
 #include "data/recognise.h"
-#include "session/sessions/invitations.h"
 
 namespace isostrata {
 namespace {
