@@ -167,8 +167,7 @@ void FolderWatch::poll_folder(const fs::path& folder, Polled& polled, News& news
     struct stat about {};
     const std::string name = it->d_name;
     if (name.starts_with('.') || fstatat(dirfd(listed.get()), it->d_name, &about, 0) != 0) continue;
-    FileStamp stamp{S_ISREG(about.st_mode) ? static_cast<std::uint64_t>(about.st_size) : 0, std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec,
-                    about.st_ino};
+    const FileStamp stamp = stamp_of(about);
     const auto before = polled.files.find(name);
     const std::string path = (folder / name).string();
     if (before != polled.files.end() && before->second == stamp) {

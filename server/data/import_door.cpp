@@ -90,31 +90,6 @@ std::vector<std::string> environment() {
   return out;
 }
 
-/// Has the child write into the directory.
-void run_import(const fs::path& file, const fs::path& directory, const OpenOptions& options, const Task& task) {
-  const std::string name = file.filename().string();
-  task.report(0, "reading");
-  const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
-  ChildResult result;
-  try {
-    result = run_child({options.importer.empty() ? default_importer() : options.importer,
-                        {fs::absolute(file).string(), directory.string(), std::to_string(options.step),
-                         std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())},
-                        environment()},
-                       options.timeout_s, task, [&](std::string_view line) {
-                         if (!line.starts_with("progress ")) return;
-                         double fraction = 0;
-                         std::from_chars(line.data() + 9, line.data() + line.size(), fraction);
-                         if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
-                       });
-  } catch (const Error& failure) {
-    if (failure.code() != ErrorCode::bad_data) throw;
-    throw Error(ErrorCode::bad_data, name + ": " + failure.what());
-  }
-  if (result.signal != 0 || result.exit_status != 0) throw_failure(result, name);
-  task.report(0.9, "checking");
-}
-
 /// What the kept directory of this step of this file is called, and what is written into it, so that no other is taken for it.
 std::pair<std::string, std::string> kept_name(const fs::path& file, int step) {
   const SourceStamp stamp = stamp_of(file);
@@ -150,14 +125,33 @@ void check_source(const fs::path& file, const OpenOptions& options) {
 }
 
 void import_into(const fs::path& directory, const fs::path& file, const OpenOptions& options, const Task& task) {
-  check_source(file, options);
-  run_import(file, directory, options, task);
+  const std::string name = file.filename().string();
+  task.report(0, "reading");
+  const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
+  ChildResult result;
+  try {
+    result = run_child({options.importer.empty() ? default_importer() : options.importer,
+                        {fs::absolute(file).string(), directory.string(), std::to_string(options.step),
+                         std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())},
+                        environment()},
+                       options.timeout_s, task, [&](std::string_view line) {
+                         if (!line.starts_with("progress ")) return;
+                         double fraction = 0;
+                         std::from_chars(line.data() + 9, line.data() + line.size(), fraction);
+                         if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
+                       });
+  } catch (const Error& failure) {
+    if (failure.code() != ErrorCode::bad_data) throw;
+    throw Error(ErrorCode::bad_data, name + ": " + failure.what());
+  }
+  if (result.signal != 0 || result.exit_status != 0) throw_failure(result, name);
+  task.report(0.9, "checking");
 }
 
 std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
   check_source(file, options);
   const TemporaryDirectory directory(temporary_base(), "isostrata-import-");
-  run_import(file, directory.path(), options, task);
+  import_into(directory.path(), file, options, task);
   auto dataset = map_import(directory.path(), file, options, ImportFiles::unlinked);
   task.report(1, "reading");
   return dataset;
@@ -180,7 +174,7 @@ std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const O
   }
   if (!kept->dataset) {
     kept->files.emplace(temporary_base(), "isostrata-import-");
-    run_import(file, kept->files->path(), options, task);
+    import_into(kept->files->path(), file, options, task);
     kept->dataset = map_import(kept->files->path(), file, options, ImportFiles::left);
     std::ofstream(kept->files->path() / kOrigin, std::ios::binary) << origin;
     if (!kept->files->move_to(place)) kept->files.reset();  // there is one already

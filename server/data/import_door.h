@@ -47,7 +47,8 @@ std::shared_ptr<const Dataset> open_import_keeping(const std::filesystem::path& 
 /// Whether there is a `file` to read, which does not lead out of what is served. Throws not_found.
 void check_source(const std::filesystem::path& file, const OpenOptions& options);
 
-/// The first half on its own: has a child read `file` into `directory`, which is the caller's, new and empty. Throws as open_import does.
+/// The first half on its own: has a child read `file` into `directory`, which is the caller's, new and empty, after
+/// check_source. Throws as open_import does.
 void import_into(const std::filesystem::path& directory, const std::filesystem::path& file, const OpenOptions& options, const Task& task);
 
 enum class ImportFiles { unlinked, left };

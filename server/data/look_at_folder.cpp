@@ -21,11 +21,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSolution = "a PLOT3D solution, which is read with its grid";
 
-FileStamp stamp_of_stat(const struct stat& about) {
-  return {S_ISREG(about.st_mode) ? static_cast<std::uint64_t>(about.st_size) : 0,
-          std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec, about.st_ino};
-}
-
 bool inside(const fs::path& path, const fs::path& folder) { return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end(); }
 
 /// Of a file that is damaged, or that the first bytes say nothing of.
@@ -88,7 +83,7 @@ void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
     const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), time);
     struct stat about {};
     if (error != std::errc{} || end != name.data() + name.size() || fstatat(descriptor, it->d_name, &about, 0) != 0 || !S_ISDIR(about.st_mode)) continue;
-    times.push_back({time, {.name = name, .stamp = stamp_of_stat(about)}});
+    times.push_back({time, {.name = name, .stamp = stamp_of(about)}});
   }
   std::sort(times.begin(), times.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [time, of] : times) out.files.push_back(std::move(of));
@@ -97,10 +92,15 @@ void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
 
 }  // namespace
 
+FileStamp stamp_of(const struct stat& about) {
+  return {S_ISREG(about.st_mode) ? static_cast<std::uint64_t>(about.st_size) : 0,
+          std::int64_t{about.st_mtim.tv_sec} * 1'000'000'000 + about.st_mtim.tv_nsec, about.st_ino};
+}
+
 std::optional<FileStamp> file_stamp(const fs::path& file) {
   struct stat about {};
   if (stat(file.c_str(), &about) != 0) return std::nullopt;
-  return stamp_of_stat(about);
+  return stamp_of(about);
 }
 
 // FNV-1a: nothing depends on its strength, since a stamp is no proof either.
@@ -145,7 +145,7 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   const int descriptor = dirfd(listed.get());
   FolderContents out;
   struct stat about {};
-  if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of_stat(about).changed_ns;
+  if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of(about).changed_ns;
   if (is_openfoam_case(folder)) {
     look_at_times(descriptor, listed.get(), out);
     return out;
@@ -180,7 +180,7 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
     else if (!S_ISREG(about.st_mode))
       pass_over("a pipe, a socket or a device");
     else
-      out.files.push_back({.name = name, .stamp = stamp_of_stat(about)});
+      out.files.push_back({.name = name, .stamp = stamp_of(about)});
   }
   std::sort(out.folders.begin(), out.folders.end());
   std::sort(out.files.begin(), out.files.end(), [](const LookedAt& a, const LookedAt& b) { return a.name < b.name; });

@@ -1,6 +1,8 @@
 // One folder as it lies on the disk: what each file is, by its first bytes. list_folder.h makes the listing of it.
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -19,6 +21,8 @@ struct FileStamp {
   std::uint64_t inode = 0;
   bool operator==(const FileStamp&) const = default;
 };
+
+FileStamp stamp_of(const struct stat& about);
 
 /// Of what stands at the path, links followed; nothing where nothing does.
 std::optional<FileStamp> file_stamp(const std::filesystem::path& file);

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "data/file_series.h"
+#include "data/look_at_folder.h"
 #include "data/recognise.h"
 #include "data/referred_names.h"
 
@@ -77,10 +78,8 @@ class Files {
     }
   }
   void note(const fs::path& file) {
-    std::error_code error;
-    const auto changed = fs::last_write_time(file, error);
-    const auto bytes = fs::is_regular_file(file, error) ? fs::file_size(file, error) : 0;
-    lines_ += fs::absolute(file).string() + ' ' + std::to_string(error ? 0 : bytes) + ' ' + std::to_string(changed.time_since_epoch().count()) + '\n';
+    const FileStamp stamp = file_stamp(file).value_or(FileStamp{});
+    lines_ += fs::absolute(file).string() + ' ' + std::to_string(stamp.bytes) + ' ' + std::to_string(stamp.changed_ns) + '\n';
   }
 
   std::set<fs::path> seen_;

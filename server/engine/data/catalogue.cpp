@@ -41,6 +41,17 @@ std::string id_of(const std::string& name, const std::string& source) {
   return id + hash.data();
 }
 
+/// The first id for the entry that is not taken.
+template <class Taken>
+std::string free_id(const CatalogueEntry& entry, const Taken& taken) {
+  const std::string plain = without_mark(entry.source).string();
+  std::string stem = is_analytic(plain) ? plain : id_of(entry.name, plain);
+  std::replace(stem.begin(), stem.end(), ':', '-');
+  std::string id = stem;
+  for (int n = 2; taken(id); ++n) id = stem + "-" + std::to_string(n);
+  return id;
+}
+
 /// A file, or the pattern of files, below the root, so that what is put in their place later cannot lead out of it.
 std::string marked(const fs::path& root, const fs::path& file) {
   const std::string& text = file.native();  // most are plainly below it, and there are many
@@ -118,18 +129,12 @@ CatalogueEntry unmarked(CatalogueEntry entry) {
 }  // namespace
 
 const CatalogueEntry* Catalogue::add(CatalogueEntry entry) {
-  const std::string plain = without_mark(entry.source).string();
   if (entries_.size() >= kMaxEntries) {
     cut_off_ = true;
     return nullptr;
   }
-  if (!sources_.insert(plain).second) return nullptr;
-  if (entry.id.empty()) {
-    entry.id = is_analytic(plain) ? plain : id_of(entry.name, plain);
-    std::replace(entry.id.begin(), entry.id.end(), ':', '-');
-    const std::string stem = entry.id;
-    for (int n = 2; find(entry.id); ++n) entry.id = stem + "-" + std::to_string(n);
-  }
+  if (!sources_.insert(without_mark(entry.source).string()).second) return nullptr;
+  if (entry.id.empty()) entry.id = free_id(entry, [this](const std::string& id) { return find(id) != nullptr; });
   entry.name = valid_utf8(entry.name);
   place_of_[entry.id] = entries_.size();
   entries_.push_back(std::move(entry));
@@ -151,12 +156,7 @@ void Catalogue::reserve(std::size_t entries) {
 }
 
 std::string Catalogue::new_id(const CatalogueEntry& entry, std::unordered_set<std::string>& given) {
-  const std::string plain = without_mark(entry.source).string();
-  std::string stem = is_analytic(plain) ? plain : id_of(entry.name, plain);
-  std::replace(stem.begin(), stem.end(), ':', '-');
-  std::string id = stem;
-  for (int n = 2; !given.insert(id).second; ++n) id = stem + "-" + std::to_string(n);
-  return id;
+  return free_id(entry, [&given](const std::string& id) { return !given.insert(id).second; });
 }
 
 void Catalogue::pass_over(const std::vector<PassedOver>& all) {

@@ -33,9 +33,8 @@ std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& opt
   open.importer = options.importer;
   open.max_bytes = options.max_bytes;
   open.timeout_s = options.timeout_s;
-  const bool cached = import_cache() && !is_analytic(source) && can_be_cached(*import_cache(), source);
-  if (!cached && !options.keep.empty() && !is_analytic(source)) return open_import_keeping(source, open, options.keep, task);
-  return open_dataset(source, open, task);
+  if (options.keep.empty() || is_analytic(source) || (import_cache() && can_be_cached(*import_cache(), source))) return open_dataset(source, open, task);
+  return open_import_keeping(source, open, options.keep, task);
 }
 
 DatasetStore::DatasetStore(DatasetStoreOptions options, Loader loader)

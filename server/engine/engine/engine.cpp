@@ -301,6 +301,7 @@ class Engine::Impl {
       return view;
     }
     std::lock_guard lock(mutex_);
+    std::erase_if(views_, [](const auto& of) { return of.second.first.expired(); });
     views_[source.id] = {first_step, view};
     return view;
   }
