@@ -33,7 +33,7 @@ constexpr const char* kOrigin = "origin.txt";
 constexpr const char* kMeasures = "measures.json";
 constexpr const char* kEntry = "read-";
 constexpr const char* kNew = "new-";
-constexpr int kVersion = 1;  // of what an entry looks like
+constexpr int kVersion = 2;  // of what an entry looks like, and of what is made of a file
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);

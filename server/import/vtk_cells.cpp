@@ -1,6 +1,7 @@
 #include "import/vtk_cells.h"
 
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkCellTypes.h>
 #include <vtkDataArray.h>
@@ -12,12 +13,18 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkVersionMacros.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
+#include <tuple>
+#include <unordered_map>
+
+#include <boost/container_hash/hash.hpp>
 
 #include "base/error.h"
 #include "data/hull_faces.h"
 #include "data/split_polyhedron.h"
+#include "import/divide_cell.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -25,7 +32,7 @@ namespace {
 
 struct Kept {
   CellType type = CellType::tetrahedron;
-  int corners = 0;  // 0: not a cell that can be kept
+  int corners = 0;  // 0: not a cell that can be kept as it is
   bool linearised = false;
 };
 
@@ -41,25 +48,13 @@ Kept kept_as(int vtk_type) {
       return {CellType::wedge, 6, false};
     case VTK_PYRAMID:
       return {CellType::pyramid, 5, false};
-    case VTK_QUADRATIC_TETRA:
-    case VTK_LAGRANGE_TETRAHEDRON:
     case VTK_BEZIER_TETRAHEDRON:
       return {CellType::tetrahedron, 4, true};
-    case VTK_QUADRATIC_HEXAHEDRON:
-    case VTK_BIQUADRATIC_QUADRATIC_HEXAHEDRON:
-    case VTK_TRIQUADRATIC_HEXAHEDRON:
-    case VTK_LAGRANGE_HEXAHEDRON:
     case VTK_BEZIER_HEXAHEDRON:
       return {CellType::hexahedron, 8, true};
-    case VTK_QUADRATIC_WEDGE:
-    case VTK_QUADRATIC_LINEAR_WEDGE:
-    case VTK_BIQUADRATIC_QUADRATIC_WEDGE:
-    case VTK_LAGRANGE_WEDGE:
     case VTK_BEZIER_WEDGE:
       return {CellType::wedge, 6, true};
-    case VTK_QUADRATIC_PYRAMID:
-    case VTK_TRIQUADRATIC_PYRAMID:
-    case VTK_LAGRANGE_PYRAMID:
+    case VTK_LAGRANGE_PYRAMID:  // VTK numbers them and knows no nodes of them
     case VTK_BEZIER_PYRAMID:
       return {CellType::pyramid, 5, true};
     // Of cells with an area and no volume; VTK's pixel is a quadrilateral with its last two corners exchanged.
@@ -68,15 +63,8 @@ Kept kept_as(int vtk_type) {
     case VTK_QUAD:
     case VTK_PIXEL:
       return {CellType::quadrilateral, 4, false};
-    case VTK_QUADRATIC_TRIANGLE:
-    case VTK_BIQUADRATIC_TRIANGLE:
-    case VTK_LAGRANGE_TRIANGLE:
     case VTK_BEZIER_TRIANGLE:
       return {CellType::triangle, 3, true};
-    case VTK_QUADRATIC_QUAD:
-    case VTK_BIQUADRATIC_QUAD:
-    case VTK_QUADRATIC_LINEAR_QUAD:
-    case VTK_LAGRANGE_QUADRILATERAL:
     case VTK_BEZIER_QUADRILATERAL:
       return {CellType::quadrilateral, 4, true};
     default:
@@ -91,7 +79,8 @@ bool is_split(int vtk_type) {
 
 bool has_volume(int vtk_type) {
   const Kept as = kept_as(vtk_type);
-  return is_split(vtk_type) || (as.corners > 0 && !is_flat(as.type));
+  const auto divided = kind_of_divided(vtk_type);
+  return is_split(vtk_type) || (divided && !is_flat(*divided)) || (as.corners > 0 && !is_flat(as.type));
 }
 
 /// "VTK_QUADRATIC_TETRA" is what people search for; VTK calls it "vtkQuadraticTetra".
@@ -128,11 +117,12 @@ class CellKeeper {
       kept_ = {};
       counts_ = {};
       next_hull_ = 0;
+      middles_.clear();
       for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
     }
     note(notes);
     if (static_cast<vtkIdType>(kept_.types.size()) == count && counts_.skipped.empty() && counts_.open.empty() && counts_.split.empty() &&
-        counts_.fans.empty())
+        counts_.fans.empty() && counts_.divided.empty())
       kept_.source.clear();
     return std::move(kept_);
   }
@@ -206,6 +196,10 @@ class CellKeeper {
       keep_fan(c, vtk_type);
       return;
     }
+    if (const auto kind = kind_of_divided(vtk_type); kind && is_flat(*kind) == flat_) {
+      divide(c, vtk_type);
+      return;
+    }
     const Kept as = kept_as(vtk_type);
     if (as.corners == 0 || is_flat(as.type) != flat_) {
       ++counts_.skipped[vtk_type];
@@ -219,6 +213,61 @@ class CellKeeper {
     for (vtkIdType v = 0; v < as.corners; ++v)
       kept_.connectivity.push_back(checked(c, corners_->GetId(by_axes ? kFromVoxel[static_cast<std::size_t>(v)] : v)));
     end_cell(c, as.type);
+  }
+
+  /// How cells of this type and number of nodes are divided, made once.
+  const CellDivision& division(vtkIdType c, int vtk_type, vtkIdType nodes) {
+    std::array<int, 3> orders{};
+    vtkDataArray* const degrees = grid_->GetCellData()->GetHigherOrderDegrees();
+    if (degrees && c < degrees->GetNumberOfTuples())
+      for (int axis = 0; axis < std::min(3, degrees->GetNumberOfComponents()); ++axis)
+        if (const double said = degrees->GetComponent(c, axis); said >= 1 && said <= 100) orders[static_cast<std::size_t>(axis)] = static_cast<int>(said);
+    const auto key = std::make_tuple(vtk_type, nodes, orders);
+    if (const auto known = divisions_.find(key); known != divisions_.end()) return known->second;
+    try {
+      return divisions_.emplace(key, divide_cell(vtk_type, nodes, orders)).first->second;
+    } catch (const Error& error) {
+      broken("cell " + std::to_string(c) + ", " + vtk_name(vtk_type) + ", has " + error.what());
+    }
+  }
+
+  void divide(vtkIdType c, int vtk_type) {
+    cells_->GetCellAtId(c, corners_);
+    const CellDivision& made = division(c, vtk_type, corners_->GetNumberOfIds());
+    cycle_.clear();
+    for (vtkIdType v = 0; v < made.nodes; ++v) cycle_.push_back(checked(c, corners_->GetId(v)));
+    for (const MissingNode& missing : made.missing) cycle_.push_back(missing_node(missing));
+    std::size_t at = 0;
+    for (const CellType type : made.types) {
+      for (int v = 0; v < topology(type).vertex_count; ++v, ++at)
+        kept_.connectivity.push_back(cycle_[static_cast<std::size_t>(made.connectivity[at])]);
+      end_cell(c, type);
+    }
+    Split& row = counts_.divided[vtk_type];
+    ++row.cells;
+    row.pieces += static_cast<std::int64_t>(made.types.size());
+  }
+
+  /// The point in the middle of the cell or of a face of it, which the neighbour may have made; cycle_ has the cell's nodes.
+  std::int64_t missing_node(const MissingNode& missing) {
+    AddedPoints& to = kept_.added;
+    const std::int64_t number = points_ + static_cast<std::int64_t>(to.size());
+    if (missing.face[0] >= 0) {
+      std::array<std::int64_t, 4> corners;
+      for (std::size_t i = 0; i < 4; ++i) corners[i] = cycle_[static_cast<std::size_t>(missing.face[i])];
+      std::sort(corners.begin(), corners.end());
+      if (const auto [entry, fresh] = middles_.try_emplace(corners, number); !fresh) return entry->second;
+    }
+    Vec3d position{};
+    for (std::size_t i = 0; i < missing.nodes.size(); ++i) {
+      const std::int64_t node = cycle_[static_cast<std::size_t>(missing.nodes[i])];
+      position = position + missing.weights[i] * position_(node);
+      to.points.push_back(node);
+      to.weights.push_back(missing.weights[i]);
+    }
+    to.positions.push_back(position);
+    to.first.push_back(to.points.size());
+    return number;
   }
 
   /// A convex polygon as triangles about its first corner, or a strip as the triangles it is made of.
@@ -363,6 +412,8 @@ class CellKeeper {
       say(row.cells, vtk_name(type) + " read as " + std::to_string(row.pieces) + " triangles");
     for (const auto& [type, n] : counts_.open) say(n, vtk_name(type) + " skipped: their faces do not close up");
     for (const auto& [type, n] : counts_.linearised) say(n, vtk_name(type) + " read as linear cells by their corners");
+    for (const auto& [type, row] : counts_.divided)
+      say(row.cells, vtk_name(type) + " divided into " + std::to_string(row.pieces) + " linear cells between their nodes");
     for (const auto& [type, n] : counts_.whole)
       say(n, vtk_name(type) + " kept whole: they are tetrahedra, pyramids, wedges or hexahedra");
     for (const auto& [type, row] : counts_.split)
@@ -378,7 +429,7 @@ class CellKeeper {
   };
   struct Counts {
     std::map<int, std::int64_t> skipped, open, linearised, whole;
-    std::map<int, Split> split, fans;
+    std::map<int, Split> split, fans, divided;
     std::int64_t overlapping = 0;
   };
 
@@ -397,6 +448,8 @@ class CellKeeper {
   std::vector<PolyhedronFaces> hulls_;  // of the convex point sets, in their order
   std::size_t next_hull_ = 0;
   PolyhedronSplit pieces_;
+  std::map<std::tuple<int, vtkIdType, std::array<int, 3>>, CellDivision> divisions_;
+  std::unordered_map<std::array<std::int64_t, 4>, std::int64_t, boost::hash<std::array<std::int64_t, 4>>> middles_;  // of faces, by their corners in order
   const std::function<Vec3d(std::int64_t)> position_ = [this](std::int64_t id) {
     double p[3];
     grid_->GetPoint(id, p);

@@ -34,8 +34,8 @@ struct KeptCells {
 };
 
 /// Checks every index before it is used, notes what was skipped, split or made linear. Polyhedra, prisms and the hulls of convex point
-/// sets are split as split_polyhedron.h says; polygons of a flat grid become triangles; quadratic and higher-order cells are kept by
-/// their corners. Throws bad_data.
+/// sets are split as split_polyhedron.h says; polygons of a flat grid become triangles; quadratic and Lagrange cells are divided as
+/// divide_cell.h says; Bezier cells are kept by their corners. Throws bad_data.
 KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::vector<std::string>& notes);
 
 }  // namespace isostrata

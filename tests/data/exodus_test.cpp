@@ -153,13 +153,27 @@ TEST_F(Exodus, ArraysOfTheVolumesStayWhenShellsAreLeftOut) {
 }
 
 TEST_F(Exodus, TypesAreKnownByAnyOfTheirNames) {
-  const std::tuple<const char*, int, const char*> names[] = {
-      {"HEX", 8, "hexahedron"},    {"hex8", 8, "hexahedron"},      {"HEXAHEDRON", 8, "hexahedron"}, {"HEX20", 20, "hexahedron"},
-      {"HEX27", 27, "hexahedron"}, {"TETRA", 4, "tetrahedron"},    {"tet4", 4, "tetrahedron"},      {"TETRA8", 8, "tetrahedron"},
-      {"TETRA10", 10, "tetrahedron"}, {"TETRA11", 11, "tetrahedron"}, {"TETRA14", 14, "tetrahedron"}, {"WEDGE", 6, "wedge"},
-      {"WEDGE15", 15, "wedge"},    {"WEDGE16", 16, "wedge"},       {"PYRAMID", 5, "pyramid"},       {"PYR5", 5, "pyramid"},
-      {"PYRAMID13", 13, "pyramid"}, {"PYRAMID14", 14, "pyramid"}};
-  for (const auto& [name, nodes, type] : names) {
+  using Cells = std::map<std::string, std::int64_t>;
+  const Cells hexahedra{{"hexahedron", 8}}, tetrahedra{{"tetrahedron", 8}};  // that one of second order is divided into
+  const std::tuple<const char*, int, Cells> names[] = {{"HEX", 8, {{"hexahedron", 1}}},
+                                                       {"hex8", 8, {{"hexahedron", 1}}},
+                                                       {"HEXAHEDRON", 8, {{"hexahedron", 1}}},
+                                                       {"HEX20", 20, hexahedra},
+                                                       {"HEX27", 27, hexahedra},
+                                                       {"TETRA", 4, {{"tetrahedron", 1}}},
+                                                       {"tet4", 4, {{"tetrahedron", 1}}},
+                                                       {"TETRA8", 8, {{"tetrahedron", 1}}},
+                                                       {"TETRA10", 10, tetrahedra},
+                                                       {"TETRA11", 11, tetrahedra},
+                                                       {"TETRA14", 14, {{"tetrahedron", 1}}},
+                                                       {"WEDGE", 6, {{"wedge", 1}}},
+                                                       {"WEDGE15", 15, {{"wedge", 8}}},
+                                                       {"WEDGE16", 16, {{"wedge", 1}}},
+                                                       {"PYRAMID", 5, {{"pyramid", 1}}},
+                                                       {"PYR5", 5, {{"pyramid", 1}}},
+                                                       {"PYRAMID13", 13, {{"pyramid", 6}, {"tetrahedron", 4}}},
+                                                       {"PYRAMID14", 14, {{"pyramid", 1}}}};
+  for (const auto& [name, nodes, cells] : names) {
     SCOPED_TRACE(name);
     ExodusFile file;
     std::vector<std::int32_t> ids;
@@ -169,11 +183,30 @@ TEST_F(Exodus, TypesAreKnownByAnyOfTheirNames) {
     }
     file.blocks = {{name, nodes, ids, 0}};
     const auto data = open(file);
-    EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{type, 1}})) << notes(*data);
+    EXPECT_EQ(data->cell_types, cells) << notes(*data);
     std::array<std::int64_t, kMaxCellVertices> corners{};
     const int n = data->grid.cell_points(0, corners);
-    for (int v = 0; v < n; ++v) EXPECT_EQ(corners[static_cast<std::size_t>(v)], v);
+    for (int v = 0; v < (data->grid.cell_count() == 1 ? n : 1); ++v) EXPECT_EQ(corners[static_cast<std::size_t>(v)], v);
   }
+}
+
+/// Exodus numbers the middles of a hexahedron's edges up before those of its top: here every one has the value of its place.
+TEST_F(Exodus, MiddlesOfEdgesAreWhereExodusHasThem) {
+  ExodusFile file;
+  file.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  for (const auto& [a, b] : std::vector<std::pair<std::size_t, std::size_t>>{
+           {0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 5}, {2, 6}, {3, 7}, {4, 5}, {5, 6}, {6, 7}, {7, 4}})
+    file.points.push_back({(file.points[a][0] + file.points[b][0]) / 2, (file.points[a][1] + file.points[b][1]) / 2, (file.points[a][2] + file.points[b][2]) / 2});
+  std::vector<std::int32_t> ids;
+  for (int v = 1; v <= 20; ++v) ids.push_back(v);
+  file.blocks = {{"HEX20", 20, ids, 0}};
+  const auto data = open(file);
+  double volume = 0;
+  for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell) {
+    EXPECT_NEAR(test::cell_volume(data->grid, cell), 0.125, 1e-12) << cell;
+    volume += test::cell_volume(data->grid, cell);
+  }
+  EXPECT_NEAR(volume, 1, 1e-12);
 }
 
 TEST_F(Exodus, EmptyBlocksAndFlatMeshesAndNodesAloneGetAnAnswer) {

@@ -459,7 +459,8 @@ TEST(ImportWhatVtkWrites, CellsOfEveryTypeHaveTheirVolumeOrANote) {
       points->SetDataTypeToDouble();
       std::vector<vtkIdType> ids;
       for (int p = 0; p < cell->GetNumberOfPoints(); ++p) {
-        const Vec3d u{places[3 * p], places[3 * p + 1], places[3 * p + 2]};
+        Vec3d u{places[3 * p], places[3 * p + 1], places[3 * p + 2]};
+        if (type == VTK_QUADRATIC_PYRAMID && p >= 9) u = 0.5 * (u + Vec3d{0, 0, 0.5});  // half way to the tip, which VTK's coordinates leave out
         ids.push_back(points->InsertNextPoint(2 * u.x + shear * 0.5 * u.y, 3 * u.y + shear * 0.25 * u.z, sign * (u.z + shear * u.x)));
       }
       const double scale = 6 + shear * 0.125;  // the map's determinant
