@@ -16,6 +16,7 @@ namespace isostrata {
 
 /// In the order of their urgency.
 enum class WorkClass : std::uint8_t {
+  encoding,   // such a picture's bytes, once it is drawn: a few milliseconds; the next drawing can wait
   frame,      // pictures that somebody waits for with a hand on the mouse
   scene,      // opening and extracting what they show
   still,      // single pictures, numbers
@@ -53,7 +54,7 @@ class FairTurns {
     WorkClass of = WorkClass::frame;
     bool goes_on = true;  // said so since its turn began, or has had none
   };
-  static constexpr std::size_t kClasses = 4;
+  static constexpr std::size_t kClasses = 5;
 
   void charge(Time now);
   Id best() const;

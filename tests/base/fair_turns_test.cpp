@@ -75,6 +75,15 @@ TEST_F(FairTurnsTest, MoreUrgentWorkTakesTheTurnAtOnce) {
   EXPECT_EQ(holder(), &jobs_[frame]);
 }
 
+TEST_F(FairTurnsTest, APictureThatIsDrawnBecomesBytesBeforeTheNextOneIsDrawn) {
+  begin(1, WorkClass::frame);
+  pass(2ms);
+  const auto bytes = begin(1, WorkClass::encoding, 3ms);
+  EXPECT_EQ(holder(), &jobs_[bytes]);
+  pass(3ms);
+  EXPECT_EQ(jobs_[bytes].ended - jobs_[bytes].began, 3ms);
+}
+
 TEST_F(FairTurnsTest, SessionsHaveTheSameTimeHoweverManyWorksTheyHave) {
   for (int i = 0; i < 5; ++i) begin(1, WorkClass::still);
   const auto other = begin(2, WorkClass::still);

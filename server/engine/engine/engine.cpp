@@ -949,7 +949,8 @@ class Engine::Impl {
     const FrameRequest& request = of.request;
     try {
       const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
-      const Work work(frame.session, class_of(request), {of.task.get(), true, encoding.waiting()});
+      const WorkClass work_class = is_still(request) || request.lossless ? class_of(request) : WorkClass::encoding;
+      const Work work(frame.session, work_class, {of.task.get(), true, encoding.waiting()});
       encode_bytes(streams, drawn, of);
     } catch (...) {
       send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
