@@ -16,6 +16,7 @@ constexpr int kWidth = 1280, kHeight = 720;
 constexpr double kTickMs = 0.5;
 
 struct World {
+  double rest_ms = 0;  // before the hand begins
   double round_trip_ms = 1;
   std::function<double(double)> bits_per_second = [](double) { return 1e9; };
   std::function<double(double)> load = [](double) { return 1.0; };  // what the machine's times are multiplied with
@@ -69,7 +70,7 @@ Watched watch(const World& world, double seconds, const std::string& format = ""
   const auto ms = [](double v) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(v)); };
   s.open();
 
-  double now = 0, renderer_free = 0, encoder_free = 0, decoder_free = 0, queue_bits = 0, next_input = 0, next_ping = 0;
+  double now = 0, renderer_free = 0, encoder_free = 0, decoder_free = 0, queue_bits = 0, next_input = world.rest_ms, next_ping = 0;
   struct Event {
     double at_ms;
     std::function<void()> happen;
@@ -227,6 +228,26 @@ TEST(CodecByTime, PixelsAreGivenUpOnlyWhereTheyAreWhatTakesTheTime) {
   slow.load = [](double at) { return at < 5000 ? 1 : 0.05; };
   run = watch(slow, 12);
   EXPECT_EQ(run.frames.back().width, kWidth);
+}
+
+// A hand that begins to turn what rests.
+TEST(CodecByTime, TheFirstPictureOfAGestureIsInTimeAndLaterOnesAreNoSmallerThanTheyMustBe) {
+  World world;
+  world.rest_ms = 1500;
+  for (const double draw_ms : {5.0, 40.0, 80.0, 150.0}) {
+    world.draw_ms = draw_ms;
+    world.drawn_part = 0.9;
+    const Watched run = watch(world, 5);
+    std::vector<int> widths;
+    for (const Shown& frame : run.frames)
+      if (frame.at_ms > world.rest_ms && frame.format != "png") widths.push_back(frame.width);
+    ASSERT_GT(widths.size(), 60u) << draw_ms;
+    EXPECT_LE(run.p95(world.rest_ms), 70) << draw_ms << " ms: at " << widths.front() << ", then " << widths.back();
+    EXPECT_LE(std::abs(widths.front() - widths.back()), kWidth / 4) << draw_ms << " ms: the first forecast is nearly right";
+    int changes = 0;
+    for (std::size_t i = 1; i < widths.size(); ++i) changes += widths[i] != widths[i - 1];
+    EXPECT_LE(changes, 2) << draw_ms;
+  }
 }
 
 // The law that all of it is for.

@@ -16,6 +16,16 @@ constexpr double kLineMs = 5;        // ...where they take the line so long...
 constexpr double kLighter = 1.2;     // ...and the forecast is no worse than that
 constexpr Duration kEarly = std::chrono::seconds(3);  // what is left so soon after it was chosen was a mistake
 
+/// Of the codec, the nearest size that is listed; past the end if it is not listed at all.
+std::size_t place_of(const std::vector<CodecCandidate>& candidates, Codec codec, double scale) {
+  std::size_t place = candidates.size();
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (candidates[i].codec == codec &&
+        (place == candidates.size() || std::abs(candidates[i].scale - scale) < std::abs(candidates[place].scale - scale)))
+      place = i;
+  return place;
+}
+
 }  // namespace
 
 // The largest that one of the codecs makes in time; that of all, where fewer pixels would make it no faster.
@@ -32,15 +42,16 @@ double CodecChoice::largest_in_time(const std::vector<CodecCandidate>& candidate
   return making.empty() ? 1 : making.rbegin()->first;
 }
 
+std::size_t CodecChoice::choose_anew(const std::vector<CodecCandidate>& candidates, TimePoint now) {
+  scale_ = 0;  // so that each size has to be in time with room to spare
+  scale_ = largest_in_time(candidates);
+  scale_since_.reset();
+  const std::size_t place = place_of(candidates, codec_, scale_);
+  return place < candidates.size() ? place : choose(candidates, now);
+}
+
 std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, TimePoint now) {
-  const auto place_of = [&](Codec codec, double scale) {
-    std::size_t place = candidates.size();
-    for (std::size_t i = 0; i < candidates.size(); ++i)  // the nearest size that is listed
-      if (candidates[i].codec == codec &&
-          (place == candidates.size() || std::abs(candidates[i].scale - scale) < std::abs(candidates[place].scale - scale)))
-        place = i;
-    return place;
-  };
+  const auto place_of = [&](Codec codec, double scale) { return isostrata::place_of(candidates, codec, scale); };
   if (const double wanted = largest_in_time(candidates); wanted == scale_) {
     scale_since_.reset();
   } else {

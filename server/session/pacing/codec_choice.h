@@ -45,6 +45,8 @@ class CodecChoice {
   /// The candidate to use from now on, by its place in the list, which is not empty; it has each codec at falling sizes. What is
   /// in use and not listed any more is left at once.
   std::size_t choose(const std::vector<CodecCandidate>& candidates, TimePoint now);
+  /// At rest: the codec stays, and the size is the one that is in time now, without patience, since nobody sees it change.
+  std::size_t choose_anew(const std::vector<CodecCandidate>& candidates, TimePoint now);
   /// What the last call chose; JPEG before the first one.
   Codec codec() const { return codec_; }
   double scale() const { return scale_; }

@@ -64,6 +64,10 @@ double CodecCosts::expected(Codec codec, TimePoint now) const {
   return ratio * (newest->mean + newest->deviation);
 }
 
+void CodecCosts::rescale(double factor) {
+  for (Known& of : known_) of.mean *= factor, of.deviation *= factor;
+}
+
 void PixelShare::measured(double ms, double pixels, TimePoint now) {
   if (!(ms > 0) || !(pixels > 0)) return;
   if (std::abs(pixels - now_.pixels) > 0.02 * pixels) {
@@ -72,7 +76,20 @@ void PixelShare::measured(double ms, double pixels, TimePoint now) {
   }
   ++now_.count;
   now_.ms += (ms - now_.ms) / std::min<double>(now_.count, kMemory);
-  if (now_.count != CodecCosts::kEnough || before_.count == 0) return;
+  if (now_.count == CodecCosts::kEnough) compare(now);
+}
+
+void PixelShare::known(double ms, double pixels, bool same, TimePoint now) {
+  if (!(ms > 0) || !(pixels > 0)) return;
+  const bool other_size = std::abs(pixels - now_.pixels) > 0.02 * pixels;
+  if (other_size) before_ = same && now_.count >= CodecCosts::kEnough ? now_ : Size{};
+  if (!other_size && !same) before_ = {};
+  now_ = {pixels, ms, CodecCosts::kEnough};
+  if (other_size) compare(now);
+}
+
+void PixelShare::compare(TimePoint now) {
+  if (before_.count == 0) return;
   // ms = whole * (1 - share + share * pixels / larger)
   const Size& larger = now_.pixels > before_.pixels ? now_ : before_;
   const Size& smaller = now_.pixels > before_.pixels ? before_ : now_;

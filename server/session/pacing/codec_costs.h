@@ -28,6 +28,8 @@ class CodecCosts {
   void measured(Codec codec, double cost, TimePoint now);
   /// 0 while nothing is known of any codec.
   double expected(Codec codec, TimePoint now) const;
+  /// Another unit: all costs are so many times as large.
+  void rescale(double factor);
 
  private:
   struct Known {
@@ -56,12 +58,15 @@ class CodecCosts {
 class PixelShare {
  public:
   void measured(double ms, double pixels, TimePoint now);
+  /// One measure that tells as much as several. same: of what the last ones were of; else how these two sizes compare says nothing.
+  void known(double ms, double pixels, bool same, TimePoint now);
   /// Of the time that a picture of `from` pixels takes, what one of `pixels` would take.
   double scaled(double ms, double from, double pixels, TimePoint now) const;
 
  private:
   static constexpr double kUsual = 0.8;
   double share(TimePoint now) const;
+  void compare(TimePoint now);
 
   struct Size {
     double pixels = 0, ms = 0;

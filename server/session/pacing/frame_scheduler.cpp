@@ -111,7 +111,7 @@ Duration FrameScheduler::lossless_time(TimePoint now) const {
 
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   if (!may_order(now)) return std::nullopt;
-  wanted_ = {dirty_, wants_lossless_, reduced_, still_, allowance_, allowed_at_};
+  wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, allowance_, allowed_at_};
   const bool rests = now - last_change_ >= kSettle;
   FrameOrder order;
   if (still_) {
@@ -138,6 +138,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   } else {
     return std::nullopt;
   }
+  moving_ = order.phase == FramePhase::moving;
   ordered_ = order;
   ordered_at_ = now;
   return order;
@@ -169,6 +170,7 @@ void FrameScheduler::put_back() {
   dirty_ = wanted_.dirty;
   wants_lossless_ = wanted_.lossless;
   reduced_ = wanted_.reduced;
+  moving_ = wanted_.moving;
   still_ = wanted_.still;
   allowance_ = wanted_.allowance;
   allowed_at_ = wanted_.allowed_at;

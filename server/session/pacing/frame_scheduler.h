@@ -95,6 +95,8 @@ class FrameScheduler {
 
   /// Whether somebody looks: there is a viewport, and it is not hidden.
   bool visible() const { return !hidden_ && width_ > 0; }
+  /// Whether the last picture that was ordered was one in motion: a gesture goes on.
+  bool moving() const { return moving_; }
   /// Of the viewport; 0 where there is none.
   int width() const { return width_; }
   int height() const { return height_; }
@@ -134,9 +136,10 @@ class FrameScheduler {
   bool wants_lossless_ = false;  // nor has a lossless frame of it
   bool reduced_ = false;         // the newest state was ordered, as less than the viewport deserves
   std::optional<FrameOrder> still_;
+  bool moving_ = false;
 
   struct Wanted {
-    bool dirty = false, lossless = false, reduced = false;
+    bool dirty = false, lossless = false, reduced = false, moving = false;
     std::optional<FrameOrder> still;
     double allowance = 0;
     TimePoint allowed_at{};

@@ -13,6 +13,7 @@
 #include "engine/messages/messages.h"
 #include "session/commands/apply_command.h"
 #include "session/journal/journal.pb.h"
+#include "session/pacing/drawing_forecast.h"
 #include "session/pacing/viewer.h"
 #include "session/sessions/invitations.h"
 
@@ -178,10 +179,10 @@ class Session {
     std::optional<v1::LayerFacts> facts;  // nothing: not known yet, or it failed
   };
 
-  /// What moving frames cost here, ms: of drawing for a megapixel's picture, of encoding (with the wait for it) by megapixels.
+  /// What moving frames cost here, ms: of drawing, and of encoding by weight().
   struct MakingCosts {
-    CodecCosts drawing{1}, encoding{kUsualEncoding};
-    PixelShare drawn_pixels;
+    DrawingForecast drawing;
+    CodecCosts encoding{kUsualEncoding};
   };
   static constexpr double kUsualEncoding = 2.5;  // of video by that of JPEG
 

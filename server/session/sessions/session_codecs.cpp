@@ -12,20 +12,27 @@ constexpr Duration kChoose = std::chrono::milliseconds(40);  // between choices:
 constexpr std::array<double, 6> kScales{1, 0.8, 0.65, 0.5, 0.4, 0.3};  // of each side, that the machines' speed may ask for
 constexpr double kMostDecodingMs = 10000;
 
+// Until something is measured: of JPEG by weight().
+constexpr double kFirstEncodingMs = 5, kFirstDecodingMs = 5;
+
 double megapixels(double width, double height) { return width * height / kMegapixel; }
+/// What encoding and decoding are in proportion to: pixels, and as much as a small picture has whatever its size.
+double weight(double megapixels) { return 0.08 + megapixels; }
 
 }  // namespace
 
 void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoint now) {
-  if (picture.order.phase != FramePhase::moving || picture.request.lossless) return;
-  if (ready.video && ready.video->key) return;  // the first of a stream: an encoder had to be made, too
-  const Codec codec = ready.video ? ready.video->codec : Codec::jpeg;
   const StageTimes& ms = ready.stages;
   const double drawing = ms.order_ms + ms.draw_ms + ms.readback_ms;
   const double size = megapixels(ready.width, ready.height);
-  costs_.drawn_pixels.measured(drawing, size, now);
-  costs_.drawing.measured(codec, costs_.drawn_pixels.scaled(drawing, size, 1, now), now);
-  costs_.encoding.measured(codec, (ms.total_ms - ms.extract_ms - drawing) / size, now);
+  if (picture.order.phase != FramePhase::moving || picture.request.lossless) {
+    if (!picture.request.still) costs_.drawing.rested(drawing, size, now);
+    return;
+  }
+  const Codec codec = ready.video ? ready.video->codec : Codec::jpeg;
+  costs_.drawing.moved(codec, drawing, size, now);
+  if (ready.video && ready.video->key) return;  // the first of a stream: an encoder had to be made, too
+  costs_.encoding.measured(codec, ms.encode_ms / weight(size), now);
 }
 
 void Session::note_sent(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, std::uint64_t frame) {
@@ -38,7 +45,7 @@ void Session::note_sent(Viewer& viewer, const FrameOrder& order, const FrameRead
 void Session::note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimePoint now) {
   const auto of = std::find_if(viewer.sent.begin(), viewer.sent.end(), [&](const auto& s) { return s.frame == frame; });
   if (of == viewer.sent.end() || !(ms > 0) || ms > kMostDecodingMs) return;
-  viewer.decoding.measured(of->codec, ms / of->pixels, now);
+  viewer.decoding.measured(of->codec, ms / weight(of->pixels), now);
   viewer.sent.erase(viewer.sent.begin(), of + 1);
 }
 
@@ -46,9 +53,10 @@ void Session::note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimeP
 void Session::choose_codec(Viewer& viewer, TimePoint now) {
   viewer.chosen_at = now;
   std::vector<Codec> codecs{Codec::jpeg};
-  if (is_video(viewer.ladder.front())) codecs.push_back(viewer.ladder.front());
+  const double jpeg_ms = costs_.encoding.expected(Codec::jpeg, now);
+  if (jpeg_ms > 0 && is_video(viewer.ladder.front())) codecs.push_back(viewer.ladder.front());
   const double whole = megapixels(viewer.frames.width(), viewer.frames.height());
-  if (!(whole > 0) || costs_.encoding.expected(Codec::jpeg, now) <= 0) return;
+  if (!(whole > 0) || costs_.drawing.ms(Codec::jpeg, whole, now) <= 0) return;
 
   // Another picture than those that the others look at is a drawing more, which all wait for.
   int others = 0;
@@ -66,9 +74,11 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
     for (const double scale : kScales) {
       const FrameScheduler::Passing passing = viewer.frames.passing(codec, scale, now);
       const double pixels = whole * passing.scale * passing.scale;
-      const double drawing = costs_.drawn_pixels.scaled(costs_.drawing.expected(codec, now), 1, pixels, now);
-      const double encoding = pixels * costs_.encoding.expected(codec, now),
-                   decoding = pixels * viewer.decoding.expected(codec, now);
+      const double drawing = costs_.drawing.ms(codec, pixels, now);
+      const double per_encoding = jpeg_ms > 0 ? costs_.encoding.expected(codec, now) : kFirstEncodingMs;
+      const double per_decoding = viewer.decoding.expected(codec, now);
+      const double encoding = weight(pixels) * per_encoding,
+                   decoding = weight(pixels) * (per_decoding > 0 ? per_decoding : kFirstDecodingMs);
       CodecCandidate candidate;
       candidate.codec = codec;
       candidate.scale = scale;
@@ -82,7 +92,8 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
       candidates.push_back(candidate);
     }
   const Codec before = viewer.choice.codec();
-  const std::size_t chosen = viewer.choice.choose(candidates, now);
+  const std::size_t chosen =
+      viewer.frames.moving() ? viewer.choice.choose(candidates, now) : viewer.choice.choose_anew(candidates, now);
   viewer.forecasts.clear();
   for (const CodecCandidate& of : candidates) {
     if (of.scale != candidates[chosen].scale) continue;

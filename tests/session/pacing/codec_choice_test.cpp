@@ -114,6 +114,24 @@ TEST_F(Choice, OfTwoThatAreAsSoonTheOneOfFarFewerBytesIsShownWhereTheyTakeTime) 
   EXPECT_EQ(changes_.size(), 1u);
 }
 
+TEST_F(Choice, AtRestTheSizeIsChosenAnewWithoutPatienceAndInAGestureNot) {
+  const auto sizes = [](double whole_ms) {
+    std::vector<CodecCandidate> candidates;
+    for (const double scale : {1.0, 0.65, 0.4}) candidates.push_back({kJpeg, scale, whole_ms * scale * scale, 0, scale * scale});
+    return candidates;
+  };
+  const auto anew = [&](double whole_ms) {
+    const auto candidates = sizes(whole_ms);
+    return candidates[choice_.choose_anew(candidates, now_)].scale;
+  };
+  EXPECT_EQ(anew(20), 1);
+  EXPECT_EQ(anew(60), 0.65) << "the first picture already fits";
+  EXPECT_EQ(anew(150), 0.4);
+  EXPECT_EQ(anew(20), 1) << "and the next one is whole again";
+  const auto slow = sizes(60);
+  EXPECT_EQ(slow[choice_.choose(slow, now_ += kTick)].scale, 1) << "one forecast is no reason while somebody looks";
+}
+
 TEST_F(Choice, AMistakeIsLeftAtOnceAndNotRepeatedSoon) {
   bool looks_good = true;
   int tried = 0;
