@@ -68,7 +68,7 @@ CONF
 two_nodes() {
   declare -gA holder=()
   hostname n1
-  printf '127.0.0.1 localhost\n10.99.0.1 n1\n10.99.0.2 n2\n10.98.0.1 login\n' >"$work/hosts"
+  printf '127.0.0.1 localhost\n10.99.0.1 n1\n10.99.0.2 n2\n10.98.0.1 login portal\n' >"$work/hosts"
   mount --bind "$work/hosts" /etc/hosts
   mkdir -p "$work/home" "$work/state" "$work/spool-n1" "$work/spool-n2"
   mkdir -p /etc/slurm

@@ -1,4 +1,4 @@
 import base from './vitest.e2e.config';
 
-// Not a test: it makes pictures to look at. It needs what the browser tests need, and the target isostrata-shaped-link.
+// Not tests: `slow-link` makes pictures to look at, by the target isostrata-shaped-link; `portal` is run by deploy/prove-ondemand.
 export default { ...base, test: { ...base.test, include: ['**/*.record.ts'] } };

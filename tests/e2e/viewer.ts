@@ -58,13 +58,14 @@ export class Viewer {
   static async open(
     browser: Browser,
     url: string,
-    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; calm?: boolean; before?: (() => void)[] } = {},
+    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; calm?: boolean; before?: (() => void)[]; login?: { username: string; password: string } } = {},
   ): Promise<Viewer> {
     const context = await browser.newContext({
       viewport: { width: options.width ?? 1100, height: options.height ?? 760 },
       colorScheme: options.colorScheme ?? 'dark',
       reducedMotion: options.calm ? 'reduce' : 'no-preference',
       acceptDownloads: true,
+      ...(options.login ? { httpCredentials: options.login } : {}),
     });
     const page = await context.newPage();
     for (const script of options.before ?? []) await page.addInitScript(script); // runs in the page before its own scripts
