@@ -87,5 +87,54 @@ TEST_F(Opening, OfADatasetThatHasNothingToShowEveryoneIsToldWhy) {
   EXPECT_EQ(to_wire(facts()).nothing_to_show(), "");
 }
 
+class OpeningAFolder : public ::testing::Test, protected SessionsOnAClock {
+ protected:
+  OpeningAFolder() {
+    std::vector<CatalogueEntry> entries;
+    for (int i = 0; i < 20; ++i) entries.push_back({.id = "file " + std::to_string(i), .name = "file", .source = "file " + std::to_string(i)});
+    sessions->set_catalogue(std::make_shared<Catalogue>(Catalogue::from_entries(std::move(entries))), "", now);
+  }
+  /// What is asked to be opened, after the engine has refused it.
+  std::string refuse() {
+    const auto asked = take<OpenRequest>();
+    if (asked.size() != 1) return "";
+    sessions->on_event(RequestFailed{asked[0].session, asked[0].request, 0, ErrorCode::bad_data, asked[0].dataset + ": is broken"}, now);
+    return asked[0].dataset;
+  }
+};
+
+TEST_F(OpeningAFolder, TheFirstFileThatShowsSomethingIsShown) {
+  const auto client = connect(looking());
+  EXPECT_EQ(refuse(), "file 0");
+  EXPECT_EQ(client->outbox.error().message(), "file 0: is broken");
+  EXPECT_EQ(refuse(), "file 1");
+  for (const bool something : {false, true}) {
+    const auto asked = take<OpenRequest>();
+    ASSERT_EQ(asked.size(), 1u);
+    EXPECT_EQ(asked[0].dataset, something ? "file 3" : "file 2");
+    DatasetFacts of = facts();
+    if (!something) of.first_view = {};
+    sessions->on_event(DatasetReady{asked[0].session, asked[0].request, of}, now);
+  }
+  EXPECT_EQ(client->outbox.state().intervals_size(), 3);
+  EXPECT_TRUE(take<OpenRequest>().empty());
+}
+
+TEST_F(OpeningAFolder, OfNothingButBrokenFilesEightAreTried) {
+  const auto client = connect(looking());
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(refuse(), "file " + std::to_string(i));
+  EXPECT_EQ(refuse(), "");
+}
+
+TEST_F(OpeningAFolder, WhoChoosesMeanwhileHasTheLastWord) {
+  const auto client = connect(looking());
+  v1::ClientMessage chosen;
+  chosen.mutable_open_dataset()->set_id("file 9");
+  say(*client, std::move(chosen));
+  for (const OpenRequest& asked : take<OpenRequest>())
+    sessions->on_event(RequestFailed{asked.session, asked.request, 0, ErrorCode::bad_data, asked.dataset + ": is broken"}, now);
+  EXPECT_TRUE(take<OpenRequest>().empty()) << "nothing is opened in place of what somebody chose";
+}
+
 }  // namespace
 }  // namespace isostrata

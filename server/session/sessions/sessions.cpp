@@ -257,13 +257,23 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   if (!kept_) viewer.outbox->send(not_kept());
   // Someone who comes for the first time sees something at once. Who brings a token of a session that is gone has a state of
   // their own to bring back.
-  const auto& entries = catalogue_->entries();
-  const auto first = std::find_if(entries.begin(), entries.end(), [](const CatalogueEntry& of) { return of.news != CatalogueNews::gone && !of.writing; });
-  if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport() && first != entries.end())
-    session->open(first->id, nullptr, now, [session](std::optional<v1::Error> error) {
-      if (error && error->code() != "cancelled") session->broadcast(error_message(std::move(*error)));
-    });
+  if (hello.resume_token().empty() && viewer.invitation.empty() && hello.has_viewport()) show_first(session, {}, now);
   session->pump(now);
+}
+
+// The first dataset that shows something, of at most 8: the first file of a folder may be broken, or hold nothing but lines. Everyone is told why one did not open.
+void Sessions::show_first(Session* session, std::vector<std::string> tried, TimePoint now) {
+  const auto& entries = catalogue_->entries();
+  const auto next = std::ranges::find_if(entries, [&](const CatalogueEntry& of) {
+    return of.news != CatalogueNews::gone && !of.writing && std::ranges::find(tried, of.id) == tried.end();
+  });
+  if (tried.size() == 8 || next == entries.end()) return;
+  tried.push_back(next->id);
+  session->open(next->id, nullptr, now, [this, session, tried](std::optional<v1::Error> error) {
+    if (error && error->code() == "cancelled") return;
+    if (error) session->broadcast(error_message(std::move(*error)));
+    if (!session->dataset() || session->dataset()->first_view.layers.empty()) show_first(session, tried, session->last_use());
+  });
 }
 
 // The one that its invitation or its resume token names, or a new one. Null where it has been refused.

@@ -133,6 +133,7 @@ class Sessions final : public EngineDoor {
   };
 
   void hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
+  void show_first(Session* session, std::vector<std::string> tried, TimePoint now);
   Session* place_for(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
   void welcome(Viewer& viewer, Session& session);
   void remove(SessionKey key);
