@@ -39,6 +39,8 @@ describe('the modes of the page', () => {
     await viewer.until('a surface', (s) => s.intervals[0]?.surface?.upper === true);
     const plain = await viewer.exactPicture();
     expect(difference(before, plain)).toBeGreaterThan(0.1);
+    expect(await row.getByLabel(/surface silhouette/).count(), 'how it looks is out of the way until it is asked for').toBe(0);
+    await row.getByRole('button', { name: /how its surface looks/ }).click();
     await row.getByLabel(/surface silhouette/).fill('1');
     await viewer.until('a silhouette', (s) => s.intervals[0]?.surface?.silhouette === 1);
     expect(difference(plain, await viewer.exactPicture())).toBeGreaterThan(0);
