@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <mutex>
+#include <span>
+#include <string>
 
 #include "base/parallel.h"
+#include "data/kept_facts.h"
 
 namespace isostrata {
 namespace {
@@ -51,6 +55,20 @@ Histogram histogram(const PointArray& array, int bins) {
   check_bins(bins);
   if (array.lower > array.upper) return {array.lower, array.upper, std::vector<std::uint64_t>(static_cast<std::size_t>(bins), 0)};
   return {array.lower, array.upper, histogram(array, array.lower, array.upper, bins)};
+}
+
+std::vector<std::uint64_t> kept_histogram(const PointArray& array, double lower, double upper, int bins) {
+  constexpr int kMostKept = 1 << 14;
+  const bool all = lower == array.lower && upper == array.upper && bins >= 1 && bins <= kMostKept;
+  const std::string name = "histogram-" + std::to_string(bins);
+  std::vector<std::uint64_t> counts(all ? static_cast<std::size_t>(bins) : 0);
+  if (const auto kept = all ? kept_fact(array, name) : std::nullopt; kept && kept->size() == counts.size() * sizeof counts[0]) {
+    std::memcpy(counts.data(), kept->data(), kept->size());
+    return counts;
+  }
+  counts = histogram(array, lower, upper, bins);
+  if (all) keep_fact(array, name, std::as_bytes(std::span<const std::uint64_t>(counts)));
+  return counts;
 }
 
 }  // namespace isostrata

@@ -14,6 +14,9 @@ namespace isostrata {
 /// invalid_argument where bins is not in 1..1048576, a limit is not finite, or lower > upper. Any thread.
 std::vector<std::uint64_t> histogram(const PointArray& array, double lower, double upper, int bins);
 
+/// The same; over the whole range of an array that was imported into the cache it is counted once and kept there (kept_facts.h).
+std::vector<std::uint64_t> kept_histogram(const PointArray& array, double lower, double upper, int bins);
+
 struct Histogram {
   double lower = 0, upper = 0;        // the array's range; lower > upper where there is no finite value
   std::vector<std::uint64_t> counts;  // [bins]; their sum is the number of finite values

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <boost/json.hpp>
 #include <cerrno>
 #include <ctime>
@@ -20,6 +21,7 @@
 #include "base/temporary_directory.h"
 #include "data/file_series.h"
 #include "data/import_door.h"
+#include "data/kept_facts.h"
 #include "data/sandbox.h"
 #include "data/source_files.h"
 
@@ -184,6 +186,12 @@ void make_room(const ImportCache& cache, std::uint64_t bytes) {
 /// Whether a reader that a hostile file has taken over could not have written into the cache: then what lies there is ours.
 bool is_shut_in() { return sandbox() != Sandbox::off && sandbox_support().landlock > 0; }
 
+/// What is found out about the arrays from now on is kept in the entry, and what was before is there.
+void place_facts(const Dataset& dataset, const fs::path& entry) {
+  for (std::size_t i = 0; i < dataset.arrays.size(); ++i)
+    set_place_of_facts(dataset.arrays[i].storage, entry, "array_" + std::to_string(i) + ".");
+}
+
 std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& origin, const fs::path& file, const OpenOptions& options) {
   if (text_of(entry / kOrigin) != origin) return nullptr;
   const auto known = read_measures(entry / kMeasures);
@@ -206,6 +214,7 @@ std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& or
   }
   std::error_code ignored;
   fs::last_write_time(entry / kOrigin, fs::file_time_type::clock::now(), ignored);
+  if (is_shut_in()) place_facts(*dataset, entry);
   return dataset;
 }
 
@@ -228,7 +237,19 @@ std::optional<ImportCache>& of_this_process() {
 void set_import_cache(std::optional<ImportCache> cache) { of_this_process() = std::move(cache); }
 const std::optional<ImportCache>& import_cache() { return of_this_process(); }
 
-bool can_be_cached(const ImportCache& cache, const fs::path& file) { return stamp_of(file).bytes <= cache.max_bytes / 2; }
+bool can_be_cached(const ImportCache& cache, const fs::path& file) {
+  // What is mapped in place takes next to nothing in the cache.
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool may_be_in_place = ending == ".nrrd" || ending == ".vti" || ending == ".mha";
+  return may_be_in_place || stamp_of(file).bytes <= cache.max_bytes / 2;
+}
+
+std::shared_ptr<const Dataset> find_import_cached(const fs::path& file, const OpenOptions& options, const ImportCache& cache) {
+  check_source(file, options);
+  const auto origin = can_be_cached(cache, file) ? origin_of(file, options) : std::nullopt;
+  return origin && prepare(cache.folder) ? find(place_of(cache, *origin), *origin, file, options) : nullptr;
+}
 
 std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const OpenOptions& options, const ImportCache& cache, const Task& task) {
   check_source(file, options);
@@ -259,6 +280,7 @@ std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const Op
     if (bytes <= cache.max_bytes / 2 && fs::space(cache.folder, error).available >= bytes && !error) {
       make_room(cache, bytes);
       folder->become(place);
+      if (is_shut_in()) place_facts(*dataset, place);
     }
   }
   task.report(1, "reading");

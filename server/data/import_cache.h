@@ -25,13 +25,16 @@ struct ImportCache {
 void set_import_cache(std::optional<ImportCache> cache);
 const std::optional<ImportCache>& import_cache();
 
-/// Whether the cache could keep it: not where its files alone take more than half of the bytes.
+/// Whether the cache could keep it: not where its file alone takes more than half of the bytes, unless such files can be mapped in place.
 bool can_be_cached(const ImportCache& cache, const std::filesystem::path& file);
 
 /// As open_import. Maps the entry if there is one of the files as they are now; else reads them, and keeps what took long enough. A folder that
 /// cannot be written is as none. Any thread, any process.
 std::shared_ptr<const Dataset> open_import_cached(const std::filesystem::path& file, const OpenOptions& options, const ImportCache& cache,
                                                   const Task& task);
+
+/// Only where there is an entry of the files as they are now; else null.
+std::shared_ptr<const Dataset> find_import_cached(const std::filesystem::path& file, const OpenOptions& options, const ImportCache& cache);
 
 struct ImportCacheUse {
   int entries = 0;

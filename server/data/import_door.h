@@ -8,18 +8,19 @@
 //   {"format":1, "grid":"uniform"|"rectilinear"|"curvilinear"|"unstructured", "dims":[ni,nj,nk] (structured grids),
 //    "points":["float32"|"float64", count] (curvilinear, unstructured), "cells":n, "connectivity":n (unstructured),
 //    "hidden_cells":bool, "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":...,
-//    "type":...}], "times":n, "step":n, "notes":[...]}
+//    "type":...[, "in_file":..., "offset":n]}], "times":n, "step":n, "notes":[...]}
 //
 //   placement.bin       float64[6]: origin, spacing (uniform)
 //   axis_x.bin, ...     float64[dims] each (rectilinear)
 //   points.bin          [points][3]
 //   types.bin           uint8[cells], offsets.bin int64[cells + 1], connectivity.bin int64[connectivity]
 //   hidden.bin          uint8[cells]
-//   array_N.bin         [points] of the N-th array's type
+//   array_N.bin         [points] of the N-th array's type; not there where its bytes lie in a file as they are
 //   times.bin           float64[times]
 //
-// File names are fixed, so the manifest cannot name anything. Files are mapped read-only and unlinked; they live as long as the
-// Dataset.
+// File names are fixed, and "in_file" leads to a regular file beside the one that was asked for, or below, which the child may read anyhow: so the
+// manifest cannot name anything else. Files are mapped read-only and unlinked; they live as long as the Dataset. What is mapped in place
+// (source_mapping.h) stays where it is.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +34,9 @@
 #include "data/dataset.h"
 
 namespace isostrata {
+
+/// Arrays of this many bytes are mapped in place where they can be: below, a copy is cheap, and does not change under those who look at it.
+inline constexpr std::uint64_t kLeastInPlace = std::uint64_t{64} << 20;
 
 /// Runs the child on `file`. Throws not_found, bad_data (also where the child crashed, ran out of time, or wrote something
 /// inconsistent), unsupported, too_large, cancelled, unavailable (no isostrata-import, no room for temporary files). Any thread.
@@ -65,10 +69,14 @@ struct ImportMeasures {
 };
 ImportMeasures measures_of(const Dataset& dataset);
 
+enum class ImportValues { measured, unseen };
+
 /// The second half on its own: checks and maps a directory that a child wrote. `file` is what it was read from. With `known` it does not look
-/// at the values: only for files of our own that were checked when they were written. Throws bad_data, too_large.
+/// at the values: only for files of our own that were checked when they were written. Unseen values have no range yet; cells and points are checked
+/// all the same. Throws bad_data, too_large.
 std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, const std::filesystem::path& file, const OpenOptions& options,
-                                    ImportFiles files = ImportFiles::unlinked, const ImportMeasures* known = nullptr);
+                                    ImportFiles files = ImportFiles::unlinked, const ImportMeasures* known = nullptr,
+                                    ImportValues values = ImportValues::measured);
 
 /// isostrata-import beside this executable. Throws unavailable where it is not there.
 std::filesystem::path default_importer();

@@ -7,12 +7,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <boost/json.hpp>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "data/beneath.h"
 #include "data/import_door.h"
+#include "data/source_mapping.h"
 
 namespace isostrata {
 namespace {
@@ -61,15 +64,15 @@ class Mapping {
 
 class Manifest {
  public:
-  Manifest(const fs::path& directory, const std::string& name, const OpenOptions& options, ImportFiles files, bool checked)
-      : directory_(directory), name_(name), options_(options), files_(files), checked_(checked) {
+  Manifest(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files, bool checked)
+      : directory_(directory), file_(file), name_(file.filename().string()), options_(options), files_(files), checked_(checked) {
     const fs::path path = directory / "manifest.json";
     std::error_code error;
     const auto size = fs::file_size(path, error);
     if (error) refuse("wrote no manifest");
     if (size > kMostManifest)
       refuse("wrote a manifest of " + std::to_string(size) + " bytes; expected at most " + std::to_string(kMostManifest));
-    const Mapping mapping(path, size, name, files);
+    const Mapping mapping(path, size, name_, files);
     try {
       json::parse_options strict;
       strict.max_depth = 8;
@@ -117,6 +120,37 @@ class Manifest {
     storage = mapping;
     return mapping->bytes();
   }
+  /// Maps the elements where they lie in the file that was read, or in one beside or below it.
+  std::span<const std::byte> map_in_place(const json::object& fields, std::int64_t count, std::size_t element, std::shared_ptr<const void>& storage) {
+    const fs::path in_file = text(need(fields, "in_file"), "an array's file");
+    const std::int64_t offset = integer(need(fields, "offset"), "an array's offset", 0, std::numeric_limits<std::int64_t>::max());
+    std::uint64_t bytes = 0;
+    if (__builtin_mul_overflow(static_cast<std::uint64_t>(count), element, &bytes) || bytes > (std::uint64_t{1} << 60) ||
+        offset % static_cast<std::int64_t>(element) != 0)
+      refuse("declares " + std::to_string(count) + " elements at byte " + std::to_string(offset) + " of a file");
+    const bool leads_out = in_file.empty() || in_file.is_absolute() || std::find(in_file.begin(), in_file.end(), "..") != in_file.end();
+    if (leads_out) refuse("names a file that is not beside the one that was read, nor below");
+    int descriptor = -1;
+    if (in_file == file_.filename()) {
+      descriptor = open_beneath(file_, O_RDONLY | O_NONBLOCK);
+    } else {
+      const int folder = open_beneath(file_.parent_path().empty() ? fs::path(".") : file_.parent_path(), O_PATH | O_DIRECTORY);
+      if (folder >= 0) descriptor = open_beneath(folder, in_file, O_RDONLY | O_NONBLOCK);
+      if (descriptor < 0 && (errno == ENOSYS || errno == EPERM))  // a kernel or a sandbox without openat2
+        descriptor = open_beneath(beneath(without_mark(file_).parent_path(), in_file), O_RDONLY | O_NONBLOCK);
+      if (folder >= 0) close(folder);
+    }
+    if (descriptor < 0) throw Error(ErrorCode::not_found, in_file.string() + ": cannot be opened; it was read a moment ago");
+    try {
+      SourceMapping mapped = map_source(descriptor, static_cast<std::uint64_t>(offset), bytes, in_file.string());
+      close(descriptor);
+      storage = std::move(mapped.storage);
+      return mapped.bytes;
+    } catch (...) {
+      close(descriptor);
+      throw;
+    }
+  }
   template <class T>
   std::span<const T> map(const std::string& file, std::int64_t count, std::vector<std::shared_ptr<const void>>& keep) {
     std::shared_ptr<const void> storage;
@@ -126,7 +160,7 @@ class Manifest {
   }
 
  private:
-  fs::path directory_;
+  fs::path directory_, file_;
   std::string name_;
   const OpenOptions& options_;
   const ImportFiles files_;
@@ -301,7 +335,7 @@ ScalarType read_type(const Manifest& manifest, const json::value& value) {
   manifest.refuse("wrote an array of type '" + name + "'");
 }
 
-std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
+std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points, bool measured) {
   const json::value& list = manifest.need(manifest.root(), "arrays");
   if (!list.is_array() || list.get_array().size() > kMostArrays) manifest.refuse("wrote no list of at most 20000 arrays");
   std::vector<PointArray> arrays;
@@ -321,9 +355,10 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points) {
         static_cast<int>(manifest.integer(manifest.need(fields, "components"), "an array's components", 1, 1 << 20));
     array.component = manifest.text(manifest.need(fields, "component"), "an array's component");
     array.type = read_type(manifest, manifest.need(fields, "type"));
-    array.values =
-        scalar_span(array.type, manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
-    if (!manifest.checked()) measure_range(array);
+    array.values = scalar_span(array.type, fields.contains("in_file")
+                                               ? manifest.map_in_place(fields, points, size_of(array.type), array.storage)
+                                               : manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
+    if (measured) measure_range(array);
     arrays.push_back(std::move(array));
   }
   return arrays;
@@ -340,14 +375,14 @@ ImportMeasures measures_of(const Dataset& dataset) {
 }
 
 std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files,
-                                    const ImportMeasures* known) {
-  Manifest manifest(directory, file.filename().string(), options, files, known != nullptr);
+                                    const ImportMeasures* known, ImportValues values_are) {
+  Manifest manifest(directory, file, options, files, known != nullptr);
   if (manifest.integer(manifest.need(manifest.root(), "format"), "format", 0, 1 << 20) != 1)
     manifest.refuse("is of another version than this server");
   auto dataset = std::make_shared<Dataset>();
   dataset->name = without_mark(file).string();
   dataset->grid = map_grid(manifest);
-  dataset->arrays = map_arrays(manifest, dataset->grid.point_count());
+  dataset->arrays = map_arrays(manifest, dataset->grid.point_count(), !known && values_are == ImportValues::measured);
 
   const std::int64_t times = manifest.integer(manifest.need(manifest.root(), "times"), "the number of time steps", 1, kMostTimes);
   Storages keep;

@@ -191,6 +191,26 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t width) {
   for (std::size_t at = 0; at + width <= bytes.size(); at += width) std::reverse(bytes.begin() + at, bytes.begin() + at + width);
 }
 
+/// Where the values begin, after the header's byte skip.
+std::size_t skip_bytes(std::size_t present, std::size_t needed, const NrrdHeader& header, const std::string& name, std::vector<std::string>& notes) {
+  std::size_t from = 0;
+  if (header.byte_skip >= 0) {
+    from = static_cast<std::size_t>(header.byte_skip);
+    if (from > present || present - from < needed)
+      refuse_short(name, header, needed, present - std::min(from, present));
+  } else {
+    if (present < needed) refuse_short(name, header, needed, present);
+    const auto behind = static_cast<std::uint64_t>(-(header.byte_skip + 1));
+    from = present - needed;
+    if (behind <= from)
+      from -= static_cast<std::size_t>(behind);
+    else
+      notes.push_back("byte skip " + std::to_string(header.byte_skip) + " leaves too few bytes; the values are the file's last " +
+                      std::to_string(needed));
+  }
+  return from;
+}
+
 }  // namespace
 
 std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHeader& header, std::int64_t values,
@@ -211,21 +231,7 @@ std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHe
                                                         : decode_hex(in, most, name);
     bytes = unpacked;
   }
-  std::size_t from = 0;
-  if (header.byte_skip >= 0) {
-    from = static_cast<std::size_t>(header.byte_skip);
-    if (from > bytes.size() || bytes.size() - from < needed)
-      refuse_short(name, header, needed, bytes.size() - std::min(from, bytes.size()));
-  } else {
-    if (bytes.size() < needed) refuse_short(name, header, needed, bytes.size());
-    const auto behind = static_cast<std::uint64_t>(-(header.byte_skip + 1));
-    from = bytes.size() - needed;
-    if (behind <= from)
-      from -= static_cast<std::size_t>(behind);
-    else
-      notes.push_back("byte skip " + std::to_string(header.byte_skip) + " leaves too few bytes; the values are the file's last " +
-                      std::to_string(needed));
-  }
+  const std::size_t from = skip_bytes(bytes.size(), needed, header, name, notes);
   std::vector<std::byte> out;
   if (from == 0 && bytes.size() == needed && !unpacked.empty())
     out = std::move(unpacked);
@@ -233,6 +239,14 @@ std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHe
     out.assign(bytes.begin() + static_cast<std::ptrdiff_t>(from), bytes.begin() + static_cast<std::ptrdiff_t>(from + needed));
   if (header.big_endian && size_of(header.type) > 1) swap_bytes(out, size_of(header.type));
   return out;
+}
+
+std::optional<std::span<const std::byte>> nrrd_in_place(std::span<const std::byte> file, const NrrdHeader& header, std::int64_t values,
+                                                        const std::string& name, std::vector<std::string>& notes) {
+  if (header.encoding != NrrdEncoding::raw || (header.big_endian && size_of(header.type) > 1)) return std::nullopt;
+  const std::size_t needed = static_cast<std::size_t>(values) * size_of(header.type);
+  const auto in = skip_lines(file, header.line_skip, name);
+  return in.subspan(skip_bytes(in.size(), needed, header, name, notes), needed);
 }
 
 }  // namespace isostrata

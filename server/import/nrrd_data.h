@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,5 +18,10 @@ namespace isostrata {
 /// present.
 std::vector<std::byte> decode_nrrd(std::span<const std::byte> file, const NrrdHeader& header, std::int64_t values,
                                    const std::string& name, std::vector<std::string>& notes);
+
+/// Those values where they lie in the file, if its encoding is raw and their bytes are in the machine's order; nothing otherwise. Throws as
+/// decode_nrrd.
+std::optional<std::span<const std::byte>> nrrd_in_place(std::span<const std::byte> file, const NrrdHeader& header, std::int64_t values,
+                                                        const std::string& name, std::vector<std::string>& notes);
 
 }  // namespace isostrata

@@ -109,6 +109,36 @@ FileArray gather(const NrrdHeader& header, const Axes& axes, std::span<const std
   return array;
 }
 
+/// The step's values as they lie in the one file that has them, where they are what gather() would copy: x, y and z in this order, then time.
+std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& header, const Axes& axes, const std::shared_ptr<const MappedFile>& main,
+                                  std::vector<std::string>& notes) {
+  const bool in_order = axes.component.empty() && (!axes.time || *axes.time + 1 == header.axes.size()) &&
+                        std::is_sorted(axes.space.begin(), axes.space.end());
+  if (!in_order || header.data_files.size() > 1 || header.encoding != NrrdEncoding::raw) return std::nullopt;
+  std::string name = request.file.filename().string();
+  std::shared_ptr<const MappedFile> of = main;
+  auto bytes = main->bytes().subspan(std::min(header.length, main->bytes().size()));
+  if (!header.data_files.empty()) {
+    const auto path = referred_file(request.file, header.data_files.front());
+    of = std::make_shared<const MappedFile>(path);
+    bytes = of->bytes();
+    name = path.filename().string();
+  }
+  std::vector<std::string> own;
+  const auto all = nrrd_in_place(bytes, header, header.values(), name, own);
+  if (!all) return std::nullopt;
+  const std::size_t steps = axes.time ? static_cast<std::size_t>(header.axes[*axes.time].size) : 1;
+  const std::size_t step_bytes = all->size() / steps;
+  FileArray array;
+  array.name = "scalars";
+  array.type = header.type;
+  array.values = all->subspan(static_cast<std::size_t>(request.step) * step_bytes, step_bytes);
+  array.storage = of;
+  if (reinterpret_cast<std::uintptr_t>(array.values.data()) % size_of(array.type) != 0) return std::nullopt;
+  notes.insert(notes.end(), own.begin(), own.end());
+  return array;
+}
+
 /// Where an axis without direction begins and how far apart its samples are.
 std::pair<double, double> along(const NrrdAxis& axis, double origin, const std::string& name) {
   double spacing = axis.spacing.value_or(1.0);
@@ -157,8 +187,8 @@ void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::
 
 Imported read_nrrd(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  const MappedFile file(request.file);
-  const auto bytes = file.bytes();
+  const auto file = std::make_shared<const MappedFile>(request.file);
+  const auto bytes = file->bytes();
   const NrrdHeader header = parse_nrrd_header({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
   const Axes axes = sort_axes(header, name);
   Imported imported;
@@ -173,13 +203,16 @@ Imported read_nrrd(const ReadRequest& request) {
   }
   check_step(request, imported.times.size());
   const std::int64_t all = checked_product({header.values(), static_cast<std::int64_t>(size_of(header.type))}, name);
-  check_bytes(request, static_cast<std::uint64_t>(all), name);
-
-  const std::vector<std::byte> values = load_values(request, header, file, imported.notes);
-  request.progress(0.4);
   Block block;
   place(block, header, axes, name);
-  block.arrays.push_back(gather(header, axes, values, request.step));
+  if (auto array = in_place(request, header, axes, file, imported.notes)) {
+    block.arrays.push_back(std::move(*array));
+  } else {
+    check_bytes(request, static_cast<std::uint64_t>(all), name);
+    const std::vector<std::byte> values = load_values(request, header, *file, imported.notes);
+    request.progress(0.4);
+    block.arrays.push_back(gather(header, axes, values, request.step));
+  }
   imported.blocks.push_back(std::move(block));
   return imported;
 }

@@ -35,6 +35,7 @@
 
 #include "import/check_legacy_cells.h"
 #include "import/mapped_file.h"
+#include "import/read_image_in_place.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
@@ -212,7 +213,10 @@ Imported read_vtk_legacy(const ReadRequest& request) {
 Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   const std::string name = request.file.filename().string();
   if (type == "ImageData" || type == "PImageData") check_image_placement(request);
-  if (type == "ImageData") return run_named<vtkXMLImageDataReader>(request);
+  if (type == "ImageData") {
+    if (auto in_place = vti_in_place(request)) return std::move(*in_place);
+    return run_named<vtkXMLImageDataReader>(request);
+  }
   if (type == "RectilinearGrid") return run_named<vtkXMLRectilinearGridReader>(request);
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
   if (type == "UnstructuredGrid") return run_named<vtkXMLUnstructuredGridReader>(request);
@@ -242,6 +246,7 @@ Imported read_meta_image(const ReadRequest& request) {
     line.erase(0, line.find_first_not_of(" \t"));
     line.erase(line.find_last_not_of(" \t\r") + 1);
     check_data_files(request, line, header);
+    if (auto in_place = meta_image_in_place(request)) return std::move(*in_place);
     return run_named<vtkMetaImageReader>(request);
   }
   throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected a line 'ElementDataFile = ...'");

@@ -8,8 +8,10 @@
 #include <set>
 
 #include "base/utf8.h"
+#include "data/import_door.h"
 #include "import/append_blocks.h"
 #include "import/average_cells.h"
+#include "import/mapped_file.h"
 
 namespace isostrata {
 namespace {
@@ -29,6 +31,15 @@ class Writer {
     if ((out && std::fclose(out) != 0) || !written)
       throw Error(ErrorCode::unavailable, "cannot write " + std::to_string(bytes.size()) +
                                               " bytes to a temporary file: " + std::strerror(written ? errno : error));
+  }
+  /// Where the server itself can map an array's bytes: a large one, as it lies in a file beside the one that was asked for, or below.
+  std::optional<FilePlace> in_place(std::span<const std::byte> bytes, std::size_t element) const {
+    if (bytes.size() < kLeastInPlace) return std::nullopt;
+    std::optional<FilePlace> place = MappedFile::place_of(bytes);
+    if (!place || place->offset % element != 0) return std::nullopt;
+    place->file = place->file.lexically_normal().lexically_relative(request_.file.parent_path().lexically_normal());
+    if (place->file.empty() || *place->file.begin() == "..") return std::nullopt;
+    return place;
   }
   template <class T>
   void values(const std::string& name, std::span<const T> span) {
@@ -140,12 +151,18 @@ class ArrayWriter {
   void write(const FileArray& array, std::string name, const std::string& component, ScalarType type,
              std::span<const std::byte> bytes) {
     for (int n = 2; !names_.insert(name).second; ++n) name = name.substr(0, name.rfind(" #")) + " #" + std::to_string(n);
-    writer_.file("array_" + std::to_string(list_.size()) + ".bin", bytes);
-    list_.push_back(json::object{{"name", name},
-                                 {"association", array.on_cells ? "cell_averaged" : "point"},
-                                 {"components", array.components},
-                                 {"component", component},
-                                 {"type", to_string(type)}});
+    json::object entry{{"name", name},
+                       {"association", array.on_cells ? "cell_averaged" : "point"},
+                       {"components", array.components},
+                       {"component", component},
+                       {"type", to_string(type)}};
+    if (const auto place = writer_.in_place(bytes, size_of(type)); place && valid_utf8(place->file.string()) == place->file.string()) {
+      entry["in_file"] = place->file.string();
+      entry["offset"] = place->offset;
+    } else {
+      writer_.file("array_" + std::to_string(list_.size()) + ".bin", bytes);
+    }
+    list_.push_back(std::move(entry));
   }
 
   Writer& writer_;

@@ -1,0 +1,230 @@
+#include "import/read_image_in_place.h"
+
+#include <vtkDataObject.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkMetaImageReader.h>
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLImageDataReader.h>
+#include <vtkXMLUtilities.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <string_view>
+
+#include "data/import_door.h"
+#include "import/mapped_file.h"
+#include "import/vtk_blocks.h"
+#include "import/vtk_messages.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kLongestHead = 1u << 20;
+
+std::optional<std::uint64_t> number(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+std::optional<ScalarType> type_named(std::string_view name, const std::map<std::string_view, ScalarType>& names) {
+  const auto at = names.find(name);
+  return at == names.end() ? std::nullopt : std::optional(at->second);
+}
+
+std::string_view attribute(vtkXMLDataElement* element, const char* name) {
+  const char* text = element->GetAttribute(name);
+  return text ? text : "";
+}
+
+/// The values at `from`, where all of them are there and aligned.
+std::optional<FileArray> array_at(const std::shared_ptr<const MappedFile>& file, std::uint64_t from, std::uint64_t points, ScalarType type) {
+  const auto all = file->bytes();
+  const std::uint64_t element = size_of(type);
+  if (from > all.size() || points > (all.size() - from) / element || from % element != 0) return std::nullopt;
+  FileArray array;
+  array.type = type;
+  array.values = all.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(points * element));
+  array.storage = file;
+  return array;
+}
+
+/// Of its extent; nothing where that is none.
+std::optional<std::uint64_t> point_count(const int (&extent)[6]) {
+  std::uint64_t points = 1;
+  for (int a = 0; a < 3; ++a) {
+    const std::int64_t n = std::int64_t{extent[2 * a + 1]} - extent[2 * a] + 1;
+    if (n < 1 || __builtin_mul_overflow(points, static_cast<std::uint64_t>(n), &points)) return std::nullopt;
+  }
+  return points;
+}
+
+/// The image without values as the reader places it, and the arrays on it.
+template <class Reader>
+std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::vector<FileArray> arrays, std::uint64_t points) {
+  reader->SetFileName(request.file.c_str());
+  reader->UpdateInformation();
+  throw_on_vtk_error(request.file.filename().string());
+  vtkInformation* information = reader->GetOutputInformation(0);
+  int extent[6] = {0, -1, 0, -1, 0, -1};
+  if (!information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT())) return std::nullopt;
+  information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
+  if (point_count(extent) != points) return std::nullopt;
+  check_step(request, 1);
+  vtkNew<vtkImageData> image;
+  image->SetExtent(extent);
+  if (information->Has(vtkDataObject::ORIGIN())) image->SetOrigin(information->Get(vtkDataObject::ORIGIN()));
+  if (information->Has(vtkDataObject::SPACING())) image->SetSpacing(information->Get(vtkDataObject::SPACING()));
+  if (information->Has(vtkDataObject::DIRECTION())) image->SetDirectionMatrix(information->Get(vtkDataObject::DIRECTION()));
+  Imported imported;
+  append_vtk_blocks(image, request, false, imported.blocks, imported.notes);
+  imported.blocks.front().arrays = std::move(arrays);
+  for (const std::string& warning : vtk_warnings()) imported.notes.push_back("reader: " + warning);
+  return imported;
+}
+
+const std::map<std::string_view, ScalarType>& vtk_types() {
+  static const std::map<std::string_view, ScalarType> names{
+      {"Int8", ScalarType::int8},     {"UInt8", ScalarType::uint8},   {"Int16", ScalarType::int16},     {"UInt16", ScalarType::uint16},
+      {"Int32", ScalarType::int32},   {"UInt32", ScalarType::uint32}, {"Int64", ScalarType::int64},     {"UInt64", ScalarType::uint64},
+      {"Float32", ScalarType::float32}, {"Float64", ScalarType::float64}};
+  return names;
+}
+
+/// The point arrays of the piece in `head`, where all that the file holds are those.
+std::vector<FileArray> arrays_of(vtkXMLDataElement* file, const std::shared_ptr<const MappedFile>& mapped, std::uint64_t data, std::uint64_t& points) {
+  const bool wide = attribute(file, "header_type") == "UInt64";
+  const bool plain = attribute(file, "byte_order") == "LittleEndian" && attribute(file, "compressor").empty() &&
+                     (wide || attribute(file, "header_type") == "UInt32" || attribute(file, "header_type").empty());
+  if (!plain || file->GetNumberOfNestedElements() != 1) return {};
+  vtkXMLDataElement* image = file->GetNestedElement(0);
+  if (std::string_view(image->GetName()) != "ImageData" || image->GetNumberOfNestedElements() != 1) return {};
+  vtkXMLDataElement* piece = image->GetNestedElement(0);
+  int whole[6], extent[6];
+  if (std::string_view(piece->GetName()) != "Piece" || image->GetVectorAttribute("WholeExtent", 6, whole) != 6 ||
+      piece->GetVectorAttribute("Extent", 6, extent) != 6 || std::memcmp(whole, extent, sizeof whole) != 0)
+    return {};
+  const auto count = point_count(extent);
+  if (!count) return {};
+  points = *count;
+  std::vector<FileArray> arrays;
+  for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* part = piece->GetNestedElement(i);
+    if (part->GetNumberOfNestedElements() == 0) continue;
+    if (std::string_view(part->GetName()) != "PointData") return {};
+    for (int k = 0; k < part->GetNumberOfNestedElements(); ++k) {
+      vtkXMLDataElement* of = part->GetNestedElement(k);
+      const auto type = type_named(attribute(of, "type"), vtk_types());
+      const auto offset = number(attribute(of, "offset"));
+      const std::string name(attribute(of, "Name"));
+      const std::string_view components = attribute(of, "NumberOfComponents");
+      const bool scalar = components.empty() || components == "1" || components == "0";
+      if (std::string_view(of->GetName()) != "DataArray" || !type || !offset || !scalar || name.empty() || name == "vtkGhostType" ||
+          attribute(of, "format") != "appended" || of->GetNumberOfNestedElements() > 0)
+        return {};
+      const std::uint64_t head = wide ? 8 : 4;
+      std::uint64_t from = 0, bytes = 0;
+      if (__builtin_add_overflow(data, *offset, &from) || from > mapped->bytes().size() || mapped->bytes().size() - from < head) return {};
+      std::memcpy(&bytes, mapped->bytes().data() + from, static_cast<std::size_t>(head));
+      if (bytes / size_of(*type) != points || bytes % size_of(*type) != 0) return {};
+      auto array = array_at(mapped, from + head, points, *type);
+      if (!array) return {};
+      array->name = name;
+      arrays.push_back(std::move(*array));
+    }
+  }
+  return arrays;
+}
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+bool says_yes(const std::string& text) { return !text.empty() && (std::tolower(static_cast<unsigned char>(text[0])) == 't' || text[0] == '1'); }
+
+}  // namespace
+
+std::optional<Imported> vti_in_place(const ReadRequest& request) {
+  if (std::filesystem::file_size(request.file) < kLeastInPlace) return std::nullopt;
+  const auto mapped = std::make_shared<const MappedFile>(request.file);
+  const std::string_view text(reinterpret_cast<const char*>(mapped->bytes().data()), std::min(mapped->bytes().size(), kLongestHead));
+  const auto appended = text.find("<AppendedData");
+  const auto close = appended == std::string_view::npos ? appended : text.find('>', appended);
+  if (close == std::string_view::npos || text.substr(appended, close - appended).find("\"raw\"") == std::string_view::npos) return std::nullopt;
+  const auto mark = text.find_first_not_of(" \t\r\n", close + 1);
+  if (mark == std::string_view::npos || text[mark] != '_') return std::nullopt;
+  const std::string head = std::string(text.substr(0, appended)) + "</VTKFile>";
+  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromString(head.c_str()));
+  if (!root || std::string_view(root->GetName()) != "VTKFile") return std::nullopt;
+  std::uint64_t points = 0;
+  std::vector<FileArray> arrays = arrays_of(root, mapped, mark + 1, points);
+  if (arrays.empty()) return std::nullopt;
+  vtkNew<vtkXMLImageDataReader> reader;
+  return placed(request, reader.Get(), std::move(arrays), points);
+}
+
+std::optional<Imported> meta_image_in_place(const ReadRequest& request) {
+  static const std::map<std::string_view, ScalarType> types{
+      {"MET_CHAR", ScalarType::int8},   {"MET_UCHAR", ScalarType::uint8}, {"MET_SHORT", ScalarType::int16},   {"MET_USHORT", ScalarType::uint16},
+      {"MET_INT", ScalarType::int32},   {"MET_UINT", ScalarType::uint32}, {"MET_FLOAT", ScalarType::float32}, {"MET_DOUBLE", ScalarType::float64}};
+  auto mapped = std::make_shared<const MappedFile>(request.file);
+  const std::string_view text(reinterpret_cast<const char*>(mapped->bytes().data()), std::min(mapped->bytes().size(), kLongestHead));
+  std::map<std::string, std::string> fields;
+  std::size_t at = 0;
+  while (at < text.size() && !fields.contains("ElementDataFile")) {
+    const auto newline = std::min(text.find('\n', at), text.size());
+    const std::string_view line = text.substr(at, newline - at);
+    at = newline + 1;
+    const auto equals = line.find('=');
+    if (equals == std::string_view::npos) return std::nullopt;
+    fields[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
+  }
+  const auto type = type_named(fields["ElementType"], types);
+  const auto channels = fields["ElementNumberOfChannels"];
+  const bool swapped = says_yes(fields["BinaryDataByteOrderMSB"]) || says_yes(fields["ElementByteOrderMSB"]);
+  const std::string data = fields["ElementDataFile"];
+  if (!type || !says_yes(fields["BinaryData"]) || says_yes(fields["CompressedData"]) || (swapped && size_of(*type) > 1) || fields["NDims"] != "3" ||
+      !(channels.empty() || channels == "1") || data.empty() || data.starts_with("LIST") || data.find_first_of("% ") != std::string::npos)
+    return std::nullopt;
+  std::uint64_t points = 1;
+  std::string_view sizes = fields["DimSize"];
+  for (int a = 0; a < 3; ++a) {
+    const auto space = std::min(sizes.find(' '), sizes.size());
+    const auto size = number(sizes.substr(0, space));
+    if (!size || __builtin_mul_overflow(points, *size, &points)) return std::nullopt;
+    sizes = sizes.substr(std::min(sizes.find_first_not_of(' ', space), sizes.size()));
+  }
+  std::uint64_t from = at;
+  if (data != "LOCAL" && data != "local") {
+    mapped = std::make_shared<const MappedFile>(referred_file(request.file, data));
+    from = 0;
+  }
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(points, std::uint64_t{size_of(*type)}, &bytes) || bytes < kLeastInPlace || bytes > mapped->bytes().size())
+    return std::nullopt;
+  if (const std::string skip = fields["HeaderSize"]; skip == "-1") {
+    from = mapped->bytes().size() - bytes;
+  } else if (!skip.empty()) {
+    const auto given = number(skip);
+    if (!given || (data == "LOCAL" && *given != 0)) return std::nullopt;
+    from += *given;
+  }
+  auto array = array_at(mapped, from, points, *type);
+  if (!array) return std::nullopt;
+  array->name = "MetaImage";  // as VTK's reader calls it
+  std::vector<FileArray> arrays;
+  arrays.push_back(std::move(*array));
+  vtkNew<vtkMetaImageReader> reader;
+  return placed(request, reader.Get(), std::move(arrays), points);
+}
+
+}  // namespace isostrata

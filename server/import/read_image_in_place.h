@@ -1,0 +1,16 @@
+// Large images whose values need not be read, because they lie in the file as they are in memory.
+#pragma once
+
+#include <optional>
+
+#include "import/imported.h"
+
+namespace isostrata {
+
+/// Of .vti: one piece, point arrays of one component, appended raw, not compressed, in the machine's byte order and aligned; of .mhd and .mha: the
+/// same in one file of values. VTK's readers tell where the image lies in space, and are not asked for its values. Nothing for every other file, also
+/// for one that is too short or says what makes no sense: what is wrong with it is VTK's readers' to say.
+std::optional<Imported> vti_in_place(const ReadRequest& request);
+std::optional<Imported> meta_image_in_place(const ReadRequest& request);
+
+}  // namespace isostrata
