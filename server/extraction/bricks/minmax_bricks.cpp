@@ -1,10 +1,14 @@
 #include "extraction/bricks/minmax_bricks.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <span>
+#include <string>
 #include <type_traits>
 
 #include "base/parallel.h"
+#include "data/kept_facts.h"
 #include "extraction/bricks/brick_simd.h"
 
 namespace isostrata {
@@ -27,16 +31,41 @@ struct Columns {
 }  // namespace
 
 MinMaxBricks::MinMaxBricks(const Grid& grid, const PointArray& array, const Task& task) : layout_(grid.dims()) {
-  std::visit([&](auto values) { measure(values, task); }, array.values);
+  const auto dims = grid.dims();
+  const std::string name = "bricks-" + std::to_string(dims[0]) + 'x' + std::to_string(dims[1]) + 'x' + std::to_string(dims[2]);
+  std::visit(
+      [&](auto values) {
+        using T = typename decltype(values)::value_type;
+        auto& ranges = ranges_.emplace<Ranges<T>>();
+        const auto bricks = static_cast<std::size_t>(layout_.count());
+        ranges.lowest.resize(bricks);
+        ranges.highest.resize(bricks);
+        if (std::is_floating_point_v<T>) not_finite_.resize(bricks);
+        const std::array<std::span<std::byte>, 3> parts{std::as_writable_bytes(std::span(ranges.lowest)),
+                                                        std::as_writable_bytes(std::span(ranges.highest)),
+                                                        std::as_writable_bytes(std::span(not_finite_))};
+        const auto kept = kept_fact(array, name);
+        std::size_t at = 0;
+        if (kept && kept->size() == bytes()) {
+          for (const auto& part : parts) {
+            std::copy_n(kept->data() + at, part.size(), part.data());
+            at += part.size();
+          }
+          return;
+        }
+        measure(values, task);
+        constexpr std::int64_t kFewBricks = 1 << 15;  // some milliseconds to measure
+        if (layout_.count() < kFewBricks) return;
+        std::vector<std::byte> all;
+        for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+        keep_fact(array, name, all);
+      },
+      array.values);
 }
 
 template <class T>
 void MinMaxBricks::measure(std::span<const T> values, const Task& task) {
-  auto& ranges = ranges_.emplace<Ranges<T>>();
-  const auto bricks = static_cast<std::size_t>(layout_.count());
-  ranges.lowest.resize(bricks);
-  ranges.highest.resize(bricks);
-  if (std::is_floating_point_v<T>) not_finite_.resize(bricks);
+  auto& ranges = std::get<Ranges<T>>(ranges_);
   const std::int64_t ni = layout_.dims[0], nj = layout_.dims[1];
   const BrickSimd<T> simd = brick_simd<T>();
   // A row of bricks at a time: its 9 x 9 rows of points are read as they lie in memory.
