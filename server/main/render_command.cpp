@@ -10,6 +10,8 @@
 #include "engine/first/first_scene.h"
 #include "engine/picture/draw_scene.h"
 #include "engine/picture/draw_still.h"
+#include "extraction/bricks/brick_memory.h"
+#include "main/arguments.h"
 #include "main/commands.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
@@ -258,7 +260,10 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
   ms.device = stage.lap_ms();
   BaseMeshes bases(layer_request(scene).max_bytes);
+  BrickMemory bricks;
   SceneAids aids;
+  aids.bricks = &bricks;
+  if (renderer->cuts_intervals()) aids.least_in_bricks = kLeastInBricks;
   if (arguments.tetrahedra == "cut" && renderer->cuts_intervals()) {
     aids.tetrahedra = TetrahedraWay::cut;
     aids.bases = &bases;
@@ -342,6 +347,7 @@ void add_render_command(CLI::App& app) {
   command->add_option("--color-by", arguments->color_by,
                       "The array that colour maps run over, over its whole range (default: --array)");
   add_layer_options(*command, arguments->layers);
+  add_region_options(*command);
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command
       ->add_option(

@@ -6,11 +6,13 @@
 #include <cstdio>
 
 #include "base/stopwatch.h"
+#include "extraction/bricks/layer_bricks.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/laws/volume_error.h"
 #include "extraction/layers/extract_at_time.h"
 #include "extraction/layers/join_meshes.h"
 #include "extraction/surfaces/gradient_normals.h"
+#include "rendering/picture/lit_surfaces.h"
 #include "scene/color_range.h"
 
 namespace isostrata {
@@ -149,6 +151,12 @@ LayerRequest request_for(const Scene& scene, const std::string& array) {
   return request;
 }
 
+std::int64_t tetrahedra_of(const ExtractedScene& extracted) {
+  std::int64_t sum = 0;
+  for (const IntervalSummary& summary : extracted.summaries()) sum += summary.tetrahedra;
+  return sum;
+}
+
 std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, const Scene& scene,
                                                     const std::vector<SmearMoment>& wanted,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
@@ -241,6 +249,25 @@ bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& r
   made.mesh = made.base->mesh;
   made.color_values = made.base->values;
   made.cut_summaries = measure_intervals(*made.base, request.intervals);
+  set_range(dataset->array(made.color_by), made.color_lower, made.color_upper);
+  set_range(dataset->array(made.texture), made.texture_lower, made.texture_upper);
+  made.bounds = dataset->bounds;
+  made.request = request;
+  return true;
+}
+
+/// Fills `made` with the bricks that the layers lie in, where pictures need no more and a mesh would be large.
+bool bricks_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& request, const StepSource& steps, const SceneAids& aids,
+                    const Task& task) {
+  if (!aids.bricks || aids.least_in_bricks == std::numeric_limits<std::int64_t>::max() || !draws_from_bricks(scene)) return false;
+  const auto dataset = steps(request.step, task);
+  auto found = find_layer_bricks(dataset, dataset->array(request.array), request.intervals, *aids.bricks, aids.least_in_bricks,
+                                 std::min(request.max_bytes, aids.max_bytes), task);
+  if (!found) return false;
+  made.dataset = dataset;
+  made.time.first = made.time.second = request.step;
+  made.mesh = std::make_shared<const IntervalMesh>(std::move(found->mesh));
+  made.bricks = std::move(found->bricks);
   set_range(dataset->array(made.color_by), made.color_lower, made.color_upper);
   set_range(dataset->array(made.texture), made.texture_lower, made.texture_upper);
   made.bounds = dataset->bounds;
@@ -412,6 +439,11 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
   return sums;
 }
 
+bool draws_from_bricks(const Scene& scene) {
+  return !scene.intervals.empty() && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear &&
+         scene.triangulation == Triangulation::table && !uses_color_values(scene) && !uses_texture(scene);
+}
+
 std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task) {
   const auto summaries = interval_summaries(extracted, scene);
   std::vector<double> of_each;
@@ -476,7 +508,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   LayerRequest plain = request;
   plain.carry.clear();
 
-  const bool keep = last && !last->base && same_mesh(*last, plain, source, task);
+  const bool keep = last && !last->base && !last->bricks && same_mesh(*last, plain, source, task);
   const Values kept_colors = keep && last->color_by == color_by ? last->color_values : nullptr;
   const Values kept_texture = keep && last->texture == texture ? last->texture_values : nullptr;
   const bool has_values = (kept_colors || !colored) && (kept_texture || !textured);
@@ -484,7 +516,9 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
       keep && last->color_by == color_by && last->texture == texture && has_values && (last->normals_wanted || !surfaces);
   const bool same_cut = last && last->base && aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, request.array) &&
                         last->color_by == color_by && same_mesh(*last, plain, source, task);
-  if (same_split || same_cut) {
+  const bool same_bricks = last && last->bricks && aids.least_in_bricks <= tetrahedra_of(*last) && draws_from_bricks(scene) &&
+                           same_mesh(*last, plain, source, task);
+  if (same_split || same_cut || (same_bricks && last->color_by == color_by && last->texture == texture)) {
     if (last->extract_ms == 0) return last;
     *made = *last;
     made->extract_ms = 0;
@@ -494,6 +528,10 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   made->color_by = color_by;
   made->texture = texture;
   if (!keep && cut_instead(*made, scene, plain, last, steps, aids, task)) {
+    made->extract_ms = watch.elapsed_ms();
+    return made;
+  }
+  if (!keep && bricks_instead(*made, scene, plain, steps, aids, task)) {
     made->extract_ms = watch.elapsed_ms();
     return made;
   }
@@ -545,6 +583,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Datase
 std::uint64_t scene_bytes(const ExtractedScene& extracted) {
   const auto bytes = [](const auto& values) -> std::uint64_t { return values ? values->size() * sizeof((*values)[0]) : 0; };
   if (extracted.base) return 0;  // everybody's
+  if (extracted.bricks) return extracted.bricks->bytes();
   // What is drawn is the mesh's points and tetrahedra, or its facets, once more.
   return 2 * mesh_bytes(*extracted.mesh) + bytes(extracted.color_values) + bytes(extracted.texture_values) + bytes(extracted.normals) +
          extracted.time.bytes;
@@ -557,6 +596,7 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.mesh = extracted.mesh;
   input.color_values = extracted.color_values;
   input.base = extracted.base;
+  input.bricks = extracted.bricks;
   if (extracted.base) input.cut_intervals = extracted.request.intervals;
   input.styles = extracted.parts.empty() ? styles_of(scene, extracted, extracted.summaries()) : smear_styles(scene, extracted);
   if (extracted.dataset->grid.flat())
@@ -565,11 +605,7 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.mode =
       scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;
   input.integral = scene.integral;
-  // Where the grid ends, a surface does not lie across the gradient: with such facets in the picture all have their own normals.
-  const bool ends_of_grid = std::any_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) {
-    return style.visible && style.surface.drawn() && style.surface.domain;
-  });
-  if (!ends_of_grid) input.normals = extracted.normals;
+  if (lit_along_gradient(input)) input.normals = extracted.normals;
   input.texture_values = extracted.texture_values;
   input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset", static_cast<double>(width) / height);
   input.width = width;

@@ -2,6 +2,8 @@
 // changed.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,6 +60,9 @@ enum class TetrahedraWay {
 struct SceneAids : LayerAids {
   TetrahedraWay tetrahedra = TetrahedraWay::split;  // another one only where the renderer cuts_intervals()
   BaseMeshes* bases = nullptr;                      // null: split
+  // Layers on a structured grid that would have this many tetrahedra are drawn from their bricks (ExtractedScene::bricks) where the scene draws
+  // draws_from_bricks(); needs `bricks`, and a renderer that cuts_intervals(). A smaller mesh is drawn sooner the second time.
+  std::int64_t least_in_bricks = std::numeric_limits<std::int64_t>::max();
   std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, where the scene would need more
 };
 
@@ -83,6 +88,7 @@ struct ExtractedScene {
   // Not null: nothing was extracted; mesh and color_values are its, and draw_input has the intervals cut by the renderer.
   std::shared_ptr<const BaseTetrahedra> base;
   std::vector<IntervalSummary> cut_summaries;  // of those intervals
+  std::shared_ptr<const LayerBricks> bricks;   // not null: the mesh has summaries and no points, and the renderer draws these
   double extract_ms = 0;                       // 0 where `previous` was reused
 
   /// Of the request's intervals and of the terms that bring something in; of a smear, of each step.
@@ -93,6 +99,11 @@ struct ExtractedScene {
 /// one field at one step, colours that run along it or are constant (those where a surface is drawn, without textures), no overlaps.
 /// `array` is the scene's.
 bool cuts_exactly(const Scene& scene, const std::string& array);
+
+/// Whether a renderer needs no mesh for the layers of a structured grid: constant colours of plain ranges at one step, by the table, without
+/// textures.
+bool draws_from_bricks(const Scene& scene);
+inline constexpr std::int64_t kLeastInBricks = 4'000'000;
 
 /// What it takes in memory beside its datasets, and what a renderer makes of it.
 std::uint64_t scene_bytes(const ExtractedScene& extracted);

@@ -39,6 +39,8 @@ class ActiveBricks {
   ActiveBricks(const Grid& grid, const PointArray& array, const MinMaxBricks& index, const IsoRules& rules,
                std::uint64_t max_bytes, const Task& task, const ActiveBricks* previous = nullptr);
 
+  /// Whether these rules, and so these very bricks and records, are what it was made for.
+  bool is_of(const IsoRules& rules) const { return rules_ == rules; }
   const BrickLayout& layout() const { return layout_; }
   std::span<const ActiveBrick> bricks() const { return bricks_; }  // by number
   /// Which of bricks() has the number; kNotActive for none.

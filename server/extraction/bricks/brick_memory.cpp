@@ -56,6 +56,16 @@ std::shared_ptr<const MinMaxBricks> BrickMemory::ranges(const Grid& grid, const 
   return made;
 }
 
+std::shared_ptr<const ActiveBricks> BrickMemory::find_active(const Grid& grid, const PointArray& array, const IsoRules& rules,
+                                                              std::uint64_t max_bytes, const Task& task) {
+  const std::shared_ptr<const MinMaxBricks> of = ranges(grid, array, task);
+  const std::shared_ptr<const ActiveBricks> before = last(grid, array);
+  if (before && before->is_of(rules)) return before;
+  auto found = std::make_shared<const ActiveBricks>(grid, array, *of, rules, max_bytes, task, before.get());
+  keep(grid, array, found);
+  return found;
+}
+
 std::shared_ptr<const ActiveBricks> BrickMemory::last(const Grid& grid, const PointArray& array) {
   std::lock_guard lock(mutex_);
   const Entry* entry = find(field_of(grid, array));

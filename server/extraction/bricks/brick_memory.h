@@ -24,9 +24,13 @@ class BrickMemory {
 
   /// The array's ranges, measured where they are not kept. Throws cancelled.
   std::shared_ptr<const MinMaxBricks> ranges(const Grid& grid, const PointArray& array, const Task& task);
-  /// The active bricks of the field's last request; null where none are kept.
+  /// The active bricks of these intervals, with the help of those of the field's last request, in whose place they are kept. Throws what
+  /// ActiveBricks throws.
+  std::shared_ptr<const ActiveBricks> find_active(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
+                                                  const Task& task);
+
+  /// Those of the field's last request; null where none are kept.
   std::shared_ptr<const ActiveBricks> last(const Grid& grid, const PointArray& array);
-  void keep(const Grid& grid, const PointArray& array, std::shared_ptr<const ActiveBricks> active);
 
   std::uint64_t bytes() const;
 
@@ -47,6 +51,7 @@ class BrickMemory {
     std::uint64_t bytes() const;
   };
 
+  void keep(const Grid& grid, const PointArray& array, std::shared_ptr<const ActiveBricks> active);
   static Field field_of(const Grid& grid, const PointArray& array);
   Entry* find(const Field& field);  // moved to the front; with mutex_ held
   void drop();                      // with mutex_ held

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "data/grid.h"
+#include "extraction/cells/cell_geometry.h"
 #include "tables/cell_type.h"
 #include "tables/interval_table.h"
 
@@ -50,8 +51,12 @@ HexahedronGather build() {
         if (label >= kFirstCellFace) ++gather.in_face[i][label - kFirstCellFace];
       for (std::size_t turned = 0; turned < 2; ++turned)
         for (std::uint8_t f = 0; f < 4; ++f)
-          if (const std::uint8_t label = gather.labels[turned].back()[f]; label == kLowerFacet || label == kUpperFacet)
-            gather.iso_facets[turned].push_back({number, f, label == kLowerFacet ? FacetLabel::lower : FacetLabel::upper});
+          if (const std::uint8_t label = gather.labels[turned].back()[f]; label == kLowerFacet || label == kUpperFacet) {
+            const std::uint16_t* const offsets = gather.offsets[turned].data() + gather.offsets[turned].size() - 4;
+            const auto& v = kTetrahedronFacets[f];
+            gather.iso_facets[turned].push_back({number, f, label == kLowerFacet ? FacetLabel::lower : FacetLabel::upper,
+                                                 {offsets[v[0]], offsets[v[1]], offsets[v[2]]}});
+          }
       ++number;
     }
     gather.first_iso.push_back(static_cast<std::uint32_t>(gather.iso_facets[0].size()));

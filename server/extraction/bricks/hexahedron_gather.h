@@ -22,6 +22,7 @@ struct HexahedronGather {
   struct IsoFacet {
     std::uint8_t tetrahedron, facet;
     FacetLabel label;
+    std::array<std::uint16_t, 3> points;  // as `offsets`, counter-clockwise seen from outside
   };
   static constexpr int place(int i, int j, int k) { return (k * kRow + j) * kRow + i; }
 

@@ -4,47 +4,14 @@
 
 #include "base/parallel.h"
 #include "extraction/bricks/hexahedron_gather.h"
-#include "extraction/cells/active_cells.h"
+#include "extraction/bricks/open_faces.h"
+#include "extraction/cells/cell_geometry.h"
 #include "extraction/mesh/memory_budget.h"
 
 namespace isostrata {
 namespace {
 
 constexpr std::int64_t kBricksPerTask = 16;
-
-// Facet i of a positive tetrahedron, opposite vertex i, counter-clockwise seen from outside.
-constexpr std::array<std::array<int, 3>, 4> kFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-
-/// Calls visit(record, bits of the faces that no other cell shares) for a brick's records.
-template <class Visit>
-void visit_open_faces(const Grid& grid, const PointArray& array, const ActiveBricks& active, std::size_t b, bool may_be_absent,
-                      const Visit& visit) {
-  const BrickLayout& layout = active.layout();
-  const BrickLayout::Place place = layout.place(active.bricks()[b].number);
-  const std::array<std::int64_t, 3> stride{1, layout.dims[0] - 1, (layout.dims[0] - 1) * (layout.dims[1] - 1)};
-  bool at_end = false;
-  for (int axis = 0; axis < 3; ++axis)
-    at_end = at_end || place.first[axis] == 0 || place.first[axis] + place.cells[axis] + 1 == layout.dims[axis];
-  const bool look = at_end || may_be_absent;
-  int last = -1;
-  unsigned open = 0;
-  for (const CellRecord& record : active.records(b)) {
-    if (look && record.cell() != last) {
-      last = record.cell();
-      open = 0;
-      const std::array<std::int64_t, 3> at{place.first[0] + (last & 7), place.first[1] + (last >> 3 & 7),
-                                           place.first[2] + (last >> 6)};
-      const std::int64_t cell = layout.cell(at);
-      for (int face = 0; face < 6; ++face) {  // -x, +x, -y, +y, -z, +z
-        const int axis = face / 2;
-        const bool end = face % 2 ? at[axis] + 2 == layout.dims[axis] : at[axis] == 0;
-        if (end || (may_be_absent && cell_is_absent(grid, array, face % 2 ? cell + stride[axis] : cell - stride[axis])))
-          open |= 1u << face;
-      }
-    }
-    visit(record, open);
-  }
-}
 
 }  // namespace
 
@@ -53,28 +20,13 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
   const HexahedronGather& gather = hexahedron_gather();
   const std::span<const ActiveBrick> bricks = active.bricks();
   const auto count = static_cast<std::int64_t>(bricks.size());
-  // A cell that shares a face with one of the brick's is in the brick, before it, or in the next one along an axis, which is
-  // active where the face holds a part of an interval.
-  const auto near_absent = [&](std::size_t b) {
-    if (active.near_absent(b)) return true;
-    const BrickLayout& layout = active.layout();
-    const auto at = layout.indices(bricks[b].number);
-    for (int axis = 0; axis < 3; ++axis) {
-      auto next = at;
-      if (++next[axis] == layout.bricks[axis]) continue;
-      const std::uint32_t other = active.find(next[0] + layout.bricks[0] * (next[1] + layout.bricks[1] * next[2]));
-      if (other != ActiveBricks::kNotActive && active.near_absent(other)) return true;
-    }
-    return false;
-  };
-
   std::vector<std::uint64_t> before(bricks.size() + 1);
   StageProgress progress(task, "facets", 0.85, 1.0, 2 * count);
   parallel_for(count, kBricksPerTask, [&](std::int64_t begin, std::int64_t end) {
     for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
       task.check();
       std::uint64_t facets = 0;
-      visit_open_faces(grid, array, active, b, near_absent(b), [&](const CellRecord& record, unsigned open) {
+      visit_open_faces(grid, array, active, b, [&](const CellRecord& record, unsigned open) {
         const int case_index = record.case_index();
         facets += gather.first_iso[case_index + 1] - gather.first_iso[case_index];
         for (int face = 0; face < 6; ++face)
@@ -96,13 +48,13 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
       if (before[b] == before[b + 1]) continue;
       std::uint32_t t = first[b];
       BoundaryFacet* to = facets.data() + before[b];
-      visit_open_faces(grid, array, active, b, near_absent(b), [&](const CellRecord& record, unsigned open) {
+      visit_open_faces(grid, array, active, b, [&](const CellRecord& record, unsigned open) {
         const int case_index = record.case_index();
         const std::uint32_t past = t + gather.count[case_index];
         const auto interval = static_cast<std::uint16_t>(record.interval());
         const auto put = [&](std::uint32_t tetrahedron, int facet, FacetLabel label) {
           const auto& points = mesh.tetrahedra[tetrahedron];
-          const auto& v = kFacets[static_cast<std::size_t>(facet)];
+          const auto& v = kTetrahedronFacets[static_cast<std::size_t>(facet)];
           *to++ = {{points[v[0]], points[v[1]], points[v[2]]}, tetrahedron, interval, label, interval};
         };
         if (open == 0) {

@@ -18,6 +18,7 @@ struct IsoRule {
   std::uint32_t lower_index = 0, upper_index = 0;  // into IsoRules::isovalues
 
   int class_of(double f) const { return static_cast<int>(f >= lower) + static_cast<int>(f >= above); }
+  bool operator==(const IsoRule&) const = default;
 };
 
 /// The intervals of one request.
@@ -29,6 +30,7 @@ class IsoRules {
 
   std::span<const IsoRule> rules() const { return rules_; }         // in the order of the request, then the complement's
   std::span<const double> isovalues() const { return isovalues_; }  // distinct, increasing
+  bool operator==(const IsoRules&) const = default;
   double lowest() const { return lowest_; }                         // of all lower
   double highest() const { return highest_; }                       // of all above
 

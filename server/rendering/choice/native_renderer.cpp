@@ -10,6 +10,7 @@
 #include "extraction/surfaces/interval_surfaces.h"
 #include "rendering/crossings/draw_crossings.h"
 #include "rendering/picture/check_draw_input.h"
+#include "rendering/picture/lit_surfaces.h"
 #include "rendering/segments/draw_segments.h"
 
 namespace isostrata {
@@ -48,11 +49,7 @@ class NativeRenderer final : public Renderer {
   /// Of cut intervals in constant colours. The surfaces are kept as long as the ends stay.
   void draw_surfaces(const DrawInput& input, bool lit, TileSink& sink, DrawFacts& facts) {
     const Stopwatch watch;
-    // Where the grid ends, a surface does not lie across the gradient: with such facets in the picture all have their own
-    // normals.
-    const bool with_normals = lit && std::none_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) {
-                                return style.visible && style.surface.drawn() && style.surface.domain;
-                              });
+    const bool with_normals = lit && lit_along_gradient(input);
     const bool same_base = surfaces_of_.lock() == input.base;
     if (!same_base) directions_.clear();
     if (!surfaces_ || !same_base || surfaces_between_ != input.cut_intervals || (with_normals && !normals_)) {

@@ -9,13 +9,17 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "extraction/bricks/layer_bricks.h"
+#include "extraction/surfaces/gradient_normals.h"
 #include "rendering/crossings/count_fragments.h"
 #include "rendering/crossings/crossing_light.h"
 #include "rendering/crossings/crossing_list_tile.h"
 #include "rendering/crossings/optical_depth_tile.h"
 #include "rendering/crossings/project_vertices.h"
 #include "rendering/crossings/ray_limits.h"
+#include "rendering/crossings/seen_facets.h"
 #include "rendering/crossings/walk_simd.h"
+#include "rendering/picture/lit_surfaces.h"
 
 namespace isostrata {
 namespace {
@@ -25,6 +29,12 @@ constexpr std::size_t kTilePixels = static_cast<std::size_t>(kTileWidth) * kTile
 constexpr float kLeastThrough = 1.0f / 2048, kMostUnlit = 1.0f / 340;
 
 bool is_drawn(const IntervalStyle& style) { return style.visible && (style.opacity > 0 || style.surface.drawn()); }
+
+std::vector<std::uint8_t> drawn_styles(const DrawInput& input) {
+  std::vector<std::uint8_t> drawn;
+  for (const IntervalStyle& style : input.styles) drawn.push_back(is_drawn(style));
+  return drawn;
+}
 
 std::vector<DrawGroup> groups_of(const DrawInput& input) {
   std::map<int, DrawGroup> by_priority;
@@ -117,12 +127,33 @@ struct CrossingsRenderer::State {
 CrossingsRenderer::CrossingsRenderer() : state_(std::make_unique<State>()) {}
 CrossingsRenderer::~CrossingsRenderer() = default;
 
+struct CrossingsRenderer::Facets {
+  const FacetSet& set;
+  ScreenTransform transform;
+  double ms = 0;  // to find them
+};
+
 void CrossingsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& facts) {
-  const FacetSet& set = state_->facets_of(input.mesh);
+  if (!input.bricks) {
+    const FacetSet& set = state_->facets_of(input.mesh);
+    return draw(input, {set, make_screen_transform(input, set.points.empty() ? Box3d{{0, 0, 0}, {0, 0, 0}} : set.bounds)}, sink, facts);
+  }
+  const Stopwatch watch;
+  const ScreenTransform transform = make_screen_transform(input, input.bounds);
+  DrawInput seen = input;
+  auto mesh = std::make_shared<IntervalMesh>(seen_facets(*input.bricks, input.mesh->summaries, transform, drawn_styles(input)));
+  if (lit_along_gradient(input))
+    seen.normals = std::make_shared<const std::vector<Vec3f>>(gradient_normals(input.bricks->grid(), input.bricks->array(), *mesh, Task{}));
+  const FacetSet set = make_facet_set(*mesh, FacetsAre::part);
+  seen.mesh = std::move(mesh);
+  draw(seen, {set, transform, watch.elapsed_ms()}, sink, facts);
+}
+
+void CrossingsRenderer::draw(const DrawInput& input, const Facets& of, TileSink& sink, DrawFacts& facts) {
+  const FacetSet& set = of.set;
+  const ScreenTransform& transform = of.transform;
   Stopwatch watch;
-  const ScreenTransform transform = make_screen_transform(input, set.points.empty() ? Box3d{{0, 0, 0}, {0, 0, 0}} : set.bounds);
-  std::vector<std::uint8_t> drawn;
-  for (const IntervalStyle& style : input.styles) drawn.push_back(is_drawn(style));
+  const std::vector<std::uint8_t> drawn = drawn_styles(input);
   Buffer<ScreenVertex>& vertices = state_->vertices;
   project_vertices(input.mesh->positions, transform, vertices);
   const FacetBins bins = bin_facets(set, *input.mesh, vertices, transform, drawn);
@@ -138,7 +169,7 @@ void CrossingsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& 
     frame.least_through = kLeastThrough;
     frame.most_unlit = kMostUnlit;
   }
-  facts.order_ms = watch.lap_ms();
+  facts.order_ms = of.ms + watch.lap_ms();
 
   parallel_for(static_cast<std::int64_t>(bins.first.size()) - 1, 1, [&](std::int64_t begin, std::int64_t end) {
     thread_local TileScratch scratch;
@@ -154,7 +185,7 @@ void CrossingsRenderer::draw(const DrawInput& input, TileSink& sink, DrawFacts& 
   facts.tetrahedra = 0;
   for (std::size_t i = 0; i < input.styles.size(); ++i)
     if (drawn[i]) facts.tetrahedra += input.mesh->summaries[i].tetrahedra;
-  if (input.count_fragments) facts.fragments = count_fragments(*input.mesh, vertices, transform, drawn);
+  if (input.count_fragments && !input.bricks) facts.fragments = count_fragments(*input.mesh, vertices, transform, drawn);
 }
 
 }  // namespace isostrata

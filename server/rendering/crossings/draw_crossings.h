@@ -10,10 +10,14 @@ class CrossingsRenderer {
  public:
   CrossingsRenderer();
   ~CrossingsRenderer();
-  /// Draws input to the sink and fills facts. Every drawn style is constant(). Parallel; one caller at a time.
+  /// Draws input to the sink and fills facts, except fragments where it has bricks in place of a mesh. Every drawn style is constant(). Parallel;
+  /// one caller at a time.
   void draw(const DrawInput& input, TileSink& sink, DrawFacts& facts);
 
  private:
+  struct Facets;
+  void draw(const DrawInput& input, const Facets& facets, TileSink& sink, DrawFacts& facts);
+
   struct State;  // kept from frame to frame
   std::unique_ptr<State> state_;
 };

@@ -48,7 +48,7 @@ void place_facets(const std::vector<BoundaryFacet>& facets, std::size_t interval
 
 }  // namespace
 
-FacetSet make_facet_set(const IntervalMesh& mesh) {
+FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are) {
   FacetSet set;
   const std::size_t intervals = mesh.summaries.size();
   std::vector<BoundaryFacet> found;
@@ -88,7 +88,7 @@ FacetSet make_facet_set(const IntervalMesh& mesh) {
   for (std::size_t i = 0; i < intervals; ++i) {
     double sum = 0;
     for (std::uint32_t c = set.first_chunk[i]; c < set.first_chunk[i + 1]; ++c) sum += volume[c];
-    if (!(sum < 0)) continue;
+    if (!(sum < 0) || are == FacetsAre::part) continue;
     for (std::uint32_t f = first[i]; f < first[i + 1]; ++f) std::swap(set.points[f][1], set.points[f][2]);
   }
   return set;

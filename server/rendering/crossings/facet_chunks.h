@@ -36,7 +36,8 @@ struct FacetSet {
 };
 
 /// From mesh.facets, or, where it has none, from the tetrahedra. An interval whose facets enclose a negative volume (a mesh of
-/// mirrored cells) is turned inside out. Parallel.
-FacetSet make_facet_set(const IntervalMesh& mesh);
+/// mirrored cells) is turned inside out, unless they are a part of its facets only, which are right as they are. Parallel.
+enum class FacetsAre { whole, part };
+FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are = FacetsAre::whole);
 
 }  // namespace isostrata

@@ -61,6 +61,7 @@ void check(const DrawInput& input) {
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
   const bool all_constant = std::all_of(input.styles.begin(), input.styles.end(),
                                         [](const IntervalStyle& style) { return !style.visible || style.constant(); });
+  if (input.bricks && (!all_constant || !input.cut_intervals.empty())) fail("layers without a mesh are drawn in constant colours only");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalStyle& style = input.styles[i];
     const std::string which = "interval " + std::to_string(i) + ": ";
@@ -68,7 +69,7 @@ void check(const DrawInput& input) {
     if (!(style.opacity >= 0 && style.opacity <= 1)) fail(which + "opacity must be in [0, 1]");
     if (style.opacity_upper && !(*style.opacity_upper >= 0 && *style.opacity_upper <= 1))
       fail(which + "the upper opacity must be in [0, 1]");
-    if (style.visible && style.surface.drawn() && !input.cut_intervals.empty() &&
+    if (style.visible && style.surface.drawn() && (!input.cut_intervals.empty() || input.bricks) &&
         (!all_constant || !style.surface.texture.empty()))
       fail(which + "where the renderer cuts intervals, surfaces are drawn without textures and among constant colours only");
     if (style.surface.drawn()) check_surface(input, style.surface, which);

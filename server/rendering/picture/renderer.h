@@ -18,6 +18,8 @@
 
 namespace isostrata {
 
+class LayerBricks;  // extraction/bricks/layer_bricks.h
+
 enum class RenderMode {
   sorted,      // back to front over all intervals: the volume as it is
   prioritized  // painted by priority, nearer or not (section 4.1.3 of the paper)
@@ -41,6 +43,8 @@ struct DrawInput {
   // Then other ends need no other mesh. Surfaces among constant colours, without textures; only renderers that cuts_intervals().
   std::vector<Interval> cut_intervals;
   std::shared_ptr<const BaseTetrahedra> base;  // null without cut_intervals
+  // Not null: the mesh has summaries and no points; what is seen of its layers is made of these. As cut_intervals, and all styles constant().
+  std::shared_ptr<const LayerBricks> bricks;
   RenderMode mode = RenderMode::sorted;
   Integral integral = Integral::exact;
   std::vector<ClipPlane> clip_planes;  // what is kept by all of them is drawn; the cut is exact, to the pixel
@@ -87,7 +91,7 @@ class Renderer {
   /// Throws invalid_argument (size, camera, NaN colours), too_large, unavailable. After an Error the next call works.
   virtual DrawResult draw(const DrawInput& input) = 0;
   virtual const std::string& device() const = 0;
-  /// Whether DrawInput::cut_intervals can be drawn. The same as long as it lives.
+  /// Whether DrawInput::cut_intervals and DrawInput::bricks can be drawn. The same as long as it lives.
   virtual bool cuts_intervals() const { return false; }
 };
 

@@ -1,0 +1,141 @@
+#include "extraction/bricks/layer_bricks.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel.h"
+#include "extraction/bricks/brick_memory.h"
+#include "extraction/bricks/hexahedron_gather.h"
+#include "extraction/bricks/open_faces.h"
+#include "extraction/bricks/structured_measure.h"
+#include "extraction/cells/cell_geometry.h"
+#include "extraction/mesh/open_ends.h"
+
+namespace isostrata {
+
+LayerBricks::LayerBricks(std::shared_ptr<const Dataset> dataset, const PointArray& array, IsoRules rules, std::shared_ptr<const ActiveBricks> active)
+    : dataset_(std::move(dataset)),
+      array_(array),
+      rules_(std::move(rules)),
+      active_(std::move(active)),
+      writer_(dataset_->grid, array_, rules_, *active_) {
+  for (std::size_t b = 0; b < active_->bricks().size(); ++b) any_absent_ = any_absent_ || active_->near_absent(b);
+}
+
+bool LayerBricks::is_wanted(const ActiveBrick& brick, const Wanted& wanted) const {
+  if (!wanted || !grid().rectilinear()) return true;
+  const BrickLayout& layout = active_->layout();
+  const BrickLayout::Place place = layout.place(brick.number);
+  Box3d box;
+  box.include(grid().point(layout.point(place.first)));
+  box.include(grid().point(
+      layout.point({place.first[0] + place.cells[0], place.first[1] + place.cells[1], place.first[2] + place.cells[2]})));
+  return wanted(box);
+}
+
+void LayerBricks::write(std::int64_t slab, const Wanted& wanted, Slab& out) const {
+  out.mesh.facets.clear();
+  const BrickLayout& layout = active_->layout();
+  const std::span<const ActiveBrick> bricks = active_->bricks();
+  const auto first_of = [&](std::int64_t z) {
+    const auto number = static_cast<std::uint64_t>(z) * static_cast<std::uint64_t>(layout.bricks[0] * layout.bricks[1]);
+    return static_cast<std::size_t>(
+        std::lower_bound(bricks.begin(), bricks.end(), number, [](const ActiveBrick& b, std::uint64_t of) { return b.number < of; }) - bricks.begin());
+  };
+  const std::size_t begin = first_of(slab), end = first_of(slab + 1), beyond = first_of(slab + 2);
+  std::vector<std::uint8_t> chosen(end - begin);
+  bool any = false;
+  for (std::size_t b = begin; b < end; ++b) any |= chosen[b - begin] = is_wanted(bricks[b], wanted);
+  if (!any) return;
+  // A brick's cells use points of its neighbours, too: those in this slab, and the first layer of the next one.
+  const std::uint32_t base = writer_.first_point(begin);
+  out.mesh.positions.resize(writer_.first_point(beyond) - base);
+  out.mesh.origins.resize(out.mesh.positions.size());
+  for (std::size_t b = begin; b < beyond; ++b) {
+    const bool ends = any_absent_ || is_at_end(layout, layout.place(bricks[b].number));  // only facets at an end use points of the grid
+    writer_.write_points(b, base, b < end ? BrickLayout::kSide : 1, ends, out.scratch, out.mesh);
+  }
+  for (std::size_t b = begin; b < end; ++b)
+    if (chosen[b - begin]) write_facets(b, base, out);
+}
+
+void LayerBricks::write_facets(std::size_t b, std::uint32_t base, Slab& out) const {
+  if (active_->records(b).empty()) return;
+  writer_.make_tables(b, out.scratch);
+  const HexahedronGather& gather = hexahedron_gather();
+  visit_open_faces(grid(), array_, *active_, b, [&](const CellRecord& record, unsigned open) {
+    const int case_index = record.case_index(), cell = record.cell();
+    const auto interval = static_cast<std::uint16_t>(record.interval());
+    const std::size_t turned = active_->turned(record);
+    const std::uint32_t* const numbers =
+        out.scratch.numbers_of[interval] + HexahedronGather::place(cell & 7, cell >> 3 & 7, cell >> 6);
+    const auto put = [&](const std::array<std::uint16_t, 3>& at, FacetLabel label) {
+      out.mesh.facets.push_back({{numbers[at[0]] - base, numbers[at[1]] - base, numbers[at[2]] - base}, 0, interval, label, interval});
+    };
+    if (open == 0) {
+      const auto* const facets = gather.iso_facets[turned].data();
+      for (std::uint32_t f = gather.first_iso[case_index]; f < gather.first_iso[case_index + 1]; ++f) put(facets[f].points, facets[f].label);
+      return;
+    }
+    for (std::uint32_t t = gather.first[case_index]; t < gather.first[case_index + 1]; ++t)
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::uint8_t label = gather.labels[turned][t][i];
+        const bool in_open_face = label >= kFirstCellFace && (open >> (label - kFirstCellFace) & 1);
+        if (label != kLowerFacet && label != kUpperFacet && !in_open_face) continue;
+        const std::uint16_t* const offsets = gather.offsets[turned].data() + 4 * std::size_t{t};
+        const auto& v = kTetrahedronFacets[i];
+        put({offsets[v[0]], offsets[v[1]], offsets[v[2]]},
+            label == kLowerFacet ? FacetLabel::lower : label == kUpperFacet ? FacetLabel::upper : FacetLabel::domain);
+      }
+  });
+}
+
+std::vector<double> LayerBricks::signed_volumes(const Task& task) const {
+  const std::size_t intervals = rules_.rules().size();
+  const Vec3d origin = dataset_->bounds.center();
+  std::vector<double> of_slabs(static_cast<std::size_t>(slabs()) * intervals);
+  parallel_for(slabs(), slabs() / 64 + 1, [&](std::int64_t begin, std::int64_t end) {
+    Slab slab(*this);
+    for (std::int64_t z = begin; z < end; ++z) {
+      task.check();
+      write(z, nullptr, slab);
+      double* const sums = of_slabs.data() + static_cast<std::size_t>(z) * intervals;
+      for (const BoundaryFacet& facet : slab.mesh.facets) {
+        const Vec3d p = slab.mesh.positions[facet.points[0]] - origin, q = slab.mesh.positions[facet.points[1]] - origin,
+                    r = slab.mesh.positions[facet.points[2]] - origin;
+        sums[facet.interval] += dot(p, cross(q, r)) / 6;
+      }
+    }
+  });
+  std::vector<double> volumes(intervals);
+  for (std::size_t i = 0; i < of_slabs.size(); ++i) volumes[i % intervals] += of_slabs[i];
+  return volumes;
+}
+
+std::optional<FoundLayers> find_layer_bricks(const std::shared_ptr<const Dataset>& dataset, const PointArray& array,
+                                             std::span<const Interval> intervals, BrickMemory& memory, std::int64_t least_tetrahedra,
+                                             std::uint64_t max_bytes, const Task& task) {
+  const Grid& grid = dataset->grid;
+  if (!grid.structured() || grid.flat() || grid.cell_count() == 0) return std::nullopt;
+  IsoRules rules(intervals);
+  if (rules.rules().size() > kMaxRecordIntervals) return std::nullopt;
+  task.report(0, "searching");
+  std::shared_ptr<const ActiveBricks> active = memory.find_active(grid, array, rules, max_bytes, task);
+  if (static_cast<std::int64_t>(active->tetrahedra()) < least_tetrahedra || active->points() > std::numeric_limits<std::uint32_t>::max())
+    return std::nullopt;
+  FoundLayers found;
+  found.mesh.cells = grid.cell_count();
+  found.mesh.active_cells = static_cast<std::int64_t>(active->cells());
+  for (const IsoRule& rule : rules.rules()) found.mesh.summaries.emplace_back().interval = with_open_ends(rule.lower, rule.upper);
+  count_records(*active, found.mesh.summaries);
+  found.bricks = std::make_shared<const LayerBricks>(dataset, array, std::move(rules), std::move(active));
+  const std::vector<double> volumes = found.bricks->signed_volumes(task);
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    if (volumes[i] < 0) return std::nullopt;
+    found.mesh.summaries[i].signed_volume = volumes[i];
+  }
+  task.report(1, "extracted");
+  return found;
+}
+
+}  // namespace isostrata

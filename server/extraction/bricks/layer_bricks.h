@@ -1,0 +1,76 @@
+// The bricks that layers of a structured grid lie in, in place of a mesh of tetrahedra: all that drawing constant colours needs.
+//
+// A large mesh costs its memory: each megabyte that is written for the first time takes about a millisecond. So what bounds the layers is made
+// slab by slab, from the cells' cases, by whoever looks at it, and whoever looks keeps what he sees of it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/task.h"
+#include "data/dataset.h"
+#include "extraction/bricks/active_bricks.h"
+#include "extraction/bricks/brick_writer.h"
+#include "extraction/cells/iso_rules.h"
+#include "extraction/mesh/interval_mesh.h"
+
+namespace isostrata {
+
+class BrickMemory;
+
+/// Immutable; any thread.
+class LayerBricks {
+ public:
+  /// A layer of bricks along z. Its memory is kept from slab to slab.
+  struct Slab {
+    explicit Slab(const LayerBricks& of) : scratch(of.writer_) {}
+    BrickWriter::Scratch scratch;
+    IntervalMesh mesh;  // positions and origins of what the facets use, others mean nothing; facets, without `tetrahedron`
+  };
+  using Wanted = std::function<bool(const Box3d& brick)>;
+
+  LayerBricks(std::shared_ptr<const Dataset> dataset, const PointArray& array, IsoRules rules, std::shared_ptr<const ActiveBricks> active);
+  LayerBricks(const LayerBricks&) = delete;
+  LayerBricks& operator=(const LayerBricks&) = delete;
+
+  const Grid& grid() const { return dataset_->grid; }
+  const PointArray& array() const { return array_; }
+  const ActiveBricks& active() const { return *active_; }
+  std::int64_t slabs() const { return active_->layout().bricks[2]; }
+  /// The facets that structured_facets gives for the slab's bricks, in its order, on the very same positions. `wanted`: bricks for which it says no
+  /// are left out (grids of boxes only; null: none).
+  void write(std::int64_t slab, const Wanted& wanted, Slab& out) const;
+  /// [intervals] what the facets enclose: the sum of the tetrahedra's signed volumes. Parallel; the same for any number of threads.
+  std::vector<double> signed_volumes(const Task& task) const;
+  std::uint64_t bytes() const { return active_->bytes(); }
+
+ private:
+  void write_facets(std::size_t b, std::uint32_t base, Slab& out) const;
+  bool is_wanted(const ActiveBrick& brick, const Wanted& wanted) const;
+
+  const std::shared_ptr<const Dataset> dataset_;
+  const PointArray& array_;
+  const IsoRules rules_;
+  const std::shared_ptr<const ActiveBricks> active_;
+  const BrickWriter writer_;
+  bool any_absent_ = false;
+};
+
+/// The bricks and, as a mesh without points, the summaries that extract_structured gives; their absolute volumes and inverted tetrahedra are 0.
+struct FoundLayers {
+  std::shared_ptr<const LayerBricks> bricks;
+  IntervalMesh mesh;
+};
+/// Nothing where the intervals hold fewer than `least_tetrahedra` (then a mesh is cheaper to draw again and again), the grid is not structured or
+/// is flat, there are more than 256 intervals, or the grid's cells are turned over (a negative volume). `memory` keeps what was found, also where
+/// nothing is returned. Throws what extract_intervals throws. Any thread.
+std::optional<FoundLayers> find_layer_bricks(const std::shared_ptr<const Dataset>& dataset, const PointArray& array,
+                                             std::span<const Interval> intervals, BrickMemory& memory, std::int64_t least_tetrahedra,
+                                             std::uint64_t max_bytes, const Task& task);
+
+}  // namespace isostrata
