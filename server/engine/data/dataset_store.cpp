@@ -1,5 +1,6 @@
 #include "engine/data/dataset_store.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <new>
@@ -10,6 +11,7 @@
 #include "data/dataset_bytes.h"
 #include "data/import_cache.h"
 #include "data/import_door.h"
+#include "data/same_grid.h"
 
 namespace isostrata {
 
@@ -36,6 +38,31 @@ std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& opt
   if (options.keep.empty() || is_analytic(source) || (import_cache() && can_be_cached(*import_cache(), source))) return open_dataset(source, open, task);
   return open_import_keeping(source, open, options.keep, task);
 }
+
+namespace {
+
+/// The dataset on the other's grid, where they are the same: one mesh for all steps, by whose place in memory others know it. The dataset as it was
+/// read stays with it, for its files may have to.
+std::shared_ptr<const Dataset> on_grid_of(const std::shared_ptr<const Dataset>& other, std::shared_ptr<const Dataset> dataset) {
+  if (!other || !dataset->grid.storage || !same_grid(other->grid, dataset->grid)) return dataset;
+  struct Shared {
+    Dataset dataset;
+    std::shared_ptr<const Dataset> as_read;
+  };
+  auto shared = std::make_shared<Shared>(Shared{*dataset, dataset});
+  shared->dataset.grid = other->grid;
+  return {shared, &shared->dataset};
+}
+
+/// What it takes beside the grid of `other`.
+std::uint64_t bytes_beside(const Dataset* other, const Dataset& dataset) {
+  if (!other || other->grid.storage != dataset.grid.storage) return dataset_bytes(dataset);
+  Dataset arrays;
+  arrays.arrays = dataset.arrays;
+  return dataset_bytes(arrays);
+}
+
+}  // namespace
 
 DatasetStore::DatasetStore(DatasetStoreOptions options, Loader loader)
     : options_(std::move(options)), loader_(std::move(loader)) {}
@@ -108,12 +135,17 @@ std::shared_ptr<const Dataset> DatasetStore::borrow(const std::string& source, i
 }
 
 void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional<std::uint64_t> session) {
-  std::shared_ptr<const Dataset> dataset;
+  std::shared_ptr<const Dataset> dataset, like;
   std::exception_ptr failure;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [of, held] : held_)
+      if (of.first == key.first) like = held.dataset;  // one step stands for the others: a mesh that moves is another at each
+  }
   try {
     std::optional<Work> work;
     if (session) work.emplace(*session, WorkClass::scene, Work::Options{&loading->task});
-    dataset = loader_(key.first, key.second, loading->task);
+    dataset = on_grid_of(like, loader_(key.first, key.second, loading->task));
   } catch (const std::bad_alloc&) {
     failure = std::make_exception_ptr(Error(ErrorCode::too_large, "the dataset does not fit in memory"));
   } catch (...) {
@@ -125,7 +157,8 @@ void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional
   loading->done = true;
   if (const auto it = loading_.find(key); it != loading_.end() && it->second == loading) loading_.erase(it);
   if (dataset) {
-    const std::uint64_t bytes = dataset_bytes(*dataset);
+    const std::uint64_t bytes = bytes_beside(like.get(), *dataset);
+    like.reset();  // it may go
     held_[key] = {std::move(dataset), bytes, ++uses_};
     drop_unused();
   }
@@ -152,6 +185,17 @@ void DatasetStore::drop_unused() {
 void DatasetStore::drop(const std::string& source, int step) {
   const std::lock_guard lock(mutex_);
   held_.erase({source, step});
+}
+
+bool DatasetStore::has_room_for(const std::string& source, int step) const {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t bytes = 0, largest = 0;
+  for (const auto& [key, held] : held_) {
+    bytes += held.bytes;
+    if (key.first == source) largest = std::max(largest, held.bytes);
+    if (key == Key{source, step}) return false;
+  }
+  return !loading_.contains({source, step}) && bytes + largest <= options_.max_bytes / 2;
 }
 
 std::uint64_t DatasetStore::held_bytes() const {

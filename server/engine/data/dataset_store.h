@@ -26,7 +26,8 @@ struct DatasetStoreOptions {
   std::filesystem::path keep;            // as open_import_keeping; empty: nothing is kept
 };
 
-/// Any thread may call any function. Lock: mutex_.
+/// Steps of one source that lie on the very same mesh share one copy of it: a step then takes its arrays. Any thread may call any function. Lock:
+/// mutex_.
 class DatasetStore {
  public:
   using Loader = std::function<std::shared_ptr<const Dataset>(const std::string& source, int step, const Task& task)>;
@@ -48,6 +49,10 @@ class DatasetStore {
 
   /// Reads it anew the next time, for whoever asks then.
   void drop(const std::string& source, int step);
+
+  /// Whether a step that is neither held nor being loaded would fit beside what is held, half of the budget left: so far a step that nobody has
+  /// asked for yet may be loaded. By the steps that are held.
+  bool has_room_for(const std::string& source, int step) const;
 
   std::uint64_t held_bytes() const;
 

@@ -353,7 +353,7 @@ class Engine::Impl {
         const PointArray& array = dataset->array(request.array);
         const ValueRange range = join(request.least, {array.lower, array.upper});
         std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::clamp(request.bins, 0, 1 << 20)));
-        if (!range.empty()) counts = histogram(array, range.lower, range.upper, request.bins);
+        if (!range.empty()) counts = kept_histogram(array, range.lower, range.upper, request.bins);
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, range.lower,
                             range.upper, std::move(counts)});
       });
@@ -396,7 +396,8 @@ class Engine::Impl {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
         const CatalogueEntry& source = entry(request.scene.dataset);
         const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
-        const auto extracted = ready ? ready : extract_scene(steps, request.scene, nullptr, operation->task());
+        // How far a volume may be off is asked of the cells, which are not kept where pictures are made of bricks.
+        const auto extracted = ready && !ready->bricks ? ready : extract_scene(steps, request.scene, nullptr, operation->task());
         send(LayersMeasured{request.session, request.request, request.scene.revision,
                             interval_facts(*extracted, request.scene, true, operation->task())});
       });
@@ -466,13 +467,15 @@ class Engine::Impl {
     if (session.ready && same_extraction(session.ready_scene, scene)) return;
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
-    extractors_.post(key, [this, key, operation = session.extraction, scene, previous = session.ready] {
-      extract(key, operation, scene, previous);
+    extractors_.post(key, [this, key, operation = session.extraction, scene, previous = session.ready,
+                           before = session.ready ? std::optional(session.ready_scene) : std::nullopt] {
+      extract(key, operation, scene, previous, before);
     });
   }
 
-  void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene,
-               const std::shared_ptr<const ExtractedScene>& previous) {
+  /// previous, before: what is ready, and the scene that it is of.
+  void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const ExtractedScene>& previous,
+               const std::optional<Scene>& before) {
     std::shared_ptr<const ExtractedScene> extracted;
     std::exception_ptr failure;
     try {
@@ -486,6 +489,7 @@ class Engine::Impl {
       aids.ordered = &ordered_;
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
+      if (cuts_intervals_) aids.least_in_bricks = kLeastInBricks;
       aids.max_bytes = room_for(key, false);
       try {
         extracted = extract_scene(steps, scene, previous, operation->task(), aids);
@@ -500,6 +504,7 @@ class Engine::Impl {
     }
     operation->finish();
     if (extracted) prepare_tetrahedra(*extracted, scene, previous.get());
+    if (extracted && before) read_ahead(*extracted, scene, *before);
     std::vector<EngineEvent> events;
     std::vector<std::shared_ptr<const ExtractedScene>> given_back;
     {
@@ -579,13 +584,30 @@ class Engine::Impl {
     return (most - std::min(most, others)) / 2;
   }
 
-  /// Intervals that were moved once will be moved again: the grid of tetrahedra that they are cut out of then, where they are
-  /// drawn or by extraction, is made meanwhile.
-  void prepare_tetrahedra(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
-    if (extracted.base || !previous || previous->steps != extracted.steps || previous->request == extracted.request ||
-        !only_tetrahedra(*extracted.dataset))
+  /// Who goes from one step to the next will go on: the step after it is read while this one is drawn.
+  void read_ahead(const ExtractedScene& extracted, const Scene& scene, const Scene& before) {
+    const int next = scene.step + (scene.step - before.step > 0 ? 1 : -1);
+    if (scene.time || before.time || scene.dataset != before.dataset || std::abs(scene.step - before.step) != 1 || next < 0 ||
+        next >= static_cast<int>(extracted.dataset->times.size()) || !store_.has_room_for(scene.dataset, next))
       return;
-    const bool cut = cuts_intervals_ && cuts_exactly(scene, extracted.array) && !bases_.find(extracted.dataset, extracted.array);
+    ahead_.post(std::hash<std::string>()(scene.dataset), [this, dataset = scene.dataset, next] {
+      const Doing opening(options_.board, Stage::opening, 0, 0);
+      try {
+        const Work work(0, WorkClass::background, {&base_task_, true, opening.waiting()});
+        acquire_held(entry(dataset), next, base_task_);
+      } catch (const std::exception&) {  // who asks for it is told why
+      }
+    });
+  }
+
+  /// Intervals that were moved once will be moved again, and steps on one mesh will be followed by others: the grid of tetrahedra that they are cut
+  /// out of then, where they are drawn or by extraction, is made meanwhile.
+  void prepare_tetrahedra(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
+    if (extracted.base || !previous || previous->request == extracted.request || !only_tetrahedra(*extracted.dataset)) return;
+    const bool same_steps = previous->steps == extracted.steps;
+    const bool played = !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
+    if (!same_steps && !played) return;
+    const bool cut = same_steps && cuts_intervals_ && cuts_exactly(scene, extracted.array) && !bases_.find(extracted.dataset, extracted.array);
     const LayerRequest& request = extracted.request;
     const bool lay_out = request.terms.empty() && !request.time && !ordered_.knows(extracted.dataset->grid);
     if (cut ? previous->request.intervals == request.intervals : !lay_out) return;
@@ -741,7 +763,7 @@ class Engine::Impl {
     cuts_intervals_ = renderer.cuts_intervals();
     in_lanes_ = needs_no_device(renderer);
     for (auto& [key, session] : sessions_) {
-      if (!cuts_intervals_ && session.ready && session.ready->base) {
+      if (!cuts_intervals_ && session.ready && (session.ready->base || session.ready->bricks)) {
         session.ready.reset();
         scenes_.hold(key, 0);
         advance(key, session);
@@ -1049,6 +1071,7 @@ class Engine::Impl {
   Lanes readers_{{8, 10}};        // of steps for their ranges, by dataset
   Lanes exporters_{{2, 10}};      // of mesh files, by session
   Lanes preparers_{{1, 10}};      // of base meshes
+  Lanes ahead_{{1, 0}};           // of steps that will be asked for, by dataset
   Lanes extractors_;              // by session
   Lanes stills_{{kStills, 0}};    // by session
   Lanes frames_;                  // by session

@@ -124,5 +124,57 @@ TEST(DatasetStore, WhatIsBorrowedTakesNobodysPlace) {
   EXPECT_EQ(loads, 2);
 }
 
+/// A tetrahedron of its own memory, its last point at `x`, with the step's value at all points.
+std::shared_ptr<const Dataset> tetrahedron(const std::string& name, int step, double x) {
+  struct Parts {
+    std::vector<Vec3d> points;
+    std::vector<std::uint8_t> types{10};
+    std::vector<std::int64_t> offsets{0, 4}, connectivity{0, 1, 2, 3};
+  };
+  auto parts = std::make_shared<Parts>();
+  parts->points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {x, 0, 1}};
+  auto dataset = std::make_shared<Dataset>(*made(name, 4));
+  UnstructuredGrid shape;
+  shape.points = std::span<const Vec3d>(parts->points);
+  shape.types = parts->types;
+  shape.offsets = parts->offsets;
+  shape.connectivity = parts->connectivity;
+  dataset->grid = {shape, {}, parts};
+  dataset->step = step;
+  dataset->times = {0, 1, 2, 3};
+  return dataset;
+}
+
+TEST(DatasetStore, StepsOnOneMeshShareItAndOthersKeepTheirs) {
+  DatasetStore store({}, [](const std::string& source, int step, const Task&) { return tetrahedron(source, step, step == 2 ? 0.5 : 0); });
+  const auto first = store.acquire("a", 0, Task()), second = store.acquire("a", 1, Task()), moved = store.acquire("a", 2, Task());
+  const auto other = store.acquire("b", 0, Task());
+  EXPECT_EQ(second->grid.storage, first->grid.storage);
+  EXPECT_EQ(std::get<UnstructuredGrid>(second->grid.shape).connectivity.data(), std::get<UnstructuredGrid>(first->grid.shape).connectivity.data());
+  EXPECT_EQ(second->step, 1);
+  EXPECT_NE(second->arrays[0].storage, first->arrays[0].storage);
+  EXPECT_NE(moved->grid.storage, first->grid.storage);
+  EXPECT_NE(other->grid.storage, first->grid.storage) << "another source";
+}
+
+TEST(DatasetStore, AStepOnAMeshThatIsThereCountsByItsArrays) {
+  DatasetStore store({}, [](const std::string& source, int step, const Task&) { return tetrahedron(source, step, 0); });
+  const auto first = store.acquire("a", 0, Task());
+  const std::uint64_t one = store.held_bytes();
+  const auto second = store.acquire("a", 1, Task());
+  EXPECT_EQ(store.held_bytes(), one + 4 * sizeof(float));
+}
+
+TEST(DatasetStore, RoomForAStepIsHalfOfWhatIsLeftUnused) {
+  DatasetStoreOptions options;
+  options.max_bytes = 8 * 100 * sizeof(float);
+  DatasetStore store(options, [](const std::string& source, int, const Task&) { return made(source, 100); });
+  const auto first = store.acquire("a", 0, Task());
+  EXPECT_FALSE(store.has_room_for("a", 0)) << "it is there";
+  EXPECT_TRUE(store.has_room_for("a", 1));
+  const auto second = store.acquire("a", 1, Task()), third = store.acquire("a", 2, Task()), fourth = store.acquire("a", 3, Task());
+  EXPECT_FALSE(store.has_room_for("a", 4));
+}
+
 }  // namespace
 }  // namespace isostrata
