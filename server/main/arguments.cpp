@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/utf8.h"
+#include "data/region.h"
 
 namespace isostrata {
 namespace {
@@ -138,10 +139,38 @@ Task& command_task() {
   return task;
 }
 
+namespace {
+
+/// Of this command; a process runs one.
+Region& region_argument() {
+  static Region region;
+  return region;
+}
+
+}  // namespace
+
+void add_region_options(CLI::App& command) {
+  const auto usage = [](auto set) {
+    return [set](const std::string& text) {
+      try {
+        set(region_argument(), text);
+      } catch (const Error& error) {
+        throw CLI::ValidationError(error.what());
+      }
+    };
+  };
+  command.add_option_function<std::string>(
+      "--region", usage(set_box),
+      "Only the points FIRST:LAST,FIRST:LAST,FIRST:LAST of a structured grid along x, y, z, from 0, both included; an end that is left out is the grid's");
+  command.add_option_function<std::string>(
+      "--stride", usage(set_stride),
+      "Only every N-th point, or every NX,NY,NZ-th: a quick look at large data");
+}
+
 std::shared_ptr<const Dataset> open_argument(const std::string& file, int step) {
   OpenOptions options;
   options.step = step;
-  return open_dataset(file, options, command_task());
+  return open_part(file, options, region_argument(), command_task());
 }
 
 void print_json(const boost::json::value& document) {

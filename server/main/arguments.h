@@ -1,6 +1,7 @@
 // Arguments that several commands share.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <boost/json/value.hpp>
 #include <memory>
 #include <string>
@@ -29,7 +30,10 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index);
 /// One per process.
 Task& command_task();
 
-/// FILE of a command: analytic data or a path.
+/// Adds --region and --stride, which open_argument heeds from then on.
+void add_region_options(CLI::App& command);
+
+/// FILE of a command: analytic data or a path; the part of it that --region and --stride say.
 std::shared_ptr<const Dataset> open_argument(const std::string& file, int step = 0);
 
 /// One JSON document and a newline on standard output.

@@ -360,6 +360,7 @@ void add_extract_command(CLI::App& app) {
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->intervals, "LOWER:UPPER, of which -inf and inf leave an end open; may be repeated")->required()->allow_extra_args(false);
   add_layer_options(*command, arguments->layers);
+  add_region_options(*command);
   add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
   command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");

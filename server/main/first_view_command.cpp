@@ -4,6 +4,7 @@
 
 #include "base/stopwatch.h"
 #include "engine/first/first_view.h"
+#include "main/arguments.h"
 #include "main/commands.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
@@ -107,6 +108,7 @@ void add_first_view_command(CLI::App& app) {
                                          "light, camera, time, each with its reason");
   const auto arguments = std::make_shared<FirstViewArguments>();
   command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  add_region_options(*command);
   command->add_option("--array", arguments->array, "The array to show (default: the best)");
   command
       ->add_option("--step", arguments->step,
