@@ -9,6 +9,8 @@ void add_bench_command(CLI::App& app) {
   add_bench_extract_command(*bench);
   add_bench_hand_command(*bench);
   add_bench_neighbours_command(*bench);
+  add_bench_open_command(*bench);
+  add_bench_play_command(*bench);
   add_bench_render_command(*bench);
   add_bench_stream_command(*bench);
 }

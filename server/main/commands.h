@@ -21,6 +21,8 @@ void add_bench_encode_command(CLI::App& bench);
 void add_bench_extract_command(CLI::App& bench);
 void add_bench_hand_command(CLI::App& bench);
 void add_bench_neighbours_command(CLI::App& bench);
+void add_bench_open_command(CLI::App& bench);
+void add_bench_play_command(CLI::App& bench);
 void add_bench_render_command(CLI::App& bench);
 void add_bench_stream_command(CLI::App& bench);
 

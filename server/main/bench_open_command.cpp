@@ -1,0 +1,111 @@
+// `isostrata bench open`: from the name of a file to the first picture of it, by an engine as a session has it.
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "base/parallel.h"
+#include "base/stopwatch.h"
+#include "main/arguments.h"
+#include "main/bench_engine.h"
+#include "main/commands.h"
+#include "main/picture_arguments.h"
+
+namespace isostrata {
+namespace {
+
+namespace json = boost::json;
+
+struct OpenArguments {
+  std::vector<std::string> data{"torus"};
+  std::string size = "1280x720";
+  int repeat = 3;
+  bool json = false;
+};
+
+struct Opened {
+  double ms = 0, opened_ms = 0, extract_ms = 0, draw_ms = 0;
+  std::int64_t tetrahedra = 0;
+  std::uint64_t resident = 0;
+};
+
+Opened open_once(const std::string& data, int width, int height) {
+  const std::uint64_t before = resident_bytes();
+  const Stopwatch watch;
+  BenchEngine engine(data);
+  const DatasetFacts facts = engine.open();
+  Opened opened;
+  opened.opened_ms = watch.elapsed_ms();
+  const FrameReady frame = engine.picture(engine.first_scene(facts, static_cast<double>(width) / height), width, height);
+  opened.ms = watch.elapsed_ms();
+  opened.extract_ms = frame.stages.extract_ms;
+  opened.draw_ms = frame.stages.order_ms + frame.stages.draw_ms;
+  opened.tetrahedra = frame.tetrahedra;
+  const std::uint64_t after = resident_bytes();
+  opened.resident = after - std::min(after, before);
+  return opened;
+}
+
+double median_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0 : values[values.size() / 2];
+}
+
+json::object measure(const OpenArguments& arguments, const std::string& data) {
+  const auto [width, height] = parse_size(arguments.size);
+  std::vector<double> cold, warm;
+  Opened first, again;
+  std::uint64_t written = 0;
+  for (int i = 0; i < arguments.repeat; ++i) {
+    const ScratchCache cache;
+    first = open_once(data, width, height);
+    cold.push_back(first.ms);
+    written = std::max(written, cache.bytes());
+    again = open_once(data, width, height);
+    warm.push_back(again.ms);
+  }
+  return {{"data", std::filesystem::path(data).filename().string()},
+          {"bytes", source_bytes(data)},
+          {"cold_ms", median_of(cold)},
+          {"warm_ms", median_of(warm)},
+          {"resident_mb", static_cast<double>(std::max(first.resident, again.resident)) / 1e6},
+          {"temporary_mb", static_cast<double>(written) / 1e6},
+          {"size", {width, height}},
+          {"tetrahedra", first.tetrahedra},
+          {"last_ms",
+           {{"cold", {{"open", first.opened_ms}, {"extract", first.extract_ms}, {"draw", first.draw_ms}}},
+            {"warm", {{"open", again.opened_ms}, {"extract", again.extract_ms}, {"draw", again.draw_ms}}}}}};
+}
+
+void run(const OpenArguments& arguments) {
+  parse_size(arguments.size);
+  json::array runs;
+  for (const std::string& data : arguments.data) {
+    json::object one = measure(arguments, data);
+    if (!arguments.json) {
+      std::printf("%-28s first picture %7.0f ms cold, %6.0f ms kept; %7.1f MB of memory, %8.1f MB written, %lld tetrahedra\n",
+                  one.at("data").as_string().c_str(), one.at("cold_ms").as_double(), one.at("warm_ms").as_double(),
+                  one.at("resident_mb").as_double(), one.at("temporary_mb").as_double(), static_cast<long long>(one.at("tetrahedra").as_int64()));
+      std::fflush(stdout);
+    }
+    runs.push_back(std::move(one));
+  }
+  if (arguments.json) print_json(json::object{{"runs", std::move(runs)}, {"threads", thread_count()}});
+}
+
+}  // namespace
+
+void add_bench_open_command(CLI::App& bench) {
+  CLI::App* command = bench.add_subcommand(
+      "open",
+      "From a file's name to its first picture, without and with what is kept of it between runs (the kernel's cache of files is left as it is)");
+  auto arguments = std::make_shared<OpenArguments>();
+  command->add_option("--data", arguments->data, "File, pattern of a series, or name of analytic data; several may follow")->capture_default_str();
+  command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->add_option("--repeat", arguments->repeat, "How often each is measured; medians are told")->check(CLI::Range(1, 100))->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print one JSON document");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace isostrata
