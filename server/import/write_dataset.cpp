@@ -37,8 +37,13 @@ class Writer {
     if (bytes.size() < kLeastInPlace) return std::nullopt;
     std::optional<FilePlace> place = MappedFile::place_of(bytes);
     if (!place || place->offset % element != 0) return std::nullopt;
-    place->file = place->file.lexically_normal().lexically_relative(request_.file.parent_path().lexically_normal());
-    if (place->file.empty() || *place->file.begin() == "..") return std::nullopt;
+    const auto below = [&](const std::filesystem::path& folder) {
+      const auto relative = place->file.lexically_normal().lexically_relative(folder.lexically_normal());
+      return relative.empty() || *relative.begin() == ".." ? std::filesystem::path() : relative;
+    };
+    const auto in_folder = below(request_.file.parent_path());
+    if (in_folder.empty() || !below(request_.scratch).empty()) return std::nullopt;  // what was unpacked goes with us
+    place->file = in_folder;
     return place;
   }
   template <class T>

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <bit>
 #include <cstring>
@@ -97,6 +98,23 @@ TEST_F(InPlace, WhatIsNotAsInMemoryIsCopied) {
   const auto swapped = [](float value) { return std::bit_cast<float>(__builtin_bswap32(std::bit_cast<std::uint32_t>(value))); };
   expect_facts(write<float>("big.nrrd", nrrd("float", "endian: big\n", 34), swapped(-2.5f), swapped(7.25f), 34), false, -2.5, 7.25, 34);
   expect_facts(write<std::int8_t>("small.nrrd", nrrd("int8", "", 4), -3, 9, 4), false, -3, 9, 4);
+}
+
+TEST_F(InPlace, WhatIsUnpackedBesideTheFileIsCopied) {
+  const testing::OwnTemporaryPlace temporary;
+  const fs::path file = temporary.path() / "packed.nrrd.gz";
+  const std::string head = nrrd("int8");
+  gzFile out = gzopen(file.c_str(), "wb1");
+  ASSERT_TRUE(out);
+  gzwrite(out, head.data(), static_cast<unsigned>(head.size()));
+  std::vector<char> layer(static_cast<std::size_t>(kPlane));
+  for (std::int64_t k = 0; k < kLayers; ++k) {
+    layer[5] = k == 0 ? -3 : 0;
+    layer[layer.size() - 7] = k + 1 == kLayers ? 9 : 0;
+    gzwrite(out, layer.data(), static_cast<unsigned>(layer.size()));
+  }
+  gzclose(out);
+  expect_facts(file, false, -3, 9);
 }
 
 TEST_F(InPlace, AppendedRawImagesAreMappedAndLieWhereVtkPlacesThem) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "data/files.h"
 #include "data/import_door.h"
@@ -207,6 +208,38 @@ TEST(MapImport, ChecksPlacementAxesAndDimensions) {
   EXPECT_EQ(rectilinear({0, 1, 0.5}), ErrorCode::bad_data);
   EXPECT_EQ(rectilinear({0, 1, infinity}), ErrorCode::bad_data);
   EXPECT_EQ(rectilinear({0, 1}), ErrorCode::bad_data);
+}
+
+/// What the child may name beside its own files: a place in the file that was asked for, or in one beside or below it.
+TEST(MapImport, APlaceInAFileIsTakenOnlyWhereItIsBesideTheOneThatWasReadAndHoldsTheValues) {
+  const Scratch data, elsewhere;
+  const auto file = data.write("t.raw", "head" + bytes_of<float>({1, 2, 3, 4}));
+  data.write("below/other.raw", bytes_of<float>({5, 6, 7, 8}));
+  data.write("small.raw", bytes_of<float>({5, 6, 7}));
+  elsewhere.write("secret.raw", bytes_of<float>({5, 6, 7, 8}));
+  std::filesystem::create_symlink(elsewhere / "secret.raw", data / "link.raw");
+  std::filesystem::create_directory_symlink(elsewhere.path(), data / "way");
+  std::filesystem::create_directory(data / "folder");
+  const auto value_at = [&](const std::string& in_file, const std::string& offset) -> std::optional<double> {
+    Unstructured u;
+    std::filesystem::remove(u.scratch() / "array_0.bin");
+    u.replace(R"("type":"float32"}])", R"("type":"float32","in_file":)" + in_file + R"(,"offset":)" + offset + "}]");
+    try {
+      return map_import(u.scratch().path(), file, {})->array("a").at(0);
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.code() == ErrorCode::bad_data || error.code() == ErrorCode::not_found) << error.what();
+      return std::nullopt;
+    }
+  };
+  EXPECT_EQ(value_at(R"("t.raw")", "4"), 1);
+  EXPECT_EQ(value_at(R"("below/other.raw")", "0"), 5);
+  for (const std::string name : {"../" + elsewhere.path().filename().string() + "/secret.raw", (elsewhere / "secret.raw").string(), std::string("link.raw"),
+                                 std::string("way/secret.raw"), std::string("folder"), std::string("nothing.raw"), std::string(), std::string("small.raw"),
+                                 std::string("below/../t.raw")})
+    EXPECT_FALSE(value_at("\"" + name + "\"", "0")) << name;
+  for (const std::string offset : {"8", "2", "-4", "1e3", "9223372036854775804", "9223372036854775807", "18446744073709551615"})
+    EXPECT_FALSE(value_at(R"("t.raw")", offset)) << offset;
+  EXPECT_FALSE(value_at("7", "0"));
 }
 
 }  // namespace
