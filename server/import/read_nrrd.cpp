@@ -124,6 +124,7 @@ std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& 
     bytes = of->bytes();
     name = path.filename().string();
   }
+  if (bytes.size() / size_of(header.type) < static_cast<std::uint64_t>(header.values())) return std::nullopt;  // said by whoever copies
   std::vector<std::string> own;
   const auto all = nrrd_in_place(bytes, header, header.values(), name, own);
   if (!all) return std::nullopt;

@@ -9,6 +9,7 @@
 #include "extraction/bricks/open_faces.h"
 #include "extraction/bricks/structured_measure.h"
 #include "extraction/cells/cell_geometry.h"
+#include "extraction/facets/weld_seams.h"
 #include "extraction/mesh/open_ends.h"
 
 namespace isostrata {
@@ -94,7 +95,7 @@ std::vector<double> LayerBricks::signed_volumes(const Task& task) const {
   const std::size_t intervals = rules_.rules().size();
   const Vec3d origin = dataset_->bounds.center();
   std::vector<double> of_slabs(static_cast<std::size_t>(slabs()) * intervals);
-  parallel_for(slabs(), slabs() / 64 + 1, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(slabs(), slabs() / (4 * thread_count()) + 1, [&](std::int64_t begin, std::int64_t end) {
     Slab slab(*this);
     for (std::int64_t z = begin; z < end; ++z) {
       task.check();
@@ -117,6 +118,8 @@ std::optional<FoundLayers> find_layer_bricks(const std::shared_ptr<const Dataset
                                              std::uint64_t max_bytes, const Task& task) {
   const Grid& grid = dataset->grid;
   if (!grid.structured() || grid.flat() || grid.cell_count() == 0) return std::nullopt;
+  const std::array<bool, 3> seams = find_seams(grid, array);
+  if (seams[0] || seams[1] || seams[2]) return std::nullopt;
   IsoRules rules(intervals);
   if (rules.rules().size() > kMaxRecordIntervals) return std::nullopt;
   task.report(0, "searching");

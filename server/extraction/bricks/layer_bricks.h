@@ -67,7 +67,7 @@ struct FoundLayers {
   IntervalMesh mesh;
 };
 /// Nothing where the intervals hold fewer than `least_tetrahedra` (then a mesh is cheaper to draw again and again), the grid is not structured or
-/// is flat, there are more than 256 intervals, or the grid's cells are turned over (a negative volume). `memory` keeps what was found, also where
+/// is flat or meets itself at a seam, there are more than 256 intervals, or the grid's cells are turned over (a negative volume). `memory` keeps what was found, also where
 /// nothing is returned. Throws what extract_intervals throws. Any thread.
 std::optional<FoundLayers> find_layer_bricks(const std::shared_ptr<const Dataset>& dataset, const PointArray& array,
                                              std::span<const Interval> intervals, BrickMemory& memory, std::int64_t least_tetrahedra,

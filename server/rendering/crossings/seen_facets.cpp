@@ -45,35 +45,36 @@ class Keeper {
     const IntervalMesh& mesh = slab_.mesh;
     if (mesh.facets.empty()) return;
     project_vertices(mesh.positions, transform_, vertices_);
-    numbers_.assign(mesh.positions.size(), kNone);
     const PixelRect picture{0, 0, transform_.width, transform_.height};
+    used_.assign(mesh.positions.size(), 0);
     for (const BoundaryFacet& facet : mesh.facets) {
       if (!drawn_[facet.interval]) continue;
       const ScreenVertex &a = vertices_[facet.points[0]], &b = vertices_[facet.points[1]], &c = vertices_[facet.points[2]];
       int first_row = 0, end_row = 0;
       if (a.q != 0 && b.q != 0 && c.q != 0 && !may_cover(a, b, c, picture, first_row, end_row)) continue;
-      BoundaryFacet& kept = out.facets.emplace_back(facet);
-      for (std::uint32_t& point : kept.points) {
-        std::uint32_t& number = numbers_[point];
-        if (number == kNone) {
-          number = static_cast<std::uint32_t>(out.positions.size());
-          out.positions.push_back(mesh.positions[point]);
-          out.origins.push_back(mesh.origins[point]);
-        }
-        point = number;
-      }
+      for (const std::uint32_t point : facet.points) used_[point] = 1;
+      out.facets.push_back(facet);
     }
+    // In the mesh's order, by which a facet's corners are turned: so depths are the same to the last bit, also of facets that lie on one another.
+    numbers_.resize(mesh.positions.size());
+    for (std::size_t p = 0; p < used_.size(); ++p) {
+      if (!used_[p]) continue;
+      numbers_[p] = static_cast<std::uint32_t>(out.positions.size());
+      out.positions.push_back(mesh.positions[p]);
+      out.origins.push_back(mesh.origins[p]);
+    }
+    for (BoundaryFacet& facet : out.facets)
+      for (std::uint32_t& point : facet.points) point = numbers_[point];
   }
 
  private:
-  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
   const LayerBricks& bricks_;
   const ScreenTransform& transform_;
   const std::span<const std::uint8_t> drawn_;
   LayerBricks::Slab slab_;
   Buffer<ScreenVertex> vertices_;
-  std::vector<std::uint32_t> numbers_;  // of the slab's points among those that are kept
+  std::vector<std::uint8_t> used_;      // whether a facet that is kept uses the slab's point
+  std::vector<std::uint32_t> numbers_;  // of those points among the kept ones
 };
 
 }  // namespace
@@ -81,7 +82,7 @@ class Keeper {
 IntervalMesh seen_facets(const LayerBricks& bricks, std::span<const IntervalSummary> summaries, const ScreenTransform& transform,
                          std::span<const std::uint8_t> drawn) {
   std::vector<Kept> slabs(static_cast<std::size_t>(bricks.slabs()));
-  parallel_for(bricks.slabs(), bricks.slabs() / 64 + 1, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(bricks.slabs(), bricks.slabs() / (4 * thread_count()) + 1, [&](std::int64_t begin, std::int64_t end) {
     Keeper keeper(bricks, transform, drawn);
     for (std::int64_t z = begin; z < end; ++z) keeper.keep(z, slabs[static_cast<std::size_t>(z)]);
   });

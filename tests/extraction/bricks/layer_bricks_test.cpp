@@ -124,6 +124,7 @@ TEST(LayerBricks, AreLeftToAMeshWhereThatIsSmallOrTheGridIsOfAnotherKind) {
   EXPECT_TRUE(bricks_of("torus:24", 0));
   EXPECT_FALSE(bricks_of("torus:24", 10'000'000));
   EXPECT_FALSE(bricks_of("tets:8", 0));
+  EXPECT_FALSE(bricks_of("cylinder:12x16x8", 0)) << "an O-grid meets itself";
   const auto flat = dataset_of(uniform_grid({8, 8, 1}), point_array(std::vector<double>(64, 0.15)));
   EXPECT_FALSE(find_layer_bricks(flat, flat->arrays[0], {&interval, 1}, memory, 0, kNoLimit, Task{}));
 }
