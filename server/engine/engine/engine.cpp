@@ -489,7 +489,7 @@ class Engine::Impl {
       aids.ordered = &ordered_;
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
-      if (cuts_intervals_) aids.least_in_bricks = kLeastInBricks;
+      if (cuts_intervals_) aids.least_in_bricks = kLeastInBricksOfFrames;
       aids.max_bytes = room_for(key, false);
       try {
         extracted = extract_scene(steps, scene, previous, operation->task(), aids);
