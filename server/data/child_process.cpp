@@ -14,8 +14,6 @@
 #include "base/spawn.h"
 #include "base/stopwatch.h"
 
-extern char** environ;
-
 namespace isostrata {
 namespace {
 
@@ -72,31 +70,13 @@ class Child {
   pid_t id_;
 };
 
-/// As execve wants them: pointers into `words`, and a null.
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> out;
-  for (std::string& word : words) out.push_back(word.data());
-  out.push_back(nullptr);
-  return out;
-}
-
 pid_t start(const ChildProgram& child, int out, int err) {
-  std::vector<std::string> words{child.program.string()};
-  words.insert(words.end(), child.arguments.begin(), child.arguments.end());
-  std::vector<std::string> variables = child.environment.value_or(std::vector<std::string>());
-  std::vector<char*> environment = pointers(variables);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err, STDERR_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  Spawn spawn{.program = child.program, .words = {child.program.string()}, .environment = {}, .descriptors = {-1, out, err}};
+  spawn.words.insert(spawn.words.end(), child.arguments.begin(), child.arguments.end());
+  spawn.environment = child.environment ? *child.environment : environment_without({});
   pid_t id = 0;
-  const int error =
-      spawn_in_group(id, child.program, actions, pointers(words).data(), child.environment ? environment.data() : environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw Error(ErrorCode::unavailable, child.program.string() + ": cannot be started: " + std::strerror(error));
+  if (const int error = spawn_in_group(id, spawn); error != 0)
+    throw Error(ErrorCode::unavailable, child.program.string() + ": cannot be started: " + std::strerror(error));
   return id;
 }
 

@@ -1,7 +1,6 @@
 #include "data/sandbox.h"
 
 #include <linux/filter.h>
-#include <linux/landlock.h>
 #include <linux/seccomp.h>
 #include <stdlib.h>
 #include <sys/syscall.h>
@@ -11,6 +10,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "base/landlock.h"
 
 namespace isostrata {
 namespace {
@@ -48,8 +48,7 @@ Sandbox sandbox() { return sandbox_is_chosen() ? sandbox_of(std::getenv(kVariabl
 
 SandboxSupport sandbox_support() {
   SandboxSupport support;
-  const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  support.landlock = version > 0 ? static_cast<int>(version) : 0;
+  support.landlock = landlock_version();
   const std::uint32_t action = SECCOMP_RET_ERRNO;
   support.seccomp = syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
   return support;

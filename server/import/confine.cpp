@@ -2,10 +2,8 @@
 
 #include <fcntl.h>
 #include <linux/capability.h>
-#include <linux/landlock.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -16,6 +14,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/landlock.h"
 #include "data/beneath.h"
 #include "import/allowed_calls.h"
 
@@ -58,71 +57,35 @@ void drop_capabilities() {
   syscall(SYS_capset, &header, sets.data());
 }
 
-// What Landlock can refuse, by the version of its interface; older headers do not name the later rights.
-constexpr std::uint64_t kRights1 = (1ull << 13) - 1;  // reading, writing, executing, making and removing
-constexpr std::uint64_t kRefer = 1ull << 13;          // since 2: linking and renaming between directories
-constexpr std::uint64_t kTruncate = 1ull << 14;       // since 3
-constexpr std::uint64_t kDevices = 1ull << 15;        // since 5: ioctl of devices
-constexpr std::uint64_t kTcp = 3;                     // since 4: binding and connecting
-constexpr std::uint64_t kScopes = 3;                  // since 6: abstract sockets and signals of others
-
-struct Ruleset {
-  std::uint64_t files = 0, network = 0, scopes = 0;  // as the kernel's landlock_ruleset_attr
-};
-
-void allow_below(int ruleset, int opened, std::uint64_t rights) {
-  if (opened < 0) return;
-  landlock_path_beneath_attr rule{};
-  rule.parent_fd = opened;
-  rule.allowed_access = rights;
-  syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
-}
-
-void allow_below(int ruleset, const fs::path& path, std::uint64_t rights) {
-  const int opened = open_beneath(path, O_PATH);
-  allow_below(ruleset, opened, rights);
-  if (opened >= 0) close(opened);
-}
-
-constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
-
 /// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut, but for what is linked to
 /// from what is not. In a directory of more entries than it takes a moment to list, that is given up.
-void allow_reading(int ruleset, int directory) {
+void allow_reading(const PathRules& rules, int directory) {
   constexpr std::size_t kMost = 20000;
   std::error_code error;
   std::size_t count = 0;
-  allow_below(ruleset, directory, LANDLOCK_ACCESS_FS_READ_DIR);
+  rules.allow(directory, PathRules::kReadFolder);
   const fs::path listed = "/proc/self/fd/" + std::to_string(directory);
   for (fs::directory_iterator it(listed, error), end; !error && it != end; it.increment(error)) {
-    if (++count > kMost) return allow_below(ruleset, directory, kRead);
+    if (++count > kMost) return rules.allow(directory, PathRules::kRead);
     const fs::path name = it->path().filename();
     if (name.native().starts_with('.')) continue;
     const int opened = open_beneath(directory, name, O_PATH);
-    struct stat about {};
-    if (opened >= 0 && fstat(opened, &about) == 0)
-      allow_below(ruleset, opened, S_ISDIR(about.st_mode) ? kRead : LANDLOCK_ACCESS_FS_READ_FILE);
+    rules.allow(opened, PathRules::kRead);
     if (opened >= 0) close(opened);
   }
 }
 
-bool confine_files(const Confinement& to, int version) {
-  const std::uint64_t truncate = version >= 3 ? kTruncate : 0;
-  const Ruleset handled{.files = kRights1 | (version >= 2 ? kRefer : 0) | truncate | (version >= 5 ? kDevices : 0),
-                        .network = version >= 4 ? kTcp : 0,
-                        .scopes = version >= 6 ? kScopes : 0};
-  const auto ruleset = static_cast<int>(syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0));
-  if (ruleset < 0) return false;
+bool confine_files(const Confinement& to) {
+  const PathRules rules;
   if (const int directory = open_beneath(to.directory, O_PATH | O_DIRECTORY); directory >= 0) {
-    allow_reading(ruleset, directory);
+    allow_reading(rules, directory);
     close(directory);
   }
-  allow_below(ruleset, to.file, LANDLOCK_ACCESS_FS_READ_FILE);
-  allow_below(ruleset, to.output,
-              kRead | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE | truncate);
-  const bool done = syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
-  close(ruleset);
-  return done;
+  const int file = open_beneath(to.file, O_PATH);
+  rules.allow(file, PathRules::kReadFile);
+  if (file >= 0) close(file);
+  rules.allow(to.output, PathRules::kRead | PathRules::kWriteFile | PathRules::kMakeFiles);
+  return rules.enforce();
 }
 
 void check(const Confinement& to, const SandboxSupport& holds) {
@@ -148,7 +111,7 @@ void confine(const Confinement& to) {
   if (to.sandbox == Sandbox::off) return;
   SandboxSupport holds = sandbox_support();
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) holds = {};  // both need it
-  if (holds.landlock > 0 && !confine_files(to, holds.landlock)) holds.landlock = 0;
+  if (holds.landlock > 0 && !confine_files(to)) holds.landlock = 0;
   drop_capabilities();
   if (holds.seccomp) holds.seccomp = allow_only_reading_calls();
   check(to, holds);

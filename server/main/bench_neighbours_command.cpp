@@ -29,8 +29,6 @@
 #include "main/plain_socket.h"
 #include "session/wire/random_token.h"
 
-extern char** environ;
-
 namespace isostrata {
 namespace {
 
@@ -55,14 +53,9 @@ class ServeProcess {
                                    "--max-viewers", "100",          "--idle-timeout", "60"};
     words.insert(words.end(), more.begin(), more.end());
     for (std::string& data : neighbour_data()) words.push_back(std::move(data));
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    for (const int fd : {1, 2}) posix_spawn_file_actions_addopen(&actions, fd, (folder_.path() / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
-    const int error = spawn_in_group(id_, program, actions, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
+    const int log = open((folder_.path() / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
+    const int error = spawn_in_group(id_, {.program = program, .words = words, .environment = environment_without({}), .descriptors = {-1, log, log}});
+    close(log);
     if (error != 0) throw Error(ErrorCode::unavailable, "the server could not be started");
     for (const auto began = Clock::now(); !fs::exists(ready);) {
       if (Clock::now() - began > kStartTime || waitpid(id_, nullptr, WNOHANG) != 0)
