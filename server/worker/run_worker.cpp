@@ -50,6 +50,13 @@ int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<R
   try {
     MessageChannel channel{Descriptor(arguments.socket)};
     const SharedBoard board{Descriptor(arguments.board)};
+    std::string shut_in;
+    try {
+      if (arguments.shut_in) shut_in = confine_worker(arguments.reach);
+    } catch (const Error& error) {
+      channel.send(to_bytes(FromWorker{WorkerRefused{error.code(), error.what()}}));
+      return 1;
+    }
     std::optional<WorkerSetup> setup = receive_setup(channel);
     if (!setup) return 0;
     if (setup->threads > 0) set_thread_count(setup->threads);
@@ -62,7 +69,7 @@ int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<R
       channel.send(to_bytes(FromWorker{WorkerRefused{error.code(), error.what()}}));
       return 1;
     }
-    channel.send(to_bytes(FromWorker{WorkerReady{engine->device(), engine->facts().renderer_trial}}));
+    channel.send(to_bytes(FromWorker{WorkerReady{engine->device(), engine->facts().renderer_trial, shut_in}}));
     while (const auto bytes = channel.receive()) {
       ToWorker message = to_worker(*bytes);
       if (auto* request = std::get_if<EngineRequest>(&message)) engine->post(std::move(*request));

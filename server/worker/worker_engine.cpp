@@ -12,7 +12,6 @@
 #include "worker/death_history.h"
 #include "worker/request_ledger.h"
 #include "worker/watchdog.h"
-#include "worker/worker_folder.h"
 #include "worker/worker_process.h"
 
 namespace isostrata {
@@ -69,7 +68,6 @@ class WorkerEngine::Impl {
         catalogue_(options_.catalogue),
         choice_(options_.renderer_choice),
         retry_(worker_.retry_pause) {
-    if (worker_.program.empty()) worker_.program = "/proc/self/exe";
     auto first = first_.get_future();
     keeper_ = std::thread([this] { keep(); });
     try {
@@ -265,6 +263,7 @@ class WorkerEngine::Impl {
       device_ = ready.device;
       facts_.process = life.process.id();
       facts_.renderer_trial = ready.renderer_trial;
+      facts_.shut_in = ready.shut_in;
       events = ledger_.unannounce();
       for (EngineRequest& request : ledger_.begin_life()) queue_.push_back(std::move(request));
       living_ = true;
@@ -283,7 +282,7 @@ class WorkerEngine::Impl {
 
   void keep() {
     try {
-      WorkerFolder::sweep();
+      if (!worker_.launcher) worker_.launcher = make_launcher(worker_.plan);
       keep_one_alive();
     } catch (const std::exception& error) {
       if (!started_once_) return first_.set_exception(std::current_exception());
@@ -304,7 +303,6 @@ class WorkerEngine::Impl {
   }
 
   void keep_one_alive() {
-    std::unique_ptr<WorkerFolder> folder;
     for (;;) {
       if (!rest()) return;
       std::string cause;
@@ -312,15 +310,9 @@ class WorkerEngine::Impl {
       std::exception_ptr error;
       bool ran = false;
       try {
-        if (!folder || !folder->exists()) {
-          folder.reset();
-          folder = std::make_unique<WorkerFolder>();
-          keep_ = folder->make("kept");  // what one worker has read the next one maps
-        }
-        // What a dead worker leaves behind goes with it; what cannot be removed is in nobody's way.
-        const TemporaryDirectory temporary(folder->path(), "worker-");
-        WorkerProcess process(worker_.program, worker_.arguments, temporary.path());
+        WorkerProcess process(*worker_.launcher);
         ran = true;
+        keep_ = process.keep();
         cause = live(process, at, error);
       } catch (const std::exception& failure) {
         cause = std::string("not started: ") + failure.what();

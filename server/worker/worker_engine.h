@@ -6,19 +6,19 @@
 #pragma once
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/engine/engine.h"
+#include "worker/launcher.h"
 
 namespace isostrata {
 
 struct WorkerOptions {
-  std::filesystem::path program;                 // empty: this one
-  std::vector<std::string> arguments{"worker"};  // WorkerProcess adds its own
+  WorkerPlan plan;                     // of those that this process starts
+  std::shared_ptr<Launcher> launcher;  // who starts them in its place; empty: this process
   int threads = 0;                               // as set_thread_count, in the worker
   // Without a sign of life from the thread that draws, where it is idle or draws by loops of ours; what a device draws gets more
   // by its size (Activity::patience). Other threads have six times as long.

@@ -26,6 +26,7 @@ struct WorkerSetup {
 struct WorkerReady {
   std::string device;
   std::string renderer_trial;
+  std::string shut_in;  // as confine_worker
 };
 /// or it cannot, and the worker ends.
 struct WorkerRefused {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "engine/messages/activity.h"
+#include "worker/launcher.h"
 #include "worker/message_channel.h"
 
 namespace isostrata {
@@ -39,20 +39,20 @@ struct ProcessEnd {
 /// "ended by signal 9 (Killed)", "ended with status 3".
 std::string to_string(const ProcessEnd& end);
 
-/// Not thread-safe but for channel() and board(). The thread that makes it must live as long as the process shall: the kernel
-/// ends the process when that thread ends, so that a worker never outlives its server.
+/// Not thread-safe but for channel() and board(). The kernel ends the process when the thread ends that launched it, or that made the helper which
+/// did (worker/launcher.h), so that a worker never outlives its server.
 class WorkerProcess {
  public:
-  /// Starts `program arguments... --socket 3 --board 4 --parent PID`, in a process group of its own, with standard error shared
-  /// and `temporary` as its TMPDIR. Throws unavailable.
-  WorkerProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                const std::filesystem::path& temporary);
+  /// Throws unavailable.
+  explicit WorkerProcess(Launcher& launcher);
   /// Ends the process if it still runs, and waits for it: never leaves a zombie.
   ~WorkerProcess();
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
-  pid_t id() const { return id_; }
+  pid_t id() const { return launched_.id; }
+  /// What one worker has read there the next one maps.
+  const std::filesystem::path& keep() const { return launched_.keep; }
   MessageChannel& channel() { return *channel_; }
   const ActivityBoard& board() const { return *board_.get(); }
 
@@ -61,9 +61,9 @@ class WorkerProcess {
   void kill();
 
  private:
-  pid_t id_ = 0;
   SharedBoard board_;
   std::unique_ptr<MessageChannel> channel_;
+  Launched launched_;
   std::optional<ProcessEnd> end_;
 };
 

@@ -1,15 +1,18 @@
-// What a reader that a hostile file has taken over would try: the importer's own confine(), then one forbidden act.
+// What somebody would try who has taken the reader of files, the server or the process that draws over: its own confinement, then one forbidden act.
 //
-//   isostrata-sandbox-escape FOLDER ACT require|try|off [nobody] [no-landlock] [no-seccomp]
+//   isostrata-sandbox-escape FOLDER ACT require|try|off [server|worker] [nobody] [no-landlock] [no-seccomp]
 //
 //   isostrata-sandbox-escape --without landlock|seccomp PROGRAM ARGUMENT...
 //
 // FOLDER has data/field.vtk (the file), data/.hidden, data/deep/more.vtk, out/ (the child's folder) and other/ with the files
 // secret, victim and program. Prints "refused: ERRNO" and ends with 0, or "done" and ends with 1; 3: it could not be tried.
-// nobody: as that user, of whom are all the files. no-..., --without: under a filter from outside that answers as a kernel without it.
+// server, worker: those may read data/ and write out/. nobody: as that user, of whom are all the files. no-..., --without: under a filter from outside that answers as a kernel without it.
+#include <arpa/inet.h>
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <grp.h>
 #include <linux/io_uring.h>
+#include <netinet/in.h>
 #include <pthread.h>
 #include <sched.h>
 #include <seccomp.h>
@@ -44,6 +47,7 @@
 
 #include "base/error.h"
 #include "import/confine.h"
+#include "worker/confine.h"
 
 namespace {
 
@@ -51,6 +55,7 @@ namespace fs = std::filesystem;
 
 fs::path folder;
 pid_t parent = 0;
+int stream = -1, datagrams = -1;  // sockets that were opened before
 
 std::string at(const char* name) { return (folder / name).string(); }
 
@@ -109,6 +114,27 @@ long bound() {
   return end < 0 ? -1 : bind(end, reinterpret_cast<sockaddr*>(&name), sizeof name);
 }
 
+/// To a port of this machine where nobody listens: "done" is a connection that was tried.
+long connected() {
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_port = htons(9);
+  name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int got = connect(stream, reinterpret_cast<sockaddr*>(&name), sizeof name);
+  return got == 0 || errno == ECONNREFUSED ? 0 : -1;
+}
+
+long sent_elsewhere() {
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_port = htons(9);
+  name.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return sendto(datagrams, "1", 1, 0, reinterpret_cast<sockaddr*>(&name), sizeof name);
+}
+
+/// A library that this program does not load by itself.
+long library_loaded() { return dlopen("libcrypt.so.1", RTLD_NOW) || dlopen("libutil.so.1", RTLD_NOW) || dlopen("libanl.so.1", RTLD_NOW) ? 0 : -1; }
+
 long ring() {
   io_uring_params parameters{};
   return syscall(SYS_io_uring_setup, 4, &parameters);
@@ -156,6 +182,8 @@ const std::map<std::string_view, Act>& acts() {
       {"rename", [] { return rename(at("out/mine").c_str(), at("out/yours").c_str()); }},
       {"link", [] { return link(at("data/field.vtk").c_str(), at("out/link").c_str()); }},
       {"symlink", [] { return symlink("/etc", at("out/link").c_str()); }},
+      {"rename-outside", [] { return rename(at("out/mine").c_str(), at("other/mine").c_str()); }},
+      {"mkdir-outside", [] { return mkdir(at("other/folder").c_str(), 0700); }},
       {"mkdir", [] { return mkdir(at("out/folder").c_str(), 0700); }},
       {"mkfifo", [] { return mkfifo(at("out/fifo").c_str(), 0600); }},
       {"chdir", [] { return chdir("/"); }},
@@ -166,6 +194,9 @@ const std::map<std::string_view, Act>& acts() {
       {"socket-udp", [] { return socket(AF_INET, SOCK_DGRAM, 0); }},
       {"socket-unix", [] { return bound(); }},
       {"socket-netlink", [] { return socket(AF_NETLINK, SOCK_RAW, 0); }},
+      {"connect", [] { return connected(); }},
+      {"send-elsewhere", [] { return sent_elsewhere(); }},
+      {"listen", [] { return listen(stream, 1); }},
       {"socketpair",
        [] {
          int ends[2];
@@ -205,6 +236,8 @@ const std::map<std::string_view, Act>& acts() {
       {"write-own", [] { return opened(at("out/mine"), O_WRONLY | O_CREAT | O_TRUNC); }},
       {"remove-own", [] { return opened(at("out/gone"), O_WRONLY | O_CREAT) < 0 ? -1 : unlink(at("out/gone").c_str()); }},
       {"thread", [] { return thread_started(); }},
+      {"memory-size", [] { return seen("/proc/meminfo"); }},
+      {"library", [] { return library_loaded(); }},
       {"lock-the-file", [] { return flock(open(at("data/field.vtk").c_str(), O_RDONLY), LOCK_SH | LOCK_NB); }},
       {"nothing", [] { return 0L; }}};
   return all;
@@ -246,8 +279,17 @@ int main(int argc, char** argv) {
   };
   if (asked("nobody")) become_nobody();
   if (asked("no-landlock") || asked("no-seccomp")) refuse_outside(asked("no-landlock"), asked("no-seccomp"));
+  stream = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  datagrams = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   try {
-    isostrata::confine({.directory = folder / "data",
+    const isostrata::Reach reach{.read = {folder / "data"}, .names = {}, .write = {folder / "out"}};
+    if (asked("server") || asked("worker")) isostrata::use_sandbox(argv[3]);
+    if (asked("server"))
+      isostrata::confine_server(reach);
+    else if (asked("worker"))
+      isostrata::confine_worker(reach);
+    else
+      isostrata::confine({.directory = folder / "data",
                         .file = folder / "data/field.vtk",
                         .output = folder / "out",
                         .memory_bytes = std::uint64_t{8} << 30,

@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   options.catalogue = Catalogue::from_sources({data});
   options.renderer_choice = {"native", "native"};
   WorkerOptions worker;
-  worker.program = ISOSTRATA_BIN_DIR "/isostrata";
+  worker.plan.program = ISOSTRATA_BIN_DIR "/isostrata";
   for (const bool lossless : {false, true})
     for (const int width : {320, 1280}) {
       Way here, there;

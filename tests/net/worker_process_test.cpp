@@ -15,8 +15,8 @@ using namespace std::chrono_literals;
 ServerOptions options_with_worker() {
   ServerOptions options;
   options.worker.emplace();
-  options.worker->program = isostrata::places::binaries() + "/isostrata-faulty-worker";
-  options.worker->arguments.clear();
+  options.worker->plan.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
+  options.worker->plan.arguments.clear();
   return options;
 }
 

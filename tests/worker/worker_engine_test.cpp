@@ -43,9 +43,9 @@ class WorkerEngineTest : public ::testing::Test, protected HeardEvents {
     EngineOptions options;
     options.catalogue = Catalogue::from_sources({"torus:12", "torus:24", "torus:160"});
     options.renderer_choice = choice;
-    if (worker.program.empty()) {
-      worker.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
-      worker.arguments = {};
+    if (worker.plan.program.empty()) {
+      worker.plan.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
+      worker.plan.arguments = {};
     }
     engine_ = std::make_unique<WorkerEngine>(std::move(options), std::move(worker),
                                              [this](EngineEvent event) { note(std::move(event)); });
@@ -165,8 +165,8 @@ TEST_F(WorkerEngineTest, ADragGoesOnOverADeath) {
 
 TEST_F(WorkerEngineTest, AWorkerThatStandsStillIsSaidToAndReplaced) {
   WorkerOptions options;
-  options.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
-  options.arguments = {};
+  options.plan.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
+  options.plan.arguments = {};
   options.soft_limit = 800ms;
   options.hard_limit = 3000ms;
   start(options);
@@ -192,8 +192,8 @@ TEST_F(WorkerEngineTest, AWorkerThatStandsStillIsSaidToAndReplaced) {
 
 TEST_F(WorkerEngineTest, ADrawingThatHangsCanBeGivenUpByItsViewer) {
   WorkerOptions options;
-  options.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
-  options.arguments = {};
+  options.plan.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
+  options.plan.arguments = {};
   options.soft_limit = 500ms;
   options.hard_limit = 600000ms;
   start(options);
@@ -224,8 +224,8 @@ TEST_F(WorkerEngineTest, ThreeDeathsInAMinuteFallBackToNativeAndNameTheCause) {
 
 TEST_F(WorkerEngineTest, ADeviceThatWasGivenUpIsTriedAgainWithGrowingPauses) {
   WorkerOptions options;
-  options.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
-  options.arguments = {};
+  options.plan.program = isostrata::places::binaries() + "/isostrata-faulty-worker";
+  options.plan.arguments = {};
   options.retry_pause = 6s;
   start(options);
   engine_->post(SceneUpdate{1, scene(1)});
@@ -321,11 +321,11 @@ TEST_F(WorkerEngineTest, ADatasetThatIsBeingReadCanBeCancelledWhileTheWorkerIsRe
 
 TEST_F(WorkerEngineTest, WhatCannotStartIsSaid) {
   WorkerOptions absent;
-  absent.program = "/no/such/program";
+  absent.plan.program = "/no/such/program";
   EXPECT_THROW(start(absent), Error);
   try {
     WorkerOptions ends;
-    ends.program = "/bin/false";
+    ends.plan.program = "/bin/false";
     start(ends);
     FAIL() << "a program that only ends is no worker";
   } catch (const Error& error) {

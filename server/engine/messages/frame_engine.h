@@ -24,6 +24,7 @@ struct EngineFacts {
   std::string fallback;         // why another renderer draws than was asked for; empty: it is the one
   std::string trouble;          // why nothing can be drawn, as long as that lasts; empty: it can
   std::string renderer_trial;   // as renderer_trial_report
+  std::string shut_in;          // what keeps its process to its own files; empty: nothing does
 };
 
 /// Any thread may call any function but the destructor.

@@ -1,0 +1,202 @@
+// The helper's two sides. A request is a packet of one letter, or of one letter and the text of the ready file; the descriptors that a worker shall have
+// go with it. The answer is a fixed head, and behind it a folder's name or what failed.
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <system_error>
+
+#include "worker/launcher.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kLaunch = 'L', kReady = 'R';
+constexpr std::size_t kMostText = 16 << 10;
+
+struct Head {
+  int failed = 0;  // the text says why
+  pid_t id = 0;
+};
+
+struct Packet {
+  std::string text;
+  std::vector<Descriptor> passed;
+};
+
+/// False where the other side is gone.
+bool send(int line, const std::string& text, const std::vector<int>& pass) {
+  iovec part{const_cast<char*>(text.data()), text.size()};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> space{};
+  if (!pass.empty()) {
+    message.msg_control = space.data();
+    message.msg_controllen = CMSG_SPACE(pass.size() * sizeof(int));
+    cmsghdr* control = CMSG_FIRSTHDR(&message);
+    control->cmsg_level = SOL_SOCKET;
+    control->cmsg_type = SCM_RIGHTS;
+    control->cmsg_len = CMSG_LEN(pass.size() * sizeof(int));
+    std::memcpy(CMSG_DATA(control), pass.data(), pass.size() * sizeof(int));
+  }
+  ssize_t sent = 0;
+  while ((sent = sendmsg(line, &message, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
+  }
+  return sent == static_cast<ssize_t>(text.size());
+}
+
+/// An empty text where the other side is gone.
+Packet receive(int line) {
+  Packet packet;
+  packet.text.resize(kMostText);
+  iovec part{packet.text.data(), packet.text.size()};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> space{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = space.data();
+  message.msg_controllen = space.size();
+  ssize_t got = 0;
+  while ((got = recvmsg(line, &message, MSG_CMSG_CLOEXEC)) < 0 && errno == EINTR) {
+  }
+  packet.text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  for (cmsghdr* control = CMSG_FIRSTHDR(&message); got > 0 && control; control = CMSG_NXTHDR(&message, control)) {
+    if (control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_RIGHTS) continue;
+    const std::size_t count = (control->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (std::size_t i = 0; i < count; ++i) {
+      int descriptor = -1;
+      std::memcpy(&descriptor, CMSG_DATA(control) + i * sizeof(int), sizeof descriptor);
+      packet.passed.emplace_back(descriptor);
+    }
+  }
+  return packet;
+}
+
+std::string answer(const Head& head, std::string text) {
+  text.resize(std::min(text.size(), kMostText - sizeof head));
+  return std::string(reinterpret_cast<const char*>(&head), sizeof head) + text;
+}
+
+/// A file as it was at some time; it is removed unless another one has taken its name.
+class OwnFile {
+ public:
+  void be(const fs::path& path) { there_ = !path.empty() && lstat((path_ = path).c_str(), &then_) == 0; }
+  void remove() const {
+    struct stat now {};
+    if (there_ && lstat(path_.c_str(), &now) == 0 && now.st_dev == then_.st_dev && now.st_ino == then_.st_ino) unlink(path_.c_str());
+  }
+
+ private:
+  fs::path path_;
+  struct stat then_ {};
+  bool there_ = false;
+};
+
+/// Complete or not there: written beside and renamed into place. It holds the token, so only its owner may read it.
+void write_whole(const fs::path& path, const std::string& text) {
+  const fs::path beside = path.string() + ".new." + std::to_string(getpid());
+  const Descriptor file(open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
+  bool written = file && write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  int why = written ? 0 : errno;
+  if (written && rename(beside.c_str(), path.c_str()) != 0) written = false, why = errno;
+  if (written) return;
+  unlink(beside.c_str());
+  throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written: " + std::strerror(why));
+}
+
+[[noreturn]] void help(const Descriptor& line, WorkerPlan plan, const LaunchHelper::Duties& duties) {
+  OwnFile socket, ready;
+  socket.be(duties.socket_file);
+  {
+    const auto launcher = make_launcher(std::move(plan), Spawn::Parent::parent_of_this);
+    for (;;) {
+      const Packet asked = receive(line.get());
+      if (asked.text.empty()) break;
+      try {
+        if (asked.text[0] == kReady && !duties.ready_file.empty()) {
+          write_whole(duties.ready_file, asked.text.substr(1));
+          ready.be(duties.ready_file);
+          send(line.get(), answer({}, ""), {});
+        } else if (asked.text[0] == kLaunch && asked.passed.size() == 2) {
+          const Launched launched = launcher->launch(asked.passed[0].get(), asked.passed[1].get());
+          std::vector<int> pass;
+          if (launched.process) pass.push_back(launched.process.get());
+          send(line.get(), answer({.id = launched.id}, launched.keep.string()), pass);
+        } else {
+          send(line.get(), answer({.failed = 1}, "this is nothing that can be asked for"), {});
+        }
+      } catch (const std::exception& error) {
+        send(line.get(), answer({.failed = 1}, error.what()), {});
+      }
+    }
+  }
+  std::error_code ignored;
+  for (const fs::path& folder : duties.folders) fs::remove_all(folder, ignored);
+  ready.remove();
+  socket.remove();
+  _exit(0);
+}
+
+}  // namespace
+
+LaunchHelper::LaunchHelper(WorkerPlan plan, Duties duties) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    throw Error(ErrorCode::unavailable, std::string("no line to the process that starts workers: ") + std::strerror(errno));
+  line_ = Descriptor(ends[0]);
+  Descriptor there(ends[1]);
+  id_ = fork();
+  if (id_ < 0) throw Error(ErrorCode::unavailable, std::string("the process that starts workers cannot be made: ") + std::strerror(errno));
+  if (id_ > 0) return;
+  // It outlives the signals that a terminal or a batch system sends to all processes: its end is that of the server.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT}) std::signal(signal, SIG_IGN);
+  prctl(PR_SET_NAME, "isostrata-start");
+  const int line = fcntl(there.get(), F_DUPFD_CLOEXEC, 64);
+  if (const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC); nothing >= 0)
+    for (const int of : {STDIN_FILENO, STDOUT_FILENO}) dup2(nothing, of);
+  for (int of = 3; of < line; ++of) close(of);
+  syscall(SYS_close_range, static_cast<unsigned>(line) + 1, ~0u, 0u);
+  help(Descriptor(line), std::move(plan), duties);
+}
+
+LaunchHelper::~LaunchHelper() {
+  line_.close();
+  while (waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+Launched LaunchHelper::launch(int socket, int board) {
+  Packet said;
+  if (send(line_.get(), std::string(1, kLaunch), {socket, board})) said = receive(line_.get());
+  Head head{.failed = 1};
+  if (said.text.size() < sizeof head) throw Error(ErrorCode::unavailable, "the process that starts workers is gone");
+  std::memcpy(&head, said.text.data(), sizeof head);
+  if (head.failed) throw Error(ErrorCode::unavailable, said.text.substr(sizeof head));
+  Launched launched{.id = head.id, .keep = said.text.substr(sizeof head)};
+  if (!said.passed.empty()) launched.process = std::move(said.passed[0]);
+  return launched;
+}
+
+void LaunchHelper::write_ready_file(const std::string& text) {
+  Packet said;
+  if (send(line_.get(), kReady + text, {})) said = receive(line_.get());
+  Head head{.failed = 1};
+  if (said.text.size() < sizeof head) throw Error(ErrorCode::unavailable, "the process that writes the ready file is gone");
+  std::memcpy(&head, said.text.data(), sizeof head);
+  if (head.failed) throw Error(ErrorCode::unavailable, said.text.substr(sizeof head));
+}
+
+}  // namespace isostrata
