@@ -122,6 +122,7 @@ boost::json::object to_json(const Findings& findings) {
   out["worker"] = boost::json::object{{"ok", worker.ok},
                                       {"device", worker.device},
                                       {"detail", worker.detail},
+                                      {"shut_in", worker.shut_in},
                                       {"start_ms", worker.start_ms},
                                       {"frame_ms", worker.frame_ms},
                                       {"replace_ms", worker.replace_ms}};
@@ -144,7 +145,7 @@ boost::json::object to_json(const Findings& findings) {
 
 void print_sandbox(const SandboxSupport& support) {
   const std::string missing = missing_of(support);
-  std::printf("\nsandbox of the importer (--sandbox %s)\n  %-5s ", to_string(sandbox()), missing.empty() ? "ok" : "no");
+  std::printf("\nsandbox of the importer, the server and the process that draws (--sandbox %s)\n  %-5s ", to_string(sandbox()), missing.empty() ? "ok" : "no");
   if (missing.empty())
     std::printf("Landlock %d%s, and seccomp\n", support.landlock,
                 support.landlock < 3 ? " (Linux 6.2 would also keep it from cutting files short by name, which seccomp does here)" : "");
@@ -174,6 +175,8 @@ void print_text(const Findings& findings) {
               findings.compute.empty() ? "equals the CPU's on a small field" : findings.compute.c_str());
   const WorkerProbe& worker = findings.worker;
   std::printf("\nprocess that draws\n  %-5s %s\n", worker.ok ? "ok" : "no", worker.detail.c_str());
+  if (worker.ok)
+    std::printf("        kept to its own files by %s\n", worker.shut_in.empty() ? "nothing" : worker.shut_in.c_str());
   if (worker.ok)
     std::printf("        on %s; started in %.0f ms, first frame after %.0f ms, replaced in %.0f ms\n", worker.device.c_str(),
                 worker.start_ms, worker.frame_ms, worker.replace_ms);

@@ -23,7 +23,9 @@
 #include "main/config_file.h"
 #include "main/sandbox_option.h"
 #include "main/server_log.h"
+#include "main/shut_in.h"
 #include "main/systemd.h"
+#include "net/server/listen.h"
 #include "net/server/server.h"
 #include "net/site/static_files.h"
 #include "session/journal/protobuf_log.h"
@@ -124,36 +126,23 @@ void choose_sandbox(bool open_to_others, ServerLog& log) {
   log.warn("sandbox", "files are read without " + missing);
 }
 
+std::string or_nothing(const std::string& shut_in) { return shut_in.empty() ? "nothing" : shut_in; }
+
 // The process that draws first, where it is not the server's; it may be replaced (/api/v1/engine).
 json::value worker_of(const Server& server) {
   const EngineFacts facts = server.engine().facts();
   return facts.own_process ? json::value(facts.process) : json::value(nullptr);
 }
 
-// Complete or not there: written beside and renamed into place. It holds the token, so only its owner may read it.
-void write_ready_file(const fs::path& path, const Server& server, const std::string& socket) {
-  const std::string text = json::serialize(json::object{{"url", server.url()},
-                                                        {"port", server.port()},
-                                                        {"socket", socket.empty() ? json::value(nullptr) : json::value(socket)},
-                                                        {"pid", getpid()},
-                                                        {"device", server.engine().device()},
-                                                        {"worker", worker_of(server)}}) +
-                           "\n";
-  const fs::path beside = path.string() + ".new." + std::to_string(getpid());
-  const int file = open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const int opening_failed = file >= 0 ? 0 : errno;
-  const bool written = file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  const bool closed = file >= 0 && close(file) == 0;
-  std::error_code error;
-  if (written && closed) fs::rename(beside, path, error);
-  if (!written || !closed || error) {
-    std::error_code ignored;
-    fs::remove(beside, ignored);
-    throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written" +
-                                            (opening_failed ? std::string(": ") + std::strerror(opening_failed)
-                                             : error        ? ": " + error.message()
-                                                            : ""));
-  }
+// It holds the token.
+std::string ready_text(const Server& server, const std::string& socket) {
+  return json::serialize(json::object{{"url", server.url()},
+                                      {"port", server.port()},
+                                      {"socket", socket.empty() ? json::value(nullptr) : json::value(socket)},
+                                      {"pid", getpid()},
+                                      {"device", server.engine().device()},
+                                      {"worker", worker_of(server)}}) +
+         "\n";
 }
 
 void print_address(const Server& server, const std::string& socket) {
@@ -196,7 +185,7 @@ int take_passed_socket(ServeArguments& arguments, ServerLog& log) {
 void serve(ServeArguments arguments) {
   ServerLog log(arguments.log_format == "json");
   const ServiceManager manager;
-  const int listening = take_passed_socket(arguments, log);
+  const int passed = take_passed_socket(arguments, log);
   const ProtobufLines protobuf_lines(log);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::signal(SIGPIPE, SIG_IGN);
@@ -206,6 +195,17 @@ void serve(ServeArguments arguments) {
   std::vector<std::string> sources = arguments.paths;
   sources.insert(sources.end(), arguments.data_roots.begin(), arguments.data_roots.end());
   ServerOptions options;
+  const std::string socket = arguments.socket.empty() ? "" : fs::absolute(arguments.socket).string();
+  options.listening = passed >= 0 ? passed : socket.empty() ? listening_port(arguments.host, static_cast<unsigned short>(arguments.port)) : listening_socket(socket);
+  if (arguments.state_dir != "none") options.state_dir = arguments.state_dir.empty() ? default_state_dir() : fs::absolute(arguments.state_dir);
+  options.web_root = find_web_root(arguments.web_root);
+  const ShutIn shut_in({.sources = sources,
+                        .state_dir = options.state_dir,
+                        .files = {options.web_root, arguments.tls_certificate, arguments.tls_key},
+                        .duties = {.ready_file = arguments.ready_file.empty() ? fs::path() : fs::absolute(arguments.ready_file),
+                                   .socket_file = passed >= 0 ? "" : socket}});
+  options.token = token_of(arguments);
+  const std::string server_shut_in = shut_in.confine();
   if (sources.empty()) {
     options.engine.catalogue = Catalogue::analytic();
   } else {
@@ -221,6 +221,7 @@ void serve(ServeArguments arguments) {
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
   options.worker.emplace();
+  options.worker->launcher = shut_in.helper();
   options.worker->threads = arguments.threads;
   options.worker->log = [&log](std::string_view event, const std::string& text) {
     if (event == "worker_replaced")
@@ -231,21 +232,16 @@ void serve(ServeArguments arguments) {
   options.name = "isostrata " ISOSTRATA_VERSION;
   options.host = arguments.host;
   options.port = static_cast<unsigned short>(arguments.port);
-  const std::string socket = arguments.socket.empty() ? "" : fs::absolute(arguments.socket).string();
   options.socket = socket;
-  options.listening = listening;
   options.pulse = manager.pulse();
   options.alive = [&manager] { manager.tell("WATCHDOG=1"); };
   options.ending = [&manager](const std::string& reason) { manager.tell("STOPPING=1\nSTATUS=" + reason); };
   options.base_url = arguments.base_url;
-  options.web_root = find_web_root(arguments.web_root);
-  options.token = token_of(arguments);
   options.allowed_hosts = arguments.allowed_hosts;
   options.tls_certificate = arguments.tls_certificate;
   options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
   options.max_viewers = arguments.max_viewers;
-  if (arguments.state_dir != "none") options.state_dir = arguments.state_dir.empty() ? default_state_dir() : fs::path(arguments.state_dir);
   options.ends = job_end(log);
   options.warn = [&log](const std::string& what) { log.warn("journal", what); };
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
@@ -261,22 +257,21 @@ void serve(ServeArguments arguments) {
 
   Server server(std::move(options));
   log.info("device", "drawing on " + server.engine().device());
+  if (sandbox() != Sandbox::off)
+    log.info("shut_in", "kept to their own files: the server by " + or_nothing(server_shut_in) + ", the process that draws by " +
+                            or_nothing(server.engine().facts().shut_in));
   if (const std::string trial = server.engine().facts().renderer_trial; !trial.empty()) log.info("renderer", trial);
   if (server.engine().device_is_software())
     log.warn("software_device",
              "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
   server.run(true, [&] {
-    if (!arguments.ready_file.empty()) write_ready_file(arguments.ready_file, server, socket);
     log.info("ready", "serving " + std::to_string(server.catalogue().entries().size()) + " datasets on " +
                           (socket.empty() ? "port " + std::to_string(server.port()) : "the socket " + socket));
     print_address(server, socket);
+    if (!arguments.ready_file.empty()) shut_in.helper()->write_ready_file(ready_text(server, socket));
     manager.tell("READY=1\nSTATUS=serving " + std::to_string(server.catalogue().entries().size()) + " datasets on " +
                  server.engine().device());
   });
-  if (!arguments.ready_file.empty()) {
-    std::error_code ignored;
-    fs::remove(arguments.ready_file, ignored);
-  }
   log.info("ended", "the server has ended");
 }
 
@@ -363,7 +358,8 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   command->add_option("--web-root", arguments->web_root, "Directory of the built page")->check(CLI::ExistingDirectory);
-  add_sandbox_option(*command, "require where --host is not this machine alone, else try");
+  add_sandbox_option(*command, "require where --host is not this machine alone, else try",
+                     "the process that reads files, the one that draws and the server");
   add_config_option(*command);
   command->callback([arguments] { serve(*arguments); });
 }

@@ -85,26 +85,38 @@ std::optional<PassedSocket> passed_socket() {
   return describe(kFirstPassed);
 }
 
-ServiceManager::ServiceManager() : address_(take("NOTIFY_SOCKET")) {
+namespace {
+
+/// A datagram socket that is connected to a path, or to an abstract name that is written with @; -1 where nobody is there.
+int connected_to(const std::string& address) {
+  sockaddr_un to{};
+  if (address.empty() || address.size() >= sizeof to.sun_path || (address[0] != '/' && address[0] != '@')) return -1;
+  to.sun_family = AF_UNIX;
+  std::memcpy(to.sun_path, address.data(), address.size());
+  if (address[0] == '@') to.sun_path[0] = 0;
+  const int line = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address.size());
+  if (line >= 0 && connect(line, reinterpret_cast<const sockaddr*>(&to), size) == 0) return line;
+  if (line >= 0) close(line);
+  return -1;
+}
+
+}  // namespace
+
+ServiceManager::ServiceManager() : line_(connected_to(take("NOTIFY_SOCKET"))) {
   const std::string microseconds = take("WATCHDOG_USEC"), process = take("WATCHDOG_PID");
   const std::optional<long long> waits = number(microseconds);
-  if (!address_.empty() && waits && *waits > 0 && (process.empty() || number(process) == getpid()))
+  if (line_ >= 0 && waits && *waits > 0 && (process.empty() || number(process) == getpid()))
     pulse_ = std::chrono::milliseconds(std::max(*waits / 2000, 1ll));
 }
 
+ServiceManager::~ServiceManager() {
+  if (line_ >= 0) close(line_);
+}
+
 void ServiceManager::tell(const std::string& state) const {
-  sockaddr_un to{};
-  if (address_.empty() || address_.size() >= sizeof to.sun_path || (address_[0] != '/' && address_[0] != '@')) return;
-  to.sun_family = AF_UNIX;
-  std::memcpy(to.sun_path, address_.data(), address_.size());
-  if (address_[0] == '@') to.sun_path[0] = 0;
-  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return;
   // Nobody else can be told where it does not listen.
-  [[maybe_unused]] const ssize_t sent =
-      sendto(socket, state.data(), state.size(), MSG_DONTWAIT | MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to),
-             static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address_.size()));
-  close(socket);
+  if (line_ >= 0) [[maybe_unused]] const ssize_t sent = send(line_, state.data(), state.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
 }  // namespace isostrata

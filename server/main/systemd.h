@@ -24,8 +24,12 @@ std::optional<PassedSocket> passed_socket();
 
 class ServiceManager {
  public:
-  /// Reads $NOTIFY_SOCKET, $WATCHDOG_USEC and $WATCHDOG_PID, and takes them out of the environment. Before there are threads.
+  /// Reads $NOTIFY_SOCKET, $WATCHDOG_USEC and $WATCHDOG_PID, takes them out of the environment, and connects: later this process may not. Before there
+  /// are threads.
   ServiceManager();
+  ~ServiceManager();
+  ServiceManager(const ServiceManager&) = delete;
+  ServiceManager& operator=(const ServiceManager&) = delete;
 
   /// How often it wants to hear that this process is alive: half of what it waits; 0: it does not.
   std::chrono::milliseconds pulse() const { return pulse_; }
@@ -33,7 +37,7 @@ class ServiceManager {
   void tell(const std::string& state) const;
 
  private:
-  std::string address_;  // a path, or @ and an abstract name; empty: nobody
+  int line_ = -1;  // nobody
   std::chrono::milliseconds pulse_{0};
 };
 

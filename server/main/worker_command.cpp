@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <memory>
+#include <utility>
 
 #include "main/commands.h"
 #include "worker/run_worker.h"
@@ -16,6 +17,9 @@ void add_worker_command(CLI::App& app) {
   command->add_option("--socket", arguments->socket)->required();
   command->add_option("--board", arguments->board)->required();
   command->add_option("--parent", arguments->parent)->required();
+  command->add_flag("--shut-in", arguments->shut_in);
+  for (auto [option, places] : {std::pair{"--read", &arguments->reach.read}, {"--names", &arguments->reach.names}, {"--write", &arguments->reach.write}})
+    command->add_option(option, *places)->allow_extra_args(false);
   command->callback([arguments] {
     prctl(PR_SET_DUMPABLE, 0);  // as in serve
     std::exit(run_worker(*arguments));

@@ -87,9 +87,12 @@ WorkerProbe probe_worker(const RendererChoice& choice) {
     options.catalogue = Catalogue::from_sources({"torus:12"});
     options.renderer_choice = choice;
     const Stopwatch starting;
-    WorkerEngine engine(std::move(options), {}, [&answers](EngineEvent event) { answers.take(std::move(event)); });
+    WorkerOptions worker;
+    worker.plan.shut_in = true;  // as serve's
+    WorkerEngine engine(std::move(options), std::move(worker), [&answers](EngineEvent event) { answers.take(std::move(event)); });
     probe.start_ms = starting.elapsed_ms();
     const std::int64_t first = engine.facts().process;
+    probe.shut_in = engine.facts().shut_in;
     probe.detail = pid_text(first) + " started";
 
     const Stopwatch drawing;

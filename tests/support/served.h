@@ -73,6 +73,7 @@ class Process {
     }
     return false;
   }
+  pid_t pid() const { return pid_; }  // -1 once it has ended
   std::string out() const { return read_text(folder_ / "out"); }
   std::string err() const { return read_text(folder_ / "err"); }
 
@@ -111,7 +112,7 @@ class Served {
 
   static std::string program(const std::string& name) { return isostrata::places::binaries() + "/" + name; }
   const std::string& url() const { return url_; }
-  Process& process() { return *server_; }
+  Process& process() const { return *server_; }
   /// `isostrata-client URL ARGUMENTS`.
   Ended client(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), {program("isostrata-client"), url_});

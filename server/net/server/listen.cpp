@@ -28,7 +28,8 @@ struct Descriptor {
 
 }  // namespace
 
-tcp::acceptor listen_on_port(asio::io_context& io, const std::string& host, unsigned short port) {
+int listening_port(const std::string& host, unsigned short port) {
+  asio::io_context io;
   boost::system::error_code error;
   tcp::resolver resolver(io);
   const auto found = resolver.resolve(host, std::to_string(port), tcp::resolver::passive, error);
@@ -42,10 +43,10 @@ tcp::acceptor listen_on_port(asio::io_context& io, const std::string& host, unsi
   if (error)
     throw Error(ErrorCode::unavailable, "cannot listen on " + host + ":" + std::to_string(port) + ": " + error.message() +
                                             (error == asio::error::address_in_use ? "; --port 0 picks a free one" : ""));
-  return acceptor;
+  return acceptor.release();
 }
 
-tcp::acceptor listen_on_socket(asio::io_context& io, const std::filesystem::path& path) {
+int listening_socket(const std::filesystem::path& path) {
   const auto failed = [&](const std::string& why) {
     return Error(ErrorCode::unavailable, "cannot listen on the socket " + path.string() + ": " + why);
   };
@@ -70,12 +71,7 @@ tcp::acceptor listen_on_socket(asio::io_context& io, const std::filesystem::path
   if (listening.of < 0 || bind(listening.of, address, sizeof name) != 0 || chmod(text.c_str(), 0600) != 0 ||
       ::listen(listening.of, 128) != 0)
     throw failed(std::strerror(errno));
-  tcp::acceptor acceptor(io);
-  boost::system::error_code error;
-  acceptor.assign(tcp::v4(), listening.of, error);
-  if (error) throw failed(error.message());
-  listening.take();
-  return acceptor;
+  return listening.take();
 }
 
 tcp::acceptor listen_on_descriptor(asio::io_context& io, int descriptor) {

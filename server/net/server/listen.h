@@ -8,14 +8,15 @@
 
 namespace isostrata {
 
-/// Throws invalid_argument (no address of this machine), unavailable (taken).
-boost::asio::ip::tcp::acceptor listen_on_port(boost::asio::io_context& io, const std::string& host, unsigned short port);
+/// A descriptor that listens on a port of this machine. Throws invalid_argument (no address of this machine), unavailable (taken).
+int listening_port(const std::string& host, unsigned short port);
 
-/// A Unix socket that its user alone may connect to (mode 0600), in the shape of a port's acceptor: to Asio a stream is a stream.
-/// One that a dead server has left is replaced. Throws unavailable where it cannot be made or another server answers at it.
-boost::asio::ip::tcp::acceptor listen_on_socket(boost::asio::io_context& io, const std::filesystem::path& path);
+/// The same of a Unix socket that its user alone may connect to (mode 0600). One that a dead server has left is replaced. Throws unavailable where
+/// it cannot be made or another server answers at it.
+int listening_socket(const std::filesystem::path& path);
 
-/// A socket that listens already, of a port or a Unix socket. It is closed with the acceptor. Throws unavailable.
+/// What listens already, a port or a Unix socket, in the shape of a port's acceptor: to Asio a stream is a stream. It is closed with the
+/// acceptor. Throws unavailable.
 boost::asio::ip::tcp::acceptor listen_on_descriptor(boost::asio::io_context& io, int descriptor);
 
 }  // namespace isostrata

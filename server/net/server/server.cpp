@@ -91,8 +91,9 @@ SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine
 }
 
 tcp::acceptor listen(asio::io_context& io, const ServerOptions& options) {
-  if (options.listening >= 0) return listen_on_descriptor(io, options.listening);
-  return options.socket.empty() ? listen_on_port(io, options.host, options.port) : listen_on_socket(io, options.socket);
+  return listen_on_descriptor(io, options.listening >= 0    ? options.listening
+                                  : options.socket.empty() ? listening_port(options.host, options.port)
+                                                           : listening_socket(options.socket));
 }
 
 std::unique_ptr<FrameEngine> make_engine(const ServerOptions& options, FrameEngine::Sink sink) {
