@@ -61,10 +61,15 @@ std::uint64_t stored_bytes(const fs::path& file) {
 
 }  // namespace
 
+std::uint64_t most_unpacked(std::uint64_t stored) {
+  constexpr std::uint64_t kRatio = 1032;  // of deflate, at best
+  return stored > kMost / kRatio ? kMost : kRatio * stored;
+}
+
 std::uint64_t unpacked_bytes(std::uint64_t stored) {
-  constexpr std::uint64_t kRatio = 1032;                      // of deflate, at best
   constexpr std::uint64_t kSmall = std::uint64_t{512} << 20;  // what a small file of any format may take
-  return stored > (kMost - kSmall) / (3 * kRatio) ? kMost : kSmall + 3 * kRatio * stored;
+  const std::uint64_t once = most_unpacked(stored);
+  return once > (kMost - kSmall) / 3 ? kMost : kSmall + 3 * once;
 }
 
 std::uint64_t memory_limit(const fs::path& file, std::uint64_t max_bytes) {

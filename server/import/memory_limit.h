@@ -15,7 +15,10 @@ std::uint64_t memory_limit(const std::filesystem::path& file, std::uint64_t max_
 /// circles ends within ten seconds. Files that may name others are taken with them, as above.
 std::uint64_t cpu_limit(const std::filesystem::path& file, std::uint64_t most);
 
-/// The second of those of memory_limit on its own: what `stored` bytes can unpack to.
+/// What `stored` bytes can hold when they are packed as tightly as deflate can.
+std::uint64_t most_unpacked(std::uint64_t stored);
+
+/// The second of those of memory_limit on its own: the memory that reading `stored` bytes can take.
 std::uint64_t unpacked_bytes(std::uint64_t stored);
 
 }  // namespace isostrata

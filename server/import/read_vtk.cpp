@@ -35,6 +35,8 @@
 
 #include "import/check_legacy_cells.h"
 #include "import/mapped_file.h"
+#include "import/memory_limit.h"
+#include "import/meta_header.h"
 #include "import/read_image_in_place.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
@@ -151,36 +153,40 @@ Imported read_unstructured_pieces(const ReadRequest& request, int pieces) {
   return imported;
 }
 
-/// `line` says LOCAL, a file, "LIST" and the files in the lines that follow, or "slice_%03d.raw 1 64 1".
-void check_data_files(const ReadRequest& request, const std::string& line, std::ifstream& header) {
-  if (line == "LOCAL" || line == "local") return;
+/// `line` says LOCAL, a file, "LIST" and the files in the lines that follow, or "slice_%03d.raw 1 64 1". Returns how many bytes there are.
+std::uint64_t check_data_files(const ReadRequest& request, const std::string& line, std::istream& header) {
+  std::uint64_t bytes = 0;
+  const auto add = [&](const std::string& file) { bytes += std::filesystem::file_size(referred_file(request.file, file)); };
+  if (line == "LOCAL" || line == "Local" || line == "local") return std::filesystem::file_size(request.file);
   if (line.starts_with("LIST")) {
     for (std::string file; std::getline(header, file);) {
       file.erase(file.find_last_not_of(" \t\r") + 1);
-      if (!file.empty()) referred_file(request.file, file);
+      if (!file.empty()) add(file);
     }
-    return;
+    return bytes;
   }
   const auto percent = line.find('%');
   if (percent == std::string::npos) {
-    referred_file(request.file, line);
-    return;
+    add(line);
+    return bytes;
   }
+  constexpr std::size_t kLongestPattern = 79;  // MetaIO's buffer
   char pattern[200] = "";
   int first = 0, last = 0, by = 1;
   const int found = std::sscanf(line.c_str(), "%199s %d %d %d", pattern, &first, &last, &by);
   const auto conversion = line.find_first_not_of("0123456789", percent + 1);
+  const std::string text(pattern);
   if (found < 3 || by < 1 || last < first || (last - first) / by > 100'000 || conversion == std::string::npos || conversion > percent + 3 ||
-      line[conversion] != 'd' || line.find('%', conversion) != std::string::npos)
+      line[conversion] != 'd' || line.find('%', conversion) != std::string::npos || text.size() > kLongestPattern || conversion >= text.size())
     throw Error(ErrorCode::bad_data, request.file.filename().string() + ": ElementDataFile is '" + line +
                                          "'; expected a pattern with one number, the first, the last and the stride: slice_%03d.raw 1 64 1");
   const auto width = static_cast<std::size_t>(std::max(0, std::atoi(line.substr(percent + 1, conversion - percent - 1).c_str())));
-  const std::string text(pattern);
   for (int i = first; i <= last; i += by) {
     std::string number = std::to_string(i);
     if (number.size() < width) number.insert(0, width - number.size(), line[percent + 1] == '0' ? '0' : ' ');
-    referred_file(request.file, text.substr(0, percent) + number + text.substr(conversion + 1));
+    add(text.substr(0, percent) + number + text.substr(conversion + 1));
   }
+  return bytes;
 }
 
 }  // namespace
@@ -237,19 +243,15 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
 }
 
 Imported read_meta_image(const ReadRequest& request) {
-  std::ifstream header(request.file, std::ios::binary);
-  std::string line;
-  for (int i = 0; i < 1000 && std::getline(header, line); ++i) {
-    const auto equals = line.find('=');
-    if (!line.starts_with("ElementDataFile") || equals == std::string::npos) continue;
-    line = line.substr(equals + 1);
-    line.erase(0, line.find_first_not_of(" \t"));
-    line.erase(line.find_last_not_of(" \t\r") + 1);
-    check_data_files(request, line, header);
-    if (auto in_place = meta_image_in_place(request)) return std::move(*in_place);
-    return run_named<vtkMetaImageReader>(request);
-  }
-  throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected a line 'ElementDataFile = ...'");
+  const std::string name = request.file.filename().string();
+  std::ifstream in(request.file, std::ios::binary);
+  const MetaHeader header = read_meta_header(in, name);
+  const std::uint64_t stored = check_data_files(request, header.data, in), declared = header.declared_bytes();
+  if (declared > most_unpacked(stored))
+    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(declared) + " bytes declared; " + std::to_string(stored) +
+                                         " are there, which hold at most " + std::to_string(most_unpacked(stored)));
+  if (auto in_place = meta_image_in_place(request)) return std::move(*in_place);
+  return run_named<vtkMetaImageReader>(request);
 }
 
 Imported read_slc(const ReadRequest& request) { return run_named<vtkSLCReader>(request); }

@@ -1,0 +1,86 @@
+#include "import/meta_header.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::string_view kBlanks = " \t", kSeparators = "=:";
+constexpr std::size_t kLongest = 499;  // MetaIO's buffers have 500 bytes
+constexpr int kMostLines = 1000;
+
+std::string shown(std::string_view line) {
+  std::string text(line.substr(0, 60));
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  return text;
+}
+
+std::uint64_t bytes_of_type(std::string_view type) {
+  static constexpr std::array<std::pair<std::string_view, std::uint64_t>, 12> kTypes{{{"MET_CHAR", 1},
+                                                                                      {"MET_UCHAR", 1},
+                                                                                      {"MET_SHORT", 2},
+                                                                                      {"MET_USHORT", 2},
+                                                                                      {"MET_INT", 4},
+                                                                                      {"MET_UINT", 4},
+                                                                                      {"MET_LONG", 4},
+                                                                                      {"MET_ULONG", 4},
+                                                                                      {"MET_LONG_LONG", 8},
+                                                                                      {"MET_ULONG_LONG", 8},
+                                                                                      {"MET_FLOAT", 4},
+                                                                                      {"MET_DOUBLE", 8}}};
+  for (const auto& [name, bytes] : kTypes)
+    if (type == name) return bytes;
+  return 0;
+}
+
+}  // namespace
+
+std::uint64_t MetaHeader::declared_bytes() const {
+  const auto text = [this](std::string_view name) {
+    const auto at = fields.find(name);
+    return at == fields.end() ? std::string() : at->second;
+  };
+  std::uint64_t bytes = bytes_of_type(text("ElementType"));
+  const auto times = [&bytes](std::uint64_t count) {
+    bytes = count != 0 && bytes > std::numeric_limits<std::uint64_t>::max() / count ? std::numeric_limits<std::uint64_t>::max() : bytes * count;
+  };
+  std::istringstream sizes(text("DimSize"));
+  for (std::int64_t size = 0; sizes >> size;) times(static_cast<std::uint64_t>(std::max<std::int64_t>(size, 0)));
+  std::int64_t channels = 1;
+  std::istringstream(text("ElementNumberOfChannels")) >> channels;
+  times(static_cast<std::uint64_t>(std::max<std::int64_t>(channels, 1)));
+  return bytes;
+}
+
+MetaHeader read_meta_header(std::istream& in, std::string_view file) {
+  const auto refuse = [&](const std::string& why) { return Error(ErrorCode::bad_data, std::string(file) + ": " + why); };
+  MetaHeader header;
+  std::string line;
+  for (int i = 0; i < kMostLines && std::getline(in, line); ++i) {
+    if (line.ends_with('\r')) line.pop_back();
+    line.erase(0, std::min(line.find_first_not_of(kBlanks), line.size()));
+    if (line.empty()) continue;
+    if (line.size() > kLongest) throw refuse("the line '" + shown(line) + "...' has " + std::to_string(line.size()) + " bytes; expected at most 499");
+    if (std::any_of(line.begin(), line.end(), [](unsigned char c) { return (c < 32 && c != '\t') || c == 127; }))
+      throw refuse("the line '" + shown(line) + "' holds a control character; expected text");
+    const auto separator = line.find_first_of(kSeparators);
+    const auto value = separator == std::string::npos ? separator : line.find_first_not_of(" \t=:", separator);
+    if (value == std::string::npos) throw refuse("the line '" + shown(line) + "' has no value; expected 'Name = value'");
+    const std::string name = line.substr(0, line.find_last_not_of(kBlanks, separator == 0 ? 0 : separator - 1) + 1);
+    line.erase(line.find_last_not_of(kBlanks) + 1);
+    if (name == "ElementDataFile") {
+      header.data = line.substr(value);
+      return header;
+    }
+    header.fields[name] = line.substr(value);
+  }
+  throw refuse("expected a line 'ElementDataFile = ...'");
+}
+
+}  // namespace isostrata

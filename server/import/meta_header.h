@@ -1,0 +1,24 @@
+// The header of a MetaImage, read as VTK's reader (MetaIO) reads it: Insight Software Consortium, https://itk.org/Wiki/MetaIO/Documentation.
+#pragma once
+
+#include <cstdint>
+#include <istream>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace isostrata {
+
+struct MetaHeader {
+  std::map<std::string, std::string, std::less<>> fields;  // the last of each name
+  std::string data;                                        // what ElementDataFile says; never empty
+  /// Of the values, when they are unpacked; nothing where the fields that say so make no sense.
+  std::uint64_t declared_bytes() const;
+};
+
+/// Reads up to the line of ElementDataFile; `in` stands behind it then. A name begins where its line's blanks end and ends at the first = or :, a value
+/// begins behind all of these and the blanks that follow. What MetaIO would take otherwise is refused: a line without a value, whose value it would
+/// look for in the next line; a control character; a line above 499 bytes, which ends its reading. Throws bad_data.
+MetaHeader read_meta_header(std::istream& in, std::string_view file);
+
+}  // namespace isostrata
