@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/launcher.h"
+#include "worker/launch_helper.h"
 #include "worker/worker_folder.h"
 
 namespace isostrata {
@@ -30,7 +30,7 @@ class ShutIn {
 
  private:
   WorkerFolder folder_;
-  Reach reach_;
+  ReachablePlaces reach_;
   std::shared_ptr<LaunchHelper> helper_;
 };
 

@@ -102,7 +102,7 @@ void allow_system(const PathRules& rules) {
   }
 }
 
-bool confine_files(const Reach& reach, bool worker) {
+bool confine_files(const ReachablePlaces& reach, bool worker) {
   const PathRules rules(worker);  // the server ends the worker, which is not below it; seccomp keeps it from ending others
   if (!rules.usable()) return false;
   for (const char* place : kFacts) rules.allow(place, PathRules::kRead);
@@ -127,7 +127,7 @@ void drop_capabilities() {
   syscall(SYS_capset, &header, sets.data());
 }
 
-std::string confine(const Reach& reach, bool worker, const std::function<bool()>& refuse_calls) {
+std::string confine(const ReachablePlaces& reach, bool worker, const std::function<bool()>& refuse_calls) {
 #ifdef ISOSTRATA_SANITIZED
   return {};  // sanitizers start programs and look at other processes when they find something
 #endif
@@ -154,7 +154,7 @@ bool is_of_people(const fs::path& folder) {
   return folder.parent_path() == "/home";
 }
 
-void reach_folder_of(const fs::path& file, Reach& reach) {
+void reach_folder_of(const fs::path& file, ReachablePlaces& reach) {
   std::error_code error;
   const fs::path folder = fs::canonical(file.parent_path(), error);
   if (error) return;
@@ -166,16 +166,16 @@ void reach_folder_of(const fs::path& file, Reach& reach) {
 
 }  // namespace
 
-std::string confine_worker(const Reach& reach) { return confine(reach, true, refuse_calls_of_worker); }
+std::string confine_worker(const ReachablePlaces& reach) { return confine(reach, true, refuse_calls_of_worker); }
 
-std::string confine_server(const Reach& reach) {
+std::string confine_server(const ReachablePlaces& reach) {
   const long descriptor = syscall(SYS_pidfd_open, getpid(), 0);
   if (descriptor >= 0) close(static_cast<int>(descriptor));
   return confine(reach, false, [descriptor] { return refuse_calls_of_server(descriptor < 0); });
 }
 
-Reach reach_of_sources(const std::vector<std::string>& sources) {
-  Reach reach;
+ReachablePlaces reach_of_sources(const std::vector<std::string>& sources) {
+  ReachablePlaces reach;
   for (const std::string& source : sources) {
     if (is_analytic(source)) continue;
     std::error_code error;

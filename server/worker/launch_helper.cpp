@@ -1,4 +1,6 @@
-// The helper's two sides. A request is a packet of one letter, or of one letter and the text of the ready file; the descriptors that a worker shall have
+#include "worker/launch_helper.h"
+
+// Both sides of it. A request is a packet of one letter, or of one letter and the text of the ready file; the descriptors that a worker shall have
 // go with it. The answer is a fixed head, and behind it a folder's name or what failed.
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -16,7 +18,6 @@
 #include <cstring>
 #include <system_error>
 
-#include "worker/launcher.h"
 
 namespace isostrata {
 namespace {

@@ -15,7 +15,7 @@ struct WorkerArguments {
   int socket = -1, board = -1;  // descriptors that WorkerProcess has handed over
   pid_t parent = 0;
   bool shut_in = false;  // it confines itself to `reach` first
-  Reach reach;
+  ReachablePlaces reach;
 };
 
 /// Serves until the other end of the socket is closed. renderer: empty, or what tests draw with. Returns the exit status.

@@ -282,7 +282,7 @@ int main(int argc, char** argv) {
   stream = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   datagrams = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   try {
-    const isostrata::Reach reach{.read = {folder / "data"}, .names = {}, .write = {folder / "out"}};
+    const isostrata::ReachablePlaces reach{.read = {folder / "data"}, .names = {}, .write = {folder / "out"}};
     if (asked("server") || asked("worker")) isostrata::use_sandbox(argv[3]);
     if (asked("server"))
       isostrata::confine_server(reach);

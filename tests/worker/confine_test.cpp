@@ -131,7 +131,7 @@ TEST(Confinement, OfAHomeDirectoryWhatIsHiddenStaysShut) {
   const char* const home = std::getenv("HOME");
   const std::string before = home ? home : "";
   setenv("HOME", scratch.path().c_str(), 1);
-  const Reach reach = reach_of_sources({file.string()});
+  const ReachablePlaces reach = reach_of_sources({file.string()});
   home ? setenv("HOME", before.c_str(), 1) : unsetenv("HOME");
   const fs::path folder = fs::canonical(scratch.path());
   EXPECT_THAT(reach.names, Contains(folder));
