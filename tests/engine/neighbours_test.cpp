@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -11,6 +12,8 @@
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "engine/picture/draw_scene.h"
+#include "engine/picture/export_mesh.h"
+#include "support/temporary_folder.h"
 
 namespace isostrata {
 namespace {
@@ -225,6 +228,99 @@ TEST_F(TightMemory, ScenesThatNobodyLooksAtAreGivenBackAndMadeAgain) {
     }
   EXPECT_GT(made_again, 0);
   engine_.reset();
+}
+
+// 10 bytes a pixel: one of these fits and two do not.
+TEST_F(TightMemory, LargeStillsWaitForEachOtherAndNoFrameWaitsForThem) {
+  EngineOptions options;
+  options.catalogue = Catalogue::from_sources({"torus:32"});
+  options.renderer_choice = {"native", "native"};
+  options.store.max_bytes = 180'000'000;
+  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  constexpr SessionKey kSessions = 3;
+  for (SessionKey s = 1; s <= kSessions; ++s) {
+    engine_->post(SceneUpdate{s, of_session(s)});
+    picture(s, 100 + s);
+  }
+  for (SessionKey s = 1; s <= kSessions; ++s) {
+    FrameRequest wanted = frame(s, s, true);
+    wanted.width = wanted.height = 3200;
+    wanted.still = StillFormat::png;
+    engine_->post(wanted);
+    picture(s, 200 + s);
+  }
+  for (SessionKey s = 1; s <= kSessions; ++s) EXPECT_EQ(frame_of(s).width, 3200);
+  int at_once = 0, most = 0;
+  for (const EngineEvent& event : events_) {
+    if (const auto* started = std::get_if<FrameStarted>(&event); started && started->request <= kSessions) most = std::max(most, ++at_once);
+    if (const auto* ready = std::get_if<FrameReady>(&event); ready && ready->request <= kSessions) --at_once;
+  }
+  EXPECT_EQ(most, 1);
+  engine_.reset();
+}
+
+TEST_F(TightMemory, AStillThatNeverFitsIsRefusedWithTheNumbers) {
+  EngineOptions options;
+  options.catalogue = Catalogue::from_sources({"torus:32"});
+  options.renderer_choice = {"native", "native"};
+  options.store.max_bytes = 130'000'000;
+  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  engine_->post(SceneUpdate{1, of_session(1)});
+  FrameRequest wanted = frame(1, 1, true);
+  wanted.width = wanted.height = 4096;
+  wanted.still = StillFormat::png;
+  engine_->post(wanted);
+  const RequestFailed failed = failure_of(1);
+  EXPECT_EQ(failed.code, ErrorCode::too_large);
+  EXPECT_NE(failed.message.find("a picture of 4096x4096 needs about 167 MB; "), std::string::npos) << failed.message;
+  EXPECT_NE(failed.message.find(" of the 130 MB that this server may take are free"), std::string::npos) << failed.message;
+  engine_.reset();
+}
+
+TEST_F(TightMemory, AnExportIsHeldToWhatIsFree) {
+  const testing::TemporaryFolder folder;
+  RequestId request = 0;
+  const auto export_with = [&](std::uint64_t max_bytes, const Scene& of) {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"torus:32", "torus:96"});
+    options.renderer_choice = {"native", "native"};
+    options.store.max_bytes = max_bytes;
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+    engine_->post(ExportRequest{1, ++request, of, (folder / (std::to_string(request) + ".vtu")).string(), {}});
+  };
+  export_with(200'000'000, of_session(1));
+  EXPECT_GT(wait_for<ExportReady>([&](const ExportReady& e) { return e.request == request; }).mesh.tetrahedra, 0);
+  export_with(20'000'000, of_session(1));
+  EXPECT_NE(failure_of(request).message.find("this export needs about 33 MB; "), std::string::npos) << failure_of(request).message;
+  Scene large = of_session(1);
+  large.dataset = "torus-96";
+  export_with(100'000'000, large);
+  EXPECT_EQ(failure_of(request).code, ErrorCode::too_large);
+  EXPECT_NE(failure_of(request).message.find("bytes; the limit is"), std::string::npos) << failure_of(request).message;
+  engine_.reset();
+}
+
+TEST(ExportRoom, FilesOfExportsTakeSoMuchOfTheDiskAndNoMore) {
+  const testing::TemporaryFolder folder;
+  const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
+  const StepSource steps = [&](int, const Task&) { return data; };
+  Scene scene;
+  scene.array = "distance";
+  scene.intervals.push_back({1, 0.0, 0.7, {1, 0, 0}, "", 0.5, 0, true});
+  const auto refusal = [&](std::uint64_t exports) -> std::string {
+    try {
+      export_mesh(steps, scene, folder / "a.vtu", {.compression = 0}, {.exports = exports}, Task{});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::too_large);
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_NE(refusal(4'000'000).find("would be larger than 2000000 bytes"), std::string::npos) << refusal(4'000'000);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "nothing is left of it";
+  EXPECT_EQ(refusal(1'000'000'000), "");
+  const auto bytes = std::filesystem::file_size(folder / "a.vtu");
+  EXPECT_NE(refusal(bytes + 1'000'000).find("exports take " + std::to_string(bytes / 1'000'000) + " MB of the "), std::string::npos) << refusal(bytes + 1'000'000);
 }
 
 TEST_F(TightMemory, ASceneThatDoesNotFitIsRefusedWithTheNumbers) {

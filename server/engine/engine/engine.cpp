@@ -116,6 +116,7 @@ struct DrawOrder {
   std::shared_ptr<const ExtractedScene> extracted;
   double extract_ms = 0;
   std::shared_ptr<Task> task;
+  std::shared_ptr<void> room;  // in memory, of a large still
 };
 
 /// A script's picture or somebody's screenshot: nobody has a hand on it.
@@ -379,7 +380,9 @@ class Engine::Impl {
       run(WorkClass::background, request.session, request.request, *operation, [&] {
         const CatalogueEntry& source = entry(request.scene.dataset);
         const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
-        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, operation->task());
+        const std::uint64_t bytes = export_bytes(request);
+        const auto room = room_for_work(request.session, bytes, "this export");
+        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, {.memory = bytes}, operation->task());
         send(ExportReady{request.session, request.request, mesh});
       });
     });
@@ -533,11 +536,87 @@ class Engine::Impl {
     for (EngineEvent& event : events) send(std::move(event));
   }
 
-  // ---- memory: datasets, and then scenes in what is left of --max-memory ----
+  // ---- memory: datasets, then what works that are under way take, and then scenes in what is left of --max-memory ----
 
+  /// With mutex_ held.
   std::uint64_t max_scene_bytes() const {
-    const std::uint64_t most = options_.store.max_bytes, data = store_.held_bytes() + bases_.held_bytes() + ordered_.bytes();
-    return most - std::min(most, data);
+    const std::uint64_t most = options_.store.max_bytes,
+                        other = store_.held_bytes() + bases_.held_bytes() + ordered_.bytes() + scenes_.in_work();
+    return most - std::min(most, other);
+  }
+
+  /// Gives back what nobody looks at, so that a work of so many bytes has room, and begins it if it has. Returns how much is free. With mutex_ held; the
+  /// caller drops `given_back` without.
+  std::uint64_t try_work(SessionKey session, std::uint64_t bytes, std::vector<std::shared_ptr<const ExtractedScene>>& given_back) {
+    const std::uint64_t most = max_scene_bytes();
+    given_back = give_back(most - std::min(most, bytes), session);
+    const std::uint64_t left = most - std::min(most, scenes_.bytes());
+    if (bytes <= left) scenes_.begin_work(bytes);
+    return left;
+  }
+
+  /// Ends a work that has begun; then whoever waits for room looks again.
+  std::shared_ptr<void> until_it_ends(std::uint64_t bytes) {
+    return {static_cast<void*>(this), [this, bytes](void*) {
+              const std::lock_guard lock(mutex_);
+              scenes_.end_work(bytes);
+              for (auto& [key, session] : sessions_) draw_soon(key, session);
+            }};
+  }
+
+  /// Room for one work, as long as it is held. Throws too_large, with the numbers, where there is not enough.
+  std::shared_ptr<void> room_for_work(SessionKey session, std::uint64_t bytes, const std::string& what) {
+    std::vector<std::shared_ptr<const ExtractedScene>> given_back;
+    std::uint64_t left = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      left = try_work(session, bytes, given_back);
+    }
+    let_go(std::move(given_back));
+    if (bytes <= left) return until_it_ends(bytes);
+    throw Error(ErrorCode::too_large, what + " needs about " + std::to_string(bytes / 1'000'000) + " MB; " + std::to_string(left / 1'000'000) + " of the " +
+                                          std::to_string(options_.store.max_bytes / 1'000'000) + " MB that this server may take are free (--max-memory)");
+  }
+
+  /// What an export may take: as much as the session's own scene of the same layers does, where that is known, else a quarter of what is free.
+  std::uint64_t export_bytes(const ExportRequest& request) {
+    const std::lock_guard lock(mutex_);
+    const auto it = sessions_.find(request.session);
+    const std::uint64_t most = max_scene_bytes(), free = most - std::min(most, scenes_.bytes());
+    if (it != sessions_.end() && it->second.ready && same_extraction(it->second.ready_scene, request.scene)) {
+      // Its facets and values come on top, and it needs some room to be told by numbers that it has too little.
+      return std::max(2 * scenes_.bytes_of(request.session), kLeastExport);
+    }
+    return std::max(free / 4, kLeastExport);
+  }
+
+  /// What a still takes beside the scene: its pixels, and their copies on the way to a file. Measured bytes a pixel (worker's peak, 8192 x 8192 and
+  /// 4096 x 4096): PNG 7.5, WebP 17.4, annotated PNG 24.1, EXR 48.3. 0 for a still that takes no more than a frame may.
+  static std::uint64_t still_bytes(const FrameRequest& request, const Scene& scene) {
+    const bool annotated = (request.annotations ? *request.annotations : scene.annotations).any();
+    const std::uint64_t as_floats = 50, as_bytes = (annotated ? 26 : 10) + (request.still == StillFormat::webp ? 10 : 0);
+    const std::uint64_t of_pixel = request.still && is_float(*request.still) ? as_floats : as_bytes;
+    const std::uint64_t bytes = of_pixel * static_cast<std::uint64_t>(request.width) * static_cast<std::uint64_t>(request.height);
+    return bytes <= kFrameBytes ? 0 : bytes;
+  }
+
+  /// An order for the session's next still and, where it is large, its room; nothing where that has to wait for others that work. With mutex_ held.
+  std::optional<DrawOrder> still_order(SessionKey key, SessionState& session, std::vector<std::shared_ptr<const ExtractedScene>>& given_back) {
+    const auto drawn_meanwhile = session.drawn_meanwhile;
+    const bool ready_drawn = session.ready_drawn;
+    auto order = order_of(session, is_still);
+    const std::uint64_t bytes = order ? still_bytes(order->request, order->scene) : 0;
+    if (bytes == 0) return order;
+    if (bytes <= try_work(key, bytes, given_back)) {
+      order->room = until_it_ends(bytes);
+    } else if (scenes_.in_work() > 0) {
+      session.waiting.push_front(order->request);
+      session.pictures.erase(order->request.request);
+      session.drawn_meanwhile = drawn_meanwhile;
+      session.ready_drawn = ready_drawn;
+      return std::nullopt;
+    }
+    return order;  // without room where there will be none: it is refused
   }
 
   /// What sessions that nobody has looked at for longest hold, so that the rest is at most that. It is made again when somebody looks.
@@ -794,11 +873,12 @@ class Engine::Impl {
     std::optional<DrawOrder> order;
     std::function<std::unique_ptr<Renderer>()> make;
     std::string instead;
+    std::vector<std::shared_ptr<const ExtractedScene>> given_back;
     {
       const std::lock_guard lock(mutex_);
       const auto it = sessions_.find(key);
       if (stopping_ || it == sessions_.end()) return;
-      order = order_of(it->second, [still](const FrameRequest& f) { return is_still(f) == still; });
+      order = still ? still_order(key, it->second, given_back) : order_of(it->second, [](const FrameRequest& f) { return !is_still(f); });
       if (!order) {
         (still ? it->second.still_in_lane : it->second.frame_in_lane) = false;
         return;
@@ -806,6 +886,7 @@ class Engine::Impl {
       make = make_;
       instead = instead_;
     }
+    let_go(std::move(given_back));
     std::unique_ptr<Renderer> renderer = renderers_.take(key, still);
     try {
       if (!renderer) renderer = make();
@@ -888,6 +969,8 @@ class Engine::Impl {
       drawing.emplace(Doing::OnRenderThread{}, options_.board, Stage::drawing, request.session, request.request, patience);
     send(FrameStarted{request.session, request.request});
     try {
+      if (const std::uint64_t bytes = is_still(request) && !order.room ? still_bytes(request, order.scene) : 0)
+        order.room = room_for_work(request.session, bytes, "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height));
       Drawn drawn = [&] {
         const Work work(request.session, class_of(request), {in_lane ? order.task.get() : nullptr, in_lane, drawing->waiting()});
         return draw_scene(renderer, order, instead);
@@ -897,6 +980,7 @@ class Engine::Impl {
       if (in_lane && is_still(request)) {
         encode(nullptr, drawn, order);
       } else {
+        order.room.reset();  // what waits for an encoder may be dropped with mutex_ held
         const std::lock_guard lock(mutex_);
         if (!sessions_.contains(request.session)) throw Error(ErrorCode::cancelled, "the session has ended");
         encoders_.post(request.session,
@@ -1038,6 +1122,8 @@ class Engine::Impl {
   const Sink sink_;
   std::string device_;
   std::atomic<bool> cuts_intervals_{false};  // the renderer of now
+  static constexpr std::uint64_t kFrameBytes = 64ull << 20;   // of a picture that is not counted
+  static constexpr std::uint64_t kLeastExport = 32ull << 20;  // that an export is given
   static constexpr int kStills = 4;          // sessions whose stills are drawn at once: each holds a picture
 
   std::mutex mutex_;  // guards the block below

@@ -1,4 +1,4 @@
-// Bytes of what sessions' scenes take, and whose are given back first: those that nobody has looked at for longest.
+// Bytes of what sessions' scenes take, and whose are given back first: those that nobody has looked at for longest; and of the works beside them.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,12 @@ class SceneLedger {
     entries_.erase(session);
   }
   std::uint64_t bytes() const { return total_; }
+
+  /// What a work under way takes beside the scenes, from its beginning to its end: a large still, an export.
+  void begin_work(std::uint64_t bytes) { in_work_ += bytes; }
+  void end_work(std::uint64_t bytes) { in_work_ -= bytes; }
+  std::uint64_t in_work() const { return in_work_; }
+
   std::uint64_t bytes_of(SessionKey session) const {
     const auto it = entries_.find(session);
     return it == entries_.end() ? 0 : it->second.bytes;
@@ -53,7 +59,7 @@ class SceneLedger {
     std::uint64_t bytes = 0, seen = 0;
   };
   std::map<SessionKey, Entry> entries_;
-  std::uint64_t looks_ = 0, total_ = 0;
+  std::uint64_t looks_ = 0, total_ = 0, in_work_ = 0;
 };
 
 }  // namespace isostrata

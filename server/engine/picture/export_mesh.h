@@ -1,6 +1,7 @@
 // A scene's layers as a mesh file.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "base/task.h"
@@ -13,8 +14,12 @@ namespace isostrata {
 
 /// Extracts all intervals of the scene, hidden ones too, with its terms, time and triangulation (of a smear: the scene's step),
 /// and writes them as write_mesh does, the colour array with them. Throws what extract_layers and write_mesh throw, and not_found
-/// where there is no array or no interval. Any thread.
+/// where there is no array or no interval; too_large, with the numbers, where it would take more memory or more of the disk than `room`. Any thread.
+struct ExportRoom {
+  std::uint64_t memory = 16ull << 30;
+  std::uint64_t exports = 16ull << 30;  // of all files in the path's folder, of which two at most are being written
+};
 ExportedMesh export_mesh(const StepSource& steps, const Scene& scene, const std::filesystem::path& path,
-                         const WriteOptions& options, const Task& task);
+                         const WriteOptions& options, const ExportRoom& room, const Task& task);
 
 }  // namespace isostrata

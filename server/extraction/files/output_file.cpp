@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <system_error>
@@ -16,7 +17,7 @@ constexpr std::size_t kBuffer = std::size_t{1} << 20;
 
 }  // namespace
 
-OutputFile::OutputFile(const std::filesystem::path& path) : path_(path), part_(path) {
+OutputFile::OutputFile(const std::filesystem::path& path, std::uint64_t most) : path_(path), part_(path), most_(most) {
   static std::atomic<int> opened{0};
   part_ += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(opened++);
   descriptor_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -54,6 +55,8 @@ void OutputFile::flush() {
 }
 
 void OutputFile::write_at_end(std::span<const std::byte> bytes) {
+  if (bytes.size() > most_ - std::min(most_, flushed_))
+    throw Error(ErrorCode::too_large, path_.string() + ": would be larger than " + std::to_string(most_) + " bytes, which is all that there may be of it");
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;

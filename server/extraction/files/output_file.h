@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,11 +15,13 @@
 namespace isostrata {
 
 /// Written beside its place, under a name of this process's own, and renamed by finish(). Without finish() nothing is left.
-/// Errors are unavailable, with the path, what could not be done and the system's reason ("No space left on device"). One thread.
+/// Other errors are unavailable, with the path, what could not be done and the system's reason ("No space left on device"). One thread.
 class OutputFile {
  public:
-  /// Throws unavailable.
-  explicit OutputFile(const std::filesystem::path& path);
+  static constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
+
+  /// It will not grow beyond `most` bytes: then write throws too_large. Throws unavailable.
+  explicit OutputFile(const std::filesystem::path& path, std::uint64_t most = kNoEnd);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -44,6 +47,7 @@ class OutputFile {
   void write_at_end(std::span<const std::byte> bytes);
 
   std::filesystem::path path_, part_;
+  const std::uint64_t most_;
   int descriptor_ = -1;
   std::uint64_t flushed_ = 0;
   std::vector<std::byte> buffer_;

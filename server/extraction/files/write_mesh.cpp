@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "extraction/files/output_file.h"
+#include "extraction/files/write_bounded_mesh.h"
 #include "extraction/files/write_surface.h"
 #include "extraction/files/write_vtu.h"
 
@@ -15,9 +16,14 @@ void check_mesh_path(const std::filesystem::path& path) {
 
 void write_mesh(const std::filesystem::path& path, const IntervalMesh& mesh, const std::string& array_name,
                 std::span<const MeshArray> more, const WriteOptions& options, const Task& task) {
+  write_bounded_mesh(path, OutputFile::kNoEnd, mesh, array_name, more, options, task);
+}
+
+void write_bounded_mesh(const std::filesystem::path& path, std::uint64_t most, const IntervalMesh& mesh, const std::string& array_name,
+                        std::span<const MeshArray> more, const WriteOptions& options, const Task& task) {
   check_mesh_path(path);
   const std::string ending = path.extension().string();
-  OutputFile out(path);
+  OutputFile out(path, most);
   if (ending == ".vtu") write_vtu(out, mesh, array_name, more, options.compression, task);
   if (ending == ".ply") write_ply(out, mesh, more, options.facets, task);
   if (ending == ".stl") write_stl(out, mesh, options.facets, task);
