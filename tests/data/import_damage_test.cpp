@@ -140,6 +140,35 @@ TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
       ErrorCode::bad_data);
 }
 
+// VTK's reader takes the first line of that name, behind blanks and up to a colon as well; of a line without a value it takes the next one's.
+TEST(ImportDamage, AMetaImageNamesItsDataAsVtkReadsIt) {
+  const Scratch scratch;
+  scratch.write("in/ok.raw", std::string(8, '\7'));
+  scratch.write("secret.raw", std::string(8, 'x'));
+  const auto header = [&](const std::string& rest, const std::string& size = "2 2 2") {
+    return scratch.write("in/x.mhd", "ObjectType = Image\nNDims = 3\nDimSize = " + size + "\nElementType = MET_UCHAR\n" + rest);
+  };
+  for (const char* good : {"ElementDataFile = ok.raw\n", "  ElementDataFile = ok.raw\r\n", "\tElementDataFile : ok.raw\n", "ElementDataFile=ok.raw",
+                           "ElementDataFile = : ok.raw\n", "ElementDataFile = ok.raw\nElementDataFile = ../secret.raw\n"})
+    EXPECT_EQ(test::open(header(good))->arrays.at(0).upper, 7) << good;
+  for (const std::string bad :
+       {" ElementDataFile = ../secret.raw\nElementDataFile = ok.raw\n", "\tElementDataFile=../secret.raw\nElementDataFile = ok.raw\n",
+        "ElementDataFile : ../secret.raw\nElementDataFile = ok.raw\n", "ElementDataFile =: ../secret.raw\n", "ElementDataFile = = ../secret.raw\n",
+        "Comment =\nElementDataFile = ok.raw\nElementDataFile = ../secret.raw\n", "Comment\nElementDataFile = ok.raw\nElementDataFile = ../secret.raw\n",
+        "a = b\rElementDataFile = ok.raw\nElementDataFile = ../secret.raw\n", "ElementDataFile = LIST\n../secret.raw\nok.raw\n", "ElementDataFile =\n../secret.raw\n"})
+    EXPECT_EQ(refusal(header(bad)).code(), ErrorCode::bad_data) << bad;
+  EXPECT_EQ(refusal(header("Comment = " + std::string(600, 'a') + "\nElementDataFile = ok.raw\n")).code(), ErrorCode::bad_data);
+}
+
+TEST(ImportDamage, AMetaImageDeclaresNoMoreThanItsFilesCanHold) {
+  const Scratch scratch;
+  scratch.write("in/ok.raw", std::string(8, '\7'));
+  const Error error = refusal(scratch.write(
+      "in/x.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2000 2000 2000\nElementType = MET_DOUBLE\nElementDataFile = ok.raw\n"));
+  EXPECT_EQ(error.code(), ErrorCode::bad_data);
+  EXPECT_NE(std::string(error.what()).find("64000000000 bytes declared; 8 are there"), std::string::npos) << error.what();
+}
+
 TEST(ImportDamage, ALinkIsReadUnderItsOwnName) {
   const Scratch scratch;
   scratch.write("store/4f2a", kImageHeader);

@@ -62,6 +62,37 @@ TEST(ImportLimits, ASmallFileThatDeclaresGigabytesTakesNoneOfThem) {
   getrusage(RUSAGE_CHILDREN, &children);
   EXPECT_LT(children.ru_maxrss, 1300 << 10) << "KiB of the largest child of this test";
 }
+
+// Eight thousand million numbers and more. VTK's readers ask for all of the memory first; the limit of address space, which follows the file's
+// size, is what says no: a bound of ours before each of them would have to know what each of their formats may pack and leave out.
+TEST(ImportLimits, WhatDeclaresMoreThanThereIsTakesNoneOfItWhateverTheFormat) {
+  const std::string image = "<ImageData WholeExtent=\"0 1999 0 1999 0 1999\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"0 1999 0 1999 0 1999\"><PointData>"
+                            "<DataArray type=\"Float64\" Name=\"a\" format=\"ascii\">1 2 3</DataArray></PointData></Piece></ImageData>";
+  const std::string grid = "<UnstructuredGrid><Piece NumberOfPoints=\"2000000000\" NumberOfCells=\"1000000000\"><Points>"
+                           "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0</DataArray></Points><Cells>"
+                           "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0</DataArray><DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">1</DataArray>"
+                           "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">1</DataArray></Cells></Piece></UnstructuredGrid>";
+  const auto xml = [](const std::string& type, const std::string& inner) {
+    return "<?xml version=\"1.0\"?><VTKFile type=\"" + type + "\" version=\"1.0\" byte_order=\"LittleEndian\">" + inner + "</VTKFile>";
+  };
+  const std::string legacy = "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET ";
+  const test::Scratch scratch;
+  for (const auto& [name, text] :
+       {std::pair{"image.vti", xml("ImageData", image)}, std::pair{"grid.vtu", xml("UnstructuredGrid", grid)},
+        std::pair{"points.vtk", legacy + "STRUCTURED_POINTS\nDIMENSIONS 2000 2000 2000\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 8000000000\nSCALARS f float 1\n"
+                                         "LOOKUP_TABLE default\n1234"},
+        std::pair{"grid.vtk", legacy + "UNSTRUCTURED_GRID\nPOINTS 1000000000 double\n1234"},
+        std::pair{"a.nrrd", std::string("NRRD0004\ntype: double\ndimension: 3\nsizes: 2000 2000 2000\nencoding: raw\nendian: little\n\n12345678")},
+        std::pair{"a.mha", std::string("ObjectType = Image\nNDims = 3\nDimSize = 2000 2000 2000\nElementType = MET_DOUBLE\nElementDataFile = LOCAL\n12345678")},
+        std::pair{"a.slc", std::string("11111\n2000 2000 2000 8 1 1 1 0 0 0 X 0 0 0 0 X")}}) {
+    const Error error = test::refusal(scratch.write(name, text));
+    EXPECT_TRUE(error.code() == ErrorCode::too_large || error.code() == ErrorCode::bad_data) << name << ": " << error.what();
+    EXPECT_THAT(error.what(), Not(HasSubstr("crashed"))) << name;
+  }
+  rusage children{};
+  getrusage(RUSAGE_CHILDREN, &children);
+  EXPECT_LT(children.ru_maxrss, 1300 << 10) << "KiB of the largest child of this test";
+}
 #endif
 
 }  // namespace
