@@ -52,9 +52,11 @@ class ServeProcess {
                                    "--token",       token_,         "--ready-file",   ready.string(),
                                    "--max-viewers", "100",          "--idle-timeout", "60"};
     words.insert(words.end(), more.begin(), more.end());
-    for (std::string& data : neighbour_data()) words.push_back(std::move(data));
+    for (std::string& data : neighbour_data(folder_.path() / "data")) words.push_back(std::move(data));
+    std::vector<std::string> environment = environment_without({"ISOSTRATA_CACHE"});
+    environment.push_back("ISOSTRATA_CACHE=off");  // what is opened is read
     const int log = open((folder_.path() / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600);
-    const int error = spawn_in_group(id_, {.program = program, .words = words, .environment = environment_without({}), .descriptors = {-1, log, log}});
+    const int error = spawn_in_group(id_, {.program = program, .words = words, .environment = environment, .descriptors = {-1, log, log}});
     close(log);
     if (error != 0) throw Error(ErrorCode::unavailable, "the server could not be started");
     for (const auto began = Clock::now(); !fs::exists(ready);) {

@@ -3,6 +3,8 @@
 #include <boost/json.hpp>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -183,6 +185,42 @@ bool export_mesh(const HeavySession& of, const Stop& stop) {
   return status == "done";
 }
 
+// Names that are no numbers, which would make one series of them.
+constexpr int kSlowFiles = 26 * 26;
+std::string slow_name(int i) { return std::string("slow-") + static_cast<char>('a' + i / 26) + static_cast<char>('a' + i % 26); }
+
+/// A million numbers as text, which take a reader about a second, under so many names that none is opened twice.
+void write_slow_files(const std::filesystem::path& folder) {
+  constexpr int kSize = 100;
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path first = folder / (slow_name(0) + ".vtk");
+  std::ofstream out(first);
+  out << "# vtk DataFile Version 3.0\nslow\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS " << kSize << ' ' << kSize << ' ' << kSize
+      << "\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA " << kSize * kSize * kSize << "\nSCALARS f float 1\nLOOKUP_TABLE default\n";
+  for (int i = 0; i < kSize * kSize * kSize; ++i) out << static_cast<float>(i % 977) / 7 << '\n';
+  if (!out.flush()) throw Error(ErrorCode::unavailable, first.string() + ": cannot be written");
+  for (int i = 1; i < kSlowFiles; ++i) std::filesystem::create_hard_link(first, folder / (slow_name(i) + ".vtk"));
+}
+
+/// Each of six others opens a file that nobody has opened yet.
+bool open_slow_files(const HeavySession& of, const Stop& stop) {
+  static std::atomic<int> opened{0};
+  std::atomic<bool> all{true};
+  std::vector<std::thread> opening;
+  for (int i = 0; i < 6; ++i)
+    opening.emplace_back([&, name = slow_name(opened++ % kSlowFiles)] {
+      const PlainAnswer found = plain_request(of.port, of.token, "GET", "/api/v1/datasets?search=" + name, "", stop);
+      if (found.status != 200) return void(all = false);
+      const json::value id = json::parse(found.body).as_object().at("datasets").as_array().at(0).at("id");
+      const PlainAnswer made = plain_request(of.port, of.token, "POST", "/api/v1/sessions", json::serialize(json::object{{"dataset", id}}), stop);
+      if (made.status != 201) return void(all = false);
+      const HeavySession session{of.port, of.token, std::string(json::parse(made.body).as_object().at("id").as_string())};
+      session.ask("DELETE", "");
+    });
+  for (std::thread& thread : opening) thread.join();
+  return all;
+}
+
 }  // namespace
 
 std::string HeavySession::ask(const std::string& method, const std::string& path, const std::string& body) const {
@@ -192,8 +230,9 @@ std::string HeavySession::ask(const std::string& method, const std::string& path
   return answer.body;
 }
 
-std::vector<std::string> neighbour_data() {
-  return {"torus:16", "torus:96", "cylinder:64x64x32x6", "torus:256"};
+std::vector<std::string> neighbour_data(const std::filesystem::path& folder) {
+  write_slow_files(folder);
+  return {"torus:16", "torus:96", "cylinder:64x64x32x6", "torus:256", folder.string()};
 }
 
 std::vector<NeighbourWork> neighbour_works() {
@@ -233,6 +272,7 @@ std::vector<NeighbourWork> neighbour_works() {
   all.push_back(many_viewers());
   all.push_back(guest("a guest's viewport of 8192x8192", false));
   all.push_back(guest("a guest's stills", true));
+  all.push_back({"openings of slow files", kVolume, true, [](const HeavySession&) {}, open_slow_files});
   all.push_back(requests("60 unread pictures", kVolume, 60, 1, "/image?width=1920&height=1080", false));
   all.push_back({"a drag on the largest data", kLargest, false, [](const HeavySession& of) { set_layers(of, layers(1, 0.1, 0.3, "", 0.3)); },
                  [](const HeavySession& of, const Stop& stop) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -28,8 +29,8 @@ struct NeighbourWork {
   std::function<bool(const HeavySession&, const std::atomic<bool>& stop)> work;
 };
 
-/// What `serve` is started with for them.
-std::vector<std::string> neighbour_data();
+/// What `serve` is started with for them; files among it are written into `folder`, which is made.
+std::vector<std::string> neighbour_data(const std::filesystem::path& folder);
 std::vector<NeighbourWork> neighbour_works();
 
 }  // namespace isostrata
