@@ -38,9 +38,9 @@ ShutIn::ShutIn(const ServerPlaces& places) : reach_(reach_of_sources(places.sour
     if (sandbox() != Sandbox::off) choose_shader_cache(cache->folder / "shaders");
     plan.reach.write.push_back(cache->folder);
   }
-  LaunchHelper::Duties duties = places.duties;
+  StarterProcess::Duties duties = places.duties;
   duties.folders.push_back(folder_.path());
-  helper_ = std::make_shared<LaunchHelper>(std::move(plan), std::move(duties));
+  helper_ = std::make_shared<StarterProcess>(std::move(plan), std::move(duties));
   setenv("TMPDIR", folder_.path().c_str(), 1);
   if (!places.state_dir.empty()) {
     make(places.state_dir);

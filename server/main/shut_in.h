@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "worker/launch_helper.h"
+#include "worker/starter_process.h"
 #include "worker/worker_folder.h"
 
 namespace isostrata {
@@ -15,7 +15,7 @@ struct ServerPlaces {
   std::vector<std::string> sources;          // files, folders, patterns, names of analytic data
   std::filesystem::path state_dir;           // empty: none
   std::vector<std::filesystem::path> files;  // that it reads: the page, certificates
-  LaunchHelper::Duties duties;
+  StarterProcess::Duties duties;
 };
 
 class ShutIn {
@@ -26,12 +26,12 @@ class ShutIn {
 
   /// Confines this process; returns what holds, as confine_server. Before there are threads.
   std::string confine() const;
-  const std::shared_ptr<LaunchHelper>& helper() const { return helper_; }
+  const std::shared_ptr<StarterProcess>& helper() const { return helper_; }
 
  private:
   WorkerFolder folder_;
   ReachablePlaces reach_;
-  std::shared_ptr<LaunchHelper> helper_;
+  std::shared_ptr<StarterProcess> helper_;
 };
 
 }  // namespace isostrata

@@ -1,4 +1,4 @@
-// Who starts workers: this process, or a helper (worker/launch_helper.h).
+// Who starts workers: this process, or a helper (worker/starter_process.h).
 #pragma once
 
 #include <sys/types.h>

@@ -40,7 +40,7 @@ struct ProcessEnd {
 std::string to_string(const ProcessEnd& end);
 
 /// Not thread-safe but for channel() and board(). The kernel ends the process when the thread ends that launched it, or that made the helper which
-/// did (worker/launch_helper.h), so that a worker never outlives its server.
+/// did (worker/starter_process.h), so that a worker never outlives its server.
 class WorkerProcess {
  public:
   /// Throws unavailable.

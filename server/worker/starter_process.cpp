@@ -1,4 +1,4 @@
-#include "worker/launch_helper.h"
+#include "worker/starter_process.h"
 
 // Both sides of it. A request is a packet of one letter, or of one letter and the text of the ready file; the descriptors that a worker shall have
 // go with it. The answer is a fixed head, and behind it a folder's name or what failed.
@@ -118,7 +118,7 @@ void write_whole(const fs::path& path, const std::string& text) {
   throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written: " + std::strerror(why));
 }
 
-[[noreturn]] void help(const Descriptor& line, WorkerPlan plan, const LaunchHelper::Duties& duties) {
+[[noreturn]] void help(const Descriptor& line, WorkerPlan plan, const StarterProcess::Duties& duties) {
   OwnFile socket, ready;
   socket.be(duties.socket_file);
   {
@@ -153,7 +153,7 @@ void write_whole(const fs::path& path, const std::string& text) {
 
 }  // namespace
 
-LaunchHelper::LaunchHelper(WorkerPlan plan, Duties duties) {
+StarterProcess::StarterProcess(WorkerPlan plan, Duties duties) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
     throw Error(ErrorCode::unavailable, std::string("no line to the process that starts workers: ") + std::strerror(errno));
@@ -173,13 +173,13 @@ LaunchHelper::LaunchHelper(WorkerPlan plan, Duties duties) {
   help(Descriptor(line), std::move(plan), duties);
 }
 
-LaunchHelper::~LaunchHelper() {
+StarterProcess::~StarterProcess() {
   line_.close();
   while (waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
 
-Launched LaunchHelper::launch(int socket, int board) {
+Launched StarterProcess::launch(int socket, int board) {
   Packet said;
   if (send(line_.get(), std::string(1, kLaunch), {socket, board})) said = receive(line_.get());
   Head head{.failed = 1};
@@ -191,7 +191,7 @@ Launched LaunchHelper::launch(int socket, int board) {
   return launched;
 }
 
-void LaunchHelper::write_ready_file(const std::string& text) {
+void StarterProcess::write_ready_file(const std::string& text) {
   Packet said;
   if (send(line_.get(), kReady + text, {})) said = receive(line_.get());
   Head head{.failed = 1};

@@ -13,7 +13,7 @@ namespace isostrata {
 
 /// Another process, which does nothing else, starts them as children of this one. It reads from this one no more than that it shall, so whoever
 /// takes this process over can start workers, and nothing else or otherwise.
-class LaunchHelper final : public Launcher {
+class StarterProcess final : public Launcher {
  public:
   /// What it does beside: for files at places that are known now, and that this process will not reach.
   struct Duties {
@@ -23,11 +23,11 @@ class LaunchHelper final : public Launcher {
   };
 
   /// Forks: before there are threads, secrets and confinement. Throws unavailable.
-  LaunchHelper(WorkerPlan plan, Duties duties);
+  StarterProcess(WorkerPlan plan, Duties duties);
   /// The end, which also comes when this process dies. Waits for it.
-  ~LaunchHelper() override;
-  LaunchHelper(const LaunchHelper&) = delete;
-  LaunchHelper& operator=(const LaunchHelper&) = delete;
+  ~StarterProcess() override;
+  StarterProcess(const StarterProcess&) = delete;
+  StarterProcess& operator=(const StarterProcess&) = delete;
 
   Launched launch(int socket, int board) override;
   /// Writes the ready file, complete or not at all, for this user alone. Throws unavailable.
