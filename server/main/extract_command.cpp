@@ -22,13 +22,14 @@
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
 #include "main/picture_arguments.h"
+#include "main/ranks.h"
 #include "main/sandbox_option.h"
 
 namespace isostrata {
 namespace {
 
 struct ExtractArguments {
-  std::string file, array, color_by, out;
+  std::string file, array, color_by, out, ranks;
   std::vector<std::string> intervals, facets;
   LayerArguments layers;
   ExtractDevice device;
@@ -53,6 +54,17 @@ constexpr double kPartitionTolerance = 1e-9;
 struct FacetCounts {
   std::int64_t lower = 0, upper = 0, domain = 0, unmatched = 0;
 };
+
+/// What is said of a mesh, whoever holds it.
+struct MeshFacts {
+  const std::vector<IntervalSummary>& summaries;
+  std::int64_t cells = 0, active_cells = 0, tetrahedra = 0, points = 0;
+  StrictSummary strict;
+};
+
+MeshFacts facts_of(const IntervalMesh& mesh) {
+  return {mesh.summaries, mesh.cells, mesh.active_cells, static_cast<std::int64_t>(mesh.tetrahedra.size()), static_cast<std::int64_t>(mesh.positions.size()), mesh.strict};
+}
 
 FacetCounts count_facets(const IntervalMesh& mesh) {
   FacetCounts counts;
@@ -87,7 +99,7 @@ boost::json::object to_json(const StrictSummary& strict) {
           {"added_points", strict.added_points}};
 }
 
-boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets, const Timing& ms,
+boost::json::object to_json(const MeshFacts& mesh, const FacetCounts& facets, const Timing& ms,
                             const std::string& device) {
   boost::json::array intervals;
   for (const IntervalSummary& row : mesh.summaries) {
@@ -107,8 +119,8 @@ boost::json::object to_json(const IntervalMesh& mesh, const FacetCounts& facets,
   }
   return {{"cells", mesh.cells},
           {"active_cells", mesh.active_cells},
-          {"tetrahedra", mesh.tetrahedra.size()},
-          {"points", mesh.positions.size()},
+          {"tetrahedra", mesh.tetrahedra},
+          {"points", mesh.points},
           {"unmatched_facets", facets.unmatched},
           {"boundary_facets", boost::json::object{{"lower", facets.lower}, {"upper", facets.upper}, {"domain", facets.domain}}},
           {"intervals", std::move(intervals)},
@@ -137,10 +149,9 @@ void print_areas(const IntervalMesh& mesh, const std::string& array, const Timin
               thread_count());
 }
 
-void print_text(const IntervalMesh& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
-  std::printf("%s: %lld of %lld cells active, %zu tetrahedra, %zu points\n", array.c_str(),
-              static_cast<long long>(mesh.active_cells), static_cast<long long>(mesh.cells), mesh.tetrahedra.size(),
-              mesh.positions.size());
+void print_text(const MeshFacts& mesh, const std::string& array, const FacetCounts& facets, const Timing& ms) {
+  std::printf("%s: %lld of %lld cells active, %lld tetrahedra, %lld points\n", array.c_str(), static_cast<long long>(mesh.active_cells),
+              static_cast<long long>(mesh.cells), static_cast<long long>(mesh.tetrahedra), static_cast<long long>(mesh.points));
   std::printf("%14s %14s %10s %10s %16s %16s %8s\n", "lower", "upper", "cells", "tetrahedra", "volume", "absolute volume",
               "inverted");
   for (const IntervalSummary& row : mesh.summaries)
@@ -276,7 +287,38 @@ void judge(const Proof& proof) {
   if (!proof.broken.empty()) throw Error(ErrorCode::internal, line(proof.broken.back()));
 }
 
+/// Of what looks at the whole mesh ranks do nothing.
+void check_for_ranks(const ExtractArguments& arguments) {
+  if (arguments.verify) throw Error(ErrorCode::unsupported, "--verify looks at the whole mesh, which no rank has; leave --ranks away");
+  if (!arguments.out.empty() && !arguments.out.ends_with(".pvtu"))
+    throw Error(ErrorCode::unsupported, arguments.out + ": ranks write a .pvtu, with a piece beside it for each rank");
+}
+
+void run_as_rank(SceneRanks& ranks, LayerRequest request, const ExtractArguments& arguments, const WriteOptions& write) {
+  check_for_ranks(arguments);
+  ranks.configure({.threads = arguments.threads});
+  Stopwatch total, stage;
+  Timing ms;
+  const StepSource steps = step_source(arguments.file);
+  request.array = array_argument(*steps(request.step, command_task()), request.array).name;
+  ms.load = stage.lap_ms();
+  const RankedExtraction made = ranks.write_pieces({arguments.file, arguments.file}, steps, request, arguments.out, write, command_task());
+  ms.extract = stage.lap_ms();
+  ms.total = total.elapsed_ms();
+  const MeshFacts mesh{made.summaries, made.cells, made.active_cells, made.tetrahedra, made.points, {}};
+  const FacetCounts facets{made.lower_facets, made.upper_facets, made.domain_facets, made.unmatched_facets};
+  if (!arguments.json) return print_text(mesh, request.array, facets, ms);
+  boost::json::object document = to_json(mesh, facets, ms, "CPU");
+  document.erase("strict");
+  document["ranks"] = ranks.count();
+  print_json(document);
+}
+
 void run(ExtractArguments& arguments) {
+  if (!arguments.ranks.empty()) {
+    check_for_ranks(arguments);
+    run_by_ranks(arguments.ranks, arguments.out);
+  }
   LayerRequest request = layer_request(arguments.layers);
   request.max_bytes = arguments.max_memory;
   for (const std::string& text : arguments.intervals)
@@ -284,12 +326,13 @@ void run(ExtractArguments& arguments) {
   request.array = arguments.array;
   request.facets = true;
   if (!arguments.color_by.empty() && arguments.color_by != arguments.array) request.carry.push_back(arguments.color_by);
-  if (!arguments.out.empty()) check_mesh_path(arguments.out);
+  if (!arguments.out.empty() && !ranks_in_use()) check_mesh_path(arguments.out);
   WriteOptions write;
   write.compression = arguments.compression;
   for (const std::string& text : arguments.facets) write.facets.push_back(parse_facet_choice(text, request.intervals.size()));
   if (arguments.threads > 0) set_thread_count(arguments.threads);
 
+  if (ranks_in_use()) return run_as_rank(*ranks_in_use(), request, arguments, write);
   Stopwatch total, stage;
   Timing ms;
   const StepSource open = step_source(arguments.file);
@@ -327,7 +370,7 @@ void run(ExtractArguments& arguments) {
     ms.proof = stage.lap_ms();
   }
   if (arguments.json) {
-    boost::json::object document = to_json(mesh, facets, ms, arguments.device.used);
+    boost::json::object document = to_json(facts_of(mesh), facets, ms, arguments.device.used);
     document["time"] = to_json(layers.time);
     for (std::size_t i = 0; i < proof.volume_errors.size(); ++i)
       document["intervals"].as_array()[i].as_object()["volume_error"] = proof.volume_errors[i];
@@ -341,7 +384,7 @@ void run(ExtractArguments& arguments) {
     if (layers.dataset->grid.flat())
       print_areas(mesh, request.array, ms);
     else
-      print_text(mesh, request.array, facets, ms);
+      print_text(facts_of(mesh), request.array, facets, ms);
     print_time(layers.time);
     print_errors(mesh, proof);
   }
@@ -363,7 +406,7 @@ void add_extract_command(CLI::App& app) {
   add_region_options(*command);
   add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
-  command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu) or their boundary (.ply, .stl)");
+  command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu; .pvtu with --ranks) or their boundary (.ply, .stl)");
   command
       ->add_option("--facets", arguments->facets,
                    "Which of the boundary goes into .ply and .stl: lower, upper, domain, comma-separated; LABEL@N: of interval N "
@@ -382,6 +425,7 @@ void add_extract_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");
+  add_ranks_option(*command, arguments->ranks);
   add_sandbox_option(*command);
   command->callback([arguments] { run(*arguments); });
 }

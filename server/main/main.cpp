@@ -8,6 +8,7 @@
 #include "base/simd_level.h"
 #include "main/cache_environment.h"
 #include "main/commands.h"
+#include "main/ranks.h"
 #include "main/simd_option.h"
 #include "session/journal/protobuf_log.h"
 
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
   isostrata::add_worker_command(app);
   for (CLI::App* command : app.get_subcommands({})) isostrata::add_simd_option(*command);
 
+  isostrata::set_command_line(argc, argv);
   try {
     isostrata::use_simd_level_of_environment();
     isostrata::set_import_cache(isostrata::import_cache_of_environment());

@@ -17,6 +17,7 @@
 #include "main/layer_arguments.h"
 #include "main/mode_arguments.h"
 #include "main/picture_arguments.h"
+#include "main/ranks.h"
 #include "main/sandbox_option.h"
 #include "main/state_file.h"
 #include "main/still_arguments.h"
@@ -29,7 +30,7 @@ namespace {
 struct RenderArguments {
   std::string file, state, array, color_by, out;
   std::vector<std::string> intervals;
-  std::string size = "800x600", camera, renderer = "auto", background, device = "auto", tetrahedra = "auto";
+  std::string size = "800x600", camera, renderer = "auto", background, device = "auto", tetrahedra = "auto", ranks;
   double unit_distance = 0;
   LayerArguments layers;
   StillArguments still;
@@ -234,6 +235,7 @@ void check_out(const RenderArguments& arguments) {
 }
 
 void run(const RenderArguments& arguments, const CLI::App& command) {
+  if (!arguments.ranks.empty()) run_by_ranks(arguments.ranks, arguments.out);
   check_out(arguments);
   const auto [width, height] = parse_size(arguments.size);
   const bool transparent = arguments.background == "transparent";
@@ -257,7 +259,10 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   Scene scene = drawn_scene(wanted);
   if (scene.color_range.span == ColorSpan::all_steps)
     scene.color_range = over_all_steps(scene.color_range, steps, *dataset, scene.color_by.empty() ? scene.array : scene.color_by);
-  const std::unique_ptr<Renderer> renderer = make_renderer({arguments.renderer, arguments.device});
+  const RendererChoice choice{arguments.renderer, arguments.device};
+  SceneRanks* const ranks = ranks_in_use();
+  if (ranks) ranks->configure({.renderer = choice, .threads = arguments.threads});
+  const std::unique_ptr<Renderer> renderer = ranks ? ranks->make_renderer() : make_renderer(choice);
   ms.device = stage.lap_ms();
   BaseMeshes bases(layer_request(scene).max_bytes);
   BrickMemory bricks;
@@ -268,7 +273,8 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     aids.tetrahedra = TetrahedraWay::cut;
     aids.bases = &bases;
   }
-  const auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
+  const auto extracted = ranks ? ranks->extract({arguments.file, arguments.file}, steps, scene, nullptr, command_task(), aids)
+                               : extract_scene(steps, scene, nullptr, command_task(), aids);
   ms.extract = stage.lap_ms();
   const std::vector<Picture> pictures = pictures_of(arguments, wanted);
   const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
@@ -381,6 +387,7 @@ void add_render_command(CLI::App& app) {
           "pictures")
       ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
+  add_ranks_option(*command, arguments->ranks);
   add_sandbox_option(*command);
   command->callback([arguments, command] { run(*arguments, *command); });
 }

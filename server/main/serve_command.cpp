@@ -21,6 +21,7 @@
 #include "base/parallel.h"
 #include "main/commands.h"
 #include "main/config_file.h"
+#include "main/ranks.h"
 #include "main/sandbox_option.h"
 #include "main/server_log.h"
 #include "main/shut_in.h"
@@ -59,6 +60,7 @@ struct ServeArguments {
   long idle_timeout_s = 0;
   std::uint64_t max_memory = 8ull << 30;
   int threads = 0;
+  std::string ranks;
   std::string ready_file;
   std::string log_format = "text";
   std::string web_root;
@@ -183,6 +185,7 @@ int take_passed_socket(ServeArguments& arguments, ServerLog& log) {
 }
 
 void serve(ServeArguments arguments) {
+  if (!arguments.ranks.empty()) launcher_words(arguments.ranks), rank_program();  // throw before anything is begun
   ServerLog log(arguments.log_format == "json");
   const ServiceManager manager;
   const int passed = take_passed_socket(arguments, log);
@@ -203,7 +206,8 @@ void serve(ServeArguments arguments) {
                         .state_dir = options.state_dir,
                         .files = {options.web_root, arguments.tls_certificate, arguments.tls_key},
                         .duties = {.ready_file = arguments.ready_file.empty() ? fs::path() : fs::absolute(arguments.ready_file),
-                                   .socket_file = passed >= 0 ? "" : socket}});
+                                   .socket_file = passed >= 0 ? "" : socket},
+                        .ranks = arguments.ranks});
   options.token = token_of(arguments);
   const std::string server_shut_in = shut_in.confine();
   if (sources.empty()) {
@@ -353,6 +357,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--threads", arguments->threads, "Threads that compute; 0: all cores")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
+  add_ranks_option(*command, arguments->ranks);
   command->add_option("--ready-file", arguments->ready_file, "Written as JSON once the server answers")->type_name("FILE");
   command->add_option("--log-format", arguments->log_format, "text or json, on standard error")
       ->check(CLI::IsMember({"text", "json"}))

@@ -32,6 +32,13 @@ void choose_shader_cache(const fs::path& folder) {
 ShutIn::ShutIn(const ServerPlaces& places) : reach_(reach_of_sources(places.sources)) {
   WorkerPlan plan{.shut_in = true, .reach = reach_};
   plan.reach.write.push_back(folder_.path());  // exports
+  if (!places.ranks.empty()) {
+    if (sandbox() == Sandbox::require)
+      throw Error(ErrorCode::unavailable, "--ranks: ranks cannot be shut in, since MPI opens sockets and starts programs; expected --sandbox try or off, which is for a network "
+                                          "whose users you trust");
+    plan.shut_in = false;
+    plan.arguments = {"worker", "--ranks", places.ranks};
+  }
   if (const auto& cache = import_cache()) {
     make(cache->folder);
     make(cache->folder / "shaders");

@@ -16,12 +16,13 @@ struct ServerPlaces {
   std::filesystem::path state_dir;           // empty: none
   std::vector<std::filesystem::path> files;  // that it reads: the page, certificates
   StarterProcess::Duties duties;
+  std::string ranks;  // the launcher of a worker that is a parallel job, which is not shut in: MPI opens sockets and starts programs; empty: none
 };
 
 class ShutIn {
  public:
   /// Makes the folders that are not there yet and the helper that starts workers. From now on $TMPDIR is a private folder, which goes in the end. Before
-  /// there are threads and secrets. Throws unavailable.
+  /// there are threads and secrets. Throws unavailable, also where --sandbox is require and there are ranks.
   explicit ShutIn(const ServerPlaces& places);
 
   /// Confines this process; returns what holds, as confine_server. Before there are threads.

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "main/commands.h"
+#include "main/ranks.h"
+#include "worker/launch_ranks.h"
 #include "worker/run_worker.h"
 
 namespace isostrata {
@@ -20,8 +22,11 @@ void add_worker_command(CLI::App& app) {
   command->add_flag("--shut-in", arguments->shut_in);
   for (auto [option, places] : {std::pair{"--read", &arguments->reach.read}, {"--names", &arguments->reach.names}, {"--write", &arguments->reach.write}})
     command->add_option(option, *places)->allow_extra_args(false);
-  command->callback([arguments] {
+  const auto launcher = std::make_shared<std::string>();
+  add_ranks_option(*command, *launcher);
+  command->callback([arguments, launcher] {
     prctl(PR_SET_DUMPABLE, 0);  // as in serve
+    if (!launcher->empty()) std::exit(launch_ranks(*arguments, launcher_words(*launcher), rank_program()));
     std::exit(run_worker(*arguments));
   });
 }

@@ -39,6 +39,8 @@ template <>
 constexpr FacetLabel last_of<FacetLabel> = FacetLabel::domain;
 template <>
 constexpr RangeOperator last_of<RangeOperator> = RangeOperator::exclusive_or;
+template <>
+constexpr RenderMode last_of<RenderMode> = RenderMode::prioritized;
 
 class Writer {
  public:
@@ -121,7 +123,7 @@ class Reader {
   }
 
  private:
-  [[noreturn]] static void fail() { throw Error(ErrorCode::bad_data, "a message between server and worker makes no sense"); }
+  [[noreturn]] static void fail() { throw Error(ErrorCode::bad_data, "a message between processes of this program makes no sense"); }
 
   template <class T>
   void get(T& value) {
@@ -239,7 +241,11 @@ MessageBytes written(const T& message) {
 
 MessageBytes to_bytes(const ToWorker& message) { return written(message); }
 MessageBytes to_bytes(const FromWorker& message) { return written(message); }
+MessageBytes to_bytes(const RankOrder& message) { return written(message); }
+MessageBytes to_bytes(const RankReply& message) { return written(message); }
 ToWorker to_worker(const MessageBytes& bytes) { return Reader(bytes).message<ToWorker>(); }
 FromWorker from_worker(const MessageBytes& bytes) { return Reader(bytes).message<FromWorker>(); }
+RankOrder to_rank_order(const MessageBytes& bytes) { return Reader(bytes).message<RankOrder>(); }
+RankReply to_rank_reply(const MessageBytes& bytes) { return Reader(bytes).message<RankReply>(); }
 
 }  // namespace isostrata

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "worker/rank_messages.h"
 #include "worker/worker_messages.h"
 
 namespace isostrata {
@@ -22,9 +23,13 @@ struct MessageBytes {
 
 MessageBytes to_bytes(const ToWorker& message);
 MessageBytes to_bytes(const FromWorker& message);
+MessageBytes to_bytes(const RankOrder& message);
+MessageBytes to_bytes(const RankReply& message);
 
 /// Throw bad_data where the bytes are no such message: too short, too long, a bool, an enum or an alternative that is none.
 ToWorker to_worker(const MessageBytes& bytes);
 FromWorker from_worker(const MessageBytes& bytes);
+RankOrder to_rank_order(const MessageBytes& bytes);
+RankReply to_rank_reply(const MessageBytes& bytes);
 
 }  // namespace isostrata

@@ -43,9 +43,16 @@ void send(MessageChannel& channel, const EngineEvent& event) {
   }
 }
 
+/// The others do what this process's setup says; what one of them cannot draw, none can.
+void use_ranks_of(SceneRanks& ranks, int threads, EngineOptions& options) {
+  ranks.configure({options.store, options.renderer_choice, threads});
+  options.ranks = &ranks;
+  options.renderer = options.fallback_renderer = [&ranks] { return ranks.make_renderer(); };
+}
+
 }  // namespace
 
-int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<Renderer>()> renderer) {
+int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<Renderer>()> renderer, SceneRanks* ranks) {
   if (!become_worker(arguments.parent)) return 1;
   try {
     MessageChannel channel{Descriptor(arguments.socket)};
@@ -59,9 +66,11 @@ int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<R
     }
     std::optional<WorkerSetup> setup = receive_setup(channel);
     if (!setup) return 0;
-    if (setup->threads > 0) set_thread_count(setup->threads);
+    const int threads = setup->threads;
+    if (threads > 0) set_thread_count(threads);
     EngineOptions options = options_of(std::move(*setup), board.get());
     options.renderer = std::move(renderer);
+    if (ranks) use_ranks_of(*ranks, threads, options);
     std::unique_ptr<Engine> engine;
     try {
       engine = std::make_unique<Engine>(std::move(options), [&channel](EngineEvent event) { send(channel, event); });

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "engine/picture/scene_ranks.h"
 #include "rendering/picture/renderer.h"
 #include "worker/confine.h"
 
@@ -18,7 +19,8 @@ struct WorkerArguments {
   ReachablePlaces reach;
 };
 
-/// Serves until the other end of the socket is closed. renderer: empty, or what tests draw with. Returns the exit status.
-int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<Renderer>()> renderer = {});
+/// Serves until the other end of the socket is closed. renderer: empty, or what tests draw with. ranks: null, or those that extract and draw
+/// with this process. Returns the exit status.
+int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<Renderer>()> renderer = {}, SceneRanks* ranks = nullptr);
 
 }  // namespace isostrata

@@ -182,7 +182,8 @@ class Checker {
 
 const std::vector<std::string>& rooms() {
   static const std::vector<std::string> order{"base",     "tables", "data",   "scene",   "extraction", "rendering",
-                                              "encoding", "engine", "worker", "session", "net",        "main"};
+                                              "encoding", "engine", "worker", "session", "net",        "main",
+                                              "rank"};
   return order;
 }
 

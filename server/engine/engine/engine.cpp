@@ -400,7 +400,7 @@ class Engine::Impl {
         const CatalogueEntry& source = entry(request.scene.dataset);
         const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
         // How far a volume may be off is asked of the cells, which are not kept where pictures are made of bricks.
-        const auto extracted = ready && !ready->bricks ? ready : extract_scene(steps, request.scene, nullptr, operation->task());
+        const auto extracted = ready && !ready->bricks ? ready : extract_from(source, steps, request.scene, nullptr, operation->task(), {});
         send(LayersMeasured{request.session, request.request, request.scene.revision,
                             interval_facts(*extracted, request.scene, true, operation->task())});
       });
@@ -476,6 +476,12 @@ class Engine::Impl {
     });
   }
 
+  std::shared_ptr<const ExtractedScene> extract_from(const CatalogueEntry& source, const StepSource& steps, const Scene& scene,
+                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task, const SceneAids& aids) {
+    if (options_.ranks) return options_.ranks->extract({source.source, source.id}, steps, scene, previous, task, aids);
+    return extract_scene(steps, scene, previous, task, aids);
+  }
+
   /// previous, before: what is ready, and the scene that it is of.
   void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const ExtractedScene>& previous,
                const std::optional<Scene>& before) {
@@ -495,12 +501,12 @@ class Engine::Impl {
       if (cuts_intervals_) aids.least_in_bricks = kLeastInBricksOfFrames;
       aids.max_bytes = room_for(key, false);
       try {
-        extracted = extract_scene(steps, scene, previous, operation->task(), aids);
+        extracted = extract_from(source, steps, scene, previous, operation->task(), aids);
       } catch (const Error& error) {
         const std::uint64_t room = error.code() == ErrorCode::too_large ? room_for(key, true) : 0;
         if (room <= aids.max_bytes) throw;
         aids.max_bytes = room;
-        extracted = extract_scene(steps, scene, previous, operation->task(), aids);
+        extracted = extract_from(source, steps, scene, previous, operation->task(), aids);
       }
     } catch (...) {
       failure = std::current_exception();

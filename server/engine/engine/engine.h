@@ -14,6 +14,7 @@
 #include "engine/data/dataset_store.h"
 #include "engine/messages/activity.h"
 #include "engine/messages/frame_engine.h"
+#include "engine/picture/scene_ranks.h"
 #include "rendering/picture/renderer.h"
 
 namespace isostrata {
@@ -30,6 +31,9 @@ struct EngineOptions {
   std::function<std::unique_ptr<Renderer>()> fallback_renderer;
   /// Where the engine's threads say what they do; must outlive the engine. Null: nowhere.
   ActivityBoard* board = nullptr;
+  /// Who extracts, and whose renderer `renderer` makes; must outlive the engine. Null: this process alone. What is counted of whole arrays, the
+  /// first view and exported meshes are made by this process in any case.
+  SceneRanks* ranks = nullptr;
 };
 
 class Engine final : public FrameEngine {

@@ -447,7 +447,7 @@ bool draws_from_bricks(const Scene& scene) {
 std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task) {
   const auto summaries = interval_summaries(extracted, scene);
   std::vector<double> of_each;
-  const bool plain = extracted.parts.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
+  const bool plain = extracted.parts.empty() && extracted.whole_summaries.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
   if (errors && extracted.base)
     of_each.resize(summaries.size());  // cut exactly
   else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())  // an area has no volume to be wrong about

@@ -89,10 +89,14 @@ struct ExtractedScene {
   std::shared_ptr<const BaseTetrahedra> base;
   std::vector<IntervalSummary> cut_summaries;  // of those intervals
   std::shared_ptr<const LayerBricks> bricks;   // not null: the mesh has summaries and no points, and the renderer draws these
-  double extract_ms = 0;                       // 0 where `previous` was reused
+  // Not empty: the mesh is one rank's part (scene_ranks.h), and these are of the whole.
+  std::vector<IntervalSummary> whole_summaries;
+  double extract_ms = 0;  // 0 where `previous` was reused
 
   /// Of the request's intervals and of the terms that bring something in; of a smear, of each step.
-  const std::vector<IntervalSummary>& summaries() const { return base ? cut_summaries : mesh->summaries; }
+  const std::vector<IntervalSummary>& summaries() const {
+    return base ? cut_summaries : !whole_summaries.empty() ? whole_summaries : mesh->summaries;
+  }
 };
 
 /// Whether the intervals can be cut out of a grid of tetrahedra where they are drawn, and the picture is that of the split mesh:

@@ -1,0 +1,61 @@
+// The door to processes ("ranks") that hold one dataset together and draw it together. Whoever draws a scene asks here in place of
+// extract_scene and make_renderer; there is one such door in a process, or none.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/data/dataset_store.h"
+#include "engine/picture/draw_scene.h"
+#include "extraction/files/write_mesh.h"
+#include "rendering/picture/renderer.h"
+
+namespace isostrata {
+
+/// A dataset as every rank can open it.
+struct RankedSource {
+  std::string source;  // a path or the name of analytic data
+  std::string version;  // what is opened under another one is read anew; equal to `source` where there is only one
+};
+
+/// What a mesh file that ranks have written holds.
+struct RankedExtraction {
+  std::vector<IntervalSummary> summaries;  // of the whole
+  std::int64_t cells = 0, active_cells = 0, tetrahedra = 0;
+  std::int64_t points = 0;  // of all pieces: those on their common faces count in each
+  std::int64_t lower_facets = 0, upper_facets = 0, domain_facets = 0;
+  std::int64_t unmatched_facets = 0;  // of each rank's cells with those around them
+};
+
+/// What ranks are told once, before anything else.
+struct RankSettings {
+  DatasetStoreOptions store;  // of which `keep` is this rank's own
+  RendererChoice renderer;  // of each rank
+  int threads = 0;          // of each rank; 0: the node's cores, shared out among its ranks
+};
+
+/// Any thread may call any function.
+class SceneRanks {
+ public:
+  virtual ~SceneRanks() = default;
+  virtual int count() const = 0;
+  virtual void configure(const RankSettings& settings) = 0;
+
+  /// As extract_scene, each rank of its region. What comes back is this rank's part, with the summaries of the whole, for make_renderer's
+  /// renderer to draw. whole: opens all of the dataset, for this rank's own use. Throws what the first rank that fails throws,
+  /// saying which rank, and unsupported (flat grids).
+  virtual std::shared_ptr<const ExtractedScene> extract(const RankedSource& of, const StepSource& whole, const Scene& scene,
+                                                        const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                        const SceneAids& aids) = 0;
+
+  /// Draws what extract() gave by all ranks and gives the picture of the whole. One at a time; on the thread that made it.
+  virtual std::unique_ptr<Renderer> make_renderer() = 0;
+
+  /// As extract_layers, and each rank writes what it owns. path: empty, or of a .pvtu, whose pieces are put beside it.
+  virtual RankedExtraction write_pieces(const RankedSource& of, const StepSource& whole, const LayerRequest& request, const std::string& path,
+                                        const WriteOptions& options, const Task& task) = 0;
+};
+
+}  // namespace isostrata

@@ -1,0 +1,351 @@
+#include "rank/first_rank.h"
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+#include <thread>
+#include <tuple>
+
+#include "base/parallel.h"
+#include "base/pulse.h"
+#include "data/sandbox.h"
+#include "engine/picture/draw_still.h"
+#include "rank/picture_of_ranks.h"
+#include "rank/rank_work.h"
+#include "rendering/picture/check_draw_input.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A mesh and what is drawn of it, by which a picture's input is known again: no two extractions have all three.
+using MeshKey = std::tuple<const void*, const void*, const void*>;
+
+template <class Of>
+MeshKey key_of(const Of& of) {
+  return {of.mesh.get(), of.color_values.get(), of.texture_values.get()};
+}
+
+class FirstRank final : public SceneRanks {
+ public:
+  explicit FirstRank(RankLine& line) : line_(line), work_(line.rank()), compositor_(line.communicator()) {}
+  ~FirstRank() override {
+    const std::lock_guard lock(line_.mutex());
+    line_.send(RankEnd{});
+  }
+
+  int count() const override { return line_.count(); }
+
+  void configure(const RankSettings& settings) override {
+    RankSetup setup;
+    setup.importer = settings.store.importer.string();
+    setup.sandbox = to_string(sandbox());
+    setup.max_bytes = settings.store.max_bytes;
+    setup.import_timeout_s = settings.store.timeout_s;
+    setup.renderer = settings.renderer.renderer;
+    setup.device = settings.renderer.device;
+    setup.threads = settings.threads;
+    choice_ = settings.renderer;
+    set_thread_count(settings.threads > 0 ? settings.threads
+                                          : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / line_.ranks_on_node()));
+    work_.configure(setup);
+    const std::lock_guard lock(line_.mutex());
+    line_.send(setup);
+  }
+
+  std::shared_ptr<const ExtractedScene> extract(const RankedSource& of, const StepSource& whole, const Scene& scene,
+                                                const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
+                                                const SceneAids& aids) override {
+    RankExtract order;
+    order.source = of.source;
+    order.version = of.version;
+    order.scene = scene;
+    order.max_bytes = aids.max_bytes;
+    const std::vector<SmearMoment> moments = smear_moments(scene);
+    order.regions = regions_of(of, whole, moments.empty() ? scene.step : moments.front().step, task);
+    if (previous) order.previous = number_of(key_of(*previous));
+    RankedExtraction made;
+    std::shared_ptr<const ExtractedScene> own;
+    SceneAids split = aids;
+    split.tetrahedra = TetrahedraWay::split;  // ranks know meshes, and no grids of tetrahedra that are cut in the rays
+    split.bases = nullptr;
+    split.least_in_bricks = std::numeric_limits<std::int64_t>::max();  // likewise
+    by_all(order, task, made, [&] {
+      RankedExtraction part;
+      own = work_.extract(order, whole, previous, task, split, part);
+      return part;
+    });
+    auto extracted = std::make_shared<ExtractedScene>(*own);
+    extracted->whole_summaries = std::move(made.summaries);
+    const std::lock_guard lock(line_.mutex());
+    forget_the_gone();
+    drawable_[order.number] = {extracted, key_of(*extracted), order.regions};
+    return extracted;
+  }
+
+  RankedExtraction write_pieces(const RankedSource& of, const StepSource& whole, const LayerRequest& request, const std::string& path,
+                                const WriteOptions& options, const Task& task) override {
+    RankWrite order;
+    order.source = of.source;
+    order.version = of.version;
+    order.request = request;
+    order.path = path.empty() ? "" : fs::absolute(path).string();
+    order.compression = options.compression;
+    order.regions = regions_of(of, whole, request.step, task);
+    RankedExtraction made;
+    try {
+      by_all(order, task, made, [&] { return work_.write(order, whole, task); });
+      if (!path.empty()) write_index(order);
+    } catch (...) {
+      if (!path.empty()) {
+        std::error_code ignored;
+        for (int rank = 0; rank < line_.count(); ++rank) fs::remove(piece_path(order.path, rank), ignored);
+      }
+      throw;
+    }
+    return made;
+  }
+
+  std::unique_ptr<Renderer> make_renderer() override;
+
+  DrawResult draw(Renderer& own, const DrawInput& input) {
+    check(input);
+    const std::lock_guard lock(line_.mutex());
+    const auto found = std::find_if(drawable_.begin(), drawable_.end(), [&](const auto& of) { return of.second.key == key_of(input) && !of.second.extracted.expired(); });
+    if (found == drawable_.end()) throw Error(ErrorCode::internal, "a picture of what the ranks have not extracted");
+    const auto extracted = found->second.extracted.lock();
+    RankDraw order;
+    order.number = found->first;
+    order.picture = ++numbers_;
+    order.bounds = input.bounds;
+    order.styles = input.styles;
+    order.mode = input.mode;
+    order.integral = input.integral;
+    order.clip_planes = input.clip_planes;
+    order.with_normals = input.normals != nullptr;
+    order.camera = input.camera;
+    order.width = input.width;
+    order.height = input.height;
+    order.window = input.window;
+    order.unit_distance = input.unit_distance;
+    order.with_depth = input.float_image;
+    line_.send(order);
+    RankedPicture picture = [&] {
+      try {
+        return draw_by_ranks(line_, compositor_, own, input, found->second.regions);
+      } catch (const Error& error) {
+        if (error.code() == ErrorCode::cancelled) wait_for_failure(order.picture);
+        throw;
+      }
+    }();
+    DrawResult result;
+    result.facts = std::move(picture.facts);
+    result.facts.device += ", " + std::to_string(line_.count()) + (line_.count() == 1 ? " rank" : " ranks");
+    result.facts.tetrahedra = 0;
+    for (std::size_t i = 0; i < input.styles.size() && extracted && i < extracted->summaries().size(); ++i)
+      if (input.styles[i].visible) result.facts.tetrahedra += extracted->summaries()[i].tetrahedra;
+    if (input.float_image)
+      result.image = std::move(picture.image);
+    else
+      result.image = finish_annotated(std::move(picture.image), {}, input.background, input.transparent);
+    return result;
+  }
+
+ private:
+  struct Drawable {
+    std::weak_ptr<const ExtractedScene> extracted;
+    MeshKey key;
+    RegionTree regions;
+  };
+
+  /// Those of a dataset stay as the first step that was looked at has made them: any regions are right for any step.
+  RegionTree regions_of(const RankedSource& of, const StepSource& whole, int step, const Task& task) {
+    {
+      const std::lock_guard lock(line_.mutex());
+      if (const auto it = regions_.find(of.version); it != regions_.end()) return it->second;
+    }
+    RegionTree made = make_regions(whole(step, task)->grid, line_.count());
+    const std::lock_guard lock(line_.mutex());
+    return regions_[of.version] = std::move(made);
+  }
+
+  std::uint64_t number_of(const MeshKey& key) {
+    const std::lock_guard lock(line_.mutex());
+    for (const auto& [number, of] : drawable_)
+      if (of.key == key && !of.extracted.expired()) return number;
+    return 0;
+  }
+
+  /// With the line's mutex.
+  void forget_the_gone() {
+    RankForget forget;
+    std::erase_if(drawable_, [&](const auto& of) {
+      if (of.second.extracted.expired()) forget.numbers.push_back(of.first);
+      return of.second.extracted.expired();
+    });
+    if (!forget.numbers.empty()) line_.send(forget);
+  }
+
+  /// Has all ranks do it, this one by own(), and adds up what they made. The first failure, by rank, is thrown once all are done.
+  template <class Order, class Own>
+  void by_all(Order& order, const Task& task, RankedExtraction& sum, const Own& own) {
+    {
+      const std::lock_guard lock(line_.mutex());
+      order.number = ++numbers_;
+      line_.send(order);
+    }
+    std::exception_ptr failure;
+    RankedExtraction part;
+    try {
+      part = own();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::vector<RankReply> replies = wait_for_all(order.number, failure != nullptr, task);
+    const auto failed = std::find_if(replies.begin(), replies.end(), [](const RankReply& of) { return of.failed; });
+    if (failure || failed != replies.end()) {
+      const std::lock_guard lock(line_.mutex());
+      line_.send(RankForget{{order.number}});
+    }
+    if (failure) std::rethrow_exception(failure);
+    task.check();
+    if (failed != replies.end()) throw Error(failed->code, failed->message);
+    add(sum, part);
+    for (const RankReply& of : replies) add(sum, of.made);
+  }
+
+  /// In the order of the ranks.
+  std::vector<RankReply> wait_for_all(std::uint64_t number, bool cancel, const Task& task) {
+    bool told = false;
+    GrowingSleep pause;
+    for (;;) {
+      {
+        const std::lock_guard lock(line_.mutex());
+        if ((cancel || task.cancelled()) && !told) {
+          line_.send(RankCancel{number});
+          told = true;
+        }
+        collect();
+        std::vector<RankReply>& of = replies_[number];
+        if (static_cast<int>(of.size()) == line_.count() - 1) {
+          std::vector<RankReply> all = std::move(of);
+          replies_.erase(number);
+          signs_.erase(number);
+          std::sort(all.begin(), all.end(), [](const RankReply& a, const RankReply& b) { return a.rank < b.rank; });
+          return all;
+        }
+        if (std::any_of(of.begin(), of.end(), [](const RankReply& r) { return r.failed; })) cancel = true;
+        beat_with(number, of);
+      }
+      pause.sleep();
+    }
+  }
+
+  /// Moves this thread's pulse once every rank that is still at it has given a sign of life: whoever watches sees the slowest. With the line's mutex.
+  void beat_with(std::uint64_t number, const std::vector<RankReply>& done) {
+    std::set<int>& signs = signs_[number];
+    if (signs.size() + done.size() < static_cast<std::size_t>(line_.count() - 1)) return;
+    signs.clear();
+    pulse();
+  }
+
+  /// Throws what the rank says that could not draw. With the line's mutex.
+  [[noreturn]] void wait_for_failure(std::uint64_t picture) {
+    GrowingSleep pause;
+    for (;;) {
+      collect();
+      const auto it = replies_.find(picture);
+      // Ranks that could draw say only that another one could not.
+      if (it != replies_.end())
+        for (const RankReply& of : it->second)
+          if (of.code != ErrorCode::cancelled) {
+            const Error error(of.code, of.message);
+            replies_.erase(it);
+            throw error;
+          }
+      pause.sleep();
+    }
+  }
+
+  /// With the line's mutex.
+  void collect() {
+    for (RankReply& reply : line_.collect()) {
+      if (reply.beat) {
+        if (const auto it = signs_.find(reply.number); it != signs_.end()) it->second.insert(reply.rank);
+        continue;
+      }
+      if (const auto it = signs_.find(reply.number); it != signs_.end()) it->second.erase(reply.rank);
+      replies_[reply.number].push_back(std::move(reply));
+    }
+  }
+
+  void write_index(const RankWrite& order) const;
+
+  RankLine& line_;
+  RankWork work_;
+  Compositor compositor_;
+  RendererChoice choice_;
+  // Guarded by the line's mutex:
+  std::uint64_t numbers_ = 0;
+  std::map<std::string, RegionTree> regions_;  // by version
+  std::map<std::uint64_t, Drawable> drawable_;
+  std::map<std::uint64_t, std::vector<RankReply>> replies_;  // that nobody has taken yet
+  std::map<std::uint64_t, std::set<int>> signs_;             // of ranks that work on what this one waits for
+};
+
+class RanksRenderer final : public Renderer {
+ public:
+  RanksRenderer(FirstRank& ranks, std::unique_ptr<Renderer> own)
+      : ranks_(ranks), own_(std::move(own)), device_(own_->device() + ", " + std::to_string(ranks.count()) + (ranks.count() == 1 ? " rank" : " ranks")) {}
+  DrawResult draw(const DrawInput& input) override { return ranks_.draw(*own_, input); }
+  const std::string& device() const override { return device_; }
+
+ private:
+  FirstRank& ranks_;
+  const std::unique_ptr<Renderer> own_;
+  const std::string device_;
+};
+
+std::unique_ptr<Renderer> FirstRank::make_renderer() { return std::make_unique<RanksRenderer>(*this, isostrata::make_renderer(choice_)); }
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+  return out;
+}
+
+// Complete or not there: written beside and renamed into place.
+void FirstRank::write_index(const RankWrite& order) const {
+  const fs::path beside = order.path + ".part";
+  std::ofstream out(beside);
+  out << "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+         "  <PUnstructuredGrid GhostLevel=\"0\">\n    <PPoints><PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/></PPoints>\n"
+         "    <PCellData>\n      <PDataArray type=\"Int32\" Name=\"interval\"/>\n      <PDataArray type=\"Float64\" Name=\"lower\"/>\n"
+         "      <PDataArray type=\"Float64\" Name=\"upper\"/>\n    </PCellData>\n    <PPointData>\n";
+  if (order.request.terms.empty()) out << "      <PDataArray type=\"Float64\" Name=\"" << escaped(order.request.array) << "\"/>\n";
+  for (const std::string& name : order.request.carry) out << "      <PDataArray type=\"Float32\" Name=\"" << escaped(name) << "\"/>\n";
+  out << "    </PPointData>\n";
+  for (int rank = 0; rank < line_.count(); ++rank)
+    out << "    <Piece Source=\"" << escaped(fs::path(piece_path(order.path, rank)).filename().string()) << "\"/>\n";
+  out << "  </PUnstructuredGrid>\n</VTKFile>\n";
+  out.close();
+  std::error_code error;
+  if (out) fs::rename(beside, order.path, error);
+  if (!out || error) {
+    std::error_code ignored;
+    fs::remove(beside, ignored);
+    throw Error(ErrorCode::unavailable, order.path + ": cannot be written" + (error ? ": " + error.message() : ""));
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<SceneRanks> lead_ranks(RankLine& line) { return std::make_unique<FirstRank>(line); }
+
+}  // namespace isostrata

@@ -1,0 +1,55 @@
+// What every rank does with its own region of a dataset, the first one too: it takes the region's part, extracts, and counts what it owns. No
+// MPI here.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "engine/picture/scene_ranks.h"
+#include "extraction/layers/owned_cells.h"
+#include "worker/rank_messages.h"
+
+namespace isostrata {
+
+/// Any thread may call any function. Lock: mutex_.
+class RankWork {
+ public:
+  explicit RankWork(int rank) : rank_(rank) {}
+  void configure(const RankSetup& setup);
+
+  /// All of a dataset as the setup says that it is read. Nothing of it is kept.
+  StepSource open(const std::string& source) const;
+  /// Its part for this rank's region, out of what `whole` opens; kept for the next time, at most max_bytes of parts. Both outlive the call.
+  StepSource parts(const std::string& version, const RegionTree& regions, const StepSource& whole);
+
+  /// As extract_scene. made: what this rank counts.
+  std::shared_ptr<const ExtractedScene> extract(const RankExtract& order, const StepSource& whole, const std::shared_ptr<const ExtractedScene>& previous,
+                                                const Task& task, const SceneAids& aids, RankedExtraction& made);
+  /// Extracts, and writes this rank's piece where the order names a file.
+  RankedExtraction write(const RankWrite& order, const StepSource& whole, const Task& task);
+
+ private:
+  struct Part {
+    std::mutex making;
+    std::shared_ptr<const Dataset> dataset;
+    std::uint64_t bytes = 0, last_use = 0;
+  };
+  void drop_unused();
+
+  const int rank_;
+  std::mutex mutex_;
+  DatasetStoreOptions store_;
+  std::map<std::pair<std::string, int>, std::shared_ptr<Part>> parts_;  // by version and step
+  std::uint64_t uses_ = 0;
+};
+
+/// "mesh_3.vtu" of "mesh.pvtu": beside it.
+std::string piece_path(const std::string& path, int rank);
+
+/// Adds up what ranks have made, one after the other.
+void add(RankedExtraction& sum, const RankedExtraction& of);
+
+}  // namespace isostrata
