@@ -36,9 +36,9 @@ std::string ring(double bottom) {
                            data_array("cell", "Float64", cells));
 }
 
-const PointArray& array_of(const Dataset& data, const std::string& name) {
+const PointArray& array_of(const Dataset& data, std::string_view name) {
   const auto at = std::find_if(data.arrays.begin(), data.arrays.end(), [&](const PointArray& a) { return a.name == name; });
-  if (at == data.arrays.end()) throw std::runtime_error("no array " + name);
+  if (at == data.arrays.end()) throw std::runtime_error("no array " + std::string(name));
   return *at;
 }
 

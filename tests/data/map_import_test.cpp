@@ -233,7 +233,7 @@ TEST(MapImport, APlaceInAFileIsTakenOnlyWhereItIsBesideTheOneThatWasReadAndHolds
   };
   EXPECT_EQ(value_at(R"("t.raw")", "4"), 1);
   EXPECT_EQ(value_at(R"("below/other.raw")", "0"), 5);
-  for (const std::string name : {"../" + elsewhere.path().filename().string() + "/secret.raw", (elsewhere / "secret.raw").string(), std::string("link.raw"),
+  for (const std::string& name : {"../" + elsewhere.path().filename().string() + "/secret.raw", (elsewhere / "secret.raw").string(), std::string("link.raw"),
                                  std::string("way/secret.raw"), std::string("folder"), std::string("nothing.raw"), std::string(), std::string("small.raw"),
                                  std::string("below/../t.raw")})
     EXPECT_FALSE(value_at("\"" + name + "\"", "0")) << name;
