@@ -268,6 +268,18 @@ TEST_F(ServeCommand, WhatWasAnsweredSurvivesAKillAtThatMoment) {
   }
 }
 
+// It was asked for again and again, by a request that was never answered and a server that never ended.
+TEST_F(ServeCommand, ASessionWhoseDatasetIsServedNoMoreIsAnsweredFor) {
+  const std::string token = "the-same-token-in-every-life";
+  SERVE_OR_SKIP({"torus:12", "--token", token});
+  const auto port = static_cast<unsigned short>(ready_.at("port").to_number<int>());
+  const std::string session(Asked(port, token, "POST", "sessions", R"({"dataset": "torus-12"})").answer(201).at("id").as_string());
+  stop(SIGKILL);
+  ASSERT_TRUE(serve({"sphere:12", "--token", token}, std::to_string(port)));
+  EXPECT_EQ(Asked(port, token, "GET", "sessions/" + session + "/state").answer(200).at("dataset"), "torus-12");
+  EXPECT_EQ(stop(SIGTERM), 0);
+}
+
 TEST_F(ServeCommand, ASavedSessionIsRenderedAsItsPageShowsIt) {
   const std::string token = "the-same-token-in-every-life";
   SERVE_OR_SKIP({"cylinder:16x12x8x3", "--token", token, "--device", "native"});

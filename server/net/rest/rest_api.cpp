@@ -104,7 +104,7 @@ std::vector<Route> RestApi::all_routes(RestContext& context, const std::string& 
 }
 
 void RestApi::handle(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path,
-                     HttpReply reply, std::string* route_path) {
+                     HttpReply reply, std::string* route_path, bool wakes) {
   const Router::Match match = router_.find(request.method, path);
   if (match.allowed.empty()) return reply(problem(404, "not_found", "there is no such route; see api/v1/openapi.json"));
   if (request.method == "OPTIONS") return reply({204, "", "", {{"Allow", match.allowed}}});
@@ -117,9 +117,10 @@ void RestApi::handle(const HttpRequest& request, const RequestTarget& target, co
   if (const auto it = match.path.find("session"); it != match.path.end()) {
     call.session = sessions_.find(it->second);
     if (!call.session) return call.reply(problem(wire_error("not_found", "there is no session of this id; it may have ended")));
-    call.session->touch(rest_now());
-    if (call.session->waking())
-      return call.session->after_waking([this, request, target, path, reply = call.reply](TimePoint) { handle(request, target, path, reply); });
+    if (wakes) call.session->touch(rest_now());
+    if (wakes && call.session->waking())
+      return call.session->after_waking(
+          [this, request, target, path, reply = call.reply](TimePoint) { handle(request, target, path, reply, nullptr, false); });
     if (route.conditional)
       if (auto refusal = refuse_revision(request, call.session->scene().revision, call.expected))
         return call.reply(std::move(*refusal));

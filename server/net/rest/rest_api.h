@@ -22,12 +22,17 @@ class RestApi {
   /// path: the segments after api/v1. Replies once, now or later. HEAD is answered as GET, OPTIONS with Allow. `route`, where it
   /// is not null, is set to the route's path, for metrics and logs.
   void handle(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply,
-              std::string* route = nullptr);
+              std::string* route = nullptr) {
+    handle(request, target, path, std::move(reply), route, true);
+  }
 
   const Router& router() const { return router_; }
   const Operations& operations() const { return operations_; }
 
  private:
+  /// wakes: a session that sleeps since a restart is waited for. Once: one whose dataset does not open is answered for as it is.
+  void handle(const HttpRequest& request, const RequestTarget& target, const std::vector<std::string>& path, HttpReply reply, std::string* route,
+              bool wakes);
   static std::vector<Route> all_routes(RestContext& context, const std::string& document);
 
   Sessions& sessions_;
