@@ -21,39 +21,51 @@ std::string shown(std::string_view line) {
   return text;
 }
 
-std::uint64_t bytes_of_type(std::string_view type) {
-  static constexpr std::array<std::pair<std::string_view, std::uint64_t>, 12> kTypes{{{"MET_CHAR", 1},
-                                                                                      {"MET_UCHAR", 1},
-                                                                                      {"MET_SHORT", 2},
-                                                                                      {"MET_USHORT", 2},
-                                                                                      {"MET_INT", 4},
-                                                                                      {"MET_UINT", 4},
-                                                                                      {"MET_LONG", 4},
-                                                                                      {"MET_ULONG", 4},
-                                                                                      {"MET_LONG_LONG", 8},
-                                                                                      {"MET_ULONG_LONG", 8},
-                                                                                      {"MET_FLOAT", 4},
-                                                                                      {"MET_DOUBLE", 8}}};
-  for (const auto& [name, bytes] : kTypes)
-    if (type == name) return bytes;
-  return 0;
+struct ElementType {
+  std::string_view name;
+  std::uint64_t bytes;
+  std::optional<ScalarType> type = std::nullopt;
+};
+
+const ElementType* element_type(std::string_view name) {
+  static constexpr std::array<ElementType, 12> kTypes{{{"MET_CHAR", 1, ScalarType::int8},
+                                                       {"MET_UCHAR", 1, ScalarType::uint8},
+                                                       {"MET_SHORT", 2, ScalarType::int16},
+                                                       {"MET_USHORT", 2, ScalarType::uint16},
+                                                       {"MET_INT", 4, ScalarType::int32},
+                                                       {"MET_UINT", 4, ScalarType::uint32},
+                                                       {"MET_LONG", 4},
+                                                       {"MET_ULONG", 4},
+                                                       {"MET_LONG_LONG", 8},
+                                                       {"MET_ULONG_LONG", 8},
+                                                       {"MET_FLOAT", 4, ScalarType::float32},
+                                                       {"MET_DOUBLE", 8, ScalarType::float64}}};
+  const auto at = std::find_if(kTypes.begin(), kTypes.end(), [&](const ElementType& type) { return type.name == name; });
+  return at == kTypes.end() ? nullptr : &*at;
 }
 
 }  // namespace
 
+std::string_view MetaHeader::field(std::string_view name) const {
+  const auto at = fields.find(name);
+  return at == fields.end() ? std::string_view() : at->second;
+}
+
+std::optional<ScalarType> MetaHeader::type() const {
+  const ElementType* const of = element_type(field("ElementType"));
+  return of ? of->type : std::nullopt;
+}
+
 std::uint64_t MetaHeader::declared_bytes() const {
-  const auto text = [this](std::string_view name) {
-    const auto at = fields.find(name);
-    return at == fields.end() ? std::string() : at->second;
-  };
-  std::uint64_t bytes = bytes_of_type(text("ElementType"));
+  const ElementType* const of = element_type(field("ElementType"));
+  std::uint64_t bytes = of ? of->bytes : 0;
   const auto times = [&bytes](std::uint64_t count) {
     bytes = count != 0 && bytes > std::numeric_limits<std::uint64_t>::max() / count ? std::numeric_limits<std::uint64_t>::max() : bytes * count;
   };
-  std::istringstream sizes(text("DimSize"));
+  std::istringstream sizes{std::string(field("DimSize"))};
   for (std::int64_t size = 0; sizes >> size;) times(static_cast<std::uint64_t>(std::max<std::int64_t>(size, 0)));
   std::int64_t channels = 1;
-  std::istringstream(text("ElementNumberOfChannels")) >> channels;
+  std::istringstream(std::string(field("ElementNumberOfChannels"))) >> channels;
   times(static_cast<std::uint64_t>(std::max<std::int64_t>(channels, 1)));
   return bytes;
 }
@@ -63,6 +75,7 @@ MetaHeader read_meta_header(std::istream& in, std::string_view file) {
   MetaHeader header;
   std::string line;
   for (int i = 0; i < kMostLines && std::getline(in, line); ++i) {
+    header.end += line.size() + 1;
     if (line.ends_with('\r')) line.pop_back();
     line.erase(0, std::min(line.find_first_not_of(kBlanks), line.size()));
     if (line.empty()) continue;

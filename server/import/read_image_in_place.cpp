@@ -35,11 +35,6 @@ std::optional<std::uint64_t> number(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
-std::optional<ScalarType> type_named(std::string_view name, const std::map<std::string_view, ScalarType>& names) {
-  const auto at = names.find(name);
-  return at == names.end() ? std::nullopt : std::optional(at->second);
-}
-
 std::string_view attribute(vtkXMLDataElement* element, const char* name) {
   const char* text = element->GetAttribute(name);
   return text ? text : "";
@@ -91,12 +86,13 @@ std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::
   return imported;
 }
 
-const std::map<std::string_view, ScalarType>& vtk_types() {
+std::optional<ScalarType> vtk_type(std::string_view name) {
   static const std::map<std::string_view, ScalarType> names{
       {"Int8", ScalarType::int8},     {"UInt8", ScalarType::uint8},   {"Int16", ScalarType::int16},     {"UInt16", ScalarType::uint16},
       {"Int32", ScalarType::int32},   {"UInt32", ScalarType::uint32}, {"Int64", ScalarType::int64},     {"UInt64", ScalarType::uint64},
       {"Float32", ScalarType::float32}, {"Float64", ScalarType::float64}};
-  return names;
+  const auto at = names.find(name);
+  return at == names.end() ? std::nullopt : std::optional(at->second);
 }
 
 /// The point arrays of the piece in `head`, where all that the file holds are those.
@@ -122,7 +118,7 @@ std::vector<FileArray> arrays_of(vtkXMLDataElement* file, const std::shared_ptr<
     if (std::string_view(part->GetName()) != "PointData") return {};
     for (int k = 0; k < part->GetNumberOfNestedElements(); ++k) {
       vtkXMLDataElement* of = part->GetNestedElement(k);
-      const auto type = type_named(attribute(of, "type"), vtk_types());
+      const auto type = vtk_type(attribute(of, "type"));
       const auto offset = number(attribute(of, "offset"));
       const std::string name(attribute(of, "Name"));
       const std::string_view components = attribute(of, "NumberOfComponents");
@@ -144,12 +140,7 @@ std::vector<FileArray> arrays_of(vtkXMLDataElement* file, const std::shared_ptr<
   return arrays;
 }
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-  return first == std::string_view::npos ? "" : std::string(text.substr(first, last - first + 1));
-}
-
-bool says_yes(const std::string& text) { return !text.empty() && (std::tolower(static_cast<unsigned char>(text[0])) == 't' || text[0] == '1'); }
+bool says_yes(std::string_view text) { return !text.empty() && (std::tolower(static_cast<unsigned char>(text[0])) == 't' || text[0] == '1'); }
 
 }  // namespace
 
@@ -172,50 +163,31 @@ std::optional<Imported> vti_in_place(const ReadRequest& request) {
   return placed(request, reader.Get(), std::move(arrays), points);
 }
 
-std::optional<Imported> meta_image_in_place(const ReadRequest& request) {
-  static const std::map<std::string_view, ScalarType> types{
-      {"MET_CHAR", ScalarType::int8},   {"MET_UCHAR", ScalarType::uint8}, {"MET_SHORT", ScalarType::int16},   {"MET_USHORT", ScalarType::uint16},
-      {"MET_INT", ScalarType::int32},   {"MET_UINT", ScalarType::uint32}, {"MET_FLOAT", ScalarType::float32}, {"MET_DOUBLE", ScalarType::float64}};
-  auto mapped = std::make_shared<const MappedFile>(request.file);
-  const std::string_view text(reinterpret_cast<const char*>(mapped->bytes().data()), std::min(mapped->bytes().size(), kLongestHead));
-  std::map<std::string, std::string> fields;
-  std::size_t at = 0;
-  while (at < text.size() && !fields.contains("ElementDataFile")) {
-    const auto newline = std::min(text.find('\n', at), text.size());
-    const std::string_view line = text.substr(at, newline - at);
-    at = newline + 1;
-    const auto equals = line.find('=');
-    if (equals == std::string_view::npos) return std::nullopt;
-    fields[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
-  }
-  const auto type = type_named(fields["ElementType"], types);
-  const auto channels = fields["ElementNumberOfChannels"];
-  const bool swapped = says_yes(fields["BinaryDataByteOrderMSB"]) || says_yes(fields["ElementByteOrderMSB"]);
-  const std::string data = fields["ElementDataFile"];
-  if (!type || !says_yes(fields["BinaryData"]) || says_yes(fields["CompressedData"]) || (swapped && size_of(*type) > 1) || fields["NDims"] != "3" ||
-      !(channels.empty() || channels == "1") || data.empty() || data.starts_with("LIST") || data.find_first_of("% ") != std::string::npos)
+std::optional<Imported> meta_image_in_place(const ReadRequest& request, const MetaHeader& header) {
+  const auto type = header.type();
+  const std::string_view channels = header.field("ElementNumberOfChannels");
+  const bool swapped = says_yes(header.field("BinaryDataByteOrderMSB")) || says_yes(header.field("ElementByteOrderMSB"));
+  if (!type || !says_yes(header.field("BinaryData")) || says_yes(header.field("CompressedData")) || (swapped && size_of(*type) > 1) ||
+      header.field("NDims") != "3" || !(channels.empty() || channels == "1") || header.data.starts_with("LIST") ||
+      header.data.find_first_of("% ") != std::string::npos)
     return std::nullopt;
   std::uint64_t points = 1;
-  std::string_view sizes = fields["DimSize"];
+  std::string_view sizes = header.field("DimSize");
   for (int a = 0; a < 3; ++a) {
     const auto space = std::min(sizes.find(' '), sizes.size());
     const auto size = number(sizes.substr(0, space));
     if (!size || __builtin_mul_overflow(points, *size, &points)) return std::nullopt;
     sizes = sizes.substr(std::min(sizes.find_first_not_of(' ', space), sizes.size()));
   }
-  std::uint64_t from = at;
-  if (data != "LOCAL" && data != "local") {
-    mapped = std::make_shared<const MappedFile>(referred_file(request.file, data));
-    from = 0;
-  }
-  std::uint64_t bytes = 0;
+  const auto mapped = std::make_shared<const MappedFile>(header.local() ? request.file : referred_file(request.file, header.data));
+  std::uint64_t from = header.local() ? header.end : 0, bytes = 0;
   if (__builtin_mul_overflow(points, std::uint64_t{size_of(*type)}, &bytes) || bytes < kLeastInPlace || bytes > mapped->bytes().size())
     return std::nullopt;
-  if (const std::string skip = fields["HeaderSize"]; skip == "-1") {
+  if (const std::string_view skip = header.field("HeaderSize"); skip == "-1") {
     from = mapped->bytes().size() - bytes;
   } else if (!skip.empty()) {
     const auto given = number(skip);
-    if (!given || (data == "LOCAL" && *given != 0)) return std::nullopt;
+    if (!given || (header.local() && *given != 0)) return std::nullopt;
     from += *given;
   }
   auto array = array_at(mapped, from, points, *type);

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "import/imported.h"
+#include "import/meta_header.h"
 
 namespace isostrata {
 
@@ -11,6 +12,6 @@ namespace isostrata {
 /// same in one file of values. VTK's readers tell where the image lies in space, and are not asked for its values. Nothing for every other file, also
 /// for one that is too short or says what makes no sense: what is wrong with it is VTK's readers' to say.
 std::optional<Imported> vti_in_place(const ReadRequest& request);
-std::optional<Imported> meta_image_in_place(const ReadRequest& request);
+std::optional<Imported> meta_image_in_place(const ReadRequest& request, const MetaHeader& header);
 
 }  // namespace isostrata

@@ -153,13 +153,14 @@ Imported read_unstructured_pieces(const ReadRequest& request, int pieces) {
   return imported;
 }
 
-/// `line` says LOCAL, a file, "LIST" and the files in the lines that follow, or "slice_%03d.raw 1 64 1". Returns how many bytes there are.
-std::uint64_t check_data_files(const ReadRequest& request, const std::string& line, std::istream& header) {
+/// The header says LOCAL, a file, "LIST" and the files in the lines behind it, or "slice_%03d.raw 1 64 1". Returns how many bytes there are.
+std::uint64_t check_data_files(const ReadRequest& request, const MetaHeader& header, std::istream& behind) {
+  if (header.local()) return std::filesystem::file_size(request.file);
+  const std::string& line = header.data;
   std::uint64_t bytes = 0;
   const auto add = [&](const std::string& file) { bytes += std::filesystem::file_size(referred_file(request.file, file)); };
-  if (line == "LOCAL" || line == "Local" || line == "local") return std::filesystem::file_size(request.file);
   if (line.starts_with("LIST")) {
-    for (std::string file; std::getline(header, file);) {
+    for (std::string file; std::getline(behind, file);) {
       file.erase(file.find_last_not_of(" \t\r") + 1);
       if (!file.empty()) add(file);
     }
@@ -246,11 +247,11 @@ Imported read_meta_image(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   std::ifstream in(request.file, std::ios::binary);
   const MetaHeader header = read_meta_header(in, name);
-  const std::uint64_t stored = check_data_files(request, header.data, in), declared = header.declared_bytes();
+  const std::uint64_t stored = check_data_files(request, header, in), declared = header.declared_bytes();
   if (declared > most_unpacked(stored))
     throw Error(ErrorCode::bad_data, name + ": " + std::to_string(declared) + " bytes declared; " + std::to_string(stored) +
                                          " are there, which hold at most " + std::to_string(most_unpacked(stored)));
-  if (auto in_place = meta_image_in_place(request)) return std::move(*in_place);
+  if (auto in_place = meta_image_in_place(request, header)) return std::move(*in_place);
   return run_named<vtkMetaImageReader>(request);
 }
 

@@ -149,7 +149,8 @@ TEST(ImportDamage, AMetaImageNamesItsDataAsVtkReadsIt) {
     return scratch.write("in/x.mhd", "ObjectType = Image\nNDims = 3\nDimSize = " + size + "\nElementType = MET_UCHAR\n" + rest);
   };
   for (const char* good : {"ElementDataFile = ok.raw\n", "  ElementDataFile = ok.raw\r\n", "\tElementDataFile : ok.raw\n", "ElementDataFile=ok.raw",
-                           "ElementDataFile = : ok.raw\n", "ElementDataFile = ok.raw\nElementDataFile = ../secret.raw\n"})
+                           "ElementDataFile = : ok.raw\n", "ElementDataFile = ok.raw\nElementDataFile = ../secret.raw\n",
+                           "BinaryData = True\nElementDataFile = Local\n\7\7\7\7\7\7\7\7"})
     EXPECT_EQ(test::open(header(good))->arrays.at(0).upper, 7) << good;
   for (const std::string bad :
        {" ElementDataFile = ../secret.raw\nElementDataFile = ok.raw\n", "\tElementDataFile=../secret.raw\nElementDataFile = ok.raw\n",
