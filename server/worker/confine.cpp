@@ -25,7 +25,7 @@
 #include "data/analytic.h"
 #include "data/file_series.h"
 #include "data/sandbox.h"
-#include "worker/message_channel.h"
+#include "worker/pass_descriptors.h"
 #include "worker/refused_calls.h"
 
 namespace isostrata {

@@ -8,7 +8,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -60,26 +59,9 @@ pid_t start(std::vector<std::string>& words) {
   _exit(kNotStarted);
 }
 
-struct alignas(cmsghdr) Control {
-  char bytes[CMSG_SPACE(2 * sizeof(int))] = {};
-};
-
 void hand_over(int to, int socket, int board) {
-  char byte = 0;
-  iovec part{&byte, 1};
-  Control control;
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  message.msg_control = control.bytes;
-  message.msg_controllen = sizeof control.bytes;
-  cmsghdr* of = CMSG_FIRSTHDR(&message);
-  of->cmsg_level = SOL_SOCKET;
-  of->cmsg_type = SCM_RIGHTS;
-  of->cmsg_len = CMSG_LEN(2 * sizeof(int));
-  const std::array<int, 2> both{socket, board};
-  std::memcpy(CMSG_DATA(of), both.data(), sizeof both);
-  if (sendmsg(to, &message, MSG_NOSIGNAL) != 1) fail("the first rank cannot be given its socket");
+  const char byte = 0;
+  if (send_passing(to, &byte, 1, {socket, board}) != 1) fail("the first rank cannot be given its socket");
 }
 
 /// Nothing where the job ended first; then `status` is how.
@@ -148,20 +130,10 @@ WorkerArguments take_worker_descriptors(const std::filesystem::path& place) {
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     fail(place.string() + ": the first rank must run on the server's machine, and cannot reach its socket");
   char byte = 0;
-  iovec part{&byte, 1};
-  Control control;
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  message.msg_control = control.bytes;
-  message.msg_controllen = sizeof control.bytes;
-  if (recvmsg(socket.get(), &message, MSG_CMSG_CLOEXEC) != 1) fail("no descriptors came for the first rank");
-  const cmsghdr* of = CMSG_FIRSTHDR(&message);
-  if (!of || of->cmsg_type != SCM_RIGHTS || of->cmsg_len != CMSG_LEN(2 * sizeof(int)))
-    throw Error(ErrorCode::unavailable, "no descriptors came for the first rank");
-  std::array<int, 2> both;
-  std::memcpy(both.data(), CMSG_DATA(of), sizeof both);
-  return {both[0], both[1], getppid()};
+  std::vector<Descriptor> both;
+  if (receive_passed(socket.get(), &byte, 1, both) != 1) fail("no descriptors came for the first rank");
+  if (both.size() != 2) throw Error(ErrorCode::unavailable, "no descriptors came for the first rank");
+  return {both[0].release(), both[1].release(), getppid()};
 }
 
 }  // namespace isostrata

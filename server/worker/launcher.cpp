@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/error.h"
 #include "base/temporary_directory.h"
 #include "worker/worker_folder.h"
 

@@ -10,7 +10,7 @@
 
 #include "base/spawn.h"
 #include "worker/confine.h"
-#include "worker/message_channel.h"
+#include "worker/pass_descriptors.h"
 
 namespace isostrata {
 

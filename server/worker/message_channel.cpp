@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <vector>
 
 namespace isostrata {
 namespace {
@@ -46,19 +47,6 @@ void read_file(int file, Bytes& bytes) {
 }
 
 }  // namespace
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    close();
-    fd_ = std::exchange(other.fd_, -1);
-  }
-  return *this;
-}
-
-void Descriptor::close() {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
-}
 
 Descriptor make_memory_file(const char* name, std::uint64_t bytes) {
   Descriptor file(memfd_create(name, MFD_CLOEXEC));
@@ -131,24 +119,11 @@ void MessageChannel::shut_down() { shutdown(socket_.get(), SHUT_RDWR); }
 bool MessageChannel::read_all(void* to, std::size_t size, Descriptor* passed) {
   char* at = static_cast<char*>(to);
   while (size > 0) {
-    iovec part{at, size};
-    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))];
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof control;
-    const ssize_t n = recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
-    if (n < 0 && errno == EINTR) continue;
+    std::vector<Descriptor> came;  // one that nobody expects is closed
+    const ssize_t n = receive_passed(socket_.get(), at, size, came);
     if (n < 0 && errno != ECONNRESET) fail("a message cannot be read");
     if (n <= 0) return false;
-    for (cmsghdr* of = CMSG_FIRSTHDR(&message); of; of = CMSG_NXTHDR(&message, of)) {
-      if (of->cmsg_level != SOL_SOCKET || of->cmsg_type != SCM_RIGHTS || of->cmsg_len < CMSG_LEN(sizeof(int))) continue;
-      int fd = -1;
-      std::memcpy(&fd, CMSG_DATA(of), sizeof fd);
-      Descriptor came(fd);  // one that nobody expects is closed
-      if (passed) *passed = std::move(came);
-    }
+    if (passed && !came.empty()) *passed = std::move(came.back());
     at += n;
     size -= static_cast<std::size_t>(n);
   }
@@ -158,22 +133,7 @@ bool MessageChannel::read_all(void* to, std::size_t size, Descriptor* passed) {
 void MessageChannel::write_all(const void* from, std::size_t size, int pass) {
   const char* at = static_cast<const char*>(from);
   while (size > 0) {
-    iovec part{const_cast<char*>(at), size};
-    alignas(cmsghdr) char control[CMSG_SPACE(sizeof(int))] = {};
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    if (pass >= 0) {
-      message.msg_control = control;
-      message.msg_controllen = sizeof control;
-      cmsghdr* of = CMSG_FIRSTHDR(&message);
-      of->cmsg_level = SOL_SOCKET;
-      of->cmsg_type = SCM_RIGHTS;
-      of->cmsg_len = CMSG_LEN(sizeof pass);
-      std::memcpy(CMSG_DATA(of), &pass, sizeof pass);
-    }
-    const ssize_t n = sendmsg(socket_.get(), &message, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
+    const ssize_t n = send_passing(socket_.get(), at, size, {pass});
     if (n <= 0) fail("a message cannot be sent");
     pass = -1;
     at += n;

@@ -9,25 +9,9 @@
 #include <utility>
 
 #include "worker/message_bytes.h"
+#include "worker/pass_descriptors.h"
 
 namespace isostrata {
-
-/// A file descriptor that is closed with its owner.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor() { close(); }
-
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-  void close();
-
- private:
-  int fd_ = -1;
-};
 
 /// One thread at a time may receive; any thread may send and shut_down. Lock: send_mutex_.
 class MessageChannel {

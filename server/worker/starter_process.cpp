@@ -7,17 +7,17 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
-#include <sys/uio.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <initializer_list>
 #include <system_error>
 
+#include "base/error.h"
 
 namespace isostrata {
 namespace {
@@ -33,56 +33,22 @@ struct Head {
 };
 
 struct Packet {
+  Head head;  // of an answer
   std::string text;
   std::vector<Descriptor> passed;
 };
 
 /// False where the other side is gone.
-bool send(int line, const std::string& text, const std::vector<int>& pass) {
-  iovec part{const_cast<char*>(text.data()), text.size()};
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> space{};
-  if (!pass.empty()) {
-    message.msg_control = space.data();
-    message.msg_controllen = CMSG_SPACE(pass.size() * sizeof(int));
-    cmsghdr* control = CMSG_FIRSTHDR(&message);
-    control->cmsg_level = SOL_SOCKET;
-    control->cmsg_type = SCM_RIGHTS;
-    control->cmsg_len = CMSG_LEN(pass.size() * sizeof(int));
-    std::memcpy(CMSG_DATA(control), pass.data(), pass.size() * sizeof(int));
-  }
-  ssize_t sent = 0;
-  while ((sent = sendmsg(line, &message, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
-  }
-  return sent == static_cast<ssize_t>(text.size());
+bool send(int line, const std::string& text, std::initializer_list<int> pass) {
+  return send_passing(line, text.data(), text.size(), pass) == static_cast<ssize_t>(text.size());
 }
 
 /// An empty text where the other side is gone.
 Packet receive(int line) {
   Packet packet;
   packet.text.resize(kMostText);
-  iovec part{packet.text.data(), packet.text.size()};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(2 * sizeof(int))> space{};
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  message.msg_control = space.data();
-  message.msg_controllen = space.size();
-  ssize_t got = 0;
-  while ((got = recvmsg(line, &message, MSG_CMSG_CLOEXEC)) < 0 && errno == EINTR) {
-  }
+  const ssize_t got = receive_passed(line, packet.text.data(), packet.text.size(), packet.passed);
   packet.text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-  for (cmsghdr* control = CMSG_FIRSTHDR(&message); got > 0 && control; control = CMSG_NXTHDR(&message, control)) {
-    if (control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_RIGHTS) continue;
-    const std::size_t count = (control->cmsg_len - CMSG_LEN(0)) / sizeof(int);
-    for (std::size_t i = 0; i < count; ++i) {
-      int descriptor = -1;
-      std::memcpy(&descriptor, CMSG_DATA(control) + i * sizeof(int), sizeof descriptor);
-      packet.passed.emplace_back(descriptor);
-    }
-  }
   return packet;
 }
 
@@ -118,6 +84,17 @@ void write_whole(const fs::path& path, const std::string& text) {
   throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written: " + std::strerror(why));
 }
 
+/// The helper's answer, its head taken off. Throws what it says, and unavailable where it is gone.
+Packet ask(int line, const std::string& text, std::initializer_list<int> pass) {
+  Packet said;
+  if (send(line, text, pass)) said = receive(line);
+  if (said.text.size() < sizeof said.head) throw Error(ErrorCode::unavailable, "the process that starts workers is gone");
+  std::memcpy(&said.head, said.text.data(), sizeof said.head);
+  said.text.erase(0, sizeof said.head);
+  if (said.head.failed) throw Error(ErrorCode::unavailable, said.text);
+  return said;
+}
+
 [[noreturn]] void help(const Descriptor& line, WorkerPlan plan, const StarterProcess::Duties& duties) {
   OwnFile socket, ready;
   socket.be(duties.socket_file);
@@ -133,9 +110,7 @@ void write_whole(const fs::path& path, const std::string& text) {
           send(line.get(), answer({}, ""), {});
         } else if (asked.text[0] == kLaunch && asked.passed.size() == 2) {
           const Launched launched = launcher->launch(asked.passed[0].get(), asked.passed[1].get());
-          std::vector<int> pass;
-          if (launched.process) pass.push_back(launched.process.get());
-          send(line.get(), answer({.id = launched.id}, launched.keep.string()), pass);
+          send(line.get(), answer({.id = launched.id}, launched.keep.string()), {launched.process.get()});
         } else {
           send(line.get(), answer({.failed = 1}, "this is nothing that can be asked for"), {});
         }
@@ -180,24 +155,12 @@ StarterProcess::~StarterProcess() {
 }
 
 Launched StarterProcess::launch(int socket, int board) {
-  Packet said;
-  if (send(line_.get(), std::string(1, kLaunch), {socket, board})) said = receive(line_.get());
-  Head head{.failed = 1};
-  if (said.text.size() < sizeof head) throw Error(ErrorCode::unavailable, "the process that starts workers is gone");
-  std::memcpy(&head, said.text.data(), sizeof head);
-  if (head.failed) throw Error(ErrorCode::unavailable, said.text.substr(sizeof head));
-  Launched launched{.id = head.id, .keep = said.text.substr(sizeof head)};
+  Packet said = ask(line_.get(), std::string(1, kLaunch), {socket, board});
+  Launched launched{.id = said.head.id, .keep = std::move(said.text)};
   if (!said.passed.empty()) launched.process = std::move(said.passed[0]);
   return launched;
 }
 
-void StarterProcess::write_ready_file(const std::string& text) {
-  Packet said;
-  if (send(line_.get(), kReady + text, {})) said = receive(line_.get());
-  Head head{.failed = 1};
-  if (said.text.size() < sizeof head) throw Error(ErrorCode::unavailable, "the process that writes the ready file is gone");
-  std::memcpy(&head, said.text.data(), sizeof head);
-  if (head.failed) throw Error(ErrorCode::unavailable, said.text.substr(sizeof head));
-}
+void StarterProcess::write_ready_file(const std::string& text) { ask(line_.get(), kReady + text, {}); }
 
 }  // namespace isostrata

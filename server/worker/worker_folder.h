@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/temporary_directory.h"
-#include "worker/message_channel.h"
+#include "worker/pass_descriptors.h"
 
 namespace isostrata {
 
