@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <tuple>
 #include <vector>
 
-#include "base/parallel.h"
 #include "base/temporary_directory.h"
 #include "data/analytic.h"
 #include "data/child_process.h"
 #include "data/import_cache.h"
 #include "data/import_door.h"
+#include "data/structured_part.h"
 
 namespace isostrata {
 namespace {
-
-using Index = std::array<std::int64_t, 3>;
 
 std::optional<std::int64_t> number(std::string_view text) {
   std::int64_t value = 0;
@@ -33,20 +32,10 @@ std::vector<std::string_view> split(std::string_view text, char by) {
   }
 }
 
-/// Which points of the whole the part has.
-struct Part {
-  Index dims, from, step, of;  // points of the part, its first point, its stride, points of the whole
-
-  std::int64_t count() const { return dims[0] * dims[1] * dims[2]; }
-  std::int64_t point(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    return from[0] + i * step[0] + of[0] * (from[1] + j * step[1] + of[1] * (from[2] + k * step[2]));
-  }
-};
-
-Part find_part(const Dataset& whole, const Region& region) {
+StructuredPart find_part(const Dataset& whole, const Region& region) {
   if (!whole.grid.structured())
     throw Error(ErrorCode::unsupported, whole.name + ": a region and a stride are of structured grids; this one is unstructured");
-  Part part;
+  StructuredPart part;
   part.of = whole.grid.dims();
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t last = std::min(region.last[a], part.of[a] - 1);
@@ -60,53 +49,7 @@ Part find_part(const Dataset& whole, const Region& region) {
   return part;
 }
 
-/// Those of the part, rows side by side.
-template <class T>
-std::pair<std::span<const T>, std::shared_ptr<const void>> take(std::span<const T> all, const Part& part, const Task& task) {
-  auto storage = std::shared_ptr<T[]>(new T[static_cast<std::size_t>(part.count())]);
-  parallel_for(part.dims[1] * part.dims[2], 16, [&](std::int64_t begin, std::int64_t end) {
-    task.check();
-    for (std::int64_t row = begin; row < end; ++row) {
-      const T* from = all.data() + part.point(0, row % part.dims[1], row / part.dims[1]);
-      T* const to = storage.get() + row * part.dims[0];
-      if (part.step[0] == 1)
-        std::copy_n(from, part.dims[0], to);
-      else
-        for (std::int64_t i = 0; i < part.dims[0]; ++i) to[i] = from[i * part.step[0]];
-    }
-  });
-  return {std::span<const T>(storage.get(), static_cast<std::size_t>(part.count())), storage};
-}
-
-/// [cells of the part] 1: the cell spans one that is hidden.
-std::vector<std::uint8_t> hidden_in(const Grid& whole, const Part& part) {
-  Index cells, all;
-  for (std::size_t a = 0; a < 3; ++a) {
-    cells[a] = std::max<std::int64_t>(part.dims[a] - 1, 1);
-    all[a] = std::max<std::int64_t>(part.of[a] - 1, 1);
-  }
-  std::vector<std::uint8_t> hidden(static_cast<std::size_t>(cells[0] * cells[1] * cells[2]));
-  parallel_for(cells[2], 1, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t k = begin; k < end; ++k)
-      for (std::int64_t j = 0; j < cells[1]; ++j)
-        for (std::int64_t i = 0; i < cells[0]; ++i) {
-          bool any = false;
-          const Index at{i, j, k};
-          Index low, high;
-          for (std::size_t a = 0; a < 3; ++a) {
-            low[a] = std::min(part.from[a] + at[a] * part.step[a], all[a] - 1);
-            high[a] = part.dims[a] > 1 ? std::min(low[a] + part.step[a], all[a]) : low[a] + 1;
-          }
-          for (std::int64_t z = low[2]; z < high[2]; ++z)
-            for (std::int64_t y = low[1]; y < high[1]; ++y)
-              for (std::int64_t x = low[0]; x < high[0]; ++x) any = any || whole.hidden(x + all[0] * (y + all[1] * z));
-          hidden[static_cast<std::size_t>(i + cells[0] * (j + cells[1] * k))] = any;
-        }
-  });
-  return hidden;
-}
-
-Grid grid_of(const Grid& whole, const Part& part, const Task& task) {
+Grid grid_of(const Grid& whole, const StructuredPart& part, const Task& task) {
   Grid grid;
   std::shared_ptr<const void> points;
   if (const auto* uniform = std::get_if<UniformGrid>(&whole.shape)) {
@@ -125,18 +68,12 @@ Grid grid_of(const Grid& whole, const Part& part, const Task& task) {
     grid.shape = std::move(shape);
   } else {
     CurvilinearGrid shape{part.dims, {}};
-    std::visit(
-        [&](auto all) {
-          auto [taken, storage] = take(all, part, task);
-          shape.points = taken;
-          points = storage;
-        },
-        std::get<CurvilinearGrid>(whole.shape).points);
+    std::tie(shape.points, points) = points_of(std::get<CurvilinearGrid>(whole.shape).points, part, task);
     grid.shape = shape;
   }
   grid.storage = points;
   if (!whole.hidden_cells.empty() && grid.cell_count() > 0) {
-    auto kept = std::make_shared<std::pair<std::shared_ptr<const void>, std::vector<std::uint8_t>>>(points, hidden_in(whole, part));
+    auto kept = std::make_shared<std::pair<std::shared_ptr<const void>, std::vector<std::uint8_t>>>(points, hidden_cells_of(whole, part));
     grid.hidden_cells = kept->second;
     grid.storage = kept;
   }
@@ -184,7 +121,7 @@ void set_stride(Region& region, std::string_view text) {
 }
 
 std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& region, std::uint64_t max_bytes, const Task& task) {
-  const Part part = find_part(whole, region);
+  const StructuredPart part = find_part(whole, region);
   std::uint64_t bytes = 0;
   for (const PointArray& array : whole.arrays) bytes += static_cast<std::uint64_t>(part.count()) * size_of(array.type);
   if (bytes > max_bytes)
@@ -199,14 +136,7 @@ std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& regio
   dataset->bounds = dataset->grid.bounds();
   dataset->cell_types = count_cell_types(dataset->grid);
   for (const PointArray& of : whole.arrays) {
-    PointArray array = of;
-    std::visit(
-        [&](auto all) {
-          auto [taken, storage] = take(all, part, task);
-          array.values = taken;
-          array.storage = storage;
-        },
-        of.values);
+    PointArray array = array_of(of, part, task);
     measure_range(array);
     dataset->arrays.push_back(std::move(array));
   }

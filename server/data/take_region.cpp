@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <type_traits>
+
+#include "data/structured_part.h"
 
 namespace isostrata {
 namespace {
@@ -66,35 +69,13 @@ void copy_points(const PointSpan& whole, std::size_t points, const PointOf& poin
       whole);
 }
 
-/// A range of points along each axis of a structured grid.
-struct IndexBox {
-  Index3 dims{};          // of the whole
-  Index3 first{}, end{};  // of the part
-
-  Index3 size() const { return {end[0] - first[0], end[1] - first[1], end[2] - first[2]}; }
-  std::size_t points() const { return static_cast<std::size_t>(size()[0] * size()[1] * size()[2]); }
-  std::int64_t point(std::size_t i) const {
-    const Index3 n = size();
-    const auto at = static_cast<std::int64_t>(i);
-    return first[0] + at % n[0] + dims[0] * (first[1] + at / n[0] % n[1] + dims[1] * (first[2] + at / n[0] / n[1]));
-  }
-  /// The whole's number of the part's i-th cell; a direction of one point is one cell wide.
-  std::int64_t cell(std::int64_t i) const {
-    Index3 n = size(), all = dims;
-    for (std::size_t a = 0; a < 3; ++a) n[a] = std::max<std::int64_t>(n[a] - 1, 1), all[a] = std::max<std::int64_t>(all[a] - 1, 1);
-    return first[0] + i % n[0] + all[0] * (first[1] + i / n[0] % n[1] + all[1] * (first[2] + i / n[0] / n[1]));
-  }
-};
-
 /// From a range of cells to one of points, with the margin.
-void set_cells(IndexBox& box, std::size_t axis, std::int64_t first, std::int64_t end, int layers) {
-  if (box.dims[axis] == 1) {
-    box.first[axis] = 0, box.end[axis] = 1;
-    return;
-  }
-  if (first >= end) first = std::clamp<std::int64_t>(first, 0, box.dims[axis] - 2), end = first + 1;
-  box.first[axis] = std::max<std::int64_t>(first - layers, 0);
-  box.end[axis] = std::min(end + layers, box.dims[axis] - 1) + 1;
+void set_cells(StructuredPart& box, std::size_t axis, std::int64_t first, std::int64_t end, int layers) {
+  box.from[axis] = 0, box.dims[axis] = 1;
+  if (box.of[axis] == 1) return;
+  if (first >= end) first = std::clamp<std::int64_t>(first, 0, box.of[axis] - 2), end = first + 1;
+  box.from[axis] = std::max<std::int64_t>(first - layers, 0);
+  box.dims[axis] = std::min(end + layers, box.of[axis] - 1) + 1 - box.from[axis];
 }
 
 std::array<std::vector<double>, 3> axes_of(const Grid& grid) {
@@ -108,8 +89,8 @@ std::array<std::vector<double>, 3> axes_of(const Grid& grid) {
   return axes;
 }
 
-IndexBox box_cells(const std::array<std::vector<double>, 3>& axes, const Index3& dims, const Box3d& region, int layers) {
-  IndexBox box{dims, {}, {}};
+StructuredPart box_cells(const std::array<std::vector<double>, 3>& axes, const Index3& dims, const Box3d& region, int layers) {
+  StructuredPart box{.of = dims};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::int64_t first = dims[axis], end = 0;
     for (std::int64_t i = 0; i + 1 < dims[axis]; ++i) {
@@ -123,9 +104,9 @@ IndexBox box_cells(const std::array<std::vector<double>, 3>& axes, const Index3&
   return box;
 }
 
-IndexBox bent_cells(const Grid& grid, const Box3d& region, int layers) {
+StructuredPart bent_cells(const Grid& grid, const Box3d& region, int layers) {
   const Index3 dims = grid.dims();
-  IndexBox box{dims, {}, {}};
+  StructuredPart box{.of = dims};
   Index3 first = dims, end{}, cells;
   for (std::size_t a = 0; a < 3; ++a) cells[a] = std::max<std::int64_t>(dims[a] - 1, 1);
   std::array<std::int64_t, kMaxCellVertices> ids;
@@ -169,34 +150,29 @@ std::vector<std::int64_t> free_cells(const Grid& grid, const Box3d& region, int 
   return list;
 }
 
-template <class CellOf>
-void copy_hidden(const Grid& whole, std::size_t cells, const CellOf& cell_of, PartStorage& storage, Grid& part) {
-  if (whole.hidden_cells.empty()) return;
-  storage.hidden.resize(cells);
-  for (std::size_t i = 0; i < cells; ++i) storage.hidden[i] = whole.hidden_cells[static_cast<std::size_t>(cell_of(static_cast<std::int64_t>(i)))];
-  part.hidden_cells = storage.hidden;
-}
-
 void take_structured(const Dataset& whole, const Box3d& region, int layers, Dataset& part) {
-  auto storage = std::make_shared<PartStorage>();
-  IndexBox box;
+  StructuredPart box;
+  std::shared_ptr<const void> points;
   if (whole.grid.rectilinear()) {
     RectilinearGrid grid;
     grid.axes = axes_of(whole.grid);
     box = box_cells(grid.axes, whole.grid.dims(), region, layers);
-    grid.dims = box.size();
-    for (std::size_t a = 0; a < 3; ++a)
-      grid.axes[a] = {grid.axes[a].begin() + static_cast<std::ptrdiff_t>(box.first[a]), grid.axes[a].begin() + static_cast<std::ptrdiff_t>(box.end[a])};
+    grid.dims = box.dims;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto first = grid.axes[a].begin() + static_cast<std::ptrdiff_t>(box.from[a]);
+      grid.axes[a] = {first, first + static_cast<std::ptrdiff_t>(box.dims[a])};
+    }
     part.grid.shape = std::move(grid);
   } else {
     box = bent_cells(whole.grid, region, layers);
-    CurvilinearGrid grid{box.size(), {}};
-    copy_points(std::get<CurvilinearGrid>(whole.grid.shape).points, box.points(), [&](std::size_t i) { return box.point(i); }, *storage, grid.points);
+    CurvilinearGrid grid{box.dims, {}};
+    std::tie(grid.points, points) = points_of(std::get<CurvilinearGrid>(whole.grid.shape).points, box, Task());
     part.grid.shape = grid;
   }
-  copy_hidden(whole.grid, static_cast<std::size_t>(part.grid.cell_count()), [&](std::int64_t i) { return box.cell(i); }, *storage, part.grid);
-  part.grid.storage = std::move(storage);
-  for (const PointArray& array : whole.arrays) part.arrays.push_back(array_of(array, box.points(), [&](std::size_t i) { return box.point(i); }));
+  const auto kept = std::make_shared<std::pair<std::shared_ptr<const void>, std::vector<std::uint8_t>>>(points, hidden_cells_of(whole.grid, box));
+  part.grid.hidden_cells = kept->second;
+  part.grid.storage = kept;
+  for (const PointArray& array : whole.arrays) part.arrays.push_back(array_of(array, box, Task()));
 }
 
 void take_unstructured(const Dataset& whole, const Box3d& region, int layers, Dataset& part) {
@@ -223,7 +199,9 @@ void take_unstructured(const Dataset& whole, const Box3d& region, int layers, Da
   made.offsets = storage->offsets;
   made.connectivity = storage->connectivity;
   part.grid.shape = made;
-  copy_hidden(whole.grid, cells.size(), [&](std::int64_t i) { return cells[static_cast<std::size_t>(i)]; }, *storage, part.grid);
+  if (!whole.grid.hidden_cells.empty())
+    for (const std::int64_t cell : cells) storage->hidden.push_back(whole.grid.hidden_cells[static_cast<std::size_t>(cell)]);
+  part.grid.hidden_cells = storage->hidden;
   part.grid.storage = std::move(storage);
   for (const PointArray& array : whole.arrays) part.arrays.push_back(array_of(array, points.size(), point_of));
 }
