@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
 #include <set>
-#include <thread>
 #include <tuple>
 
 #include "base/parallel.h"
 #include "base/pulse.h"
 #include "data/sandbox.h"
 #include "engine/picture/draw_still.h"
+#include "extraction/files/write_vtu.h"
 #include "rank/picture_of_ranks.h"
 #include "rank/rank_work.h"
 #include "rendering/picture/check_draw_input.h"
@@ -52,8 +51,7 @@ class FirstRank final : public SceneRanks {
     setup.device = settings.renderer.device;
     setup.threads = settings.threads;
     choice_ = settings.renderer;
-    set_thread_count(settings.threads > 0 ? settings.threads
-                                          : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / line_.ranks_on_node()));
+    set_thread_count(line_.threads(settings.threads));
     work_.configure(setup);
     const std::lock_guard lock(line_.mutex());
     line_.send(setup);
@@ -314,34 +312,12 @@ class RanksRenderer final : public Renderer {
 
 std::unique_ptr<Renderer> FirstRank::make_renderer() { return std::make_unique<RanksRenderer>(*this, isostrata::make_renderer(choice_)); }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-  return out;
-}
-
-// Complete or not there: written beside and renamed into place.
 void FirstRank::write_index(const RankWrite& order) const {
-  const fs::path beside = order.path + ".part";
-  std::ofstream out(beside);
-  out << "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-         "  <PUnstructuredGrid GhostLevel=\"0\">\n    <PPoints><PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/></PPoints>\n"
-         "    <PCellData>\n      <PDataArray type=\"Int32\" Name=\"interval\"/>\n      <PDataArray type=\"Float64\" Name=\"lower\"/>\n"
-         "      <PDataArray type=\"Float64\" Name=\"upper\"/>\n    </PCellData>\n    <PPointData>\n";
-  if (order.request.terms.empty()) out << "      <PDataArray type=\"Float64\" Name=\"" << escaped(order.request.array) << "\"/>\n";
-  for (const std::string& name : order.request.carry) out << "      <PDataArray type=\"Float32\" Name=\"" << escaped(name) << "\"/>\n";
-  out << "    </PPointData>\n";
-  for (int rank = 0; rank < line_.count(); ++rank)
-    out << "    <Piece Source=\"" << escaped(fs::path(piece_path(order.path, rank)).filename().string()) << "\"/>\n";
-  out << "  </PUnstructuredGrid>\n</VTKFile>\n";
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(beside, order.path, error);
-  if (!out || error) {
-    std::error_code ignored;
-    fs::remove(beside, ignored);
-    throw Error(ErrorCode::unavailable, order.path + ": cannot be written" + (error ? ": " + error.message() : ""));
-  }
+  std::vector<std::string> pieces;
+  for (int rank = 0; rank < line_.count(); ++rank) pieces.push_back(fs::path(piece_path(order.path, rank)).filename().string());
+  OutputFile out(order.path);
+  write_pvtu(out, pieces, order.request.terms.empty() ? order.request.array : "", order.request.carry);
+  out.finish();
 }
 
 }  // namespace

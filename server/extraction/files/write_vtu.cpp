@@ -193,4 +193,22 @@ void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& arr
   out.text("\n  </AppendedData>\n</VTKFile>\n");
 }
 
+void write_pvtu(OutputFile& out, std::span<const std::string> pieces, const std::string& array_name, std::span<const std::string> more) {
+  const auto array = [&](const char* type, const std::string& name, const char* rest = "") {
+    out.text("      <PDataArray type=\"" + std::string(type) + "\" Name=\"" + xml_text(name) + "\"" + rest + "/>\n");
+  };
+  out.text("<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+           "  <PUnstructuredGrid GhostLevel=\"0\">\n    <PPoints>\n");
+  array("Float64", "Points", " NumberOfComponents=\"3\"");
+  out.text("    </PPoints>\n    <PCellData>\n");
+  array("Int32", "interval");
+  for (const char* end : {"lower", "upper"}) array("Float64", end);
+  out.text("    </PCellData>\n    <PPointData>\n");
+  if (!array_name.empty()) array("Float64", array_name);
+  for (const std::string& name : more) array("Float32", name);
+  out.text("    </PPointData>\n");
+  for (const std::string& piece : pieces) out.text("    <Piece Source=\"" + xml_text(piece) + "\"/>\n");
+  out.text("  </PUnstructuredGrid>\n</VTKFile>\n");
+}
+
 }  // namespace isostrata

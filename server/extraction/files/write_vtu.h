@@ -32,4 +32,8 @@ void write_appended(OutputFile& out, const VtuArray& array, int compression, con
 void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more,
                int compression, const Task& task);
 
+/// The list of .vtu files (.pvtu) that are one mesh: their names, and the arrays that write_vtu gave each of them. array_name: empty where they have no
+/// values. Throws unavailable.
+void write_pvtu(OutputFile& out, std::span<const std::string> pieces, const std::string& array_name, std::span<const std::string> more);
+
 }  // namespace isostrata
