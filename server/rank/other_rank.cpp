@@ -6,11 +6,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "base/as_error.h"
 #include "base/parallel.h"
 #include "base/pulse.h"
 #include "base/stopwatch.h"
@@ -43,19 +43,13 @@ struct Job {
   std::thread thread;
 };
 
-void set_failure(RankReply& reply, const std::exception_ptr& failure) {
+RankReply failed(std::uint64_t number, const std::exception_ptr& failure) {
+  const Error error = as_error(failure);
+  RankReply reply{number};
   reply.failed = true;
-  try {
-    std::rethrow_exception(failure);
-  } catch (const Error& error) {
-    reply.code = error.code();
-    reply.message = error.what();
-  } catch (const std::bad_alloc&) {
-    reply.code = ErrorCode::too_large;
-    reply.message = "out of memory";
-  } catch (const std::exception& error) {
-    reply.message = error.what();
-  }
+  reply.code = error.code();
+  reply.message = error.what();
+  return reply;
 }
 
 class OtherRank {
@@ -89,7 +83,7 @@ class OtherRank {
   bool obey(const RankSetup& setup) {
     setup_ = setup;
     if (!setup.sandbox.empty()) use_sandbox(setup.sandbox);
-    set_thread_count(setup.threads > 0 ? setup.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / line_.ranks_on_node()));
+    set_thread_count(line_.threads(setup.threads));
     work_.configure(setup);
     renderer_.reset();
     return true;
@@ -102,35 +96,33 @@ class OtherRank {
       previous = it->second->extracted;
     }
     regions_[order.number] = order.regions;
-    jobs_[order.number] = std::make_unique<Job>([this, order, previous](Job& job) {
-      RankReply reply{order.number};
-      std::shared_ptr<const ExtractedScene> extracted;
-      try {
-        SceneAids aids;
-        aids.max_bytes = order.max_bytes;
-        extracted = work_.extract(order, work_.open(order.source), previous, job.task, aids, reply.made);
-      } catch (...) {
-        set_failure(reply, std::current_exception());
-      }
+    begin(order.number, [this, order, previous](Job& job, RankReply& reply) {
+      SceneAids aids;
+      aids.max_bytes = order.max_bytes;
+      auto extracted = work_.extract(order, work_.open(order.source), previous, job.task, aids, reply.made);
       const std::lock_guard lock(job.mutex);
       job.extracted = std::move(extracted);
-      job.reply = std::move(reply);
     });
     return true;
   }
 
   bool obey(const RankWrite& order) {
-    jobs_[order.number] = std::make_unique<Job>([this, order](Job& job) {
-      RankReply reply{order.number};
+    begin(order.number, [this, order](Job& job, RankReply& reply) { reply.made = work_.write(order, work_.open(order.source), job.task); });
+    return true;
+  }
+
+  /// The reply goes out once the work is done, or has failed.
+  void begin(std::uint64_t number, std::function<void(Job&, RankReply&)> work) {
+    jobs_[number] = std::make_unique<Job>([number, work = std::move(work)](Job& job) {
+      RankReply reply{number};
       try {
-        reply.made = work_.write(order, work_.open(order.source), job.task);
+        work(job, reply);
       } catch (...) {
-        set_failure(reply, std::current_exception());
+        reply = failed(number, std::current_exception());
       }
       const std::lock_guard lock(job.mutex);
       job.reply = std::move(reply);
     });
-    return true;
   }
 
   bool obey(const RankDraw& order) {
@@ -142,9 +134,7 @@ class OtherRank {
       }
       draw(order, extracted.get());
     } catch (...) {
-      RankReply reply{order.picture};
-      set_failure(reply, std::current_exception());
-      line_.reply(std::move(reply));
+      line_.reply(failed(order.picture, std::current_exception()));
     }
     return true;
   }

@@ -59,6 +59,10 @@ RankLine::~RankLine() {
   MPI_Finalize();
 }
 
+int RankLine::threads(int asked) const {
+  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / on_node_);
+}
+
 void RankLine::check_builds() {
   const std::uint64_t own = build_mark();
   std::uint64_t first = own;

@@ -27,7 +27,8 @@ class RankLine {
 
   int rank() const { return rank_; }
   int count() const { return count_; }
-  int ranks_on_node() const { return on_node_; }
+  /// That this rank computes with: as many as are asked for, else the node's cores, shared out among its ranks.
+  int threads(int asked) const;
   const std::string& node() const { return node_; }
   MPI_Comm communicator() const { return all_; }
   std::mutex& mutex() { return mutex_; }

@@ -17,6 +17,7 @@
 #include <thread>
 #include <tuple>
 
+#include "base/as_error.h"
 #include "base/kept_blocks.h"
 #include "base/work.h"
 #include "data/histogram.h"
@@ -50,21 +51,8 @@ std::uint32_t patience_for(const FrameRequest& request, const std::string& devic
 }
 
 RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
-  RequestFailed failed{session, request, revision, ErrorCode::internal, {}};
-  try {
-    std::rethrow_exception(failure);
-  } catch (const Error& error) {
-    failed.code = error.code();
-    failed.message = error.what();
-  } catch (const std::bad_alloc&) {
-    failed.code = ErrorCode::too_large;
-    failed.message = "out of memory";
-  } catch (const std::exception& error) {
-    failed.message = error.what();
-  } catch (...) {
-    failed.message = "an unknown failure";
-  }
-  return failed;
+  const Error error = as_error(failure);
+  return {session, request, revision, error.code(), error.what()};
 }
 
 // The parts of a scene that a picture of older intervals can still follow. A smear's mesh is another one, so its mode stays with
