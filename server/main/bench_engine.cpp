@@ -2,14 +2,15 @@
 
 #include <malloc.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
 
 #include "base/kept_blocks.h"
 #include "data/file_series.h"
 #include "engine/first/first_scene.h"
 #include "main/arguments.h"
+#include "main/bench_sums.h"
 #include "session/wire/random_token.h"
 
 namespace isostrata {
@@ -106,13 +107,7 @@ std::uint64_t ScratchCache::bytes() const {
 std::uint64_t resident_bytes() {
   free_kept_blocks();
   malloc_trim(0);
-  std::ifstream status("/proc/self/status");
-  for (std::string name; status >> name;) {
-    std::uint64_t kib = 0;
-    if (name == "RssAnon:" && status >> kib) return kib << 10;
-    std::getline(status, name);
-  }
-  return 0;
+  return anonymous_bytes(getpid());
 }
 
 std::uint64_t source_bytes(const std::string& data) {

@@ -17,6 +17,7 @@
 #include "extraction/unstructured/ordered_memory.h"
 #include "main/arguments.h"
 #include "main/bench_device.h"
+#include "main/bench_sums.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
 
@@ -77,11 +78,6 @@ Interval default_interval(const std::string& data, const PointArray& array) {
   if (data.starts_with("torus")) return {0.24, 0.26};
   const double span = array.upper - array.lower;
   return {array.lower + 0.45 * span, array.lower + 0.55 * span};
-}
-
-double median(std::vector<double> of) {
-  std::sort(of.begin(), of.end());
-  return of[of.size() / 2];
 }
 
 std::uint64_t bytes_of(const IntervalMesh& mesh) {

@@ -23,6 +23,7 @@
 #include "base/simd_level.h"
 #include "base/spawn.h"
 #include "base/temporary_directory.h"
+#include "main/bench_sums.h"
 #include "main/commands.h"
 #include "main/neighbour_works.h"
 #include "main/picture_arguments.h"
@@ -89,23 +90,16 @@ class ServeProcess {
   double resident_mb() {
     if (seconds_since(looked_) < 0.1) return resident_mb_;
     looked_ = Clock::now();
-    double kib = anonymous_kib(id_);
+    std::uint64_t bytes = anonymous_bytes(id_);
     std::error_code error;
     for (const auto& thread : fs::directory_iterator("/proc/" + std::to_string(id_) + "/task", error)) {
       std::ifstream children(thread.path() / "children");
-      for (pid_t child = 0; children >> child;) kib += anonymous_kib(child);
+      for (pid_t child = 0; children >> child;) bytes += anonymous_bytes(child);
     }
-    return resident_mb_ = kib / 1024;
+    return resident_mb_ = static_cast<double>(bytes >> 10) / 1024;
   }
 
  private:
-  static double anonymous_kib(pid_t process) {
-    std::ifstream status("/proc/" + std::to_string(process) + "/status");
-    for (std::string line; std::getline(status, line);)
-      if (line.starts_with("RssAnon:")) return std::atof(line.c_str() + 8);
-    return 0;
-  }
-
   const TemporaryDirectory folder_;
   const std::string token_;
   pid_t id_ = 0;

@@ -9,6 +9,7 @@
 #include "base/stopwatch.h"
 #include "main/arguments.h"
 #include "main/bench_engine.h"
+#include "main/bench_sums.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
 
@@ -47,11 +48,6 @@ Opened open_once(const std::string& data, int width, int height) {
   return opened;
 }
 
-double median_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[values.size() / 2];
-}
-
 json::object measure(const OpenArguments& arguments, const std::string& data) {
   const auto [width, height] = parse_size(arguments.size);
   std::vector<double> cold, warm;
@@ -67,8 +63,8 @@ json::object measure(const OpenArguments& arguments, const std::string& data) {
   }
   return {{"data", std::filesystem::path(data).filename().string()},
           {"bytes", source_bytes(data)},
-          {"cold_ms", median_of(cold)},
-          {"warm_ms", median_of(warm)},
+          {"cold_ms", median(cold)},
+          {"warm_ms", median(warm)},
           {"resident_mb", static_cast<double>(std::max(first.resident, again.resident)) / 1e6},
           {"temporary_mb", static_cast<double>(written) / 1e6},
           {"size", {width, height}},

@@ -9,6 +9,7 @@
 #include "base/stopwatch.h"
 #include "main/arguments.h"
 #include "main/bench_engine.h"
+#include "main/bench_sums.h"
 #include "main/commands.h"
 #include "main/picture_arguments.h"
 
@@ -24,11 +25,6 @@ struct PlayArguments {
   std::size_t most = 100;
   bool json = false;
 };
-
-double median_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[values.size() / 2];
-}
 
 json::object measure(const PlayArguments& arguments, const std::string& data) {
   const auto [width, height] = parse_size(arguments.size);
@@ -59,7 +55,7 @@ json::object measure(const PlayArguments& arguments, const std::string& data) {
   }
   return {{"data", std::filesystem::path(data).filename().string()},
           {"steps", steps},
-          {"steps_per_second", {{"cold", median_of(cold)}, {"warm", median_of(warm)}}},
+          {"steps_per_second", {{"cold", median(cold)}, {"warm", median(warm)}}},
           {"resident_mb", static_cast<double>(resident) / 1e6},
           {"size", {width, height}},
           {"tetrahedra", tetrahedra}};

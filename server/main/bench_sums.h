@@ -1,0 +1,21 @@
+// What several benchmarks make of what they measure.
+#pragma once
+
+#include <sys/types.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace isostrata {
+
+/// 0 of nothing; of an even number the upper one.
+inline double median(std::vector<double> of) {
+  std::sort(of.begin(), of.end());
+  return of.empty() ? 0 : of[of.size() / 2];
+}
+
+/// Memory of a process that is no file's: RssAnon of /proc. 0 where there is no such process.
+std::uint64_t anonymous_bytes(pid_t process);
+
+}  // namespace isostrata
