@@ -121,6 +121,15 @@ Vec3d bent(const Vec3d& p) {
 
 double linear(const Vec3d& p) { return 1 + 2 * p.x - 3 * p.y + 0.5 * p.z; }
 
+std::shared_ptr<const Dataset> written_and_read(const Scratch& scratch, vtkUnstructuredGrid* grid) {
+  vtkNew<vtkXMLUnstructuredGridWriter> writer;
+  const auto file = scratch / "curved.vtu";
+  writer->SetInputData(grid);
+  writer->SetFileName(file.c_str());
+  EXPECT_EQ(writer->Write(), 1);
+  return test::open(file);
+}
+
 struct Mesh {
   vtkNew<vtkUnstructuredGrid> grid;
   vtkNew<vtkPoints> points;
@@ -163,12 +172,7 @@ struct Mesh {
     }
     grid->GetPointData()->AddArray(f);
     if (with_degrees) grid->GetCellData()->SetHigherOrderDegrees(degrees);
-    vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    const auto file = scratch / "curved.vtu";
-    writer->SetInputData(grid);
-    writer->SetFileName(file.c_str());
-    EXPECT_EQ(writer->Write(), 1);
-    return test::open(file);
+    return written_and_read(scratch, grid);
   }
 };
 
@@ -262,12 +266,7 @@ TEST(ImportCurvedCells, HaveTheValuesOfTheirShapeFunctionsWhereANodeIsMissing) {
     grid->SetPoints(points);
     grid->InsertNextCell(type, static_cast<vtkIdType>(ids.size()), ids.data());
     grid->GetPointData()->AddArray(f);
-    vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetInputData(grid);
-    const auto file = scratch / "one.vtu";
-    writer->SetFileName(file.c_str());
-    ASSERT_EQ(writer->Write(), 1);
-    const auto data = test::open(file);
+    const auto data = written_and_read(scratch, grid);
     EXPECT_EQ(data->grid.point_count(), type == VTK_QUADRATIC_HEXAHEDRON ? 27 : 18);
     std::vector<double> shape(ids.size());
     for (std::int64_t p = 0; p < data->grid.point_count(); ++p) {
@@ -305,12 +304,7 @@ TEST(ImportCurvedCells, WithAnAreaAreDividedToo) {
     for (vtkIdType p = 0; p < nodes; ++p) ids.push_back(points->InsertNextPoint(at + 3 * p));
     grid->SetPoints(points);
     grid->InsertNextCell(type, nodes, ids.data());
-    vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetInputData(grid);
-    const auto file = scratch / "flat.vtu";
-    writer->SetFileName(file.c_str());
-    ASSERT_EQ(writer->Write(), 1);
-    const auto data = test::open(file);
+    const auto data = written_and_read(scratch, grid);
     ASSERT_EQ(data->grid.cell_count(), pieces);
     double area = 0;
     std::array<std::int64_t, kMaxCellVertices> corner{};
