@@ -1,12 +1,9 @@
 #include "data/array.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <mutex>
-#include <type_traits>
 
 #include "base/parallel.h"
+#include "data/finite_values.h"
 
 namespace isostrata {
 namespace {
@@ -14,41 +11,6 @@ namespace {
 template <class T>
 ScalarSpan typed(std::span<const std::byte> bytes) {
   return std::span<const T>(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T));
-}
-
-struct Range {
-  double lower = std::numeric_limits<double>::infinity();
-  double upper = -std::numeric_limits<double>::infinity();
-  std::int64_t nan_count = 0;
-
-  void merge(const Range& other) {
-    lower = std::min(lower, other.lower);
-    upper = std::max(upper, other.upper);
-    nan_count += other.nan_count;
-  }
-};
-
-template <class T>
-Range range_of(std::span<const T> values) {
-  Range range;
-  if constexpr (std::is_floating_point_v<T>) {
-    T lower = std::numeric_limits<T>::infinity(), upper = -lower;
-    for (const T value : values) {
-      if (!std::isfinite(value)) {
-        ++range.nan_count;
-        continue;
-      }
-      lower = std::min(lower, value);
-      upper = std::max(upper, value);
-    }
-    range.lower = static_cast<double>(lower);
-    range.upper = static_cast<double>(upper);
-  } else if (!values.empty()) {
-    const auto [lower, upper] = std::minmax_element(values.begin(), values.end());
-    range.lower = static_cast<double>(*lower);
-    range.upper = static_cast<double>(*upper);
-  }
-  return range;
 }
 
 }  // namespace
@@ -130,12 +92,14 @@ ScalarSpan scalar_span(ScalarType type, std::span<const std::byte> bytes) {
 }
 
 void measure_range(PointArray& array) {
-  Range total;
+  FiniteValues total;
   std::mutex mutex;
   std::visit(
       [&](auto values) {
+        using T = typename decltype(values)::value_type;
+        const auto measure = finite_values_of<T>();
         parallel_for(static_cast<std::int64_t>(values.size()), 1 << 18, [&](std::int64_t begin, std::int64_t end) {
-          const Range part = range_of(values.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)));
+          const FiniteValues part = measure(values.data() + begin, static_cast<std::size_t>(end - begin));
           std::lock_guard lock(mutex);
           total.merge(part);  // minimum, maximum and integer sum: the order of the parts does not matter
         });
@@ -143,7 +107,7 @@ void measure_range(PointArray& array) {
       array.values);
   array.lower = total.lower;
   array.upper = total.upper;
-  array.nan_count = total.nan_count;
+  array.nan_count = total.not_finite;
 }
 
 }  // namespace isostrata

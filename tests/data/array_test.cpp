@@ -7,8 +7,13 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <string>
+#include <type_traits>
+#include <typeinfo>
+#include <vector>
 
 #include "base/parallel.h"
+#include "support/simd_levels.h"
 
 namespace isostrata {
 namespace {
@@ -59,6 +64,47 @@ TEST(PointArray, RangeOfMillionsAgreesWithASerialPass) {
   const PointArray array = array_of(values);
   EXPECT_EQ(array.lower, *lower) << "seed " << kSeed;
   EXPECT_EQ(array.upper, *upper) << "seed " << kSeed;
+}
+
+/// Value by value, as one would write it down.
+template <class T>
+void expect_range_of(const std::vector<T>& values, const std::string& which) {
+  double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+  std::int64_t not_finite = 0;
+  for (const T value : values) {
+    const auto v = static_cast<double>(value);
+    if (!std::isfinite(v)) {
+      ++not_finite;
+      continue;
+    }
+    lower = std::min(lower, v);
+    upper = std::max(upper, v);
+  }
+  const PointArray array = array_of(values);
+  EXPECT_EQ(array.lower, lower) << which;
+  EXPECT_EQ(array.upper, upper) << which;
+  EXPECT_EQ(array.nan_count, not_finite) << which;
+}
+
+TEST(PointArray, RangeInVectorsIsThatOfValueByValueForEveryTypeAndLength) {
+  testing::with_each_simd_level([](const std::string&) {
+    const auto check = [](auto one, unsigned seed) {
+      using T = decltype(one);
+      std::mt19937_64 random(seed);
+      for (std::size_t count = 0; count < 300; count += count < 140 ? 1 : 37) {
+        std::vector<T> values(count);
+        for (T& value : values) {
+          value = static_cast<T>(static_cast<std::int64_t>(random()) >> (random() % 64));
+          if (!std::is_floating_point_v<T> || random() % 5) continue;
+          const double odd[] = {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), -0.0};
+          value = static_cast<T>(odd[random() % 4]);
+        }
+        expect_range_of(values, std::string(typeid(T).name()) + ", " + std::to_string(count) + " values, seed " + std::to_string(seed));
+      }
+    };
+    check(std::int8_t{}, 1), check(std::uint8_t{}, 2), check(std::int16_t{}, 3), check(std::uint16_t{}, 4), check(std::int32_t{}, 5);
+    check(std::uint32_t{}, 6), check(std::int64_t{}, 7), check(std::uint64_t{}, 8), check(float{}, 9), check(double{}, 10);
+  });
 }
 
 TEST(ScalarSpan, RefusesBytesThatAreNoWholeNumberOfValues) {

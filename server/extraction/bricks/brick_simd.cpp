@@ -2,7 +2,7 @@
 
 #include <type_traits>
 
-#include "extraction/mesh/for_each_scalar.h"
+#include "data/for_each_scalar.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extraction/bricks/brick_simd.cpp"
