@@ -1,5 +1,7 @@
 #include "base/error.h"
 
+#include <cstring>
+
 namespace isostrata {
 
 const char* to_string(ErrorCode code) {
@@ -22,6 +24,10 @@ const char* to_string(ErrorCode code) {
       return "internal";
   }
   return "internal";
+}
+
+void throw_system_error(const std::string& what, int error_number) {
+  throw Error(ErrorCode::unavailable, what + ": " + std::strerror(error_number));
 }
 
 }  // namespace isostrata

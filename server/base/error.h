@@ -30,4 +30,7 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
+/// Throws what a system call said: Error(unavailable, "what: No such file or directory").
+[[noreturn]] void throw_system_error(const std::string& what, int error_number);
+
 }  // namespace isostrata

@@ -50,7 +50,7 @@ Drawn project(const LatticeCell& cell, const Vec3d& p) {
   return {p.x + 0.42 * p.y, -(p.z + 0.26 * p.y), p.y - 0.3 * p.z - 0.2 * p.x};
 }
 
-class Drawing {
+class SvgDrawing {
  public:
   void polygon(const std::vector<Drawn>& corners, const char* fill) {
     std::string points;
@@ -156,7 +156,7 @@ std::int64_t parse_case(const LatticeCell& cell, std::string_view text) {
 
 std::string draw_case(const LatticeCell& cell, std::int64_t case_index) {
   const std::vector<int> classes = classes_of(cell, case_index);
-  Drawing drawing;
+  SvgDrawing drawing;
   const auto at = [&](int v) { return project(cell, position(cell, cell.vertices[static_cast<std::size_t>(v)])); };
   for (const auto& [a, b] : cell.edges) drawing.line(at(a), at(b), edge_color(cell, a, b));
   if (cell.dimension <= 3)

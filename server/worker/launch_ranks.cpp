@@ -22,8 +22,6 @@ namespace {
 
 constexpr int kNotStarted = 127;
 
-[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::unavailable, what + ": " + std::strerror(errno)); }
-
 sockaddr_un address_of(const std::filesystem::path& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -39,7 +37,7 @@ Descriptor listen_at(const std::filesystem::path& path) {
   Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   // The folder is this user's alone (0700), so nobody else reaches the socket.
   if (!socket || bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || listen(socket.get(), 1) != 0)
-    fail(path.string() + ": no socket can be made for the ranks");
+    throw_system_error(path.string() + ": no socket can be made for the ranks", errno);
   return socket;
 }
 
@@ -49,7 +47,7 @@ pid_t start(std::vector<std::string>& words) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const pid_t parent = getpid(), child = fork();
-  if (child < 0) fail("no process can be started for the ranks");
+  if (child < 0) throw_system_error("no process can be started for the ranks", errno);
   if (child > 0) return child;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_DFL);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -61,7 +59,7 @@ pid_t start(std::vector<std::string>& words) {
 
 void hand_over(int to, int socket, int board) {
   const char byte = 0;
-  if (send_passing(to, &byte, 1, {socket, board}) != 1) fail("the first rank cannot be given its socket");
+  if (send_passing(to, &byte, 1, {socket, board}) != 1) throw_system_error("the first rank cannot be given its socket", errno);
 }
 
 /// Nothing where the job ended first; then `status` is how.
@@ -128,10 +126,10 @@ WorkerArguments take_worker_descriptors(const std::filesystem::path& place) {
   const sockaddr_un address = address_of(place);
   const Descriptor socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-    fail(place.string() + ": the first rank must run on the server's machine, and cannot reach its socket");
+    throw_system_error(place.string() + ": the first rank must run on the server's machine, and cannot reach its socket", errno);
   char byte = 0;
   std::vector<Descriptor> both;
-  if (receive_passed(socket.get(), &byte, 1, both) != 1) fail("no descriptors came for the first rank");
+  if (receive_passed(socket.get(), &byte, 1, both) != 1) throw_system_error("no descriptors came for the first rank", errno);
   if (both.size() != 2) throw Error(ErrorCode::unavailable, "no descriptors came for the first rank");
   return {both[0].release(), both[1].release(), getppid()};
 }

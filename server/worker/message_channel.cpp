@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <vector>
 
 namespace isostrata {
@@ -25,13 +24,11 @@ struct Header {
   std::uint64_t has_picture = 0;
 };
 
-[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::unavailable, what + ": " + std::strerror(errno)); }
-
 void write_file(int file, const Bytes& bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t n = pwrite(file, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) fail("a picture cannot be written to memory");
+    if (n <= 0) throw_system_error("a picture cannot be written to memory", errno);
     done += static_cast<std::size_t>(n);
   }
 }
@@ -50,13 +47,13 @@ void read_file(int file, Bytes& bytes) {
 
 Descriptor make_memory_file(const char* name, std::uint64_t bytes) {
   Descriptor file(memfd_create(name, MFD_CLOEXEC));
-  if (!file || ftruncate(file.get(), static_cast<off_t>(bytes)) != 0) fail("cannot make a memory file");
+  if (!file || ftruncate(file.get(), static_cast<off_t>(bytes)) != 0) throw_system_error("cannot make a memory file", errno);
   return file;
 }
 
 std::pair<Descriptor, Descriptor> MessageChannel::make_pair() {
   int ends[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("cannot make a pair of sockets");
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) throw_system_error("cannot make a pair of sockets", errno);
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
@@ -121,7 +118,7 @@ bool MessageChannel::read_all(void* to, std::size_t size, Descriptor* passed) {
   while (size > 0) {
     std::vector<Descriptor> came;  // one that nobody expects is closed
     const ssize_t n = receive_passed(socket_.get(), at, size, came);
-    if (n < 0 && errno != ECONNRESET) fail("a message cannot be read");
+    if (n < 0 && errno != ECONNRESET) throw_system_error("a message cannot be read", errno);
     if (n <= 0) return false;
     if (passed && !came.empty()) *passed = std::move(came.back());
     at += n;
@@ -134,7 +131,7 @@ void MessageChannel::write_all(const void* from, std::size_t size, int pass) {
   const char* at = static_cast<const char*>(from);
   while (size > 0) {
     const ssize_t n = send_passing(socket_.get(), at, size, {pass});
-    if (n <= 0) fail("a message cannot be sent");
+    if (n <= 0) throw_system_error("a message cannot be sent", errno);
     pass = -1;
     at += n;
     size -= static_cast<std::size_t>(n);

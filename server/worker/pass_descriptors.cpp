@@ -1,7 +1,6 @@
 #include "worker/pass_descriptors.h"
 
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -15,19 +14,6 @@ struct alignas(cmsghdr) Control {
 };
 
 }  // namespace
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    close();
-    fd_ = std::exchange(other.fd_, -1);
-  }
-  return *this;
-}
-
-void Descriptor::close() {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
-}
 
 ssize_t send_passing(int socket, const void* from, std::size_t size, std::initializer_list<int> descriptors) {
   std::array<int, kMostPassed> pass{};

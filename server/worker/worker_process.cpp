@@ -10,19 +10,10 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <fstream>
 #include <thread>
 
 namespace isostrata {
-namespace {
-
-[[noreturn]] void fail(const std::string& what, int error) {
-  throw Error(ErrorCode::unavailable, what + ": " + std::strerror(error));
-}
-
-}  // namespace
-
 SharedBoard::SharedBoard() : file_(make_memory_file("isostrata-board", sizeof(ActivityBoard))) { map(); }
 
 SharedBoard::SharedBoard(Descriptor file) : file_(std::move(file)) {
@@ -34,7 +25,7 @@ SharedBoard::SharedBoard(Descriptor file) : file_(std::move(file)) {
 
 void SharedBoard::map() {
   void* at = mmap(nullptr, sizeof(ActivityBoard), PROT_READ | PROT_WRITE, MAP_SHARED, file_.get(), 0);
-  if (at == MAP_FAILED) fail("the worker's board cannot be mapped", errno);
+  if (at == MAP_FAILED) throw_system_error("the worker's board cannot be mapped", errno);
   board_ = static_cast<ActivityBoard*>(at);
 }
 

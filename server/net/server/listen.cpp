@@ -7,8 +7,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <utility>
 
+#include "base/descriptor.h"
 #include "base/error.h"
 
 namespace isostrata {
@@ -16,15 +16,6 @@ namespace {
 
 namespace asio = boost::asio;
 using tcp = asio::ip::tcp;
-
-/// A descriptor that is closed unless it is taken.
-struct Descriptor {
-  int of = -1;
-  ~Descriptor() {
-    if (of >= 0) ::close(of);
-  }
-  int take() { return std::exchange(of, -1); }
-};
 
 }  // namespace
 
@@ -63,15 +54,15 @@ int listening_socket(const std::filesystem::path& path) {
   if (lstat(text.c_str(), &there) == 0) {
     if (!S_ISSOCK(there.st_mode)) throw failed("something that is no socket is there");
     const Descriptor probe{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-    if (connect(probe.of, address, sizeof name) == 0) throw failed("another server answers there");
+    if (connect(probe.get(), address, sizeof name) == 0) throw failed("another server answers there");
     if (errno != ECONNREFUSED || unlink(text.c_str()) != 0) throw failed(std::strerror(errno));
   }
   Descriptor listening{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
   // Nobody can connect before listen, so there is no moment in which others may.
-  if (listening.of < 0 || bind(listening.of, address, sizeof name) != 0 || chmod(text.c_str(), 0600) != 0 ||
-      ::listen(listening.of, 128) != 0)
+  if (listening.get() < 0 || bind(listening.get(), address, sizeof name) != 0 || chmod(text.c_str(), 0600) != 0 ||
+      ::listen(listening.get(), 128) != 0)
     throw failed(std::strerror(errno));
-  return listening.take();
+  return listening.release();
 }
 
 tcp::acceptor listen_on_descriptor(asio::io_context& io, int descriptor) {
