@@ -11,7 +11,9 @@
 #include <cerrno>
 #include <csignal>
 #include <string_view>
+#include <system_error>
 
+#include "base/error.h"
 #include "base/program_file.h"
 
 extern char** environ;
@@ -137,6 +139,14 @@ std::vector<std::string> environment_without(const std::vector<std::string>& nam
     if (!left_out) kept.emplace_back(setting);
   }
   return kept;
+}
+
+void become(const std::filesystem::path& program, std::vector<std::string> arguments) {
+  Spawn spawn{program, {program.string()}};
+  spawn.words.insert(spawn.words.end(), arguments.begin(), arguments.end());
+  Command command = command_of(spawn);
+  execv(command.file.c_str(), pointers(command.words).data());
+  throw Error(ErrorCode::unavailable, program.string() + " cannot be started: " + std::generic_category().message(errno));
 }
 
 }  // namespace isostrata

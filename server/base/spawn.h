@@ -25,4 +25,7 @@ int spawn_in_group(pid_t& id, const Spawn& spawn);
 /// This process's environment but for the variables of these names.
 std::vector<std::string> environment_without(const std::vector<std::string>& names);
 
+/// This process becomes that program, found and started as above. arguments: behind its name. Throws unavailable if it cannot be started.
+[[noreturn]] void become(const std::filesystem::path& program, std::vector<std::string> arguments);
+
 }  // namespace isostrata

@@ -1,18 +1,24 @@
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/program_file.h"
+#include "base/spawn.h"
 #include "main/commands.h"
 
 namespace isostrata {
 
 void add_bench_command(CLI::App& app) {
-  CLI::App* bench = app.add_subcommand("bench", "Measures this machine: min, median and max of many runs, as JSON with --json");
-  bench->require_subcommand(1);
-  add_bench_encode_command(*bench);
-  add_bench_extract_command(*bench);
-  add_bench_hand_command(*bench);
-  add_bench_neighbours_command(*bench);
-  add_bench_open_command(*bench);
-  add_bench_play_command(*bench);
-  add_bench_render_command(*bench);
-  add_bench_stream_command(*bench);
+  CLI::App* bench = app.add_subcommand("bench", "Measures this machine: extraction, drawing, codecs, what viewers get (isostrata-bench)");
+  bench->prefix_command();   // every word behind it is the other program's
+  bench->set_help_flag("");  // --help as well
+  bench->callback([bench] {
+    const std::filesystem::path program = program_file().parent_path() / "isostrata-bench";
+    if (!std::filesystem::exists(program))
+      throw Error(ErrorCode::unavailable, program.string() + " is not there; deploy/build isostrata-bench makes it");
+    become(program, bench->remaining());
+  });
 }
 
 }  // namespace isostrata

@@ -17,13 +17,4 @@ void add_doctor_command(CLI::App& app);
 void add_cache_command(CLI::App& app);
 void add_worker_command(CLI::App& app);
 
-void add_bench_encode_command(CLI::App& bench);
-void add_bench_extract_command(CLI::App& bench);
-void add_bench_hand_command(CLI::App& bench);
-void add_bench_neighbours_command(CLI::App& bench);
-void add_bench_open_command(CLI::App& bench);
-void add_bench_play_command(CLI::App& bench);
-void add_bench_render_command(CLI::App& bench);
-void add_bench_stream_command(CLI::App& bench);
-
 }  // namespace isostrata

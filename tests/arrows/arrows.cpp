@@ -183,7 +183,7 @@ class Checker {
 const std::vector<std::string>& rooms() {
   static const std::vector<std::string> order{"base",     "tables", "data",   "scene",   "extraction", "rendering",
                                               "encoding", "engine", "worker", "session", "net",        "main",
-                                              "rank"};
+                                              "bench", "rank"};
   return order;
 }
 

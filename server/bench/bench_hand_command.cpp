@@ -12,9 +12,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/simd_level.h"
+#include "bench/bench_server.h"
+#include "bench/commands.h"
 #include "main/arguments.h"
-#include "main/bench_server.h"
-#include "main/commands.h"
 #include "main/picture_arguments.h"
 
 namespace isostrata {

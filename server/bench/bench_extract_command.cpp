@@ -9,6 +9,9 @@
 #include "base/parallel.h"
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
+#include "bench/bench_device.h"
+#include "bench/bench_sums.h"
+#include "bench/commands.h"
 #include "data/read_once.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/brick_memory.h"
@@ -16,9 +19,6 @@
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "main/arguments.h"
-#include "main/bench_device.h"
-#include "main/bench_sums.h"
-#include "main/commands.h"
 #include "main/picture_arguments.h"
 
 namespace isostrata {

@@ -1,4 +1,4 @@
-#include "main/bench_device.h"
+#include "bench/bench_device.h"
 
 #include <algorithm>
 #include <boost/json.hpp>

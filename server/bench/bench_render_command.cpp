@@ -9,9 +9,9 @@
 #include "base/parallel.h"
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
+#include "bench/commands.h"
 #include "engine/picture/draw_scene.h"
 #include "extraction/bricks/brick_memory.h"
-#include "main/commands.h"
 #include "main/picture_arguments.h"
 #include "rendering/picture/turn_camera.h"
 

@@ -1,4 +1,4 @@
-#include "main/bench_engine.h"
+#include "bench/bench_engine.h"
 
 #include <malloc.h>
 #include <stdlib.h>
@@ -7,10 +7,10 @@
 #include <cstdlib>
 
 #include "base/kept_blocks.h"
+#include "bench/bench_sums.h"
 #include "data/file_series.h"
 #include "engine/first/first_scene.h"
 #include "main/arguments.h"
-#include "main/bench_sums.h"
 #include "session/wire/random_token.h"
 
 namespace isostrata {

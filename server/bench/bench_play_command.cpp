@@ -7,10 +7,10 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "bench/bench_engine.h"
+#include "bench/bench_sums.h"
+#include "bench/commands.h"
 #include "main/arguments.h"
-#include "main/bench_engine.h"
-#include "main/bench_sums.h"
-#include "main/commands.h"
 #include "main/picture_arguments.h"
 
 namespace isostrata {

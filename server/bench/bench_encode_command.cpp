@@ -10,11 +10,11 @@
 #include "base/parallel.h"
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
+#include "bench/commands.h"
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"
 #include "engine/picture/draw_scene.h"
-#include "main/commands.h"
 #include "main/picture_arguments.h"
 #include "rendering/picture/turn_camera.h"
 

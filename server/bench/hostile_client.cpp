@@ -1,4 +1,4 @@
-#include "main/hostile_client.h"
+#include "bench/hostile_client.h"
 
 #include <pthread.h>
 #include <time.h>
@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "base/error.h"
+#include "bench/plain_socket.h"
 #include "isostrata/v1/isostrata.pb.h"
-#include "main/plain_socket.h"
 
 namespace isostrata {
 namespace {

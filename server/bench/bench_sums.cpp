@@ -1,4 +1,4 @@
-#include "main/bench_sums.h"
+#include "bench/bench_sums.h"
 
 #include <cstdlib>
 #include <fstream>

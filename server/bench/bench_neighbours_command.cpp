@@ -23,11 +23,11 @@
 #include "base/simd_level.h"
 #include "base/spawn.h"
 #include "base/temporary_directory.h"
-#include "main/bench_sums.h"
-#include "main/commands.h"
-#include "main/neighbour_works.h"
+#include "bench/bench_sums.h"
+#include "bench/commands.h"
+#include "bench/neighbour_works.h"
+#include "bench/plain_socket.h"
 #include "main/picture_arguments.h"
-#include "main/plain_socket.h"
 #include "session/wire/random_token.h"
 
 namespace isostrata {
@@ -226,7 +226,7 @@ class PoliteViewer {
 struct BenchArguments {
   std::vector<std::string> works;
   double most_s = 12, window_s = 2;
-  std::string program = program_file().string();
+  std::string program = (program_file().parent_path() / "isostrata").string();
   std::vector<std::string> serve;
   bool json = false;
 };
@@ -370,7 +370,7 @@ void add_bench_neighbours_command(CLI::App& bench) {
   command->add_option("--window", arguments->window_s, "Seconds that frames are measured for, alone and after")
       ->check(CLI::Range(0.5, 60.0))
       ->capture_default_str();
-  command->add_option("--program", arguments->program, "Another build of isostrata, to serve in place of this one")->check(CLI::ExistingFile);
+  command->add_option("--program", arguments->program, "Another build of isostrata, to serve in place of the one beside")->check(CLI::ExistingFile);
   command->add_option("--serve", arguments->serve, "One more word for `isostrata serve`; may be repeated")->allow_extra_args(false);
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });

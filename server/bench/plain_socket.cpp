@@ -1,4 +1,4 @@
-#include "main/plain_socket.h"
+#include "bench/plain_socket.h"
 
 #include <charconv>
 

@@ -1,4 +1,4 @@
-#include "main/neighbour_works.h"
+#include "bench/neighbour_works.h"
 
 #include <boost/json.hpp>
 #include <chrono>
@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "main/plain_socket.h"
+#include "bench/plain_socket.h"
 
 namespace isostrata {
 namespace {

@@ -1,4 +1,4 @@
-#include "main/bench_server.h"
+#include "bench/bench_server.h"
 
 #include <algorithm>
 #include <array>
