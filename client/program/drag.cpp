@@ -12,6 +12,7 @@
 #include <numbers>
 #include <thread>
 
+#include "isostrata/scene.h"
 #include "isostrata/video.h"
 
 namespace isostrata::client {
@@ -21,35 +22,12 @@ using Steady = std::chrono::steady_clock;
 
 double now_ms() { return std::chrono::duration<double, std::milli>(Steady::now().time_since_epoch()).count(); }
 
-v1::Vec3 vec(double x, double y, double z) {
-  v1::Vec3 out;
-  out.set_x(x);
-  out.set_y(y);
-  out.set_z(z);
-  return out;
-}
-
-/// The camera turned about its up axis through `at`.
-v1::Camera turned(const v1::Camera& camera, double degrees) {
-  const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
-  const v1::Vec3 &up = camera.up(), &at = camera.at(), &eye = camera.eye();
-  const double length = std::hypot(up.x(), up.y(), up.z());
-  const v1::Vec3 axis = vec(up.x() / length, up.y() / length, up.z() / length);
-  const v1::Vec3 from = vec(eye.x() - at.x(), eye.y() - at.y(), eye.z() - at.z());
-  const double along = (axis.x() * from.x() + axis.y() * from.y() + axis.z() * from.z()) * (1 - c);
-  v1::Camera out = camera;  // Rodrigues
-  *out.mutable_eye() = vec(at.x() + from.x() * c + (axis.y() * from.z() - axis.z() * from.y()) * s + axis.x() * along,
-                           at.y() + from.y() * c + (axis.z() * from.x() - axis.x() * from.z()) * s + axis.y() * along,
-                           at.z() + from.z() * c + (axis.x() * from.y() - axis.y() * from.x()) * s + axis.z() * along);
-  return out;
-}
-
 /// The i-th of n inputs.
 v1::ClientMessage input(const DragArguments& arguments, const v1::State& start, double since_ms, std::size_t i) {
   v1::ClientMessage message;
   if (arguments.camera) {
     *message.mutable_set_camera()->mutable_camera() =
-        turned(start.camera(), arguments.degrees_per_input * static_cast<double>(i + 1));
+        turned(start.camera(), arguments.degrees_per_input * static_cast<double>(i + 1), 0);
     return message;
   }
   // Down to 80 % of the interval's width and back, once in two seconds.

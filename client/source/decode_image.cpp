@@ -9,39 +9,34 @@
 #include <memory>
 #include <string_view>
 
+#include "bad_image.h"
 #include "isostrata/image.h"
 #include "isostrata/options.h"
 
 namespace isostrata::client {
 namespace {
 
-constexpr std::uint32_t kMaxSide = 1u << 15;
-constexpr std::uint64_t kMaxPixels = 1ull << 27;
-
-[[noreturn]] void refuse(const std::string& why) { throw ClientError("bad_image", why); }
-
 std::uint32_t big_endian(const unsigned char* bytes) {
   return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 | bytes[3];
 }
 
 void check_size(std::uint64_t width, std::uint64_t height) {
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide || width * height > kMaxPixels)
-    refuse("a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels");
+  if (!is_picture_size(width, height)) bad_image("a picture of " + std::to_string(width) + "x" + std::to_string(height) + " pixels");
 }
 
 Picture decode_jpeg(const std::string& bytes) {
   const auto close = [](void* handle) { tjDestroy(handle); };
   const std::unique_ptr<void, decltype(close)> handle(tjInitDecompress(), close);
-  if (!handle) refuse("no JPEG decoder");
+  if (!handle) bad_image("no JPEG decoder");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
   if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace) != 0)
-    refuse(tjGetErrorStr2(handle.get()));
+    bad_image(tjGetErrorStr2(handle.get()));
   check_size(static_cast<std::uint64_t>(std::max(width, 0)), static_cast<std::uint64_t>(std::max(height, 0)));
   Picture picture{width, height,
                   std::vector<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3)};
   if (tjDecompress2(handle.get(), data, bytes.size(), picture.rgb.data(), width, 0, height, TJPF_RGB, TJFLAG_ACCURATEDCT) != 0)
-    refuse(tjGetErrorStr2(handle.get()));
+    bad_image(tjGetErrorStr2(handle.get()));
   return picture;
 }
 
@@ -73,7 +68,7 @@ void unfilter(int filter, std::uint8_t* row, const std::uint8_t* above, std::siz
         row[i] = static_cast<std::uint8_t>(row[i] + paeth(left, up, corner));
         break;
       default:
-        refuse("PNG: unknown filter " + std::to_string(filter));
+        bad_image("PNG: unknown filter " + std::to_string(filter));
     }
   }
 }
@@ -85,16 +80,16 @@ Picture decode_png(const std::string& bytes) {
   std::string packed;
   bool ended = false;
   for (std::size_t at = 8; !ended;) {
-    if (bytes.size() - at < 12) refuse("PNG: truncated");
+    if (bytes.size() - at < 12) bad_image("PNG: truncated");
     const std::size_t size = big_endian(data + at);
-    if (size > bytes.size() - at - 12) refuse("PNG: truncated");
+    if (size > bytes.size() - at - 12) bad_image("PNG: truncated");
     const unsigned char* body = data + at + 8;
     if (big_endian(body + size) != crc32(0, data + at + 4, static_cast<uInt>(size + 4)))
-      refuse("PNG: a chunk's checksum is wrong");
+      bad_image("PNG: a chunk's checksum is wrong");
     const std::string_view type(bytes.data() + at + 4, 4);
     if (type == "IHDR") {
       if (size != 13 || body[8] != 8 || (body[9] != 2 && body[9] != 6) || body[12] != 0)
-        refuse("PNG: not 8-bit RGB or RGBA without interlacing");
+        bad_image("PNG: not 8-bit RGB or RGBA without interlacing");
       check_size(big_endian(body), big_endian(body + 4));
       picture.width = static_cast<int>(big_endian(body));
       picture.height = static_cast<int>(big_endian(body + 4));
@@ -106,7 +101,7 @@ Picture decode_png(const std::string& bytes) {
     }
     at += size + 12;
   }
-  if (channels == 0) refuse("PNG: no header");
+  if (channels == 0) bad_image("PNG: no header");
 
   const std::size_t width = static_cast<std::size_t>(picture.width), height = static_cast<std::size_t>(picture.height),
                     row = width * channels;
@@ -115,7 +110,7 @@ Picture decode_png(const std::string& bytes) {
   if (uncompress(lines.data(), &unpacked, reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size())) !=
           Z_OK ||
       unpacked != lines.size())
-    refuse("PNG: the compressed data is not a picture of " + std::to_string(width) + "x" + std::to_string(height));
+    bad_image("PNG: the compressed data is not a picture of " + std::to_string(width) + "x" + std::to_string(height));
   picture.rgb.resize(width * height * 3);
   const std::vector<std::uint8_t> zeros(row);
   const std::uint8_t* above = zeros.data();
@@ -133,7 +128,7 @@ Picture decode_png(const std::string& bytes) {
 Picture decode(const std::string& bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes);
   if (bytes.starts_with("\xff\xd8")) return decode_jpeg(bytes);
-  refuse("neither PNG nor JPEG");
+  bad_image("neither PNG nor JPEG");
 }
 
 }  // namespace isostrata::client

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 
+#include "bad_image.h"
 #include "isostrata/options.h"
 #include "isostrata/video.h"
 
 namespace isostrata::client {
 namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw ClientError("bad_image", why); }
 
 std::uint8_t to_byte(int v16) {
   const int v = (v16 + 32768) >> 16;
@@ -36,7 +35,7 @@ void convert_row(const std::uint8_t* y, const std::uint8_t* cb, const std::uint8
 class Vp9 final : public VideoDecoder {
  public:
   Vp9() {
-    if (vpx_codec_dec_init(&context_, vpx_codec_vp9_dx(), nullptr, 0) != VPX_CODEC_OK) refuse("no VP9 decoder");
+    if (vpx_codec_dec_init(&context_, vpx_codec_vp9_dx(), nullptr, 0) != VPX_CODEC_OK) bad_image("no VP9 decoder");
   }
   ~Vp9() override { vpx_codec_destroy(&context_); }
   Vp9(const Vp9&) = delete;
@@ -45,10 +44,10 @@ class Vp9 final : public VideoDecoder {
   Picture decode(const std::string& bytes) override {
     if (vpx_codec_decode(&context_, reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<unsigned>(bytes.size()),
                          nullptr, 0) != VPX_CODEC_OK)
-      refuse(std::string("VP9: ") + vpx_codec_error(&context_));
+      bad_image(std::string("VP9: ") + vpx_codec_error(&context_));
     vpx_codec_iter_t at = nullptr;
     const vpx_image_t* image = vpx_codec_get_frame(&context_, &at);
-    if (!image || image->fmt != VPX_IMG_FMT_I444) refuse("VP9: no picture with full chroma");
+    if (!image || image->fmt != VPX_IMG_FMT_I444) bad_image("VP9: no picture with full chroma");
     const std::size_t width = image->d_w, height = image->d_h;
     Picture picture{static_cast<int>(width), static_cast<int>(height), std::vector<std::uint8_t>(width * height * 3)};
     for (std::size_t row = 0; row < height; ++row) {

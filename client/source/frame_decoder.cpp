@@ -1,19 +1,11 @@
 #include <algorithm>
 #include <cstring>
 
+#include "bad_image.h"
 #include "isostrata/frames.h"
 #include "isostrata/options.h"
 
 namespace isostrata::client {
-namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw ClientError("bad_image", why); }
-
-constexpr std::uint32_t kMaxSide = 1u << 15;
-constexpr std::uint64_t kMaxPixels = 1ull << 27;
-
-}  // namespace
-
 struct FrameDecoder::Parts {
   VideoDecoders video;
   std::unique_ptr<VideoDecoder> decoder;
@@ -32,9 +24,8 @@ struct FrameDecoder::Parts {
 std::optional<Picture> FrameDecoder::Parts::band(const v1::Frame& frame) {
   const v1::Band& band = frame.band();
   if (band.index() == 0) {
-    if (frame.width() < 1 || frame.height() < 1 || frame.width() > kMaxSide || frame.height() > kMaxSide ||
-        std::uint64_t{frame.width()} * frame.height() > kMaxPixels)
-      refuse("a picture of " + std::to_string(frame.width()) + "x" + std::to_string(frame.height()) + " pixels in bands");
+    if (!is_picture_size(frame.width(), frame.height()))
+      bad_image("a picture of " + std::to_string(frame.width()) + "x" + std::to_string(frame.height()) + " pixels in bands");
     bands = {static_cast<int>(frame.width()), static_cast<int>(frame.height()), {}};
     bands.rgb.resize(std::size_t{frame.width()} * frame.height() * 3);
     revision = frame.revision();
@@ -45,12 +36,12 @@ std::optional<Picture> FrameDecoder::Parts::band(const v1::Frame& frame) {
   const Picture part = client::decode(frame.payload());
   if (part.width != bands.width || static_cast<std::uint32_t>(part.height) != band.rows() || band.first_row() != next_row ||
       next_row + band.rows() > static_cast<std::uint32_t>(bands.height))
-    refuse("a band of " + std::to_string(part.width) + "x" + std::to_string(part.height) + " pixels does not fit into " +
+    bad_image("a band of " + std::to_string(part.width) + "x" + std::to_string(part.height) + " pixels does not fit into " +
            std::to_string(bands.width) + "x" + std::to_string(bands.height) + " at row " + std::to_string(band.first_row()));
   std::copy(part.rgb.begin(), part.rgb.end(), bands.rgb.begin() + static_cast<std::ptrdiff_t>(next_row) * bands.width * 3);
   next_row += band.rows();
   if (++next_band < band.count()) return std::nullopt;
-  if (next_row != static_cast<std::uint32_t>(bands.height)) refuse("the last band ends above the picture's last row");
+  if (next_row != static_cast<std::uint32_t>(bands.height)) bad_image("the last band ends above the picture's last row");
   next_band = UINT32_MAX;  // whatever comes now begins anew
   return std::move(bands);
 }
@@ -73,7 +64,7 @@ std::optional<Picture> FrameDecoder::decode(const v1::Frame& frame) {
       return std::nullopt;
     }
     parts.decoder = parts.video ? parts.video(frame.format()) : nullptr;
-    if (!parts.decoder) refuse("a stream of " + frame.format() + ", of which there is no decoder here");
+    if (!parts.decoder) bad_image("a stream of " + frame.format() + ", of which there is no decoder here");
     parts.stream = frame.stream_id();
   }
   try {

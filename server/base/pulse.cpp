@@ -4,16 +4,16 @@
 
 namespace isostrata {
 namespace {
-thread_local Pulse* current = nullptr;
+thread_local Pulse* beating = nullptr;
 }
 
-PulseScope::PulseScope(Pulse* of) : before_(std::exchange(current, of)) {}
-PulseScope::~PulseScope() { current = before_; }
+PulseScope::PulseScope(Pulse* of) : before_(std::exchange(beating, of)) {}
+PulseScope::~PulseScope() { beating = before_; }
 
-Pulse* current_pulse() { return current; }
+Pulse* current_pulse() { return beating; }
 
 void pulse() {
-  if (current) current->fetch_add(1, std::memory_order_relaxed);
+  if (beating) beating->fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace isostrata

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kUnits = 1ll << 36;              // whole parts of the array's range
 constexpr double kPointsAStep = 1.5;              // along each side of a cell
-constexpr std::int64_t kMostPoints = 40'000'000;  // in all cells, about
+constexpr std::int64_t kMostCellPoints = 40'000'000;  // in all cells, about
 
 /// Sums of whole numbers: their order does not matter.
 class Samples {
@@ -140,7 +140,7 @@ bool usable(const Corner& corner) { return std::isfinite(reach(corner.at)) && st
 std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const ProxyGrid& proxy, const Task& task) {
   Samples samples(proxy);
   const std::int64_t cells = grid.cell_count();
-  const std::int64_t most = std::max<std::int64_t>(64, 4 * kMostPoints / std::max<std::int64_t>(cells, 1));
+  const std::int64_t most = std::max<std::int64_t>(64, 4 * kMostCellPoints / std::max<std::int64_t>(cells, 1));
   const double half = array.upper / 2 - array.lower / 2;
   std::visit(
       [&](auto values) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <tuple>
 
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "data/proxy_cells.h"
 
@@ -22,13 +23,11 @@ struct Shares {
   double of(double value) const { return std::clamp((value / 2 - lower / 2) / half, 0.0, 1.0); }
 };
 
-bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 Box3d finite_box(const Dataset& dataset) {
-  if (!dataset.bounds.empty() && finite(dataset.bounds.lower) && finite(dataset.bounds.upper)) return dataset.bounds;
+  if (!dataset.bounds.empty() && is_finite(dataset.bounds.lower) && is_finite(dataset.bounds.upper)) return dataset.bounds;
   Box3d box;
   for (std::int64_t id = 0, n = dataset.grid.point_count(); id < n; ++id)
-    if (const Vec3d p = dataset.grid.point(id); finite(p)) box.include(p);
+    if (const Vec3d p = dataset.grid.point(id); is_finite(p)) box.include(p);
   return box;
 }
 

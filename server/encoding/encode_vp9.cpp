@@ -14,7 +14,7 @@
 namespace isostrata {
 namespace {
 
-constexpr int kMaxSide = 16384;  // of VP9 65536; more than that is no moving picture
+constexpr int kMaxVideoSide = 16384;  // of VP9 65536; more than that is no moving picture
 constexpr int kMinKbps = 16, kMaxKbps = 1000000;
 constexpr int kSpeed = 8;
 constexpr int kCyclicRefresh = 3;      // aq-mode: a part of the picture is coded finer in each frame, in turn
@@ -33,9 +33,9 @@ class Vp9Encoder final : public Encoder {
     if (order.bitrate_kbps < kMinKbps || order.bitrate_kbps > kMaxKbps)
       throw Error(ErrorCode::invalid_argument, "VP9: " + std::to_string(order.bitrate_kbps) + " kb/s; expected " +
                                                    std::to_string(kMinKbps) + " to " + std::to_string(kMaxKbps));
-    if (std::max(image.width, image.height) > kMaxSide)
+    if (std::max(image.width, image.height) > kMaxVideoSide)
       throw Error(ErrorCode::too_large, "VP9: " + std::to_string(image.width) + "x" + std::to_string(image.height) +
-                                            " pixels; expected at most " + std::to_string(kMaxSide) + " a side");
+                                            " pixels; expected at most " + std::to_string(kMaxVideoSide) + " a side");
     try {
       prepare(image.width, image.height, order.bitrate_kbps);
       rgb_to_yuv444(image, {{picture_->planes[0], picture_->planes[1], picture_->planes[2]},

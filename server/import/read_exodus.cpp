@@ -29,20 +29,20 @@ struct Blocks : vtkExodusIIReaderPrivate {
     return static_cast<BlockInfoType*>((of->*&Blocks::GetSortedObjectInfo)(kBlocks, block))->TypeName;
   }
 };
-class Reader : public vtkExodusIIReader {
+class ExodusReader : public vtkExodusIIReader {
  public:
-  static Reader* New();
-  vtkTypeMacro(Reader, vtkExodusIIReader);
+  static ExodusReader* New();
+  vtkTypeMacro(ExodusReader, vtkExodusIIReader);
   std::string element_type(int block) { return Blocks::element_type(GetMetadata(), block); }
 };
-vtkStandardNewMacro(Reader);
+vtkStandardNewMacro(ExodusReader);
 #else
-using Reader = vtkExodusIIReader;
+using ExodusReader = vtkExodusIIReader;
 #endif
 
 /// Turns off blocks of elements that VTK does not know: it would take them for cells of another kind. It has complained of
 /// each of their types.
-void pass_over_unknown(Reader& reader, const std::string& name, std::vector<std::string>& notes) {
+void pass_over_unknown(ExodusReader& reader, const std::string& name, std::vector<std::string>& notes) {
   const std::vector<std::string> unknown = take_vtk_errors("Unsupported element type: ");
   int known_blocks = reader.GetNumberOfObjects(kBlocks);
 #if __has_include(<vtkExodusIIReaderPrivate.h>)
@@ -68,7 +68,7 @@ void pass_over_unknown(Reader& reader, const std::string& name, std::vector<std:
 Imported read_exodus(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_netcdf_classic(MappedFile(request.file).bytes(), name);
-  vtkNew<Reader> reader;
+  vtkNew<ExodusReader> reader;
   if (!reader->CanReadFile(request.file.c_str())) throw Error(ErrorCode::bad_data, name + ": is not an Exodus II file");
   reader->SetFileName(request.file.c_str());
   reader->SetApplyDisplacements(0);  // the points as they are; displacements are an array like any other

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/finite.h"
 
 namespace isostrata {
 namespace {
@@ -16,8 +17,6 @@ namespace {
                   "; expected eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees;projection=perspective|orthographic (any of them) or "
                   "reset, +x, -x, +y, -y, +z, -z");
 }
-
-bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 double parse_number(std::string_view part, std::string_view whole) {
   double value = 0;
@@ -67,7 +66,7 @@ double half_height(const Camera& camera) { return length(camera.eye - camera.at)
 
 void check(const Camera& camera) {
   const auto fail = [](const std::string& why) { throw Error(ErrorCode::invalid_argument, "camera: " + why); };
-  if (!finite(camera.eye) || !finite(camera.at) || !finite(camera.up)) fail("eye, at and up must be finite numbers");
+  if (!is_finite(camera.eye) || !is_finite(camera.at) || !is_finite(camera.up)) fail("eye, at and up must be finite numbers");
   if (!(camera.fov_deg > 0 && camera.fov_deg < 180))
     fail("fov must be above 0 and below 180 degrees, not " + std::to_string(camera.fov_deg));
   const Vec3d forward = camera.at - camera.eye;

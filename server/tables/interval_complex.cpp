@@ -10,7 +10,7 @@
 namespace isostrata {
 namespace {
 
-using Edge = std::array<IsoVertex, 2>;
+using VertexPair = std::array<IsoVertex, 2>;
 using Triangle = std::array<IsoVertex, 3>;
 
 Triangle sorted(Triangle t) {
@@ -35,7 +35,7 @@ struct Beyond {
 /// The cycle of vertices around oriented triangles that make up one convex polygon.
 std::vector<IsoVertex> outline(const std::vector<Triangle>& triangles) {
   std::map<IsoVertex, IsoVertex> next;
-  const auto has = [&](const Edge& wanted) {
+  const auto has = [&](const VertexPair& wanted) {
     for (const Triangle& t : triangles)
       for (int i = 0; i < 3; ++i)
         if (t[i] == wanted[0] && t[(i + 1) % 3] == wanted[1]) return true;

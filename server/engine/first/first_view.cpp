@@ -247,7 +247,7 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
 // ---- the step ----
 
 /// The width of the middle nine tenths of the values.
-double spread_of(const PointArray& array) {
+double middle_width(const PointArray& array) {
   constexpr std::size_t kLooks = 50'000;
   std::vector<double> some;
   std::visit(
@@ -311,7 +311,7 @@ FirstView first_view(const Dataset& first, const FirstViewSteps& steps, const Fi
     std::vector<double> spreads;
     for (const Dataset* step : looked_at) {
       const PointArray* array = find(*step, ranked.front().name);
-      spreads.push_back(array ? spread_of(*array) : 0);
+      spreads.push_back(array ? middle_width(*array) : 0);
     }
     const auto widest = std::max_element(spreads.begin(), spreads.end());
     if (spreads.front() < 0.5 * *widest) {

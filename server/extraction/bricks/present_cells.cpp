@@ -3,13 +3,9 @@
 #include <cmath>
 #include <type_traits>
 
+#include "base/finite.h"
+
 namespace isostrata {
-namespace {
-
-bool is_finite(const auto& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
-}  // namespace
-
 template <class T>
 bool find_present_cells(const Grid& grid, std::span<const T> values, const BrickLayout& layout, const BrickLayout::Place& place,
                         PresentCells& present) {

@@ -11,7 +11,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::int64_t kBricksPerTask = 16;
+constexpr std::int64_t kBricksPerFacetTask = 16;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
   const auto count = static_cast<std::int64_t>(bricks.size());
   std::vector<std::uint64_t> before(bricks.size() + 1);
   StageProgress progress(task, "facets", 0.85, 1.0, 2 * count);
-  parallel_for(count, kBricksPerTask, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(count, kBricksPerFacetTask, [&](std::int64_t begin, std::int64_t end) {
     for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
       task.check();
       std::uint64_t facets = 0;
@@ -42,7 +42,7 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
   std::vector<std::uint32_t> first(bricks.size());  // tetrahedra of earlier bricks
   for (std::size_t b = 1; b < bricks.size(); ++b) first[b] = first[b - 1] + bricks[b - 1].tetrahedra;
   std::vector<BoundaryFacet> facets(before.back());
-  parallel_for(count, kBricksPerTask, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(count, kBricksPerFacetTask, [&](std::int64_t begin, std::int64_t end) {
     for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
       task.check();
       if (before[b] == before[b + 1]) continue;

@@ -10,7 +10,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::int64_t kBricksPerTask = 16;
+constexpr std::int64_t kBricksPerMeasureTask = 16;
 
 /// Of one interval in one brick.
 struct Sums {
@@ -55,7 +55,7 @@ void measure_records(const Grid& grid, const ActiveBricks& active, IntervalMesh&
   for (std::size_t b = 1; b < bricks.size(); ++b) first[b] = first[b - 1] + bricks[b - 1].tetrahedra;
   std::vector<std::vector<Sums>> sums(bricks.size());
   StageProgress progress(task, "measuring", 0.7, 0.85, static_cast<std::int64_t>(bricks.size()));
-  parallel_for(static_cast<std::int64_t>(bricks.size()), kBricksPerTask, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(static_cast<std::int64_t>(bricks.size()), kBricksPerMeasureTask, [&](std::int64_t begin, std::int64_t end) {
     for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
       task.check();
       const BrickLayout::Place place = active.layout().place(bricks[b].number);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/mesh/memory_budget.h"
 
@@ -13,8 +14,6 @@ namespace isostrata {
 namespace {
 
 constexpr std::array<int, kMaxCellVertices> kPowersOf3{1, 3, 9, 27, 81, 243, 729, 2187};
-
-bool is_finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 /// Positions of uniform and rectilinear grids are finite by contract.
 bool positions_are_finite(const Grid& grid, std::span<const std::int64_t> ids) {

@@ -14,7 +14,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::int64_t kCasesPerBlock = 4096;
+constexpr std::int64_t kCasesPerTask = 4096;
 
 /// Sets bits that other threads may be setting too; looks first, because most are set already.
 void set_bits(std::uint64_t& word, std::uint64_t bits) {
@@ -56,7 +56,7 @@ StructuredPoints::StructuredPoints(const Grid& grid, std::span<const CellCase> c
   const auto count = static_cast<std::int64_t>(cases.size());
   StageProgress progress(task, "points", 0.3, 0.5, 2 * count);
   const auto visit = [&](const auto& use) {  // use(grid point, rule, isovertex)
-    parallel_for(count, kCasesPerBlock, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(count, kCasesPerTask, [&](std::int64_t begin, std::int64_t end) {
       CellTriangulation triangulation(grid);
       std::int64_t cell = -1;
       for (std::int64_t i = begin; i < end; ++i) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "extraction/cells/cell_geometry.h"
 #include "tables/interval_complex.h"
 
 namespace isostrata {
@@ -59,16 +60,13 @@ void add_region(const std::array<int, 4>& levels, Region region, Pieces& out) {
   }
 }
 
-// Facet i of a positive tetrahedron, opposite vertex i, counter-clockwise seen from outside.
-constexpr std::array<std::array<int, 3>, 4> kFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-
 /// Vertex `apex` has no value: it is joined to the triangles into which the facet opposite falls.
 void add_cone_over_facet(std::array<int, 4> levels, int apex, Pieces& out) {
   levels[apex] = 0;  // any class gives the same triangles
   Pieces all;
   for (const Region region : {Region::below, Region::inside, Region::above}) add_region(levels, region, all);
   for (const CutPiece& piece : all)
-    for (const auto& facet : kFacets) {
+    for (const auto& facet : kTetrahedronFacets) {
       const CutPoint a = piece.points[facet[0]], b = piece.points[facet[1]], c = piece.points[facet[2]];
       if (!((cut_point_facets(a) & cut_point_facets(b) & cut_point_facets(c)) >> apex & 1)) continue;
       out.push_back({{static_cast<CutPoint>(apex), a, b, c}, false});

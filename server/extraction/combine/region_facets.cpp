@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "base/parallel.h"
+#include "extraction/cells/cell_geometry.h"
 #include "extraction/mesh/keyed_lists.h"
 #include "extraction/mesh/memory_budget.h"
 
@@ -15,9 +16,6 @@ namespace isostrata {
 namespace {
 
 constexpr std::int64_t kTetrahedraPerBlock = 8192;
-
-// Facet i of a positive tetrahedron, opposite vertex i, counter-clockwise seen from outside.
-constexpr std::array<std::array<int, 3>, 4> kFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// A facet under its smallest point.
 struct FacetUse {
@@ -30,7 +28,7 @@ struct FacetUse {
 
 FacetUse facet_use(const RegionMesh& mesh, std::int64_t t, int i, std::uint32_t& smallest) {
   std::array<std::uint32_t, 3> p;
-  for (int k = 0; k < 3; ++k) p[k] = mesh.tetrahedra[t][kFacets[i][k]];
+  for (int k = 0; k < 3; ++k) p[k] = mesh.tetrahedra[t][kTetrahedronFacets[i][k]];
   bool odd = false;
   const auto order = [&](int a, int b) {
     if (p[a] > p[b]) {
@@ -159,7 +157,7 @@ std::vector<BoundaryFacet> region_facets(const RegionMesh& mesh, std::span<const
         if (!single[t] && !(mesh.domain_facets[t] & 0xf)) continue;
         for (int i = 0; i < 4; ++i) {
           const std::uint16_t label = mesh.labels[t];
-          const auto& v = kFacets[i];
+          const auto& v = kTetrahedronFacets[i];
           const std::array<std::uint32_t, 3> points{mesh.tetrahedra[t][v[0]], mesh.tetrahedra[t][v[1]], mesh.tetrahedra[t][v[2]]};
           std::optional<Place> place;
           if (mesh.domain_facets[t] >> i & 1) {

@@ -15,7 +15,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::int64_t kRunsPerBlock = 512;
+constexpr std::int64_t kRunsPerCut = 512;
 constexpr std::int64_t kPointsPerBlock = 1 << 15;
 
 enum Plan : std::uint8_t { kDrop, kKeep, kCut };
@@ -47,7 +47,7 @@ class Pass {
 
  private:
   std::int64_t runs() const { return static_cast<std::int64_t>(mesh_.cell_runs.size()); }
-  std::int64_t blocks() const { return (runs() + kRunsPerBlock - 1) / kRunsPerBlock; }
+  std::int64_t blocks() const { return (runs() + kRunsPerCut - 1) / kRunsPerCut; }
   std::uint32_t run_end(std::int64_t run) const {
     return run + 1 < runs() ? mesh_.cell_runs[run + 1].first_tetrahedron : static_cast<std::uint32_t>(mesh_.count());
   }
@@ -98,8 +98,8 @@ class Pass {
 
   template <class Visit>
   void visit_block(std::int64_t block, const Visit& visit) const {
-    const std::int64_t last = std::min(runs(), (block + 1) * kRunsPerBlock);
-    for (std::int64_t r = block * kRunsPerBlock; r < last; ++r)
+    const std::int64_t last = std::min(runs(), (block + 1) * kRunsPerCut);
+    for (std::int64_t r = block * kRunsPerCut; r < last; ++r)
       for (std::uint32_t t = mesh_.cell_runs[r].first_tetrahedron; t < run_end(r); ++t) visit(r, t);
   }
 

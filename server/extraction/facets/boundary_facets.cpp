@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "extraction/cells/active_cells.h"
+#include "extraction/cells/cell_geometry.h"
 #include "extraction/mesh/match_table.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/mesh/partitioned_items.h"
@@ -14,9 +15,6 @@ namespace isostrata {
 namespace {
 
 constexpr std::int64_t kRunsPerBlock = 2048;
-
-// Facet i of a positive tetrahedron, opposite vertex i, counter-clockwise seen from outside.
-constexpr std::array<std::array<int, 3>, 4> kFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 using OpenFaces = std::vector<std::uint8_t>;  // [runs] bit k: no other cell shares the cell's face k
 
@@ -139,7 +137,7 @@ FacetLabels label_facets(FaceMask a, FaceMask b, FaceMask c, FaceMask d) {
   const std::array<FaceMask, 4> mask{a, b, c, d};
   FacetLabels labels{};
   for (int i = 0; i < 4; ++i) {
-    const auto& v = kFacets[i];
+    const auto& v = kTetrahedronFacets[i];
     const unsigned common = mask[v[0]] & mask[v[1]] & mask[v[2]];
     labels[i] = static_cast<std::uint8_t>(common ? std::countr_zero(common) + 1 : 0);  // bits as in FaceMask
   }
@@ -194,7 +192,7 @@ std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& a
       std::size_t to = before[b];
       visit_boundary(b * kRunsPerBlock, block_end(b), [&](std::uint32_t t, int i, FacetLabel label) {
         const auto& points = mesh.tetrahedra[t];
-        const auto& v = kFacets[i];
+        const auto& v = kTetrahedronFacets[i];
         const std::uint16_t interval = mesh.tetrahedron_interval[t];
         facets[to++] = {{points[v[0]], points[v[1]], points[v[2]]}, t, interval, label, interval};
       });

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/parallel.h"
+#include "extraction/cells/cell_geometry.h"
 #include "extraction/mesh/match_table.h"
 #include "extraction/mesh/partitioned_items.h"
 
@@ -14,9 +15,6 @@ namespace {
 
 constexpr std::int64_t kTetrahedraPerBlock = 1 << 14;
 constexpr std::uint32_t kGroup = 16;  // tetrahedra that are compared with each other; many have one cell
-
-// Facet i of a positive tetrahedron, opposite vertex i, counter-clockwise seen from outside.
-constexpr std::array<std::array<int, 3>, 4> kFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// A facet that has not met another: tetrahedron * 4 + facet.
 using FacetName = std::uint64_t;
@@ -27,7 +25,7 @@ struct SortedFacet {
 };
 
 SortedFacet sorted_facet(const std::array<std::uint32_t, 4>& t, int facet) {
-  const auto& v = kFacets[facet];
+  const auto& v = kTetrahedronFacets[facet];
   SortedFacet s{{t[v[0]], t[v[1]], t[v[2]]}, false};
   const auto order = [&](int i, int j) {
     s.odd ^= s.points[j] < s.points[i];
@@ -123,7 +121,7 @@ std::vector<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Ta
           for (int f = 0; f < 4; ++f) {
             if (!(open[t] >> f & 1)) continue;
             const auto& points = mesh.tetrahedra[t];
-            const auto& v = kFacets[f];
+            const auto& v = kTetrahedronFacets[f];
             emit(ranges.part(std::min({points[v[0]], points[v[1]], points[v[2]]})), static_cast<FacetName>(4 * t + f));
           }
       });
@@ -164,7 +162,7 @@ std::vector<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Ta
     for (int f = 0; open[t] != 0 && f < 4; ++f) {
       if (!(open[t] >> f & 1)) continue;
       const auto& points = mesh.tetrahedra[t];
-      const auto& v = kFacets[f];
+      const auto& v = kTetrahedronFacets[f];
       const std::uint16_t interval = mesh.tetrahedron_interval[t];
       facets.push_back(
           {{points[v[0]], points[v[1]], points[v[2]]}, static_cast<std::uint32_t>(t), interval, FacetLabel::domain, interval});

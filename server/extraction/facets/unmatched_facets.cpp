@@ -37,11 +37,11 @@ struct SortedPoints {
 };
 
 /// Three points and an interval.
-struct FacetKey {
+struct MeetingKey {
   std::uint64_t larger = 0;    // the middle point, then the largest
   std::uint32_t smallest = 0;  // the smallest point's place in its range, then the interval
 
-  bool operator==(const FacetKey& other) const { return larger == other.larger && smallest == other.smallest; }
+  bool operator==(const MeetingKey& other) const { return larger == other.larger && smallest == other.smallest; }
   std::uint64_t hash() const { return mixed_hash(larger, std::uint64_t{smallest} << 28); }
 };
 
@@ -53,8 +53,8 @@ struct FacetMeeting {
   // are an odd permutation; the rest: facets that are in mesh.facets.
   std::uint32_t state = 0;
 
-  FacetKey key() const { return {larger, smallest}; }
-  void set_key(const FacetKey& key) {
+  MeetingKey key() const { return {larger, smallest}; }
+  void set_key(const MeetingKey& key) {
     larger = key.larger;
     smallest = key.smallest;
   }
@@ -131,7 +131,7 @@ std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) 
         const auto facet = [&](int i, int smallest, int middle, int largest) {  // without the i-th point by size
           const std::uint32_t local = sorted.point(smallest) - first;
           if (local >= ranges.width()) return;  // with another range
-          const FacetKey key{std::uint64_t{sorted.point(middle)} << 32 | sorted.point(largest),
+          const MeetingKey key{std::uint64_t{sorted.point(middle)} << 32 | sorted.point(largest),
                              local << 16 | mesh.tetrahedron_interval[t]};
           // Of a positive tetrahedron the facet (1 2 3) is counter-clockwise from outside, (0 2 3) is not, and so on in turn.
           own += table.at(key).add(listed[t] >> sorted.vertex(i) & 1, sorted.odd != (i % 2 != 0));

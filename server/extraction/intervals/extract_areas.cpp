@@ -17,7 +17,7 @@ namespace isostrata {
 namespace {
 
 /// What is summed is summed block by block, so that it does not depend on the number of threads.
-constexpr std::int64_t kCasesPerBlock = 4096;
+constexpr std::int64_t kAreasPerBlock = 4096;
 
 struct Block {
   std::vector<BoundaryFacet> triangles;
@@ -62,7 +62,7 @@ IntervalMesh extract_areas(const Grid& grid, const PointArray& array, std::span<
                               static_cast<std::uint64_t>(points.size()) * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double));
   check_budget(std::to_string(triangles) + " triangles with " + std::to_string(points.size()) + " points", bytes, options.max_bytes);
 
-  std::vector<Block> blocks(static_cast<std::size_t>((count + kCasesPerBlock - 1) / kCasesPerBlock));
+  std::vector<Block> blocks(static_cast<std::size_t>((count + kAreasPerBlock - 1) / kAreasPerBlock));
   StageProgress progress(task, "extracting", 0.5, 1.0, count);
   parallel_for(static_cast<std::int64_t>(blocks.size()), 1, [&](std::int64_t begin, std::int64_t end) {
     CellTriangulation cell(grid);
@@ -70,7 +70,7 @@ IntervalMesh extract_areas(const Grid& grid, const PointArray& array, std::span<
     for (std::int64_t b = begin; b < end; ++b) {
       Block& block = blocks[static_cast<std::size_t>(b)];
       block.sums.resize(mesh.summaries.size());
-      const std::int64_t first = b * kCasesPerBlock, last = std::min(count, first + kCasesPerBlock);
+      const std::int64_t first = b * kAreasPerBlock, last = std::min(count, first + kAreasPerBlock);
       for (std::int64_t i = first; i < last; ++i) {
         const CellCase& at = cases[static_cast<std::size_t>(i)];
         cell.begin_cell(at.cell);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/mesh/memory_budget.h"
@@ -47,8 +48,7 @@ bool positions_are_finite(const Grid& grid, std::int64_t cell) {
   std::array<std::int64_t, kMaxCellVertices> ids;
   const int n = grid.cell_points(cell, ids);
   return std::all_of(ids.begin(), ids.begin() + n, [&](std::int64_t id) {
-    const Vec3d p = grid.point(id);
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    return is_finite(grid.point(id));
   });
 }
 

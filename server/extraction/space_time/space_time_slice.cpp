@@ -19,11 +19,8 @@ namespace isostrata {
 namespace {
 
 constexpr std::int64_t kItemsPerBlock = 1 << 14;
-constexpr std::int64_t kRunsPerBlock = 64;
+constexpr std::int64_t kRunsPerSlice = 64;
 constexpr std::uint32_t kUncut = std::numeric_limits<std::uint32_t>::max();
-
-// Facet i of a positive tetrahedron, opposite vertex i, counter-clockwise seen from outside.
-constexpr std::array<std::array<int, 3>, 4> kFacets{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 }  // namespace
 
@@ -221,7 +218,7 @@ class SpaceTimeSlicer {
     tetrahedra_before_.assign(run_count() + 1, 0);
     facets_before_.assign(options_.facets ? run_count() + 1 : 0, 0);
     StageProgress progress(task_, "cutting cells", 0.3, 0.6, run_count());
-    parallel_for(run_count(), kRunsPerBlock, [&](std::int64_t begin, std::int64_t end) {
+    parallel_for(run_count(), kRunsPerSlice, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t r = begin; r < end; ++r) {
         std::uint64_t tetrahedra = 0, facets = 0;
         for (std::uint64_t s = volume_.runs_[r].first_simplex; s < run_end(r); ++s) {
@@ -273,12 +270,12 @@ class SpaceTimeSlicer {
   };
 
   void write() {
-    const std::int64_t blocks = (run_count() + kRunsPerBlock - 1) / kRunsPerBlock;
+    const std::int64_t blocks = (run_count() + kRunsPerSlice - 1) / kRunsPerSlice;
     sums_.resize(blocks);
     StageProgress progress(task_, "slicing", 0.6, 1.0, blocks);
     parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t b = begin; b < end; ++b) {
-        for (std::int64_t r = b * kRunsPerBlock; r < std::min(run_count(), (b + 1) * kRunsPerBlock); ++r) write_run(r, sums_[b]);
+        for (std::int64_t r = b * kRunsPerSlice; r < std::min(run_count(), (b + 1) * kRunsPerSlice); ++r) write_run(r, sums_[b]);
         progress.done(1);
       }
     });
@@ -327,7 +324,7 @@ class SpaceTimeSlicer {
                                      : labels[i] == kUpperFacet ? FacetLabel::upper
                                                                 : FacetLabel::domain;
             mesh.facets[facet_to++] = {
-                {p[kFacets[i][0]], p[kFacets[i][1]], p[kFacets[i][2]]}, static_cast<std::uint32_t>(to), interval, label};
+                {p[kTetrahedronFacets[i][0]], p[kTetrahedronFacets[i][1]], p[kTetrahedronFacets[i][2]]}, static_cast<std::uint32_t>(to), interval, label};
           }
         mesh.tetrahedron_interval[to] = interval;
         mesh.tetrahedra[to++] = p;

@@ -24,7 +24,7 @@ struct BaseTriangle {
   int slab = 0;
 };
 
-std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> t) {
+std::array<std::uint32_t, 3> increasing(std::array<std::uint32_t, 3> t) {
   std::sort(t.begin(), t.end());
   return t;
 }
@@ -138,7 +138,7 @@ class Star {
   /// Two faces of a collapsed cell may be one: seen from both sides, its triangles bound nothing.
   void cancel_coinciding() {
     std::map<std::array<std::uint32_t, 3>, std::vector<std::size_t>> at;
-    for (std::size_t i = 0; i < bases_.size(); ++i) at[sorted(bases_[i].points)].push_back(i);
+    for (std::size_t i = 0; i < bases_.size(); ++i) at[increasing(bases_[i].points)].push_back(i);
     std::vector<bool> gone(bases_.size());
     for (const auto& [points, list] : at)
       if (list.size() == 2) gone[list[0]] = gone[list[1]] = true;

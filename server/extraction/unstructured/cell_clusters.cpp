@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/mesh/partitioned_items.h"
 
@@ -31,8 +32,6 @@ std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 4) & 0x10c30c30c30c30c3u;
   return (x | x << 2) & 0x1249249249249249u;
 }
-
-bool is_finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 Box3d finite_bounds(const Grid& grid, const Task& task) {
   Box3d total;

@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 
+#include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/mesh/keyed_lists.h"
@@ -20,8 +21,6 @@ namespace {
 
 constexpr std::int64_t kPerTask = 1 << 13;
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
-bool is_finite(const Vec3d& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 template <class T>
 std::uint64_t bytes_in(const Buffer<T>& buffer) {

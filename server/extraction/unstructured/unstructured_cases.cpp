@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 
+#include "base/finite.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/mesh/memory_budget.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr std::uint64_t kMaxUses = 1u << 30;
 constexpr unsigned kReaches = 1, kBegins = 2;  // of a point: its value is not below the intervals; it is before their end
 
-constexpr std::array<int, kMaxCellVertices> kPowersOf3{1, 3, 9, 27, 81, 243, 729, 2187};
+constexpr std::array<int, kMaxCellVertices> kCaseDigits{1, 3, 9, 27, 81, 243, 729, 2187};
 
 /// The four ids in order, and which vertex has which place. Equal ids keep the order of their vertices.
 struct SortedIds {
@@ -219,7 +220,7 @@ void UnstructuredCases::add_cases(std::int64_t cell, const std::int64_t* ids, st
       std::array<Vec3d, kVertices> p;
       for (int v = 0; v < kVertices; ++v) {
         p[v] = cells_.point(ids[v]);
-        finite = finite && std::isfinite(p[v].x) && std::isfinite(p[v].y) && std::isfinite(p[v].z);
+        finite = finite && is_finite(p[v]);
       }
       record.cell = static_cast<std::uint32_t>(cell);
       if constexpr (kType == CellType::tetrahedron) {
@@ -236,9 +237,9 @@ void UnstructuredCases::add_cases(std::int64_t cell, const std::int64_t* ids, st
     if (!finite) return;
     int case_index = 0;
     if (record.has_row)
-      for (int i = 0; i < 4; ++i) case_index += rule.class_of(f[sorted.vertex[i]]) * kPowersOf3[i];
+      for (int i = 0; i < 4; ++i) case_index += rule.class_of(f[sorted.vertex[i]]) * kCaseDigits[i];
     else
-      for (int v = 0; v < kVertices; ++v) case_index += rule.class_of(f[v]) * kPowersOf3[v];
+      for (int v = 0; v < kVertices; ++v) case_index += rule.class_of(f[v]) * kCaseDigits[v];
     record.interval = interval;
     record.case_index = static_cast<std::uint16_t>(case_index);
     records.push_back(record);

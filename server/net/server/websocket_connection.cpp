@@ -30,7 +30,7 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using Steady = std::chrono::steady_clock;
 
-constexpr std::size_t kPieceBytes = 64 << 10;  // what a client must take within the write timeout: a slow link is not a stuck one
+constexpr std::size_t kMessagePieceBytes = 64 << 10;  // what a client must take within the write timeout: a slow link is not a stuck one
 constexpr std::size_t kMaxWaitingBytes = 8 << 20;  // of control messages; frames are bounded by their credits
 
 // Of a client that is over its budget:
@@ -161,7 +161,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
 
  private:
   asio::awaitable<void> read_all() {
-    beast::flat_buffer buffer(kMaxMessageBytes + kPieceBytes);  // so that Beast, which says 1009, is the one to count
+    beast::flat_buffer buffer(kMaxMessageBytes + kMessagePieceBytes);  // so that Beast, which says 1009, is the one to count
     while (!ended_) {
       boost::system::error_code error;
       buffer.clear();
@@ -318,7 +318,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       // The head goes with the payload's first piece.
       const std::size_t total = bytes->payload ? bytes->payload->size() : 0;
       for (std::size_t at = 0; at < total || at == 0;) {
-        const std::size_t room = at == 0 ? kPieceBytes - std::min(bytes->head.size(), kPieceBytes / 2) : kPieceBytes;
+        const std::size_t room = at == 0 ? kMessagePieceBytes - std::min(bytes->head.size(), kMessagePieceBytes / 2) : kMessagePieceBytes;
         const std::size_t size = std::min(room, total - at);
         const std::array<asio::const_buffer, 2> pieces{at == 0 ? asio::buffer(bytes->head) : asio::const_buffer(),
                                                        total == 0 ? asio::const_buffer() : asio::buffer(bytes->payload->data() + at, size)};

@@ -9,21 +9,21 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kPixels = static_cast<std::size_t>(kTileWidth) * kTileHeight;
+constexpr std::size_t kDepthPixels = static_cast<std::size_t>(kTileWidth) * kTileHeight;
 constexpr int kIntervalsPerSum = 8;  // so many that lie over one another do not overflow
 constexpr double kSteps = 1 << 27;   // for ScreenTransform::reach
 
 }  // namespace
 
 void OpticalDepthTile::take_up(const CrossingFrame& frame, float extinction, const TilePixels& tile, bool cut) {
-  for (std::size_t i = 0; cut && i < kPixels; ++i) {
+  for (std::size_t i = 0; cut && i < kDepthPixels; ++i) {
     if (balance_[i] == 0) continue;  // else the ray begins inside
     const double nearest =
         tile.nearest.empty() ? frame.transform.near_depth - frame.transform.reference : double{tile.nearest[i]};
     sum_[i] -= balance_[i] * static_cast<std::int32_t>(std::lrint(static_cast<float>(nearest) * static_cast<float>(steps_)));
     if (balance_[i] > 0) first_[i] = static_cast<float>(nearest);
   }
-  add_scaled(sum_.data(), static_cast<float>(extinction / steps_), kPixels, optical_depth_.data());
+  add_scaled(sum_.data(), static_cast<float>(extinction / steps_), kDepthPixels, optical_depth_.data());
 }
 
 void OpticalDepthTile::paint(const CrossingFrame& frame, const Rgb& color, bool wants_depth, TilePixels& tile) const {
@@ -41,7 +41,7 @@ void OpticalDepthTile::paint(const CrossingFrame& frame, const Rgb& color, bool 
                {&tile.planes[0][row], &tile.planes[1][row], &tile.planes[2][row], &tile.planes[3][row]}});
   }
   if (!wants_depth) return;
-  for (std::size_t i = 0; i < kPixels; ++i)
+  for (std::size_t i = 0; i < kDepthPixels; ++i)
     if (optical_depth_[i] > 0)
       tile.depth[i] = std::min(tile.depth[i], static_cast<float>((double{first_[i]} + transform.reference) * transform.scale));
 }
@@ -50,8 +50,8 @@ std::int64_t OpticalDepthTile::draw(const CrossingFrame& frame, const DrawGroup&
                                     bool wants_depth, TilePixels& tile) {
   const bool cut = frame.bins.too_near || !tile.nearest.empty() || wants_depth;
   steps_ = kSteps / frame.transform.reach;
-  optical_depth_.assign(kPixels, 0);
-  if (cut) first_.assign(kPixels, std::numeric_limits<float>::infinity());
+  optical_depth_.assign(kDepthPixels, 0);
+  if (cut) first_.assign(kDepthPixels, std::numeric_limits<float>::infinity());
   std::int64_t crossings = 0;
   for (std::size_t begin = 0; begin < entries.size();) {
     std::size_t end = begin;
@@ -61,8 +61,8 @@ std::int64_t OpticalDepthTile::draw(const CrossingFrame& frame, const DrawGroup&
       if (entries[end].interval != last && ++intervals > kIntervalsPerSum) break;
       last = entries[end].interval;
     }
-    sum_.assign(kPixels + kDepthSumsPadding, 0);
-    if (cut) balance_.assign(kPixels, 0);
+    sum_.assign(kDepthPixels + kDepthSumsPadding, 0);
+    if (cut) balance_.assign(kDepthPixels, 0);
     const auto part = entries.subspan(begin, end - begin);
     DepthSums to{tile.rect, static_cast<float>(steps_), sum_.data()};
     if (cut) {

@@ -9,7 +9,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kChunk = 4096;  // facets
+constexpr std::size_t kFacetChunk = 4096;  // facets
 
 bool asks_for(const SurfaceStyle& style, FacetLabel label) {
   return label == FacetLabel::lower ? style.lower : label == FacetLabel::upper ? style.upper : style.domain;
@@ -64,11 +64,11 @@ SegmentSurfaces::SegmentSurfaces(const DrawInput& input, const SegmentView& view
   }
   const auto& facets = input.mesh->facets;
   if (!any || facets.empty()) return;
-  const std::size_t chunk_count = (facets.size() + kChunk - 1) / kChunk;
+  const std::size_t chunk_count = (facets.size() + kFacetChunk - 1) / kFacetChunk;
   std::vector<std::vector<SurfaceTriangle>> chunks(chunk_count);
   parallel_for(static_cast<std::int64_t>(chunk_count), 1, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c)
-      for (std::size_t f = c * kChunk; f < std::min(facets.size(), (c + 1) * kChunk); ++f)
+      for (std::size_t f = c * kFacetChunk; f < std::min(facets.size(), (c + 1) * kFacetChunk); ++f)
         if (materials_[facets[f].interval] && asks_for(input.styles[facets[f].interval].surface, facets[f].label))
           place(static_cast<std::uint32_t>(f), chunks[c]);
   });

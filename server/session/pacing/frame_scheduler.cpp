@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "session/pacing/seconds.h"
+
 namespace isostrata {
 namespace {
 
 constexpr int kFullQuality = 90;
 constexpr double kLosslessPerFull = 4;  // bytes of a lossless frame by those of a full JPEG, before there was one
 constexpr int kLeastSide = 16;          // of a reduced picture
-
-double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
-Duration duration(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
 // Even, as half-chroma video wants it, and never more than the whole.
 int scaled(int side, double scale) {

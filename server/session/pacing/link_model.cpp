@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "session/pacing/seconds.h"
+
 namespace isostrata {
 namespace {
 
@@ -11,9 +13,6 @@ constexpr double kLongPassage = 0.5, kShortPassage = 0.12;  // by seconds of pas
 constexpr std::size_t kMaxFlying = 4096;
 constexpr double kGrain = 0.015, kDelay = 0.05;  // seconds: what threads and timers are late by, often and seldom
 constexpr double kLeastPassage = 1e-4;           // clocks and threads are no better than that
-
-double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
-Duration duration(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
 enum class Word { none, doubtful, good };
 
