@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/check.h"
 #include "base/error.h"
 #include "rendering/picture/surface_shading.h"
 
@@ -45,13 +46,15 @@ void check(const DrawInput& input) {
     if (window.width < 1 || window.width > kMaxWholeSize || window.height < 1 || window.height > kMaxWholeSize || window.x < 0 ||
         window.y < 0 || window.x > window.width - input.width || window.y > window.height - input.height)
       fail(std::to_string(input.width) + "x" + std::to_string(input.height) + " pixels at (" + std::to_string(window.x) + ", " +
-           std::to_string(window.y) + ") are no part of a picture of " + std::to_string(window.width) + "x" +
+           std::to_string(window.y) + ") are not a part of a picture of " + std::to_string(window.width) + "x" +
            std::to_string(window.height) + ", each side at most " + std::to_string(kMaxWholeSize));
   }
   check(input.camera);
   if (!std::isfinite(input.unit_distance) || input.unit_distance < 0) fail("unit distance must be a finite number, 0 or above");
   if (!finite(input.background)) fail("the background is not a colour");
   if (!input.mesh) fail("no mesh");
+  ISOSTRATA_CHECK(input.mesh->tetrahedron_interval.size() == input.mesh->tetrahedra.size());
+  ISOSTRATA_CHECK(input.mesh->inner.first.back() == input.mesh->inner.points.size());
   const std::size_t intervals = input.cut_intervals.empty() ? input.mesh->summaries.size() : input.cut_intervals.size();
   if (input.styles.size() != intervals)
     fail(std::to_string(input.styles.size()) + " styles for " + std::to_string(intervals) + " intervals");
@@ -71,7 +74,7 @@ void check(const DrawInput& input) {
       fail(which + "the upper opacity must be in [0, 1]");
     if (style.visible && style.surface.drawn() && (!input.cut_intervals.empty() || input.bricks) &&
         (!all_constant || !style.surface.texture.empty()))
-      fail(which + "where the renderer cuts intervals, surfaces are drawn without textures and among constant colours only");
+      fail(which + "if the renderer cuts intervals, surfaces are drawn without textures and among constant colours only");
     if (style.surface.drawn()) check_surface(input, style.surface, which);
     if (style.constant()) continue;
     if (!style.color_map.empty()) color_map(style.color_map);  // throws where there is no such map
