@@ -25,7 +25,7 @@ void add_info(CLI::App& app, Options& options) {
       print.always_print_primitive_fields = true;
       std::string text;
       if (!google::protobuf::util::MessageToJsonString(welcome, &text, print).ok())
-        throw ClientError("protocol", "the server's Welcome is no JSON");
+        throw ClientError("protocol", "the server's Welcome is not JSON");
       std::printf("%s\n", text.c_str());
       return;
     }

@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   sigaction(SIGTERM, &action, nullptr);
   app.set_version_flag("--version", "isostrata-client " ISOSTRATA_VERSION);
   app.add_option("url", options.url, "The address that the server printed, with its token; `tunnel` finds it")->type_name("URL");
-  app.add_option("--token", options.token, "The token, where the address has none")->envname("ISOSTRATA_TOKEN");
+  app.add_option("--token", options.token, "The token, if the address has none")->envname("ISOSTRATA_TOKEN");
   long timeout_s = 60;
   app.add_option("--timeout", timeout_s, "Seconds to wait for an answer")->check(CLI::Range(1, 86400))->capture_default_str();
   app.add_option("--ca-file", options.ca_file, "Of https: the certificates, in PEM, that are trusted in place of the system's")

@@ -103,7 +103,7 @@ void add_record(CLI::App& app, Options& options) {
                                 "Keyframes: {\"fps\":30,\"keyframes\":[{\"time\":0,\"camera\":{\"eye\":[x,y,z],\"at\":[x,y,z],"
                                 "\"up\":[x,y,z],\"fov\":deg},\"data_time\":t},...]}; what one leaves out is as in the one before")
                    ->type_name("FILE.json");
-  command->add_option("--orbit", arguments->orbit_deg, "Degrees around what is looked at, where there is no path")
+  command->add_option("--orbit", arguments->orbit_deg, "Degrees around what is looked at, if there is no path")
       ->check(CLI::Range(-36000.0, 36000.0))
       ->capture_default_str()
       ->excludes(path);

@@ -46,7 +46,7 @@ void print_json(v1::ServerMessage message) {
   print.preserve_proto_field_names = false;
   std::string text;
   if (!google::protobuf::util::MessageToJsonString(message, &text, print).ok())
-    throw ClientError("protocol", "a message is no JSON");
+    throw ClientError("protocol", "a message is not JSON");
   std::printf("%s\n", text.c_str());
 }
 

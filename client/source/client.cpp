@@ -32,7 +32,7 @@ OperationStatus parse_operation(const std::string& text) {
     }
     return out;
   } catch (const std::exception& wrong) {
-    throw ClientError("protocol", std::string("the server's answer is no operation: ") + wrong.what());
+    throw ClientError("protocol", std::string("the server's answer is not an operation: ") + wrong.what());
   }
 }
 
@@ -202,7 +202,7 @@ class Client::Impl {
     google::protobuf::util::JsonParseOptions lenient;
     lenient.ignore_unknown_fields = true;
     if (!google::protobuf::util::JsonStringToMessage(text, &facts, lenient).ok())
-      throw ClientError("protocol", "the server's answer is no LayerFacts: " + text.substr(0, 200));
+      throw ClientError("protocol", "the server's answer is not a LayerFacts: " + text.substr(0, 200));
     return facts;
   }
 

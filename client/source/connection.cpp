@@ -140,7 +140,7 @@ void Connection::wait_for_welcome(Steady::time_point deadline) {
   }
   if (!first.has_welcome()) {
     incoming_.clear();
-    throw ClientError("protocol", "the server's first message is no Welcome");
+    throw ClientError("protocol", "the server's first message is not a Welcome");
   }
 }
 

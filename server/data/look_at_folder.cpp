@@ -37,7 +37,7 @@ std::string not_a_grid(const std::string& name, const Recognised& of) {
   if (of.vtk_type == "PolyData" || of.vtk_type == "PPolyData") return "a surface; expected a grid whose cells have a volume";
   if (of.kind != FileKind::vtk_xml) return {};
   if (of.vtk_type.starts_with("Hyper") || of.vtk_type.ends_with("AMR")) return "a grid of levels; save it as .vtu or .vti (ParaView: Resample To Image)";
-  if (!of.vtk_type.ends_with("ImageData") && !of.vtk_type.ends_with("Grid")) return "XML VTK of a type that is no grid";
+  if (!of.vtk_type.ends_with("ImageData") && !of.vtk_type.ends_with("Grid")) return "XML VTK of a type that is not a grid";
   return {};
 }
 

@@ -77,7 +77,7 @@ class Manifest {
       json::parse_options strict;
       strict.max_depth = 8;
       const auto value = json::parse({reinterpret_cast<const char*>(mapping.bytes().data()), mapping.bytes().size()}, {}, strict);
-      if (!value.is_object()) refuse("wrote a manifest that is no object");
+      if (!value.is_object()) refuse("wrote a manifest that is not an object");
       root_ = value.get_object();
     } catch (const boost::system::system_error& failure) {
       refuse(std::string("wrote a malformed manifest: ") + failure.what());
@@ -341,7 +341,7 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points, bool
   std::vector<PointArray> arrays;
   for (std::size_t i = 0; i < list.get_array().size(); ++i) {
     const json::value& entry = list.get_array()[i];
-    if (!entry.is_object()) manifest.refuse("wrote an array that is no object");
+    if (!entry.is_object()) manifest.refuse("wrote an array that is not an object");
     const json::object& fields = entry.get_object();
     PointArray array;
     array.name = manifest.text(manifest.need(fields, "name"), "an array's name");

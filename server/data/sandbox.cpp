@@ -34,7 +34,7 @@ const char* to_string(Sandbox sandbox) {
 Sandbox sandbox_of(std::string_view name) {
   for (const Sandbox known : {Sandbox::off, Sandbox::attempt, Sandbox::require})
     if (name == to_string(known)) return known;
-  throw Error(ErrorCode::invalid_argument, "'" + std::string(name) + "' is no sandbox; expected require, try or off");
+  throw Error(ErrorCode::invalid_argument, "'" + std::string(name) + "' is not a sandbox; expected require, try or off");
 }
 
 void use_sandbox(std::string_view name) { setenv(kVariable, to_string(sandbox_of(name)), 1); }

@@ -113,7 +113,7 @@ std::vector<std::byte> decode_hex(std::span<const std::byte> in, std::size_t mos
                                                : -1;
       if (digit < 0) {
         if (c != ' ' && c != '\n' && c != '\r' && c != '\t')
-          throw Error(ErrorCode::bad_data, name + ": byte " + std::to_string(at) + " of its hex data is no hex digit");
+          throw Error(ErrorCode::bad_data, name + ": byte " + std::to_string(at) + " of its hex data is not a hex digit");
         continue;
       }
       value = 16 * value + digit;

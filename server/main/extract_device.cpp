@@ -10,7 +10,7 @@ namespace isostrata {
 void add_device_option(CLI::App& command, ExtractDevice& device) {
   command
       .add_option("--device", device.wanted,
-                  "Where to extract: cpu; auto (a GPU where there is one); egl:INDEX, egl:UUID, surfaceless or osmesa: OpenGL "
+                  "Where to extract: cpu; auto (a GPU if there is one); egl:INDEX, egl:UUID, surfaceless or osmesa: OpenGL "
                   "compute, for "
                   "uniform, rectilinear and curvilinear grids")
       ->capture_default_str();

@@ -364,7 +364,7 @@ void add_render_command(CLI::App& app) {
   command
       ->add_option("--renderer", arguments->renderer,
                    "native: the CPU; raster: projected tetrahedra drawn by OpenGL; compute: OpenGL compute shaders; auto: "
-                   "native where no device is hardware, else the faster of raster and compute")
+                   "native if no device is hardware, else the faster of raster and compute")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command

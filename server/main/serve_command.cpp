@@ -292,7 +292,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--data-root", arguments->data_roots, "More directories whose files may be opened")->type_name("DIR");
   command
       ->add_option("--watch", arguments->watch,
-                   "How files that come, grow, change and go are noticed: auto: by inotify, and by looking every second where that does not work (files of other "
+                   "How files that come, grow, change and go are noticed: auto: by inotify, and by looking every second if that does not work (files of other "
                    "machines, more folders than watches); poll: by looking every second, for file systems that claim to tell and do not")
       ->check(CLI::IsMember({"auto", "poll"}))
       ->capture_default_str();
@@ -326,7 +326,7 @@ void add_serve_command(CLI::App& app) {
   command
       ->add_option(
           "--renderer", arguments->renderer,
-          "native: the CPU; raster, compute: OpenGL on the device; auto: native where no device is hardware, else the faster")
+          "native: the CPU; raster, compute: OpenGL on the device; auto: native if no device is hardware, else the faster")
       ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
       ->capture_default_str();
   command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")

@@ -18,7 +18,7 @@ Scene read_state_file(const std::string& path, const Dataset& dataset, double as
   text.resize(static_cast<std::size_t>(file.gcount()));
   const auto refuse = [&](ErrorCode code, const std::string& why) { throw Error(code, path + ": " + why); };
   if (text.size() > kMaxMessageBytes)
-    refuse(ErrorCode::too_large, "more than " + std::to_string(kMaxMessageBytes) + " bytes are no session's state");
+    refuse(ErrorCode::too_large, "more than " + std::to_string(kMaxMessageBytes) + " bytes are not a session's state");
   v1::State wanted;
   if (text.empty()) refuse(ErrorCode::bad_data, "the file is empty; expected a session's state as JSON");
   if (const auto error = parse_message(text, wanted))

@@ -49,7 +49,7 @@ PassedSocket describe(int descriptor) {
     return Error(ErrorCode::invalid_argument, "the socket that the service manager passes ($LISTEN_FDS) " + why);
   };
   if (!option_is(descriptor, SO_TYPE, SOCK_STREAM) || !option_is(descriptor, SO_ACCEPTCONN, 1))
-    throw refuse("is no stream socket that listens; expected one ListenStream");
+    throw refuse("is not a stream socket that listens; expected one ListenStream");
   PassedSocket socket{.descriptor = descriptor};
   sockaddr_storage bound{};
   socklen_t size = sizeof bound;

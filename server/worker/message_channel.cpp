@@ -89,7 +89,7 @@ std::optional<MessageBytes> MessageChannel::receive() {
   const std::uint64_t most = header.by_file ? kMaxPicture : kMaxInline;
   if (header.magic != kMagic || header.body > kMaxBody || header.by_file > 1 || header.has_picture > 1 ||
       header.picture > (header.has_picture ? most : 0) || (header.by_file && !file))
-    throw Error(ErrorCode::bad_data, "what came is no message");
+    throw Error(ErrorCode::bad_data, "what came is not a message");
   MessageBytes message;
   // Piece by piece, so that memory is taken by what comes and not by what was announced.
   for (std::uint64_t done = 0; done < header.body;) {

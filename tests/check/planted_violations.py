@@ -45,6 +45,8 @@ class PlantedViolations(unittest.TestCase):
             ("server/base/a.cpp", "int a; \n", "server/base/a.cpp:1: blanks"),
             ("server/base/a.cpp", "int a;\r\n", "server/base/a.cpp:1: a carriage return"),
             ("server/base/a.cpp", "int a;", "server/base/a.cpp:1: the last line"),
+            ("server/base/a.cpp", 'fail(name + " is no number");\n', "server/base/a.cpp:1: 'is no number': say 'is not a'"),
+            ("docs/page.md", "# Page\n\n## Two words\n\nA folder is no file.\n", "docs/page.md:5: 'is no file': say 'is not a'"),
             ("deploy/go", "#!/usr/bin/env bash\necho $1\n", "deploy/go:2: note: Double quote"),
         ]:
             with self.subTest(place):

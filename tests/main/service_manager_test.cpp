@@ -186,7 +186,7 @@ TEST_F(Manager, SeveralSocketsAndOneThatDoesNotListenAreRefused) {
   EXPECT_THAT(errors(), HasSubstr("passes '2' sockets ($LISTEN_FDS); expected 1"));
   serve({{"LISTEN_FDS", "1"}}, notify_.of);
   EXPECT_EQ(end_of_server(), 1);
-  EXPECT_THAT(errors(), HasSubstr("is no stream socket that listens"));
+  EXPECT_THAT(errors(), HasSubstr("is not a stream socket that listens"));
 }
 
 TEST_F(Manager, ASocketThatIsMeantForAnotherProcessIsLeftAlone) {

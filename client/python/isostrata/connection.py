@@ -162,7 +162,7 @@ class Connection:
                 self._changed.wait(min(left, 1.0))  # not for ever, so that Ctrl-C is heard everywhere
 
     def refused(self, seq: int) -> None:
-        """Raises where the server has refused this message."""
+        """Raises if the server has refused this message."""
         with self._changed:
             self._refuse(seq)
 
@@ -308,7 +308,7 @@ class Connection:
             raise
 
     async def _connect_once(self) -> None:
-        """One connection, to its end. Raises _Lost where it may be tried again."""
+        """One connection, to its end. Raises _Lost if it may be tried again."""
         host = self._address.host
         try:
             socket = await connect(
@@ -377,7 +377,7 @@ class Connection:
                 self._back(welcome)
 
     async def _arrive(self, welcome: v1.Welcome) -> None:
-        """Nobody else is there where the server has forgotten the session, and what was shown here is known: one begins with it."""
+        """Nobody else is there when the server has forgotten the session, and what was shown here is known: a new session begins with it."""
         if not self.made:
             self._joined = self._joined or not welcome.resume_token
         elif welcome.session != self._session:

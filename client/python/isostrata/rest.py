@@ -69,7 +69,7 @@ class Rest:
             raise IsostrataError("connection", f"{self._address.host}: {reason}") from None
 
     def json(self, method: str, path: str, body: Any = None, **more: Any) -> Any:
-        """The same, where the answer is JSON."""
+        """The same, if the answer is JSON."""
         content, _ = self.request(method, path, body, **more)
         return json.loads(content) if content else None
 

@@ -257,7 +257,7 @@ class Session:
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
 
     def reload(self) -> None:
-        """Shows the open dataset's files as they are now, where they were rewritten (``info.on_disk``); layers, camera and colours stay."""
+        """Shows the open dataset's files as they are now, if they were rewritten (``info.on_disk``); layers, camera and colours stay."""
         seq = self._connection.send(v1.ClientMessage(reload_dataset=v1.ReloadDataset()))
 
         def is_read() -> bool:
@@ -432,7 +432,7 @@ class Session:
         return self._patiently(lambda: self.rest.request("GET", f"sessions/{self.id}/image", query=query)[0])
 
     def image(self, width: int = 0, height: int = 0) -> np.ndarray:
-        """The lossless picture of the newest state: uint8 [height, width, 3], or 4 where the background is transparent."""
+        """The lossless picture of the newest state: uint8 [height, width, 3], or 4 if the background is transparent."""
         return decode_image(self.png(width, height))
 
     def save_image(self, path: str | PathLike[str], width: int = 0, height: int = 0) -> None:
@@ -465,7 +465,7 @@ class Session:
             yield Frame(f.frame_id, f.revision, f.phase == v1.FRAME_PHASE_LOSSLESS, f.width, f.height, f.format, f.payload, f)
 
     def interacting(self, active: bool) -> None:
-        """Between True and False frames are quick ones, even where they stand still for a moment."""
+        """Between True and False frames are quick ones, even if the hand stands still for a moment."""
         self._connection.send(v1.ClientMessage(interaction=v1.Interaction(active=active)))
 
     def wait(self, holds: Callable[[Session], object], timeout: float | None = None) -> None:
@@ -551,7 +551,7 @@ class Session:
     # ---- the whole state --------------------------------------------------------------------------------------------------------
 
     def save_state(self, path: str | PathLike[str] | None = None) -> dict[str, Any]:
-        """The whole state as one JSON document, and to a file where one is named."""
+        """The whole state as one JSON document, and to a file if one is named."""
         state = self.state
         if path is not None:
             with open(path, "w", encoding="utf-8") as file:

@@ -65,7 +65,7 @@ json::object reference(const std::string& name) { return {{"$ref", "#/components
 json::object number_schema(json::object& schemas) {
   if (!schemas.contains("Number"))
     schemas["Number"] = json::object{
-        {"description", "A number; as text where it is not finite."},
+        {"description", "A number; as text if it is not finite."},
         {"anyOf", json::array{json::object{{"type", "number"}},
                               json::object{{"type", "string"}, {"enum", json::array{"NaN", "Infinity", "-Infinity"}}}}}};
   return reference("Number");

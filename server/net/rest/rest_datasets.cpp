@@ -103,7 +103,7 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "getDataset",
                     .tag = "datasets",
                     .summary = "Grid, bounds, arrays and times of a dataset",
-                    .description = "Loads it where it is not loaded. missingRangeSteps counts the steps that the arrays' ranges leave "
+                    .description = "Loads it if it is not loaded. missingRangeSteps counts the steps that the arrays' ranges leave "
                                    "out because nobody has read them yet.",
                     .query = {kRangesParameter},
                     .answers = {{200, "Its description", "DatasetInfo"}},

@@ -28,7 +28,7 @@ OperationRecord* operation_of(RestContext& context, const Call& call, const char
 OperationRecord* export_of(RestContext& context, const Call& call) {
   OperationRecord* record = operation_of(context, call, "export");
   if (record && record->kind != "export") {
-    call.reply(problem(wire_error("not_found", "operation '" + record->id + "' is no export", "export")));
+    call.reply(problem(wire_error("not_found", "operation '" + record->id + "' is not an export", "export")));
     return nullptr;
   }
   return record;

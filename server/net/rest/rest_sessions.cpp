@@ -109,10 +109,10 @@ void add_session_routes(std::vector<Route>& routes, RestContext& context) {
                     .tag = "sessions",
                     .summary = "Begins a session",
                     .description =
-                        "Empty, with a dataset, or with a state that was saved. Answers when the dataset is open. Where all "
+                        "Empty, with a dataset, or with a state that was saved. Answers when the dataset is open. If all "
                         "sessions are taken, one that nobody watches makes room: first those that hold nothing, then those that "
                         "nobody has worked on, then those that were unused for two minutes; for an empty one only the first. "
-                        "Where there is none, the answer is 503.",
+                        "If there is none, the answer is 503.",
                     .body = RequestBody{"NewSession", "What it shows at first", false},
                     .answers = {{201, "The new session; Location names it", "Session"}},
                     .handler = [&context](Call call) { create(context, call); }});

@@ -104,7 +104,7 @@ void add_state_routes(std::vector<Route>& routes, RestContext& context) {
                     .tag = "state",
                     .summary = "Makes the session show a state",
                     .description =
-                        "As one change. Opens the state's dataset where another one is open. The document's revision is "
+                        "As one change. Opens the state's dataset if another one is open. The document's revision is "
                         "not looked at; If-Match is.",
                     .body = RequestBody{"State", "The whole state; absent members of a message stay as they are, lists do not"},
                     .answers = {{200, "The state as it is now", "State"}},

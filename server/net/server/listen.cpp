@@ -52,7 +52,7 @@ int listening_socket(const std::filesystem::path& path) {
 
   struct stat there {};
   if (lstat(text.c_str(), &there) == 0) {
-    if (!S_ISSOCK(there.st_mode)) throw failed("something that is no socket is there");
+    if (!S_ISSOCK(there.st_mode)) throw failed("something that is not a socket is there");
     const Descriptor probe{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
     if (connect(probe.get(), address, sizeof name) == 0) throw failed("another server answers there");
     if (errno != ECONNREFUSED || unlink(text.c_str()) != 0) throw failed(std::strerror(errno));

@@ -186,7 +186,7 @@ class WebSocketConnection final : public Outbox, public std::enable_shared_from_
       if (!message.ParseFromArray(buffer.data().data(), static_cast<int>(buffer.size()))) {
         heed_held();
         connections_.sessions.receive_malformed(
-            viewer_, std::to_string(buffer.size()) + " bytes that are no ClientMessage of isostrata.v1");
+            viewer_, std::to_string(buffer.size()) + " bytes that are not a ClientMessage of isostrata.v1");
         continue;
       }
       const auto now = Steady::now();

@@ -212,7 +212,7 @@ void apply(SceneState& state, const v1::PatchInterval& command, const CommandCon
     const double upper = command.has_upper() ? command.upper() : interval.upper;
     check_ends(lower, upper, "");
     if (!interval.transfer.empty() && !(std::isfinite(lower) && std::isfinite(upper)))
-      refuse("invalid_argument", "an interval with a transfer function ends where that does; expected finite numbers",
+      refuse("invalid_argument", "an interval with a transfer function has the ends of that function; expected finite numbers",
              std::isfinite(lower) ? "upper" : "lower");
     move_ends(interval, lower, upper);
   }

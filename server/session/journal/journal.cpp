@@ -188,7 +188,7 @@ class Journal::Impl {
       slow_until_ = Steady::now() + kSlowPause;
       warn("writing a session to " + options_.directory.string() + " took " +
            std::to_string(std::chrono::duration_cast<std::chrono::milliseconds>(took).count()) +
-           " ms: for a while what changes may be lost where the server is killed right after");
+           " ms: for a while, changes may be lost if the server is killed right after them");
     }
     if (!more_to_do && !first_unsynced) return;  // the thread will come by itself
     {
@@ -427,7 +427,7 @@ class Journal::Impl {
     const auto now = Steady::now();
     if (!in_trouble_ && now - last_warning_ >= std::chrono::seconds(1)) {
       warn("sessions cannot be kept in " + options_.directory.string() + " (" + std::strerror(why) +
-           "): what changes now is lost where the server ends");
+           "): what changes now is lost when the server ends");
       last_warning_ = now;
       in_trouble_ = true;
     }

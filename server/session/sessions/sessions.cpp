@@ -30,7 +30,7 @@ std::string name_of(v1::Role role) { return role == v1::ROLE_CONTROLLER ? "contr
 v1::ServerMessage not_kept() {
   return error_message(wire_error("unavailable",
                                   "what changes here is not being kept, since the server cannot write it down (is its disk full?): it is "
-                                  "lost where the server ends"));
+                                  "lost when the server ends"));
 }
 
 template <class Format>
