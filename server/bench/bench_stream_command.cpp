@@ -23,11 +23,11 @@
 #include "bench/bench_server.h"
 #include "bench/commands.h"
 #include "bench/hostile_client.h"
+#include "bench/shaped_link.h"
 #include "data/child_process.h"
 #include "engine/first/first_view.h"
 #include "main/arguments.h"
 #include "main/picture_arguments.h"
-#include "net/server/shaped_link.h"
 
 namespace isostrata {
 namespace {

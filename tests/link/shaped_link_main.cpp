@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <exception>
 
-#include "net/server/shaped_link.h"
+#include "bench/shaped_link.h"
 
 int main(int argc, char** argv) {
   const int target = argc == 4 ? std::atoi(argv[1]) : 0;

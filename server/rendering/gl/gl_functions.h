@@ -45,7 +45,6 @@
   X(PFNGLENDQUERYPROC, EndQuery)                                       \
   X(PFNGLFENCESYNCPROC, FenceSync)                                     \
   X(PFNGLFINISHPROC, Finish)                                           \
-  X(PFNGLFLUSHPROC, Flush)                                             \
   X(PFNGLGETERRORPROC, GetError)                                       \
   X(PFNGLGETINTEGER64VPROC, GetInteger64v)                             \
   X(PFNGLGETINTEGERI_VPROC, GetIntegeri_v)                             \
@@ -70,7 +69,6 @@
   X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)   \
   X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)         \
   X(PFNGLPIXELSTOREIPROC, PixelStorei)                                 \
-  X(PFNGLPROGRAMUNIFORM1FPROC, ProgramUniform1f)                       \
   X(PFNGLPROGRAMUNIFORM1UIPROC, ProgramUniform1ui)                     \
   X(PFNGLPROGRAMUNIFORM2FPROC, ProgramUniform2f)                       \
   X(PFNGLPROGRAMUNIFORM4FPROC, ProgramUniform4f)                       \

@@ -1,4 +1,4 @@
-#include "net/server/shaped_link.h"
+#include "bench/shaped_link.h"
 
 #include <algorithm>
 #include <array>
