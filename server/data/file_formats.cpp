@@ -50,7 +50,7 @@ constexpr std::array kForeign{
     ForeignFormat{".exr .jpg .jpeg .gif .webp .svg .bmp .png .pgm .pnm", "one picture",
                   "a stack of PNG or TIFF pictures is opened by its pattern, 'slice_*.png'"},
     ForeignFormat{".zip .tar .tgz .bz2 .xz .zst .7z .rar .gz", "an archive", "unpack it"},
-    ForeignFormat{".csv .tsv .xls .xlsx", "a table", "expected a grid: save it as .npy or NRRD where its rows are one"},
+    ForeignFormat{".csv .tsv .xls .xlsx", "a table", "expected a grid: save it as .npy or NRRD if its rows are one"},
     ForeignFormat{".hdr", "Analyze 7.5 or ENVI", "save it as NIfTI or NRRD"},
     ForeignFormat{".mp4 .webm .avi .mov .mkv", "a film", ""},
     ForeignFormat{".txt .md .rst .log .out .err .pdf .tex .html .htm .doc .docx .ppt .pptx .bib", "text", ""},

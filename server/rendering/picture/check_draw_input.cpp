@@ -53,7 +53,7 @@ void check(const DrawInput& input) {
   if (!std::isfinite(input.unit_distance) || input.unit_distance < 0) fail("unit distance must be a finite number, 0 or above");
   if (!finite(input.background)) fail("the background is not a colour");
   if (!input.mesh) fail("no mesh");
-  ISOSTRATA_CHECK(input.mesh->tetrahedron_interval.size() == input.mesh->tetrahedra.size());
+  if (input.cut_intervals.empty()) ISOSTRATA_CHECK(input.mesh->tetrahedron_interval.size() == input.mesh->tetrahedra.size());
   ISOSTRATA_CHECK(input.mesh->inner.first.back() == input.mesh->inner.points.size());
   const std::size_t intervals = input.cut_intervals.empty() ? input.mesh->summaries.size() : input.cut_intervals.size();
   if (input.styles.size() != intervals)
