@@ -1,7 +1,9 @@
 #include "engine/first/choose_layers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "engine/first/image_layers.h"
@@ -171,6 +173,52 @@ void cut_field(const ProxyGrid& proxy, const ValueCurves& curves, Side side, Lay
   }
 }
 
+// ---- labels ----
+
+constexpr std::size_t kMostLabelLayers = 8;
+
+/// Each label but the background, cut midway to those beside it: the bodies, and around all of them one lit hull. A label has no surface of its own,
+/// for the values between two labels pass by others, whose surfaces would lie there like a skin.
+void cut_labels(const ValueCurves& curves, const ProxyGrid& proxy, const FieldHints& hints, LayersChoice& choice) {
+  struct Label {
+    LayerChoice layer;
+    double share = 0, of_rim = 0;
+  };
+  const double volume = static_cast<double>(proxy.count) * proxy.step.x * proxy.step.y * proxy.step.z;
+  std::vector<Label> labels;
+  double from = 0;
+  for (std::size_t i = 0; i < hints.labels.size(); ++i) {
+    const bool last = i + 1 == hints.labels.size();
+    const double value = hints.labels[i];
+    const double to = last ? 1 : std::clamp(proxy.share_at(std::floor((value + hints.labels[i + 1]) / 2) + 0.5), from, 1.0);
+    std::array<char, 40> name{};
+    std::snprintf(name.data(), name.size(), "label %.0f", value);
+    const double share = curves.share_above(from) - (last ? 0 : curves.share_above(to));
+    labels.push_back({{LayerRole::label, from, to, true, name.data(), percent(share) + " of the domain", 0.5 * std::cbrt(share * volume) / proxy.diagonal()},
+                      share, curves.share_of_rim(from, to)});
+    from = to;
+  }
+  const auto background = std::max_element(labels.begin(), labels.end(), [](const Label& a, const Label& b) { return a.of_rim < b.of_rim; });
+  choice.kind = FieldKind::labels;
+  choice.reason = std::to_string(labels.size()) + " whole numbers, and neighbours have the same one: they number things";
+  if (background->of_rim > 0.5) {
+    choice.reason += "; " + background->layer.name + " is left out, the background";
+    const bool first = background == labels.begin();
+    if (!hints.flat && (first || background + 1 == labels.end()))
+      choice.layers.push_back({LayerRole::hull, first ? background->layer.to : 0, first ? 1 : background->layer.from, first, "hull",
+                               "the surface around all labels, for light"});
+    labels.erase(background);
+  }
+  std::vector<double> shares;
+  for (const Label& label : labels) shares.push_back(label.share);
+  std::sort(shares.rbegin(), shares.rend());
+  const double least = shares.size() > kMostLabelLayers ? shares[kMostLabelLayers - 1] : 0;
+  std::size_t taken = 0;
+  for (const Label& label : labels)
+    if (label.share >= least && taken < kMostLabelLayers) choice.layers.push_back(label.layer), ++taken;
+  if (labels.size() > taken) choice.reason += "; the " + std::to_string(taken) + " largest of " + std::to_string(labels.size()) + " are shown";
+}
+
 // ---- CT ----
 
 const LayerChoice* find(const LayersChoice& choice, LayerRole role) {
@@ -196,6 +244,8 @@ void drop_empty(LayersChoice& choice, const ValueCurves& curves) {
 
 const char* to_string(FieldKind kind) {
   switch (kind) {
+    case FieldKind::labels:
+      return "labels";
     case FieldKind::image:
       return "image";
     case FieldKind::two_valued:
@@ -238,7 +288,7 @@ CtScale ct_scale(const ProxyGrid& proxy, const ValueCurves& curves, const FieldH
 
 void thin_layers(LayersChoice& choice, const ProxyGrid& proxy, const ValueCurves& curves, double cells, double each,
                  double most) {
-  if (choice.kind == FieldKind::sheet || !(cells > 0)) return;
+  if (choice.kind == FieldKind::sheet || choice.kind == FieldKind::labels || !(cells > 0)) return;
   const double volume = static_cast<double>(proxy.count) * proxy.step.x * proxy.step.y * proxy.step.z,
                cell = std::cbrt(volume / cells);
   for (LayerChoice& layer : choice.layers) {
@@ -258,6 +308,11 @@ void thin_layers(LayersChoice& choice, const ProxyGrid& proxy, const ValueCurves
 
 LayersChoice choose_layers(const ProxyGrid& proxy, const ValueCurves& curves, const FieldHints& hints) {
   LayersChoice choice;
+  if (!hints.labels.empty() && !proxy.logarithmic) {
+    cut_labels(curves, proxy, hints, choice);
+    drop_empty(choice, curves);
+    return choice;
+  }
   if (hints.flat || is_sheet(proxy)) {
     choice.kind = FieldKind::sheet;
     choice.reason = hints.flat ? "the cells are areas" : "the domain has no depth to look into";

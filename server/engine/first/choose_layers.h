@@ -11,6 +11,7 @@ namespace isostrata {
 
 /// What sort of field it is: that decides how it is cut.
 enum class FieldKind {
+  labels,      // numbers of things: each is a layer
   image,       // an object in an empty box: a scan, a plume in still air
   two_valued,  // two values, or two phases, and little between: one wall
   waves,       // walls wherever one looks: one wall, at the middle value
@@ -21,7 +22,7 @@ enum class FieldKind {
 };
 const char* to_string(FieldKind kind);
 
-enum class LayerRole { outer, inner, low, high, wall, band, outline };
+enum class LayerRole { outer, inner, low, high, wall, band, outline, label, hull };
 
 /// Of the proxy's values; 0 and 1 are the ends of what there is.
 struct LayerChoice {
@@ -29,6 +30,7 @@ struct LayerChoice {
   double from = 0, to = 1;
   bool rises_inward = true;  // its surface is at `from`; else at `to`
   std::string name, reason;
+  double depth = 0.1;  // of a label, about, in shares of the diagonal
 };
 
 struct LayersChoice {
@@ -44,6 +46,7 @@ struct FieldHints {
   bool level_set = false;
   bool whole_numbers = false;  // of an integer type
   bool flat = false;           // the grid's cells are areas
+  std::vector<double> labels;  // of find_labels
 };
 
 /// Needs a proxy that is not empty. Does not depend on the values' unit: a field times a positive number plus another gives the

@@ -10,6 +10,7 @@
 #include "data/value_curves.h"
 #include "engine/first/choose_array.h"
 #include "engine/first/choose_layers.h"
+#include "engine/first/find_labels.h"
 
 namespace isostrata {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 // M. Okabe, K. Ito, "Color Universal Design", 2002, told apart by everyone; paler where a layer is looked through, since what is
 // dark and translucent is lost on a dark background.
 constexpr std::string_view kPale = "#8fcdf5", kOrange = "#e69f00", kSky = "#56b4e9", kVermilion = "#d55e00", kYellow = "#f0e442",
-                           kGrey = "#8a9aab", kOutline = "#b8c4cc", kSkin = "#e0a080", kBone = "#f2e6c8";
+                           kGrey = "#8a9aab", kGreen = "#009e73", kBlue = "#4a90d9", kPurple = "#cc79a7", kOutline = "#b8c4cc", kSkin = "#e0a080", kBone = "#f2e6c8";
 
 constexpr double kMostInLayer = 1.5e6;  // tetrahedra: what is extracted and drawn at once on two cores
 constexpr double kMostInOutline = 3e6;  // its layer is all of the cells
@@ -121,6 +122,14 @@ FirstLayer looks_of(const LayerChoice& layer, const LayersChoice& choice, const 
     case LayerRole::outline:
       look(kOutline, 0.001, lit(false, false, true, 0.12));
       break;
+    case LayerRole::label: {
+      constexpr std::array kLabels{kOrange, kSky, kGreen, kVermilion, kYellow, kPurple, kBlue, kGrey};
+      look(kLabels[index % kLabels.size()], flat ? 0.98 : opacity_of(0.9, layer.depth), flat ? SurfaceStyle{} : lit(false, false, true, 0.95));
+      break;
+    }
+    case LayerRole::hull:
+      look(kOutline, 0.001, lit(low_side, !low_side, true, 0.3));
+      break;
   }
   return out;
 }
@@ -133,6 +142,7 @@ FieldHints hints_of(const Dataset& dataset, const PointArray& array) {
   hints.level_set = is_level_set(array.name);
   hints.whole_numbers = array.type != ScalarType::float32 && array.type != ScalarType::float64;
   hints.flat = dataset.grid.flat();
+  hints.labels = find_labels(array);
   return hints;
 }
 
@@ -196,16 +206,28 @@ std::string nothing_to_show(const Dataset& dataset) {
   return "every array has one value everywhere";
 }
 
+/// The share of the domain in which labels lie.
+double held_by_labels(const LayersChoice& choice, const ValueCurves& curves) {
+  double share = 0;
+  for (const LayerChoice& layer : choice.layers)
+    if (layer.role == LayerRole::label) share += curves.share_above(layer.from) - (layer.to >= 1 ? 0 : curves.share_above(layer.to));
+  return share;
+}
+
 /// Layers, light and camera of the array at this step. `range` is what the outer ends reach to.
 void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, ValueRange range) {
   const ProxyGrid& proxy = looked.proxy;
   const ValueCurves curves(proxy);
-  const FieldHints hints = hints_of(dataset, *looked.array);
-  LayersChoice choice = choose_layers(proxy, curves, hints);
+  FieldHints hints = hints_of(dataset, *looked.array);
   const auto cells = static_cast<double>(dataset.grid.cell_count());
   const auto tets = dataset.cell_types.find("tetrahedron");
   const bool split = tets != dataset.cell_types.end() && dataset.cell_types.size() == 1;
   const double each = split ? 1 : 5.5;  // tetrahedra in a cell
+  LayersChoice choice = choose_layers(proxy, curves, hints);
+  if (choice.kind == FieldKind::labels && !hints.flat && held_by_labels(choice, curves) * cells * each > kMostSolid) {
+    hints.labels.clear();  // bodies cannot be thinned
+    choice = choose_layers(proxy, curves, hints);
+  }
   thin_layers(choice, proxy, curves, cells, each, kMostInLayer);
   view.kind = to_string(choice.kind);
   view.kind_reason = choice.reason;
@@ -216,7 +238,7 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   view.lower = array.lower;
   view.upper = array.upper;
   const Ends ends(choice, array, proxy);
-  const bool solid = choice.kind != FieldKind::sheet && choice.kind != FieldKind::two_valued &&
+  const bool solid = choice.kind != FieldKind::sheet && choice.kind != FieldKind::two_valued && choice.kind != FieldKind::labels &&
                      (proxy.fill < 0.6 || belongs_to_a_solid(array.name));
   const bool outline = solid && cells * each <= kMostInOutline;
   if (outline) {

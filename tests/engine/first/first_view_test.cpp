@@ -9,6 +9,7 @@
 #include "data/analytic.h"
 #include "data/series_ranges.h"
 #include "engine/first/choose_array.h"
+#include "engine/first/find_labels.h"
 #include "engine/first/first_scene.h"
 #include "scene/camera.h"
 #include "support/field_dataset.h"
@@ -38,7 +39,7 @@ void expect_sound(const FirstView& view, const Dataset& dataset) {
   ASSERT_FALSE(view.array.empty()) << view.array_reason;
   const PointArray& array = dataset.array(view.array);
   ASSERT_FALSE(view.layers.empty());
-  EXPECT_LE(view.layers.size(), 5u);
+  EXPECT_LE(view.layers.size(), 9u);
   for (const FirstLayer& layer : view.layers) {
     EXPECT_LT(layer.lower, layer.upper);
     EXPECT_GE(layer.lower, array.lower);
@@ -184,6 +185,50 @@ TEST(FirstView, OfLabelsCutsBetweenWholeNumbers) {
   expect_sound(view, *labels);
   for (const FirstLayer& layer : view.layers)
     EXPECT_TRUE(layer.lower == 0 || layer.lower == std::floor(layer.lower) + 0.5) << layer.lower;
+
+  // Each label is a body in a colour of its own; what lies between two values has no surface. The hull around them is lit.
+  EXPECT_EQ(view.kind, "labels");
+  ASSERT_EQ(view.layers.size(), 4u);
+  EXPECT_EQ(view.layers[0].name, "hull");
+  EXPECT_EQ(view.layers[0].interval().lower, 0.5);
+  EXPECT_EQ(view.layers[0].interval().upper, 5);
+  EXPECT_TRUE(view.layers[0].surface.lower);
+  const double values[] = {1, 3, 5};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const FirstLayer& layer = view.layers[i + 1];
+    EXPECT_EQ(layer.name, "label " + std::to_string(static_cast<int>(values[i])));
+    EXPECT_LT(layer.lower, values[i]);
+    EXPECT_GE(layer.upper, values[i]);
+    EXPECT_FALSE(layer.surface.lower || layer.surface.upper);
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_NE(layer.color, view.layers[k + 1].color);
+      EXPECT_GE(layer.lower, view.layers[k + 1].upper);
+    }
+  }
+}
+
+TEST(FirstView, OfLabelsThatFillTheDomainShowsEachAndOfManyTheLargest) {
+  const auto phases = field_dataset<std::uint8_t>({40, 40, 40}, [](Vec3d p) { return (p.x > 0 ? 1 : 0) + (p.y > 0 ? 2 : 0); });
+  const FirstView all = view_of_data(*phases);
+  expect_sound(all, *phases);
+  EXPECT_EQ(all.layers.size(), 4u) << "no background";
+
+  const auto slices = field_dataset<std::int16_t>({60, 40, 40}, [](Vec3d p) {
+    return p.y * p.y + p.z * p.z > 0.3 ? 0 : std::min(std::floor((p.x + 1) * 6), 11.0) * 10 + 100;
+  });
+  const FirstView largest = view_of_data(*slices);
+  EXPECT_EQ(largest.kind, "labels");
+  EXPECT_EQ(largest.layers.size(), 9u) << "the hull and eight of twelve";
+}
+
+TEST(FindLabels, AreFewWholeNumbersThatHoldTogether) {
+  std::mt19937_64 random(7);
+  const auto values = [](const auto& dataset) { return find_labels(dataset->arrays[0]); };
+  EXPECT_EQ(values(field_dataset<std::uint8_t>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4; })), (std::vector<double>{2, 4, 9}));
+  EXPECT_TRUE(values(field_dataset<std::uint8_t>({20, 20, 20}, [&](Vec3d) { return random() % 4; })).empty()) << "noise";
+  EXPECT_TRUE(values(field_dataset<std::uint8_t>({20, 20, 20}, [](Vec3d p) { return p.x > 0; })).empty()) << "a mask";
+  EXPECT_TRUE(values(field_dataset<float>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4; })).empty()) << "not whole by type";
+  EXPECT_TRUE(values(field_dataset<std::int16_t>({50, 20, 20}, [](Vec3d p) { return std::round(p.x * 100); })).empty()) << "many values";
 }
 
 TEST(FirstView, OfASheetIsBandsFromItsBroadSide) {
