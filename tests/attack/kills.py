@@ -105,7 +105,8 @@ def main():
                 if now == hand.known:
                     exact += 1
                     continue
-                if hand.on_its_way is not None:  # it was taken before the kill: then doing it again changes nothing
+                rest = lambda state: {key: value for key, value in state.items() if key not in (hand.on_its_way or {})}
+                if hand.on_its_way is not None and rest(now) == rest(hand.known):  # it was taken before the kill: then doing it again changes nothing
                     server.ask("PATCH", f"sessions/{hand.session}/state", hand.on_its_way)
                     if document(server, hand.session) == now:
                         whole += 1
