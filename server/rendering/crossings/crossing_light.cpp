@@ -89,8 +89,7 @@ RayTables make_ray_tables(const CrossingFrame& frame) {
                          (style.surface.upper ? 1 << static_cast<int>(FacetLabel::upper) : 0) |
                          (style.surface.domain ? 1 << static_cast<int>(FacetLabel::domain) : 0);
     if (m.silhouette > 0) tables.surfaces[i] |= RayTables::kOpacityVaries;
-    const bool plain = m.texture == SurfaceMaterial::Texture::none && frame.input.normals;
-    if (!plain) tables.surfaces[i] |= RayTables::kOneByOne;
+    if (m.texture != SurfaceMaterial::Texture::none) tables.surfaces[i] |= RayTables::kOneByOne;
     tables.opacity[i] = m.opacity;
     tables.ambient[i] = m.ambient;
     tables.diffuse[i] = m.diffuse;

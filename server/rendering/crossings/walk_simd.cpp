@@ -244,40 +244,20 @@ class Walk {
     hn::Store(facet, di, facets);
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::AndNot(one_by_one, lit), bits);
-    for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_corners(static_cast<unsigned>(__builtin_ctz(rest)), facets);
-
-    // The corners' shares by areas on the screen, corrected for perspective.
-    VI x[3], y[3], depth, q[3];
-    for (std::size_t v = 0; v < 3; ++v) hn::LoadInterleaved4(di, &corners_[v][0].x, x[v], y[v], depth, q[v]);
-    const auto center =
-        hn::Add(hn::Set(di, (row_.x + at_pixel_) * kSubpixels + kSubpixels / 2), hn::ShiftLeft<kSubpixelBits>(hn::Iota(di, 0)));
-    const VI row_center = hn::Set(di, row_.y * kSubpixels + kSubpixels / 2);
-    VF dx[3], dy[3];
-    for (std::size_t v = 0; v < 3; ++v) {
-      dx[v] = hn::ConvertTo(d, hn::Sub(x[v], center));
-      dy[v] = hn::ConvertTo(d, hn::Sub(y[v], row_center));
+    VF normal[3], size2;
+    MF sure;
+    if (frame_.input.normals) {
+      for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_corners(static_cast<unsigned>(__builtin_ctz(rest)), facets);
+      sure = blend_normals(normal, size2);
+    } else {
+      for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_own_normal(static_cast<unsigned>(__builtin_ctz(rest)), facets);
+      size2 = hn::Zero(d);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        normal[axis] = hn::Load(d, own_normal_[axis]);
+        size2 = hn::MulAdd(normal[axis], normal[axis], size2);
+      }
+      sure = hn::Eq(size2, size2);
     }
-    VF share[3], sum = hn::Zero(d);
-    for (std::size_t v = 0; v < 3; ++v) {
-      const std::size_t a = (v + 1) % 3, b = (v + 2) % 3;
-      share[v] = hn::Mul(hn::Sub(hn::Mul(dx[a], dy[b]), hn::Mul(dx[b], dy[a])), hn::BitCast(d, q[v]));
-      sum = hn::Add(sum, share[v]);
-    }
-    const VF third = hn::Set(d, 1.0f / 3), inverse = hn::Div(hn::Set(d, 1.0f), sum);
-    const MF has_area = hn::Ne(sum, hn::Zero(d));
-    for (VF& of_corner : share) of_corner = hn::IfThenElse(has_area, held_in_unit(hn::Mul(of_corner, inverse)), third);
-
-    VF normal[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    VF on_screen = hn::Set(d, 1.0f);
-    for (std::size_t v = 0; v < 3; ++v) {
-      VF nx, ny, nz, unused;
-      hn::LoadInterleaved4(d, normals_[v], nx, ny, nz, unused);
-      normal[0] = hn::MulAdd(share[v], nx, normal[0]);
-      normal[1] = hn::MulAdd(share[v], ny, normal[1]);
-      normal[2] = hn::MulAdd(share[v], nz, normal[2]);
-      on_screen = hn::Min(on_screen, hn::BitCast(d, q[v]));
-    }
-    const VF size2 = hn::MulAdd(normal[0], normal[0], hn::MulAdd(normal[1], normal[1], hn::Mul(normal[2], normal[2])));
     // Along the ray, as long as stretch_. view_from_world's rows are the camera's axes.
     const auto& m = frame_.transform.view_from_world.m;
     VF along_normal = hn::Zero(d);
@@ -288,7 +268,9 @@ class Walk {
                          hn::Set(d, static_cast<float>(m[axis][1] * across_ - m[axis][2])));
       along_normal = hn::MulAdd(normal[axis], ray, along_normal);
     }
-    const VF c = held_in_unit(hn::Div(hn::Abs(along_normal), hn::Mul(hn::Sqrt(size2), stretch_)));
+    VF c = held_in_unit(hn::Div(hn::Abs(along_normal), hn::Mul(hn::Sqrt(size2), stretch_)));
+    // A facet without an area faces the eye.
+    if (!frame_.input.normals) c = hn::IfThenElse(hn::Gt(size2, hn::Set(d, 0.25f)), c, hn::Set(d, 1.0f));
 
     const VF one = hn::Set(d, 1.0f);
     const VF light = hn::MulAdd(of(tables_.diffuse, interval), c, of(tables_.ambient, interval));
@@ -309,9 +291,6 @@ class Walk {
       colors = {hn::Mul(colors.red, keep), hn::Mul(colors.green, keep), hn::Mul(colors.blue, keep)};
     }
 
-    // Where normals cancel the facet's own takes over; a facet that reaches out of the screen is cut, its corners are elsewhere.
-    // Not >=: NaN is one of these, too.
-    const MF sure = hn::And(hn::Ge(size2, hn::Set(d, 0.25f)), hn::Gt(on_screen, hn::Zero(d)));
     const MF others = hn::And(lit, hn::Or(one_by_one, hn::Not(sure)));
     if (HWY_UNLIKELY(!hn::AllFalse(d, others))) {
       hn::StoreMaskBits(d, others, bits);
@@ -333,12 +312,65 @@ class Walk {
     return alpha;
   }
 
+  /// The corners' normals, mixed; false where they cancel, so that the facet's own takes over, or where the facet reaches out of the screen: it is cut,
+  /// and its corners are elsewhere.
+  HWY_INLINE MF blend_normals(VF (&normal)[3], VF& size2) {
+    const DF d;
+    const DI di;
+    // The corners' shares by areas on the screen, corrected for perspective.
+    VI x[3], y[3], depth, q[3];
+    for (std::size_t v = 0; v < 3; ++v) hn::LoadInterleaved4(di, &corners_[v][0].x, x[v], y[v], depth, q[v]);
+    const auto center =
+        hn::Add(hn::Set(di, (row_.x + at_pixel_) * kSubpixels + kSubpixels / 2), hn::ShiftLeft<kSubpixelBits>(hn::Iota(di, 0)));
+    const VI row_center = hn::Set(di, row_.y * kSubpixels + kSubpixels / 2);
+    VF dx[3], dy[3];
+    for (std::size_t v = 0; v < 3; ++v) {
+      dx[v] = hn::ConvertTo(d, hn::Sub(x[v], center));
+      dy[v] = hn::ConvertTo(d, hn::Sub(y[v], row_center));
+    }
+    VF share[3], sum = hn::Zero(d);
+    for (std::size_t v = 0; v < 3; ++v) {
+      const std::size_t a = (v + 1) % 3, b = (v + 2) % 3;
+      share[v] = hn::Mul(hn::Sub(hn::Mul(dx[a], dy[b]), hn::Mul(dx[b], dy[a])), hn::BitCast(d, q[v]));
+      sum = hn::Add(sum, share[v]);
+    }
+    const VF third = hn::Set(d, 1.0f / 3), inverse = hn::Div(hn::Set(d, 1.0f), sum);
+    const MF has_area = hn::Ne(sum, hn::Zero(d));
+    for (VF& of_corner : share) of_corner = hn::IfThenElse(has_area, held_in_unit(hn::Mul(of_corner, inverse)), third);
+
+    for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] = hn::Zero(d);
+    VF on_screen = hn::Set(d, 1.0f);
+    for (std::size_t v = 0; v < 3; ++v) {
+      VF nx, ny, nz, unused;
+      hn::LoadInterleaved4(d, normals_[v], nx, ny, nz, unused);
+      normal[0] = hn::MulAdd(share[v], nx, normal[0]);
+      normal[1] = hn::MulAdd(share[v], ny, normal[1]);
+      normal[2] = hn::MulAdd(share[v], nz, normal[2]);
+      on_screen = hn::Min(on_screen, hn::BitCast(d, q[v]));
+    }
+    size2 = hn::MulAdd(normal[0], normal[0], hn::MulAdd(normal[1], normal[1], hn::Mul(normal[2], normal[2])));
+    return hn::And(hn::Ge(size2, hn::Set(d, 0.25f)), hn::Gt(on_screen, hn::Zero(d)));  // not for NaN
+  }
+
   HWY_INLINE void take_corners(unsigned lane, const std::int32_t* facets) {
     const auto& points = frame_.set.points[static_cast<std::uint32_t>(facets[lane])];
     for (std::size_t v = 0; v < 3; ++v) {
       corners_[v][lane] = frame_.vertices[points[v]];
       std::memcpy(&normals_[v][4 * lane], &(*frame_.input.normals)[points[v]], sizeof(Vec3f));
     }
+  }
+
+  /// Of unit length, or nothing where the facet has no area.
+  HWY_INLINE void take_own_normal(unsigned lane, const std::int32_t* facets) {
+    const auto& points = frame_.set.points[static_cast<std::uint32_t>(facets[lane])];
+    const auto& positions = frame_.input.mesh->positions;
+    const Vec3d a = positions[points[0]], b = positions[points[1]], c = positions[points[2]];
+    const Vec3d across = cross(b - a, c - a);
+    const double size = length(across);
+    const Vec3d unit = size > 0 ? across / size : Vec3d{};
+    own_normal_[0][lane] = static_cast<float>(unit.x);
+    own_normal_[1][lane] = static_cast<float>(unit.y);
+    own_normal_[2][lane] = static_cast<float>(unit.z);
   }
 
   const WalkRow& row_;
@@ -352,6 +384,7 @@ class Walk {
   Colors color_;
   HWY_ALIGN ScreenVertex corners_[3][kLanes];
   HWY_ALIGN float normals_[3][4 * kLanes];
+  HWY_ALIGN float own_normal_[3][kLanes] = {};
 };
 
 void WalkAll(const WalkRow& row) {
