@@ -152,10 +152,15 @@ std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& ar
 
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task) {
+  task.report(0.8, "facets");
+  return boundary_facets(mesh, labels, open_cell_faces(grid, array, mesh.cell_runs, max_bytes, task), max_bytes, task);
+}
+
+std::vector<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<const FacetLabels> labels, std::span<const std::uint8_t> open,
+                                           std::uint64_t max_bytes, const Task& task) {
   const std::span<const CellRun> runs = mesh.cell_runs;
   const auto count = static_cast<std::int64_t>(runs.size());
   task.report(0.8, "facets");
-  const OpenFaces open = open_cell_faces(grid, array, runs, max_bytes, task);
 
   // visit(tetrahedron, facet, label) in the order of the tetrahedra.
   const auto visit_boundary = [&](std::int64_t begin, std::int64_t end, const auto& visit) {

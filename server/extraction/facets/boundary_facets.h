@@ -34,6 +34,9 @@ std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& ar
 /// count as sharing. labels: [nt]. In the order of the tetrahedra. Throws too_large, cancelled.
 std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task);
+/// The same where open_cell_faces of the mesh's runs is known.
+std::vector<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<const FacetLabels> labels, std::span<const std::uint8_t> open,
+                                           std::uint64_t max_bytes, const Task& task);
 
 /// Facets of tetrahedra that are not in mesh.facets and do not meet exactly one other such facet of the same interval, with
 /// opposite orientation; where such facets meet facets of mesh.facets all of them count. 0 for a conforming mesh. Precondition:

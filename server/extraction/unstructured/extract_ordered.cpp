@@ -135,7 +135,9 @@ class OrderedExtraction {
     for (const MeshSums& sums : sums_) sums.add_to(mesh_.summaries);
     sums_ = {};
     number_ = {};
-    if (options_.facets) mesh_.facets = boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_);
+    if (options_.facets)
+      mesh_.facets = of_.open_faces.empty() ? boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_)
+                                            : boundary_facets(mesh_, labels_, open_, options_.max_bytes, task_);
     task_.report(1.0, "extracted");
     return std::move(mesh_);
   }
@@ -390,6 +392,7 @@ class OrderedExtraction {
     mesh_.cell_runs.resize(runs_before_.back());
     mesh_.active_cells = static_cast<std::int64_t>(runs_before_.back());
     if (options_.facets) labels_.resize(tetrahedra);
+    if (options_.facets && !of_.open_faces.empty()) open_.resize(mesh_.cell_runs.size());
     sums_.resize(records_.size());
     for_each_block<Nothing>(task_, "extracting", 0.6, options_.facets ? 0.8 : 1.0, static_cast<std::int64_t>(records_.size()),
                             [&](std::int64_t chunk, Nothing&) {
@@ -426,7 +429,10 @@ class OrderedExtraction {
       for (std::size_t i = 0; i < count; ++i) {
         const Record& record = records[first + i];
         const std::uint32_t t = record.tetrahedron;
-        if (kOne || t != last) *run++ = {of_.cells[t], to};
+        if (kOne || t != last) {
+          if (!open_.empty()) open_[static_cast<std::size_t>(run - mesh_.cell_runs.data())] = of_.open_faces[t];
+          *run++ = {of_.cells[t], to};
+        }
         last = t;
         kOne ? look_up_one(t, numbers[i].data()) : look_up(t, rules_.rules()[record.interval], numbers[i].data());
         rows[i] = &rows_[swapped(t)][record.case_index];
@@ -526,6 +532,7 @@ class OrderedExtraction {
   bool usually_negative_ = false;
   Buffer<std::uint32_t> number_;  // [points and edges of the grid] of the mesh's points there, where there are some
   Buffer<FacetLabels> labels_;    // [nt] where facets are wanted
+  Buffer<std::uint8_t> open_;     // [runs] there, too, where the layout knows its open faces
   std::vector<MeshSums> sums_;    // [chunks]
 };
 

@@ -10,6 +10,7 @@
 #include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/cells/cell_geometry.h"
+#include "extraction/facets/boundary_facets.h"
 #include "extraction/mesh/keyed_lists.h"
 #include "extraction/mesh/list_pool.h"
 #include "extraction/mesh/memory_budget.h"
@@ -39,11 +40,28 @@ class Maker {
     if (repeats_points_.load()) return nullptr;
     number_edges();
     list_blocks();
+    find_open_faces();
     return std::move(out_);
   }
 
  private:
   const std::int64_t* ids_of(std::size_t t) const { return shape_.connectivity.data() + shape_.offsets[out_->cells[t]]; }
+
+  /// Where the grid ends depends on no array, for all of these cells take part.
+  void find_open_faces() {
+    vertices_ = {};
+    rank_ = {};
+    try {
+      check_budget("the cells whose faces are open", out_->count() * sizeof(CellRun), max_bytes_);
+      std::vector<CellRun> runs(out_->count());
+      for (std::size_t t = 0; t < runs.size(); ++t) runs[t].cell = out_->cells[t];
+      const auto open = open_cell_faces(grid_, PointArray{}, runs, max_bytes_, task_);
+      out_->open_faces.resize(open.size());
+      std::copy(open.begin(), open.end(), out_->open_faces.begin());
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::too_large) throw;  // each extraction finds out for its own cells
+    }
+  }
 
   void order_cells() {
     const CellClusters clusters(grid_, max_bytes_, task_);
@@ -275,12 +293,12 @@ std::shared_ptr<const OrderedTetrahedra> OrderedTetrahedra::make(const Grid& gri
 
 std::uint64_t OrderedTetrahedra::foreseen_bytes(const Grid& grid) {
   // 24 bytes a cell for the edges' ends as they are told, with the rest of what is kept; about 7 edges for 6 tetrahedra.
-  return static_cast<std::uint64_t>(grid.cell_count()) * (37 + 16 + 24 + 8) + static_cast<std::uint64_t>(grid.point_count()) * 48;
+  return static_cast<std::uint64_t>(grid.cell_count()) * (38 + 16 + 24 + 8) + static_cast<std::uint64_t>(grid.point_count()) * 48;
 }
 
 std::uint64_t OrderedTetrahedra::bytes() const {
   return bytes_in(first_in_block) + bytes_in(block_points) + bytes_in(corners) + bytes_in(edges) + bytes_in(cells) +
-         bytes_in(turns) + bytes_in(ids) + bytes_in(first_edge) + bytes_in(ends) + bytes_in(begins) +
+         bytes_in(turns) + bytes_in(open_faces) + bytes_in(ids) + bytes_in(first_edge) + bytes_in(ends) + bytes_in(begins) +
          std::visit([](const auto& of) { return bytes_in(of); }, positions);
 }
 

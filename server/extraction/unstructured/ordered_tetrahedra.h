@@ -30,7 +30,7 @@ struct BlockCorners {
 
 /// The tetrahedra that take part (not hidden, of finite positions) in the order of CellClusters, the points they use in the order
 /// of their first use. An edge runs from the end with the lower global id; edges are in the order of that end. Holds nothing of
-/// the grid. 37 bytes a tetrahedron, 5 an edge, 20 or 32 a point. Used by any number of threads.
+/// the grid. 38 bytes a tetrahedron, 5 an edge, 20 or 32 a point. Used by any number of threads.
 class OrderedTetrahedra {
  public:
   static constexpr std::size_t kBlock = 64, kPointBlock = 16;  // tetrahedra, and points, whose values' range is known
@@ -72,6 +72,7 @@ class OrderedTetrahedra {
   Buffer<std::array<std::uint32_t, 6>> edges;            // [nt] between vertices 01, 02, 03, 12, 13, 23
   Buffer<std::uint32_t> cells;                           // [nt] of the grid
   Buffer<std::uint16_t> turns;                           // [nt] TetrahedronTurn
+  Buffer<std::uint8_t> open_faces;                       // [nt] bit k: nobody shares face k of the grid's cell; empty: there was no room to find out
   Buffer<std::uint32_t> ids;                             // [np] of the grid
   std::variant<Buffer<Vec3f>, Buffer<Vec3d>> positions;  // [np]
   Buffer<std::uint32_t> first_edge;                      // [np + 1] of the edges that run from a point

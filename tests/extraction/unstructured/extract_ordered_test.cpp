@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 
 #include "base/parallel.h"
 #include "data/analytic.h"
@@ -266,6 +267,33 @@ TEST(OrderedTetrahedra, NumberEachEdgeOnceFromItsLowerEnd) {
     }
   }
   EXPECT_EQ(std::count(used.begin(), used.end(), true), static_cast<std::ptrdiff_t>(of->edge_count()));
+}
+
+TEST(OrderedTetrahedra, KnowTheFacesThatNoOtherTetrahedronHas) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    UnstructuredParts parts = seed % 2 ? shuffled_tetrahedra(5, random) : random_tetrahedra(12, 60, random);
+    Grid grid = unstructured_grid(parts);
+    const auto hidden = random_hidden(grid.cell_count(), random);
+    if (seed % 4 < 2) grid.hidden_cells = hidden;
+    std::map<std::array<std::int64_t, 3>, int> having;
+    const auto face_of = [&](std::int64_t cell, std::size_t face) {
+      std::array<std::int64_t, kMaxCellVertices> ids;
+      grid.cell_points(cell, ids);
+      const CellFace& of = topology(CellType::tetrahedron).faces[face];
+      std::array<std::int64_t, 3> key{ids[of.vertex[0]], ids[of.vertex[1]], ids[of.vertex[2]]};
+      std::sort(key.begin(), key.end());
+      return key;
+    };
+    for (std::int64_t cell = 0; cell < grid.cell_count(); ++cell)
+      for (std::size_t face = 0; face < 4 && !grid.hidden(cell); ++face) ++having[face_of(cell, face)];
+    const auto of = OrderedTetrahedra::make(grid, kPlenty, kQuiet);
+    ASSERT_EQ(of->open_faces.size(), of->count());
+    for (std::size_t t = 0; t < of->count(); ++t)
+      for (std::size_t face = 0; face < 4; ++face)
+        ASSERT_EQ((of->open_faces[t] >> face & 1) != 0, having[face_of(of->cells[t], face)] == 1) << "tetrahedron " << t << ", face " << face;
+  }
 }
 
 TEST(OrderedTetrahedra, LieNearOneAnother) {
