@@ -116,7 +116,7 @@ WorkClass class_of(const FrameRequest& request) { return is_still(request) ? Wor
 
 bool same_extraction(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
-         draws_surfaces(a) == draws_surfaces(b);
+         lights_along_gradient(a) == lights_along_gradient(b);
 }
 
 class Engine::Impl {

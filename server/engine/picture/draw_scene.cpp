@@ -142,7 +142,7 @@ LayerRequest request_for(const Scene& scene, const std::string& array) {
   if (uses_color_values(scene)) request.carry.push_back(color_by);
   if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
   request.facets = draws_surfaces(scene) || !uses_color_values(scene);
-  request.normals = draws_surfaces(scene) && !scene.terms.empty();
+  request.normals = lights_along_gradient(scene) && !scene.terms.empty();
   if (const std::vector<SmearMoment> moments = smear_moments(scene); !moments.empty()) {
     request.step = moments.front().step;
     request.time = moments.front().time;
@@ -470,6 +470,20 @@ bool draws_surfaces(const Scene& scene) {
   return std::any_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& of) { return of.surface.drawn(); });
 }
 
+bool lights_along_gradient(const Scene& scene) {
+  if (scene.mode == SceneMode::cycled || scene.mode == SceneMode::smear) return draws_surfaces(scene);  // what is drawn changes from picture to picture
+  bool any = false, domain = false;
+  const auto take = [&](const SurfaceStyle& surface, bool visible) {
+    if (!visible || !surface.drawn()) return;
+    any = true;
+    domain = domain || surface.domain;
+  };
+  for (const SceneInterval& of : scene.intervals) take(of.surface, of.visible);
+  for (const SceneTerm& of : scene.terms)
+    if (brings_in(of) && !scene.intervals.empty()) take(scene.intervals.front().surface, of.visible);
+  return any && !domain;
+}
+
 bool cuts_exactly(const Scene& scene, const std::string& array) {
   constexpr std::size_t kMostIntervals = 64;  // each is held against each block of tetrahedra
   // Where two intervals are at one place, their order within a ray's segment depends on how the mesh is split.
@@ -504,7 +518,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   const LayerRequest request = request_for(scene, scene.array.empty() ? first_array(*steps(scene.step, task)) : scene.array);
   const auto names = names_of(scene, request.array);
   const std::string &color_by = names.color_by, &texture = names.texture;
-  const bool colored = uses_color_values(scene), textured = uses_texture(scene), surfaces = draws_surfaces(scene);
+  const bool colored = uses_color_values(scene), textured = uses_texture(scene), lit = lights_along_gradient(scene);
   LayerRequest plain = request;
   plain.carry.clear();
 
@@ -513,7 +527,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
   const Values kept_texture = keep && last->texture == texture ? last->texture_values : nullptr;
   const bool has_values = (kept_colors || !colored) && (kept_texture || !textured);
   const bool same_split =
-      keep && last->color_by == color_by && last->texture == texture && has_values && (last->normals_wanted || !surfaces);
+      keep && last->color_by == color_by && last->texture == texture && has_values && (last->normals_wanted || !lit);
   const bool same_cut = last && last->base && aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, request.array) &&
                         last->color_by == color_by && same_mesh(*last, plain, source, task);
   const bool same_bricks = last && last->bricks && aids.least_in_bricks <= tetrahedra_of(*last) && draws_from_bricks(scene) &&
@@ -560,7 +574,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (colored) made->color_values = carried.front();
     if (textured) made->texture_values = carried.back();
   }
-  if (surfaces && !made->normals_wanted && !made->dataset->grid.flat()) add_normals(*made, task);
+  if (lit && !made->normals_wanted && !made->dataset->grid.flat()) add_normals(*made, task);
   set_range(made->steps.front()->array(color_by), made->color_lower, made->color_upper);
   set_range(made->steps.front()->array(texture), made->texture_lower, made->texture_upper);
   made->bounds = made->dataset->bounds;

@@ -27,8 +27,11 @@ namespace isostrata {
 /// asked of its first step or time.
 LayerRequest layer_request(const Scene& scene);
 
-/// Whether any boundary surface of the scene's intervals or terms is drawn: then normals are wanted.
+/// Whether any boundary surface of the scene's intervals or terms is drawn.
 bool draws_surfaces(const Scene& scene);
+
+/// Whether its surfaces may be lit along the field's gradient, which takes a pass over the mesh: true wherever lit_along_gradient is of what is drawn.
+bool lights_along_gradient(const Scene& scene);
 
 /// What one part of a smear shows: a step, or a time.
 struct SmearMoment {
