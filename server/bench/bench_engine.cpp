@@ -52,7 +52,7 @@ DatasetFacts BenchEngine::open() {
   return std::get<DatasetReady>(wait_for(request)).facts;
 }
 
-FrameReady BenchEngine::picture(Scene scene, int width, int height) {
+FrameReady BenchEngine::picture(Scene scene, int width, int height, const std::function<void(const FrameReady&)>& before) {
   scene.dataset = dataset_;
   scene.revision = ++revision_;
   engine_->post(SceneUpdate{1, std::move(scene)});
@@ -64,7 +64,8 @@ FrameReady BenchEngine::picture(Scene scene, int width, int height) {
     request.height = height;
     engine_->post(request);
     FrameReady frame = std::get<FrameReady>(wait_for(request.request));
-    if (frame.revision == revision_) return frame;  // else of what was there before
+    if (frame.revision == revision_) return frame;
+    if (before) before(frame);
   }
 }
 

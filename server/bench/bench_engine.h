@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -20,8 +21,9 @@ class BenchEngine {
 
   /// What a session is told when it opens the data. Throws what the engine answers in place of it.
   DatasetFacts open();
-  /// The first picture of the scene that comes after this call, as a moving frame (JPEG).
-  FrameReady picture(Scene scene, int width, int height);
+  /// The first picture of the scene that comes after this call, as a moving frame (JPEG). before: gets each that comes earlier, of what was there or of
+  /// some of the points.
+  FrameReady picture(Scene scene, int width, int height, const std::function<void(const FrameReady&)>& before = {});
   /// What a session of this dataset begins with. Throws not_found where there is nothing to show.
   Scene first_scene(const DatasetFacts& facts, double aspect) const;
 

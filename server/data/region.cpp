@@ -11,6 +11,7 @@
 #include "data/child_process.h"
 #include "data/import_cache.h"
 #include "data/import_door.h"
+#include "data/kept_facts.h"
 #include "data/structured_part.h"
 
 namespace isostrata {
@@ -80,6 +81,24 @@ Grid grid_of(const Grid& whole, const StructuredPart& part, const Task& task) {
   return grid;
 }
 
+/// As array_of, from what is kept where it is.
+PointArray kept_array_of(const PointArray& whole, const StructuredPart& part, const Task& task) {
+  std::string name = "every";
+  for (const auto& numbers : {part.step, part.of})
+    for (const std::int64_t n : numbers) name += '-' + std::to_string(n);
+  const std::size_t bytes = static_cast<std::size_t>(part.count()) * size_of(whole.type);
+  if (auto kept = kept_fact(whole, name); kept && kept->size() == bytes) {
+    const auto storage = std::make_shared<const std::vector<std::byte>>(std::move(*kept));
+    PointArray array = whole;
+    array.values = scalar_span(whole.type, *storage);
+    array.storage = storage;
+    return array;
+  }
+  PointArray array = array_of(whole, part, task);
+  std::visit([&](auto values) { keep_fact(whole, name, std::as_bytes(values)); }, array.values);
+  return array;
+}
+
 /// The whole as the import child leaves it, without a look at its values.
 std::shared_ptr<const Dataset> open_unmeasured(const std::filesystem::path& file, const OpenOptions& options, const Task& task) {
   if (import_cache())
@@ -140,6 +159,21 @@ std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& regio
     measure_range(array);
     dataset->arrays.push_back(std::move(array));
   }
+  return dataset;
+}
+
+std::shared_ptr<const Dataset> coarser(const Dataset& whole, const std::array<std::int64_t, 3>& stride, std::span<const std::string> arrays, const Task& task) {
+  Region region;
+  region.stride = stride;
+  const StructuredPart part = find_part(whole, region);
+  auto dataset = std::make_shared<Dataset>();
+  dataset->name = whole.name;
+  dataset->times = whole.times;
+  dataset->step = whole.step;
+  dataset->grid = grid_of(whole.grid, part, task);
+  dataset->bounds = whole.bounds;
+  dataset->cell_types = count_cell_types(dataset->grid);
+  for (const std::string& name : arrays) dataset->arrays.push_back(kept_array_of(whole.array(name), part, task));
   return dataset;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,11 @@ void set_stride(Region& region, std::string_view text);
 /// spans several is hidden where one of them is. Values outside are not read. Throws invalid_argument (nothing of the grid is in it, naming both),
 /// unsupported (an unstructured grid), too_large, cancelled. Parallel.
 std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& region, std::uint64_t max_bytes, const Task& task);
+
+/// Every n-th point along each axis, for a first look: the arrays of these names alone, with the ranges and the bounds of the whole, so that it is drawn
+/// in its colours and place. What is read of an array that was imported into the cache is kept there (kept_facts.h). Precondition: a structured grid.
+/// Throws not_found (an array that is not there), cancelled. Parallel.
+std::shared_ptr<const Dataset> coarser(const Dataset& whole, const std::array<std::int64_t, 3>& stride, std::span<const std::string> arrays, const Task& task);
 
 /// open_dataset and part_of it. Where the whole is not known yet from the import cache, nobody looks at values outside, not even for their range; a
 /// file whose values can be mapped in place is not read elsewhere either. Throws what both throw.

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 
 #include "data/analytic.h"
 #include "data/files.h"
 #include "data/import_cache.h"
+#include "data/kept_facts.h"
 #include "support/places.h"
 
 namespace isostrata {
@@ -65,6 +68,37 @@ TEST(Region, ACellThatSpansAHiddenOneIsHidden) {
   const auto part = part_of(*whole, region(":,:,:", "2"), kNoLimit, Task{});
   ASSERT_EQ(part->grid.cell_count(), 64);
   for (std::int64_t c = 0; c < 64; ++c) EXPECT_EQ(part->grid.hidden(c), c == 1 + 4 * (2 + 4 * 2)) << c;
+}
+
+TEST(Region, ACoarserOneHasTheWholesRangesAndIsKeptWithTheImport) {
+  const auto whole = make_analytic("cylinder:12x16x8", {}, Task{});
+  const std::string name = whole->arrays[1].name;
+  const std::array<std::int64_t, 3> stride{2, 3, 1};
+  const auto check = [&](const Dataset& coarse, const std::string& which) {
+    ASSERT_EQ(coarse.arrays.size(), 1u) << which;
+    const auto n = coarse.grid.dims(), all = whole->grid.dims();
+    ASSERT_EQ(n, (std::array<std::int64_t, 3>{(all[0] - 1) / 2 + 1, (all[1] - 1) / 3 + 1, all[2]})) << which;
+    for (std::int64_t p = 0; p < coarse.grid.point_count(); ++p) {
+      const std::int64_t i = p % n[0], j = p / n[0] % n[1], k = p / (n[0] * n[1]), q = 2 * i + all[0] * (3 * j + all[1] * k);
+      ASSERT_EQ(coarse.arrays[0].at(static_cast<std::size_t>(p)), whole->arrays[1].at(static_cast<std::size_t>(q))) << which << ": " << p;
+      for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(coarse.grid.point(p)[axis], whole->grid.point(q)[axis], 1e-12) << which << ": " << p;
+    }
+    EXPECT_EQ(coarse.arrays[0].lower, whole->arrays[1].lower) << which;
+    EXPECT_EQ(coarse.arrays[0].upper, whole->arrays[1].upper) << which;
+    EXPECT_EQ(coarse.bounds.upper, whole->bounds.upper) << which;
+  };
+  const std::vector<std::string> names{name};
+  check(*coarser(*whole, stride, names, Task{}), "of an array without a place");
+  Scratch where;
+  set_place_of_facts(whole->arrays[1].storage, where.path(), "array_1.");
+  check(*coarser(*whole, stride, names, Task{}), "found");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(where.path()), {}), 1);
+  check(*coarser(*whole, stride, names, Task{}), "kept");
+  check(*coarser(*whole, {2, 3, 1}, names, Task{}), "kept, again");
+  const auto other = coarser(*whole, {3, 3, 1}, names, Task{});
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(where.path()), {}), 2) << "another stride is another file";
+  const std::vector<std::string> none{"no such"};
+  EXPECT_THROW(coarser(*whole, stride, none, Task{}), Error);
 }
 
 TEST(Region, OfAFileIsReadWithoutALookAtTheRest) {

@@ -81,6 +81,13 @@ test('the badge says exact only of the newest state, losslessly, where there is 
   expect(word({ phase: 'settled' }, 5)).toBe('settled');
   expect(word({ phase: 'moving', height: 300 }, 6)).toBe('moving at 50 %');
   expect(word({ phase: 'moving' })).toBe('moving');
+  expect(word({ phase: 'settled', pointStride: 4 }, 6)).toBe('first look');
+  expect(word({ pointStride: 1 })).toBe('exact');
+});
+
+test('a first look at some of the points says nothing of what is not in it', () => {
+  expect(emptyReason(view, info, none, false)).toContain('Nothing to show');
+  expect(emptyReason(view, info, { ...none, pointStride: 4 }, false)).toBeNull();
 });
 
 test('a layer is called by its own number, whichever others are there', () => {

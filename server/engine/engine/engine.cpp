@@ -28,6 +28,7 @@
 #include "engine/engine/lanes.h"
 #include "engine/engine/scene_ledger.h"
 #include "engine/messages/operation.h"
+#include "engine/picture/coarse_scene.h"
 #include "engine/picture/draw_scene.h"
 #include "engine/picture/draw_still.h"
 #include "engine/picture/export_mesh.h"
@@ -74,6 +75,9 @@ bool same_view(const Scene& a, const Scene& b) {
          a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance && a.clip_planes == b.clip_planes &&
          a.annotations == b.annotations && a.color_range == b.color_range;
 }
+
+/// Whether all points of the grid went into it.
+bool is_whole(const std::shared_ptr<const ExtractedScene>& extracted) { return extracted && extracted->point_stride == 1; }
 
 /// A picture that is being drawn or encoded.
 struct Picture {
@@ -126,6 +130,7 @@ class Engine::Impl {
         sink_(std::move(sink)),
         catalogue_(options_.catalogue),
         store_(options_.store, [this](const std::string& id, int step, const Task& task) { return load(id, step, task); }),
+        coarse_(options_.least_coarse_cells),
         bases_(options_.store.max_bytes),
         ordered_(options_.store.max_bytes) {
     make_ = options_.renderer ? options_.renderer : [choice = options_.renderer_choice] { return make_renderer(choice); };
@@ -381,7 +386,7 @@ class Engine::Impl {
     if (stopping_) return;
     std::shared_ptr<const ExtractedScene> ready;  // what the pictures were made of
     const auto it = sessions_.find(request.session);
-    if (it != sessions_.end() && it->second.ready && same_extraction(it->second.ready_scene, request.scene))
+    if (it != sessions_.end() && is_whole(it->second.ready) && same_extraction(it->second.ready_scene, request.scene))
       ready = it->second.ready;
     counters_.post(request.session, [this, request, ready, operation = begin(request.session, request.request)] {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
@@ -455,7 +460,7 @@ class Engine::Impl {
         session.extraction->supersede(kSupersededGraceMs);
       return;
     }
-    if (session.ready && same_extraction(session.ready_scene, scene)) return;
+    if (is_whole(session.ready) && same_extraction(session.ready_scene, scene)) return;
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
     extractors_.post(key, [this, key, operation = session.extraction, scene, previous = session.ready,
@@ -488,6 +493,9 @@ class Engine::Impl {
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
       if (cuts_intervals_) aids.least_in_bricks = kLeastInBricksOfFrames;
       aids.max_bytes = room_for(key, false);
+      const bool shows_it = is_whole(previous) && before->dataset == scene.dataset && before->array == scene.array;  // with other intervals, or at another step
+      if (!options_.ranks && !shows_it)
+        if (auto first = coarse_.extract(steps, scene, operation->task())) show_meanwhile(key, operation, scene, std::move(first));
       try {
         extracted = extract_from(source, steps, scene, previous, operation->task(), aids);
       } catch (const Error& error) {
@@ -528,6 +536,20 @@ class Engine::Impl {
     }
     let_go(std::move(given_back));
     for (EngineEvent& event : events) send(std::move(event));
+  }
+
+  /// What is drawn until the extraction is done.
+  void show_meanwhile(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, std::shared_ptr<const ExtractedScene> coarse) {
+    const std::lock_guard lock(mutex_);  // what was there before is held by who extracts
+    const auto it = sessions_.find(key);
+    if (it == sessions_.end() || it->second.extraction != operation) return;
+    SessionState& session = it->second;
+    scenes_.hold(key, scene_bytes(*coarse));
+    session.ready = std::move(coarse);
+    session.ready_scene = scene;
+    session.ready_drawn = false;
+    session.drawn_meanwhile.reset();
+    draw_soon(key, session);
   }
 
   // ---- memory: datasets, then what works that are under way take, and then scenes in what is left of --max-memory ----
@@ -577,7 +599,7 @@ class Engine::Impl {
     const std::lock_guard lock(mutex_);
     const auto it = sessions_.find(request.session);
     const std::uint64_t most = max_scene_bytes(), free = most - std::min(most, scenes_.bytes());
-    if (it != sessions_.end() && it->second.ready && same_extraction(it->second.ready_scene, request.scene)) {
+    if (it != sessions_.end() && is_whole(it->second.ready) && same_extraction(it->second.ready_scene, request.scene)) {
       // Its facets and values come on top, and it needs some room to be told by numbers that it has too little.
       return std::max(2 * scenes_.bytes_of(request.session), kLeastExport);
     }
@@ -920,10 +942,11 @@ class Engine::Impl {
   template <class Fits>
   static std::optional<DrawOrder> order_of(SessionState& session, const Fits& fits) {
     if (!session.ready || !session.scene) return std::nullopt;
-    const bool newest = same_extraction(session.ready_scene, *session.scene);
+    const bool whole = is_whole(session.ready), newest = whole && same_extraction(session.ready_scene, *session.scene);
     DrawOrder order;
-    const auto request = std::find_if(session.waiting.begin(), session.waiting.end(),
-                                      [&](const FrameRequest& f) { return fits(f) && (newest || !f.lossless); });
+    const auto request = std::find_if(session.waiting.begin(), session.waiting.end(), [&](const FrameRequest& f) {
+      return fits(f) && (newest || !f.lossless) && (whole || !is_still(f));
+    });
     if (request == session.waiting.end()) return std::nullopt;
     if (newest) {
       order.scene = *session.scene;
@@ -934,6 +957,7 @@ class Engine::Impl {
       if (session.ready_scene.dataset != session.scene->dataset) return std::nullopt;
       order.scene = session.ready_scene;
       take_view(order.scene, *session.scene);
+      if (!whole) order.scene.revision = std::min(order.scene.revision, session.scene->revision - 1);  // it contains none wholly: who waits goes on
       const bool seen = session.ready_drawn && session.drawn_meanwhile
                             ? same_view(*session.drawn_meanwhile, order.scene)
                             : session.ready_drawn && same_view(session.ready_scene, order.scene);
@@ -1031,6 +1055,7 @@ class Engine::Impl {
     frame.order = std::move(result.facts.order);
     frame.order_exact = result.facts.order_exact;
     frame.tetrahedra = result.facts.tetrahedra;
+    frame.point_stride = order.extracted->point_stride;
     frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
     drawn.image = std::move(result.image);
     drawn.background = input.background;
@@ -1138,7 +1163,8 @@ class Engine::Impl {
   Catalogue catalogue_;
   std::set<std::string> grown_;  // ids of series whose new steps nobody has looked at
   DatasetStore store_;
-  BrickMemory bricks_;                       // of all sessions
+  CoarseScenes coarse_;                      // of all sessions
+  BrickMemory bricks_;                       // likewise
   BaseMeshes bases_;                         // likewise
   OrderedMemory ordered_;                    // likewise
   Task base_task_;                           // of making those that nobody waits for

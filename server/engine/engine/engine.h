@@ -34,6 +34,8 @@ struct EngineOptions {
   /// Who extracts, and whose renderer `renderer` makes; must outlive the engine. Null: this process alone. What is counted of whole arrays, the
   /// first view and exported meshes are made by this process in any case.
   SceneRanks* ranks = nullptr;
+  /// Of a structured grid with more cells the first picture is of every n-th point (FrameReady::point_stride), for those of all points take seconds.
+  std::int64_t least_coarse_cells = std::int64_t{1} << 26;
 };
 
 class Engine final : public FrameEngine {

@@ -232,6 +232,7 @@ struct FrameReady {
   std::string order;
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
+  int point_stride = 1;  // more: a first picture of a large grid, of every n-th point along each axis; one of all points follows
   std::vector<IntervalFacts> intervals;
   std::shared_ptr<const Bytes> bytes;                 // null where there are bands
   std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top

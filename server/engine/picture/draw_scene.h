@@ -94,6 +94,7 @@ struct ExtractedScene {
   std::shared_ptr<const LayerBricks> bricks;   // not null: the mesh has summaries and no points, and the renderer draws these
   // Not empty: the mesh is one rank's part (scene_ranks.h), and these are of the whole.
   std::vector<IntervalSummary> whole_summaries;
+  int point_stride = 1;   // more: of every n-th point of the grid, for a first look (coarse_scene.h)
   double extract_ms = 0;  // 0 where `previous` was reused
 
   /// Of the request's intervals and of the terms that bring something in; of a smear, of each step.

@@ -241,6 +241,7 @@ v1::Frame to_wire(const FrameReady& frame) {
   facts.set_order(frame.order);
   facts.set_order_exact(frame.order_exact);
   facts.set_tetrahedra(frame.tetrahedra);
+  facts.set_point_stride(static_cast<std::uint32_t>(frame.point_stride));
   for (const IntervalFacts& interval : frame.intervals) *facts.add_intervals() = to_wire(interval);
   *out.mutable_camera() = to_wire(frame.camera);
   return out;

@@ -324,6 +324,7 @@ export interface Frame {
   order: string;
   orderExact: boolean;
   tetrahedra: number;
+  pointStride: number; // above 1: a first picture, of every n-th point of the grid along each axis
   intervals: IntervalFacts[];
   camera: Camera | null;
   streamId: number; // of video; 0: a picture by itself

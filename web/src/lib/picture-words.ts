@@ -2,9 +2,9 @@
 import { formatNumber } from './ticks';
 import type { DatasetInfo, Frame, SceneState } from './model';
 
-type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'>;
+type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride'>>;
 
-type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'>;
+type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'> & Partial<Pick<Frame, 'pointStride'>>;
 
 /** Why the picture has to be empty; null where something is to be seen, or nobody knows yet. blank: a finished picture is all background. */
 export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Drawn | null, blank: boolean): string | null {
@@ -19,7 +19,8 @@ export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: D
   const seen = view.intervals.filter((interval) => interval.visible);
   if (seen.length === 0 && !view.terms.some((term) => !term.hidden)) return 'Nothing to show: all layers are hidden.';
   const areas = frame?.intervals.some(({ id, area }) => area && seen.some((interval) => interval.id === id));
-  if (frame?.tetrahedra !== 0 || areas)
+  const firstLook = (frame?.pointStride ?? 1) > 1; // what lies between its points is not in it
+  if (frame?.tetrahedra !== 0 || areas || firstLook)
     return blank ? 'None of the layers can be seen here. Reset shows all; what is still not seen is too thin or too transparent.' : null;
   const array = info.arrays.find((a) => a.name === view.array);
   if (array && !(array.lower <= array.upper)) return `Nothing to show: ${view.array} has no finite value.`;
@@ -43,6 +44,12 @@ export interface Badge {
 
 /** "exact" only if what the controls show is in the picture, losslessly, and there is something to be exact about. */
 export function badgeOf(frame: Shown, state: { revision: number; waits: boolean }, empty: boolean, viewportHeight: number): Badge {
+  if (frame.pointStride && frame.pointStride > 1)
+    return {
+      word: 'first look',
+      kind: 'moving',
+      title: `One point in ${frame.pointStride} along each axis went into this picture. The layers of all points are being found.`,
+    };
   if (frame.phase === 'moving') {
     // Of the viewport's height, where the connection is too slow for all of it.
     const share = frame.height / viewportHeight;

@@ -522,6 +522,7 @@ function frameOf(f: WireFrame): Frame {
     order: f.facts?.order ?? '',
     orderExact: f.facts?.orderExact ?? false,
     tetrahedra: Number(f.facts?.tetrahedra ?? 0n),
+    pointStride: f.facts?.pointStride || 1,
     intervals: (f.facts?.intervals ?? []).map(({ id, activeCells, tetrahedra, volume, area }) => ({
       id,
       activeCells: Number(activeCells),

@@ -1,0 +1,43 @@
+// A first picture of a large grid: of every n-th point, while the layers of all points are still being found.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "engine/picture/draw_scene.h"
+
+namespace isostrata {
+
+/// The least stride of each axis that leaves at most some 16 million points, and no axis with few; 1, 1, 1 where the grid has no more cells than
+/// `least_cells`, or is not structured.
+std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells);
+
+/// Lends coarser datasets to scenes, and makes each once for as long as a scene has it. Any thread may call any function. Lock: mutex_.
+class CoarseScenes {
+ public:
+  /// Grids of more cells have a coarser picture first.
+  explicit CoarseScenes(std::int64_t least_cells) : least_cells_(least_cells) {}
+
+  /// As extract_scene, on every n-th point of the grid (coarser, region.h); ExtractedScene::point_stride says of which. Nothing where the grid is not
+  /// large, or the scene shows more than one step as it is. The mesh takes 1/n^3 of that of all points, and as much of its time. Throws what
+  /// extract_scene throws.
+  std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task);
+
+ private:
+  std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const std::array<std::int64_t, 3>& stride,
+                                           std::vector<std::string> arrays, const Task& task);
+
+  struct Lent {
+    std::weak_ptr<const Dataset> whole, coarse;
+    std::vector<std::string> arrays;
+  };
+  const std::int64_t least_cells_;
+  std::mutex mutex_;
+  std::vector<Lent> lent_;
+};
+
+}  // namespace isostrata

@@ -1,0 +1,158 @@
+// The first picture of a large grid: of every n-th point, until the layers of all points are there.
+#include "engine/picture/coarse_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "data/analytic.h"
+#include "engine/engine/engine.h"
+#include "engine/heard_events.h"
+#include "support/plain_renderer.h"
+
+namespace isostrata {
+namespace {
+
+using Stride = std::array<std::int64_t, 3>;
+
+Grid boxes(std::int64_t x, std::int64_t y, std::int64_t z) { return {UniformGrid{{x, y, z}, {0, 0, 0}, {1, 1, 1}}, {}, {}}; }
+
+TEST(CoarseStride, IsTheLeastThatLeavesFewPointsAndNoAxisThin) {
+  constexpr std::int64_t kLeast = std::int64_t{1} << 26;
+  EXPECT_EQ(coarse_stride(boxes(400, 400, 400), kLeast), (Stride{1, 1, 1})) << "its own picture is there as soon";
+  EXPECT_EQ(coarse_stride(boxes(512, 512, 512), kLeast), (Stride{2, 2, 2}));
+  EXPECT_EQ(coarse_stride(boxes(1024, 1024, 1024), kLeast), (Stride{4, 4, 4}));
+  EXPECT_EQ(coarse_stride(boxes(2048, 2048, 2048), kLeast), (Stride{8, 8, 8}));
+  const Stride flat = coarse_stride(boxes(20000, 20000, 2), kLeast);
+  EXPECT_EQ(flat[2], 1);
+  EXPECT_GT(flat[0], 1);
+  EXPECT_LE((20000 / flat[0]) * (20000 / flat[1]) * 2, std::int64_t{1} << 24);
+  EXPECT_EQ(coarse_stride(make_analytic("tets:20", {}, Task{})->grid, 10), (Stride{1, 1, 1})) << "of structured grids only";
+}
+
+Scene torus_scene() {
+  Scene scene;
+  scene.intervals.push_back({1, 0.1, 0.4, {1, 0, 0}, "", 0.5, 0, true});
+  scene.intervals.push_back({2, 0.6, 0.7, {0, 1, 0}, "", 0.5, 0, true});
+  return scene;
+}
+
+TEST(CoarseScenes, AreTheScenesOfEveryNthPoint) {
+  const auto whole = make_analytic("torus:65", {}, Task{});
+  const auto stride = coarse_stride(whole->grid, 1000);
+  ASSERT_EQ(stride, (Stride{2, 2, 2}));
+  // The same points, one by one.
+  auto plain = std::make_shared<Dataset>(*whole);
+  auto values = std::make_shared<std::vector<float>>();
+  for (int k = 0; k < 65; k += 2)
+    for (int j = 0; j < 65; j += 2)
+      for (int i = 0; i < 65; i += 2) values->push_back(static_cast<float>(whole->arrays[0].at(static_cast<std::size_t>(i + 65 * (j + 65 * k)))));
+  const auto& of = std::get<UniformGrid>(whole->grid.shape);
+  plain->grid.shape = UniformGrid{{33, 33, 33}, of.origin, of.spacing * 2.0};
+  plain->arrays.resize(1);
+  plain->arrays[0].type = ScalarType::float32;
+  plain->arrays[0].values = std::span<const float>(*values);
+  plain->arrays[0].storage = values;
+
+  CoarseScenes scenes(1000);
+  const StepSource steps = [&](int, const Task&) { return whole; };
+  const auto coarse = scenes.extract(steps, torus_scene(), Task{});
+  ASSERT_TRUE(coarse);
+  EXPECT_EQ(coarse->point_stride, 2);
+  const auto expected = extract_scene(plain, torus_scene(), nullptr, Task{});
+  ASSERT_GT(expected->mesh->tetrahedra.size(), 1000u);
+  EXPECT_TRUE(std::equal(coarse->mesh->positions.begin(), coarse->mesh->positions.end(), expected->mesh->positions.begin(), expected->mesh->positions.end()));
+  EXPECT_TRUE(std::equal(coarse->mesh->tetrahedra.begin(), coarse->mesh->tetrahedra.end(), expected->mesh->tetrahedra.begin(), expected->mesh->tetrahedra.end()));
+  EXPECT_EQ(coarse->color_lower, whole->arrays[0].lower) << "colours run over the whole's range";
+  EXPECT_EQ(coarse->bounds.upper, whole->bounds.upper);
+  EXPECT_EQ(scenes.extract(steps, torus_scene(), Task{})->dataset, coarse->dataset) << "made once for as long as it is held";
+}
+
+TEST(CoarseScenes, AreNotMadeWhereTheWholeIsThereAsSoonOrSeveralStepsAreShown) {
+  const auto whole = make_analytic("torus:20", {}, Task{});
+  const StepSource steps = [&](int, const Task&) { return whole; };
+  EXPECT_FALSE(CoarseScenes(1 << 20).extract(steps, torus_scene(), Task{}));
+  CoarseScenes scenes(1000);
+  Scene smear = torus_scene();
+  smear.mode = SceneMode::smear;
+  EXPECT_FALSE(scenes.extract(steps, smear, Task{}));
+  Scene between = torus_scene();
+  between.time = 0;
+  EXPECT_FALSE(scenes.extract(steps, between, Task{}));
+}
+
+class FirstLook : public ::testing::Test, protected HeardEvents {
+ protected:
+  FirstLook() {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"torus:64", "torus:12"});
+    options.renderer = [control = control_] { return std::make_unique<PlainRenderer>(control); };
+    options.least_coarse_cells = 100'000;
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  }
+  ~FirstLook() override { engine_.reset(); }
+
+  /// Layers that take eight times as long on all points as on every other.
+  static Scene slow(std::uint64_t revision, double upper = 1.2) {
+    Scene of = scene(revision, upper, "torus-64");
+    of.intervals[0].lower = 0.01;
+    for (int i = 0; i < 3; ++i) of.terms.push_back({{RangeOperator::exclusive_or, "distance", {0.1 + 0.1 * i, 0.15 + 0.1 * i}}, {}, "", {}, {}, true});
+    return of;
+  }
+
+  std::shared_ptr<PlainRendererControl> control_ = std::make_shared<PlainRendererControl>();
+  std::unique_ptr<Engine> engine_;
+};
+
+TEST_F(FirstLook, IsOfSomePointsAndOfNoRevisionYetAndThatOfAllPointsFollows) {
+  engine_->post(SceneUpdate{1, slow(7)});
+  engine_->post(frame(1, 1));
+  const FrameReady first = frame_of(1);
+  EXPECT_EQ(first.point_stride, 2);
+  EXPECT_LT(first.revision, 7u) << "who waits for the newest scene goes on asking";
+  engine_->post(frame(1, 2));
+  const FrameReady second = frame_of(2);
+  EXPECT_EQ(second.point_stride, 1);
+  EXPECT_EQ(second.revision, 7u);
+  EXPECT_GT(second.tetrahedra, 4 * first.tetrahedra);
+}
+
+TEST_F(FirstLook, IsNoExactPictureAndNoneForKeeping) {
+  engine_->post(SceneUpdate{1, slow(7)});
+  engine_->post(frame(1, 1, true));
+  FrameRequest still = frame(1, 2);
+  still.still = StillFormat::png;
+  engine_->post(still);
+  for (const RequestId request : {1, 2}) {
+    EXPECT_EQ(frame_of(request).point_stride, 1) << request;
+    EXPECT_EQ(frame_of(request).revision, 7u) << request;
+  }
+}
+
+TEST_F(FirstLook, FollowsTheCameraWhileTheLayersOfAllPointsAreFound) {
+  engine_->post(SceneUpdate{1, slow(7)});
+  engine_->post(frame(1, 1));
+  ASSERT_EQ(frame_of(1).point_stride, 2);
+  Scene turned = slow(8);
+  turned.camera->eye.x += 1;
+  engine_->post(SceneUpdate{1, turned});
+  engine_->post(frame(1, 2));
+  const FrameReady moved = frame_of(2);
+  EXPECT_EQ(moved.camera.eye.x, turned.camera->eye.x);
+  if (moved.point_stride > 1) EXPECT_LT(moved.revision, 8u);
+  engine_->post(frame(1, 3, true));
+  EXPECT_EQ(frame_of(3).revision, 8u);
+  EXPECT_EQ(frame_of(3).point_stride, 1);
+}
+
+TEST_F(FirstLook, OfASmallGridIsThatOfAllPoints) {
+  engine_->post(SceneUpdate{1, scene(3)});
+  engine_->post(frame(1, 1));
+  EXPECT_EQ(frame_of(1).point_stride, 1);
+  EXPECT_EQ(frame_of(1).revision, 3u);
+}
+
+}  // namespace
+}  // namespace isostrata
