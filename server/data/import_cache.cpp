@@ -31,7 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 namespace json = boost::json;
 
-constexpr const char* kOrigin = "origin.txt";
 constexpr const char* kMeasures = "measures.json";
 constexpr const char* kEntry = "read-";
 constexpr const char* kNew = "new-";
@@ -117,7 +116,7 @@ std::vector<fs::path> folders(const ImportCache& cache, const char* prefix) {
 
 void remove_entry(const fs::path& entry) {
   std::error_code ignored;
-  fs::remove(entry / kOrigin, ignored);  // first: from now on it is none
+  fs::remove(entry / kOriginFile, ignored);  // first: from now on it is none
   fs::remove_all(entry, ignored);
 }
 
@@ -167,7 +166,7 @@ void make_room(const ImportCache& cache, std::uint64_t bytes) {
   std::uint64_t total = bytes;
   for (const fs::path& path : folders(cache, kEntry)) {
     std::error_code error;
-    const auto used = fs::last_write_time(path / kOrigin, error);
+    const auto used = fs::last_write_time(path / kOriginFile, error);
     if (error) {
       remove_entry(path);
       continue;
@@ -193,7 +192,7 @@ void place_facts(const Dataset& dataset, const fs::path& entry) {
 }
 
 std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& origin, const fs::path& file, const OpenOptions& options) {
-  if (text_of(entry / kOrigin) != origin) return nullptr;
+  if (text_of(entry / kOriginFile) != origin) return nullptr;
   const auto known = read_measures(entry / kMeasures);
   if (!known) return nullptr;
   std::shared_ptr<const Dataset> dataset;
@@ -213,7 +212,7 @@ std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& or
     std::ofstream(entry / kMeasures, std::ios::binary) << measured;
   }
   std::error_code ignored;
-  fs::last_write_time(entry / kOrigin, fs::file_time_type::clock::now(), ignored);
+  fs::last_write_time(entry / kOriginFile, fs::file_time_type::clock::now(), ignored);
   if (is_shut_in()) place_facts(*dataset, entry);
   return dataset;
 }
@@ -274,7 +273,7 @@ std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const Op
   std::shared_ptr<const Dataset> dataset = map_import(folder->path(), file, options, ImportFiles::left);
   if (stopwatch.elapsed_ms() >= 1000 * cache.least_seconds && origin_of(file, options) == origin) {  // else it was written to while it was read
     std::ofstream(folder->path() / kMeasures, std::ios::binary) << to_text(measures_of(*dataset));
-    std::ofstream(folder->path() / kOrigin, std::ios::binary) << *origin;
+    std::ofstream(folder->path() / kOriginFile, std::ios::binary) << *origin;
     const std::uint64_t bytes = bytes_in(folder->path());
     std::error_code error;
     if (bytes <= cache.max_bytes / 2 && fs::space(cache.folder, error).available >= bytes && !error) {

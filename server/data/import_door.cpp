@@ -98,10 +98,8 @@ std::pair<std::string, std::string> kept_name(const fs::path& file, int step) {
   return {"kept-" + std::to_string(std::hash<std::string>{}(text)), text};
 }
 
-constexpr const char* kOrigin = "origin.txt";  // the last file to be written
-
 bool is_kept(const fs::path& directory, const std::string& origin) {
-  std::ifstream file(directory / kOrigin, std::ios::binary);
+  std::ifstream file(directory / kOriginFile, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   return file && text == origin;
 }
@@ -176,7 +174,7 @@ std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const O
     kept->files.emplace(temporary_base(), "isostrata-import-");
     import_into(kept->files->path(), file, options, task);
     kept->dataset = map_import(kept->files->path(), file, options, ImportFiles::left);
-    std::ofstream(kept->files->path() / kOrigin, std::ios::binary) << origin;
+    std::ofstream(kept->files->path() / kOriginFile, std::ios::binary) << origin;
     if (!kept->files->move_to(place)) kept->files.reset();  // there is one already
   }
   task.report(1, "reading");

@@ -38,6 +38,9 @@ namespace isostrata {
 /// Arrays of this many bytes are mapped in place where they can be: below, a copy is cheap, and does not change under those who look at it.
 inline constexpr std::uint64_t kLeastInPlace = std::uint64_t{64} << 20;
 
+/// In a folder that is kept: which files it was read from, and when. It is written last, so a folder without it is not finished.
+inline constexpr const char* kOriginFile = "origin.txt";
+
 /// Runs the child on `file`. Throws not_found, bad_data (also where the child crashed, ran out of time, or wrote something
 /// inconsistent), unsupported, too_large, cancelled, unavailable (no isostrata-import, no room for temporary files). Any thread.
 std::shared_ptr<const Dataset> open_import(const std::filesystem::path& file, const OpenOptions& options, const Task& task);
