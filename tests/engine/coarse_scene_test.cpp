@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "data/analytic.h"
@@ -17,19 +19,21 @@ namespace {
 
 using Stride = std::array<std::int64_t, 3>;
 
+constexpr std::int64_t kMost = std::int64_t{1} << 24;
+
 Grid boxes(std::int64_t x, std::int64_t y, std::int64_t z) { return {UniformGrid{{x, y, z}, {0, 0, 0}, {1, 1, 1}}, {}, {}}; }
 
 TEST(CoarseStride, IsTheLeastThatLeavesFewPointsAndNoAxisThin) {
   constexpr std::int64_t kLeast = std::int64_t{1} << 26;
-  EXPECT_EQ(coarse_stride(boxes(400, 400, 400), kLeast), (Stride{1, 1, 1})) << "its own picture is there as soon";
-  EXPECT_EQ(coarse_stride(boxes(512, 512, 512), kLeast), (Stride{2, 2, 2}));
-  EXPECT_EQ(coarse_stride(boxes(1024, 1024, 1024), kLeast), (Stride{4, 4, 4}));
-  EXPECT_EQ(coarse_stride(boxes(2048, 2048, 2048), kLeast), (Stride{8, 8, 8}));
-  const Stride flat = coarse_stride(boxes(20000, 20000, 2), kLeast);
+  EXPECT_EQ(coarse_stride(boxes(400, 400, 400), kLeast, kMost), (Stride{1, 1, 1})) << "its own picture is there as soon";
+  EXPECT_EQ(coarse_stride(boxes(512, 512, 512), kLeast, kMost), (Stride{2, 2, 2}));
+  EXPECT_EQ(coarse_stride(boxes(1024, 1024, 1024), kLeast, kMost), (Stride{4, 4, 4}));
+  EXPECT_EQ(coarse_stride(boxes(2048, 2048, 2048), kLeast, kMost), (Stride{8, 8, 8}));
+  const Stride flat = coarse_stride(boxes(20000, 20000, 2), kLeast, kMost);
   EXPECT_EQ(flat[2], 1);
   EXPECT_GT(flat[0], 1);
   EXPECT_LE((20000 / flat[0]) * (20000 / flat[1]) * 2, std::int64_t{1} << 24);
-  EXPECT_EQ(coarse_stride(make_analytic("tets:20", {}, Task{})->grid, 10), (Stride{1, 1, 1})) << "of structured grids only";
+  EXPECT_EQ(coarse_stride(make_analytic("tets:20", {}, Task{})->grid, 10, kMost), (Stride{1, 1, 1})) << "of structured grids only";
 }
 
 Scene torus_scene() {
@@ -41,7 +45,7 @@ Scene torus_scene() {
 
 TEST(CoarseScenes, AreTheScenesOfEveryNthPoint) {
   const auto whole = make_analytic("torus:65", {}, Task{});
-  const auto stride = coarse_stride(whole->grid, 1000);
+  const auto stride = coarse_stride(whole->grid, 1000, kMost);
   ASSERT_EQ(stride, (Stride{2, 2, 2}));
   // The same points, one by one.
   auto plain = std::make_shared<Dataset>(*whole);
@@ -141,7 +145,9 @@ TEST_F(FirstLook, FollowsTheCameraWhileTheLayersOfAllPointsAreFound) {
   engine_->post(frame(1, 2));
   const FrameReady moved = frame_of(2);
   EXPECT_EQ(moved.camera.eye.x, turned.camera->eye.x);
-  if (moved.point_stride > 1) EXPECT_LT(moved.revision, 8u);
+  if (moved.point_stride > 1) {
+    EXPECT_LT(moved.revision, 8u);
+  }
   engine_->post(frame(1, 3, true));
   EXPECT_EQ(frame_of(3).revision, 8u);
   EXPECT_EQ(frame_of(3).point_stride, 1);
@@ -152,6 +158,76 @@ TEST_F(FirstLook, OfASmallGridIsThatOfAllPoints) {
   engine_->post(frame(1, 1));
   EXPECT_EQ(frame_of(1).point_stride, 1);
   EXPECT_EQ(frame_of(1).revision, 3u);
+}
+
+class InMotion : public ::testing::Test, protected HeardEvents {
+ protected:
+  InMotion() {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"torus:96", "torus:12"});
+    options.renderer = [control = control_] { return std::make_unique<PlainRenderer>(control); };
+    options.least_coarse_tetrahedra = 50'000;
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  }
+  ~InMotion() override { engine_.reset(); }
+
+  FrameReady ask(bool coarse, bool lossless = false) {
+    FrameRequest wanted = frame(1, ++request_, lossless);
+    wanted.coarse = coarse;
+    engine_->post(wanted);
+    return frame_of(request_);
+  }
+  void turn(const char* dataset = "torus-96") {
+    Scene next = scene(++revision_, 0.5, dataset);
+    next.camera->eye.x += 0.01 * static_cast<double>(revision_);
+    engine_->post(SceneUpdate{1, next});
+  }
+
+  std::shared_ptr<PlainRendererControl> control_ = std::make_shared<PlainRendererControl>();
+  std::unique_ptr<Engine> engine_;
+  std::uint64_t revision_ = 0;
+  RequestId request_ = 0;
+};
+
+TEST_F(InMotion, WhatIsHeavyTurnsAsEveryNthPointOnceThatIsThereAndRestsAsAllPoints) {
+  turn();
+  const FrameReady exact = ask(false, true);
+  EXPECT_EQ(exact.point_stride, 1);
+  FrameReady moved;
+  for (int tries = 0; tries < 2000 && moved.point_stride == 1; ++tries) {
+    turn();
+    moved = ask(true);
+    EXPECT_EQ(moved.revision, revision_) << "what a hand did is in each picture";
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_EQ(moved.point_stride, 2) << "it is made in advance";
+  EXPECT_TRUE(moved.coarse_at_hand);
+  EXPECT_LT(4 * moved.tetrahedra, exact.tetrahedra);
+  EXPECT_NEAR(moved.intervals[0].volume, exact.intervals[0].volume, 0.02 * exact.intervals[0].volume);
+  turn();
+  EXPECT_EQ(ask(false).point_stride, 1) << "who does not ask for it does not get it";
+  const FrameReady rest = ask(false, true);
+  EXPECT_EQ(rest.point_stride, 1);
+  EXPECT_EQ(rest.tetrahedra, exact.tetrahedra);
+  EXPECT_EQ(rest.revision, revision_);
+
+  // Other layers are cut out of all points, and the old coarse ones are not shown for them.
+  Scene cut = scene(++revision_, 0.45, "torus-96");
+  engine_->post(SceneUpdate{1, cut});
+  const FrameReady other = ask(false, true);
+  EXPECT_LT(other.intervals[0].volume, exact.intervals[0].volume);
+}
+
+TEST_F(InMotion, WhatIsLightTurnsAsAllPoints) {
+  turn("torus-12");
+  ask(false, true);
+  for (int i = 0; i < 5; ++i) {
+    turn("torus-12");
+    const FrameReady moved = ask(true);
+    EXPECT_EQ(moved.point_stride, 1);
+    EXPECT_FALSE(moved.coarse_at_hand);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
 }
 
 }  // namespace

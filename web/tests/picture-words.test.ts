@@ -82,6 +82,7 @@ test('the badge says exact only of the newest state, losslessly, where there is 
   expect(word({ phase: 'moving', height: 300 }, 6)).toBe('moving at 50 %');
   expect(word({ phase: 'moving' })).toBe('moving');
   expect(word({ phase: 'settled', pointStride: 4 }, 6)).toBe('first look');
+  expect(word({ phase: 'moving', pointStride: 2 }, 6)).toBe('moving, coarse');
   expect(word({ pointStride: 1 })).toBe('exact');
 });
 

@@ -76,6 +76,8 @@ bool same_view(const Scene& a, const Scene& b) {
          a.annotations == b.annotations && a.color_range == b.color_range;
 }
 
+std::array<std::string, 2> color_arrays(const Scene& scene) { return {scene.color_by, scene.texture}; }
+
 /// Whether all points of the grid went into it.
 bool is_whole(const std::shared_ptr<const ExtractedScene>& extracted) { return extracted && extracted->point_stride == 1; }
 
@@ -91,6 +93,8 @@ struct SessionState {
   std::shared_ptr<const ExtractedScene> ready;
   Scene ready_scene;                      // that it was extracted for
   bool ready_drawn = false;               // its extraction time has been reported
+  std::shared_ptr<const ExtractedScene> ready_coarse;  // of every n-th point of the same, for moving frames; null: not at hand
+  std::array<std::string, 2> coarse_arrays;            // that colours and textures could run over when it was made
   std::shared_ptr<Operation> extraction;  // running or queued
   Scene extraction_scene;
   bool last_was_cut_short = false;
@@ -109,6 +113,7 @@ struct DrawOrder {
   double extract_ms = 0;
   std::shared_ptr<Task> task;
   std::shared_ptr<void> room;  // in memory, of a large still
+  bool coarse_at_hand = false;
 };
 
 /// A script's picture or somebody's screenshot: nobody has a hand on it.
@@ -524,6 +529,8 @@ class Engine::Impl {
         session.ready = extracted;
         session.ready_scene = scene;
         session.ready_drawn = false;
+        session.ready_coarse.reset();
+        prepare_motion(key, extracted, scene);
       } else if (same_extraction(scene, *session.scene)) {
         // Nothing is tried again until the scene changes: whoever waits for it is told once.
         session.extraction_failure = failure_of(failure, key, 0, session.scene->revision);
@@ -538,6 +545,37 @@ class Engine::Impl {
     for (EngineEvent& event : events) send(std::move(event));
   }
 
+  /// Of a scene that takes long to draw, the same of every n-th point is made in advance, for the next hand that turns it. With mutex_ held.
+  void prepare_motion(SessionKey key, const std::shared_ptr<const ExtractedScene>& extracted, const Scene& scene) {
+    std::int64_t tetrahedra = 0;
+    for (const IntervalSummary& of : extracted->summaries()) tetrahedra += of.tetrahedra;
+    if (options_.ranks || tetrahedra < options_.least_coarse_tetrahedra || extracted->base || !extracted->dataset->grid.structured()) return;
+    movers_.post(key, [this, key, extracted, scene] {
+      const auto is_ready = [&] {
+        const auto it = sessions_.find(key);
+        return it != sessions_.end() && it->second.ready == extracted;
+      };
+      {
+        const std::lock_guard lock(mutex_);
+        if (!is_ready() || scene_bytes(*extracted) / 3 > max_scene_bytes() - std::min(max_scene_bytes(), scenes_.bytes())) return;
+      }
+      std::shared_ptr<const ExtractedScene> coarse;
+      try {
+        const Doing extracting(options_.board, Stage::extracting, 0, 0);
+        const Work work(key, WorkClass::still, {&base_task_, true, extracting.waiting()});
+        coarse = coarse_.extract_for_motion(extracted->dataset, scene, base_task_);
+      } catch (const std::exception& error) {  // a hand turns all points then
+        return;
+      }
+      if (!coarse) return;
+      const std::lock_guard lock(mutex_);
+      if (!is_ready()) return;
+      scenes_.hold(key, scene_bytes(*extracted) + scene_bytes(*coarse));
+      sessions_.at(key).ready_coarse = std::move(coarse);
+      sessions_.at(key).coarse_arrays = color_arrays(scene);
+    });
+  }
+
   /// What is drawn until the extraction is done.
   void show_meanwhile(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, std::shared_ptr<const ExtractedScene> coarse) {
     const std::lock_guard lock(mutex_);  // what was there before is held by who extracts
@@ -546,6 +584,7 @@ class Engine::Impl {
     SessionState& session = it->second;
     scenes_.hold(key, scene_bytes(*coarse));
     session.ready = std::move(coarse);
+    session.ready_coarse.reset();
     session.ready_scene = scene;
     session.ready_drawn = false;
     session.drawn_meanwhile.reset();
@@ -646,7 +685,9 @@ class Engine::Impl {
     for (const SessionKey key : scenes_.too_many(most, may_go)) {
       SessionState& session = sessions_.at(key);
       all.push_back(std::move(session.ready));
+      all.push_back(std::move(session.ready_coarse));
       session.ready.reset();
+      session.ready_coarse.reset();
       scenes_.hold(key, 0);
       renderers_.drop(key);
     }
@@ -860,6 +901,7 @@ class Engine::Impl {
     for (auto& [key, session] : sessions_) {
       if (!cuts_intervals_ && session.ready && (session.ready->base || session.ready->bricks)) {
         session.ready.reset();
+        session.ready_coarse.reset();
         scenes_.hold(key, 0);
         advance(key, session);
       }
@@ -968,7 +1010,8 @@ class Engine::Impl {
     session.waiting.erase(request);
     order.task = std::make_shared<Task>();
     session.pictures[order.request.request] = {order.task, order.scene.revision, order.request.band_bytes > 0};
-    order.extracted = session.ready;
+    order.coarse_at_hand = newest && session.ready_coarse && session.coarse_arrays == color_arrays(order.scene);
+    order.extracted = order.coarse_at_hand && order.request.coarse ? session.ready_coarse : session.ready;
     order.extract_ms = session.ready_drawn ? 0 : session.ready->extract_ms;
     session.ready_drawn = true;
     return order;
@@ -1056,6 +1099,7 @@ class Engine::Impl {
     frame.order_exact = result.facts.order_exact;
     frame.tetrahedra = result.facts.tetrahedra;
     frame.point_stride = order.extracted->point_stride;
+    frame.coarse_at_hand = order.coarse_at_hand;
     frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
     drawn.image = std::move(result.image);
     drawn.background = input.background;
@@ -1177,6 +1221,7 @@ class Engine::Impl {
   Lanes readers_{{8, 10}};        // of steps for their ranges, by dataset
   Lanes exporters_{{2, 10}};      // of mesh files, by session
   Lanes preparers_{{1, 10}};      // of base meshes
+  Lanes movers_{{1, 0}};         // of scenes of every n-th point, by session
   Lanes ahead_{{1, 0}};           // of steps that will be asked for, by dataset
   Lanes extractors_;              // by session
   Lanes stills_{{kStills, 0}};    // by session

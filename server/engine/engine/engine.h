@@ -36,6 +36,8 @@ struct EngineOptions {
   SceneRanks* ranks = nullptr;
   /// Of a structured grid with more cells the first picture is of every n-th point (FrameReady::point_stride), for those of all points take seconds.
   std::int64_t least_coarse_cells = std::int64_t{1} << 26;
+  /// And scenes of more tetrahedra are made of every n-th point as well, for moving frames that ask for it (FrameRequest::coarse).
+  std::int64_t least_coarse_tetrahedra = 1'500'000;
 };
 
 class Engine final : public FrameEngine {

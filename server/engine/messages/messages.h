@@ -69,6 +69,7 @@ struct FrameRequest {
                                // the session has a newer scene
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
   std::optional<Annotations> annotations;  // in place of the scene's
+  bool coarse = false;  // a moving frame of every n-th point, if that is at hand (FrameReady::coarse_at_hand)
 };
 
 struct HistogramRequest {
@@ -232,7 +233,8 @@ struct FrameReady {
   std::string order;
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
-  int point_stride = 1;  // more: a first picture of a large grid, of every n-th point along each axis; one of all points follows
+  int point_stride = 1;  // more: of every n-th point along each axis: a first picture of a large grid, or a moving frame; one of all points follows
+  bool coarse_at_hand = false;  // moving frames of every n-th point can be had
   std::vector<IntervalFacts> intervals;
   std::shared_ptr<const Bytes> bytes;                 // null where there are bands
   std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top

@@ -9,6 +9,7 @@ namespace isostrata {
 namespace {
 
 constexpr std::int64_t kMostPoints = std::int64_t{1} << 24;  // 256 along each axis of a cube: found and drawn in a fifth of a second on two cores
+constexpr std::int64_t kMostMovingPoints = std::int64_t{1} << 22;  // drawn in some 30 ms there
 constexpr std::int64_t kFewPoints = 32;                      // along an axis
 
 std::vector<std::string> arrays_of(const Scene& scene, const Dataset& dataset) {
@@ -20,9 +21,11 @@ std::vector<std::string> arrays_of(const Scene& scene, const Dataset& dataset) {
   return names;
 }
 
+bool of_one_step(const Scene& scene) { return !scene.time && smear_moments(scene).empty() && !scene.intervals.empty(); }
+
 }  // namespace
 
-std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells) {
+std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells, std::int64_t most_points) {
   std::array<std::int64_t, 3> stride{1, 1, 1};
   if (!grid.structured() || grid.cell_count() <= least_cells) return stride;
   const auto dims = grid.dims();
@@ -33,7 +36,7 @@ std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_c
       if (dims[a] / n >= kFewPoints) stride[a] = n, coarser = true;
       points *= (dims[a] - 1) / stride[a] + 1;
     }
-    if (points <= kMostPoints || !coarser) return stride;
+    if (points <= most_points || !coarser) return stride;
   }
 }
 
@@ -43,27 +46,36 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
     const std::lock_guard lock(mutex_);
     std::erase_if(lent_, [](const Lent& of) { return of.coarse.expired(); });
     for (const Lent& of : lent_)
-      if (of.whole.lock() == whole && of.arrays == arrays)
+      if (of.whole.lock() == whole && of.stride == stride && of.arrays == arrays)
         if (auto coarse = of.coarse.lock()) return coarse;
   }
   auto coarse = coarser(*whole, stride, arrays, task);
   const std::lock_guard lock(mutex_);
-  lent_.push_back({whole, coarse, std::move(arrays)});
+  lent_.push_back({whole, coarse, stride, std::move(arrays)});
   return coarse;
 }
 
-std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& steps, const Scene& scene, const Task& task) {
-  if (scene.time || !smear_moments(scene).empty() || scene.intervals.empty()) return nullptr;
-  const Stopwatch watch;
-  const auto whole = steps(scene.step, task);
-  const auto stride = coarse_stride(whole->grid, least_cells_);
+std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole,
+                                                                  const Scene& scene, const Task& task) {
   if (stride == std::array<std::int64_t, 3>{1, 1, 1} || whole->arrays.empty()) return nullptr;
+  const Stopwatch watch;
   const auto coarse = coarse_of(whole, stride, arrays_of(scene, *whole), task);
   const auto extracted = extract_scene([&](int, const Task&) { return coarse; }, scene, nullptr, task);
   auto made = std::make_shared<ExtractedScene>(*extracted);
   made->point_stride = static_cast<int>(*std::max_element(stride.begin(), stride.end()));
   made->extract_ms = watch.elapsed_ms();
   return made;
+}
+
+std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& steps, const Scene& scene, const Task& task) {
+  if (!of_one_step(scene)) return nullptr;
+  const auto whole = steps(scene.step, task);
+  return extract_every(coarse_stride(whole->grid, least_cells_, kMostPoints), whole, scene, task);
+}
+
+std::shared_ptr<const ExtractedScene> CoarseScenes::extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task) {
+  if (!of_one_step(scene)) return nullptr;
+  return extract_every(coarse_stride(whole->grid, 0, kMostMovingPoints), whole, scene, task);
 }
 
 }  // namespace isostrata

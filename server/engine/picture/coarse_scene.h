@@ -1,4 +1,4 @@
-// A first picture of a large grid: of every n-th point, while the layers of all points are still being found.
+// Pictures of every n-th point of a grid: the first of a large one, while the layers of all points are still being found, and those that move.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace isostrata {
 
-/// The least stride of each axis that leaves at most some 16 million points, and no axis with few; 1, 1, 1 where the grid has no more cells than
+/// The least stride of each axis that leaves at most `most_points`, and no axis with few; 1, 1, 1 where the grid has no more cells than
 /// `least_cells`, or is not structured.
-std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells);
+std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells, std::int64_t most_points);
 
 /// Lends coarser datasets to scenes, and makes each once for as long as a scene has it. Any thread may call any function. Lock: mutex_.
 class CoarseScenes {
@@ -27,12 +27,18 @@ class CoarseScenes {
   /// extract_scene throws.
   std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task);
 
+  /// The same of any structured grid that is not small, for moving frames: every second point at least, some 4 million at most.
+  std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task);
+
  private:
+  std::shared_ptr<const ExtractedScene> extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,
+                                                      const Task& task);
   std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const std::array<std::int64_t, 3>& stride,
                                            std::vector<std::string> arrays, const Task& task);
 
   struct Lent {
     std::weak_ptr<const Dataset> whole, coarse;
+    std::array<std::int64_t, 3> stride;
     std::vector<std::string> arrays;
   };
   const std::int64_t least_cells_;

@@ -18,6 +18,8 @@ class DrawingForecast {
   /// A whole picture of a scene that rests.
   void rested(double ms, double pixels, TimePoint now);
   void moved(Codec codec, double ms, double pixels, TimePoint now);
+  /// How many have moved since the last rest.
+  int pictures() const { return moved_; }
   /// Of a moving picture; 0 while nothing is known.
   double ms(Codec codec, double pixels, TimePoint now) const;
 

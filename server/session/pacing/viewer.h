@@ -12,6 +12,7 @@
 
 #include "engine/messages/messages.h"
 #include "isostrata/v1/isostrata.pb.h"
+#include "session/pacing/coarse_choice.h"
 #include "session/pacing/codec_choice.h"
 #include "session/pacing/frame_scheduler.h"
 #include "session/pacing/video_streams.h"
@@ -53,6 +54,7 @@ struct Viewer {
   std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first
   bool chooses = false;                    // between JPEG and the first of these, by measured times; else the first is in use
   CodecChoice choice;
+  CoarseChoice coarse;  // whether its moving frames are of every n-th point
   TimePoint chosen_at{};
   CodecCosts decoding{kUsualDecoding};        // ms a megapixel
   std::vector<v1::FormatForecast> forecasts;  // of the last choice

@@ -181,8 +181,10 @@ class Session {
 
   /// What moving frames cost here, ms: of drawing, and of encoding by weight().
   struct MakingCosts {
-    DrawingForecast drawing;
+    DrawingForecast drawing, coarse_drawing;
     CodecCosts encoding{kUsualEncoding};
+    double coarse_part = 0.4;  // of drawing, that drawing every n-th point takes
+    bool coarse_at_hand = false;
   };
   static constexpr double kUsualEncoding = 2.5;  // of video by that of JPEG
 

@@ -15,6 +15,8 @@ constexpr double kMostDecodingMs = 10000;
 // Until something is measured: of JPEG by weight().
 constexpr double kFirstEncodingMs = 5, kFirstDecodingMs = 5;
 
+constexpr double kLeastCoarsePart = 0.1;
+
 double megapixels(double width, double height) { return width * height / kMegapixel; }
 /// What encoding and decoding are in proportion to: pixels, and as much as a small picture has whatever its size.
 double weight(double megapixels) { return 0.08 + megapixels; }
@@ -25,12 +27,19 @@ void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoi
   const StageTimes& ms = ready.stages;
   const double drawing = ms.order_ms + ms.draw_ms + ms.readback_ms;
   const double size = megapixels(ready.width, ready.height);
+  if (picture.request.still) return;
+  costs_.coarse_at_hand = ready.coarse_at_hand;
   if (picture.order.phase != FramePhase::moving || picture.request.lossless) {
-    if (!picture.request.still) costs_.drawing.rested(drawing, size, now);
+    // What every n-th point took by what this takes holds for the next gesture, too.
+    const double whole = costs_.drawing.ms(Codec::jpeg, size, now), coarse = costs_.coarse_drawing.ms(Codec::jpeg, size, now);
+    if (costs_.coarse_drawing.pictures() >= CodecCosts::kEnough && whole > 0)
+      costs_.coarse_part = std::clamp(coarse / whole, kLeastCoarsePart, 1.0);
+    costs_.drawing.rested(drawing, size, now);
+    costs_.coarse_drawing.rested(costs_.coarse_part * drawing, size, now);
     return;
   }
   const Codec codec = ready.video ? ready.video->codec : Codec::jpeg;
-  costs_.drawing.moved(codec, drawing, size, now);
+  (ready.point_stride > 1 ? costs_.coarse_drawing : costs_.drawing).moved(codec, drawing, size, now);
   if (ready.video && ready.video->key) return;  // the first of a stream: an encoder had to be made, too
   costs_.encoding.measured(codec, ms.encode_ms / weight(size), now);
 }
@@ -69,13 +78,18 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
     ++with[is_video(other->codec())];
   }
 
+  const double per_jpeg = jpeg_ms > 0 ? jpeg_ms : kFirstEncodingMs, decoded = viewer.decoding.expected(Codec::jpeg, now);
+  const double least = whole * CoarseChoice::kLeastScale * CoarseChoice::kLeastScale;
+  viewer.coarse.choose(costs_.drawing.ms(Codec::jpeg, least, now) + weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs)), !viewer.frames.moving(), now);
+  const DrawingForecast& drawn = viewer.coarse.wanted() && costs_.coarse_at_hand ? costs_.coarse_drawing : costs_.drawing;
+
   std::vector<CodecCandidate> candidates;
   for (const Codec codec : codecs)
     for (const double scale : kScales) {
       const FrameScheduler::Passing passing = viewer.frames.passing(codec, scale, now);
       const double pixels = whole * passing.scale * passing.scale;
-      const double drawing = costs_.drawing.ms(codec, pixels, now);
-      const double per_encoding = jpeg_ms > 0 ? costs_.encoding.expected(codec, now) : kFirstEncodingMs;
+      const double drawing = drawn.ms(codec, pixels, now);
+      const double per_encoding = jpeg_ms > 0 ? costs_.encoding.expected(codec, now) : per_jpeg;
       const double per_decoding = viewer.decoding.expected(codec, now);
       const double encoding = weight(pixels) * per_encoding,
                    decoding = weight(pixels) * (per_decoding > 0 ? per_decoding : kFirstDecodingMs);

@@ -46,9 +46,9 @@ export interface Badge {
 export function badgeOf(frame: Shown, state: { revision: number; waits: boolean }, empty: boolean, viewportHeight: number): Badge {
   if (frame.pointStride && frame.pointStride > 1)
     return {
-      word: 'first look',
+      word: frame.phase === 'moving' ? 'moving, coarse' : 'first look',
       kind: 'moving',
-      title: `One point in ${frame.pointStride} along each axis went into this picture. The layers of all points are being found.`,
+      title: `One point in ${frame.pointStride} along each axis went into this picture. That of all points follows.`,
     };
   if (frame.phase === 'moving') {
     // Of the viewport's height, where the connection is too slow for all of it.
