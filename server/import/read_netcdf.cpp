@@ -1,10 +1,14 @@
+#include <netcdf.h>
 #include <vtkNetCDFCFReader.h>
 #include <vtkNew.h>
 #include <vtkStringArray.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
+#include <vector>
 
 #include "import/check_netcdf.h"
 #include "import/mapped_file.h"
@@ -49,6 +53,61 @@ std::string choose_dimensions(vtkNetCDFCFReader* reader, std::vector<std::string
   return best->first;
 }
 
+/// A file that VTK has read already, once more.
+class NetcdfFile {
+ public:
+  explicit NetcdfFile(const std::string& path) { open_ = nc_open(path.c_str(), NC_NOWRITE, &file_) == NC_NOERR; }
+  ~NetcdfFile() {
+    if (open_) nc_close(file_);
+  }
+  NetcdfFile(const NetcdfFile&) = delete;
+  NetcdfFile& operator=(const NetcdfFile&) = delete;
+
+  /// The numbers that stand for no value in a variable, unpacked as VTK unpacks.
+  std::vector<double> fills(const std::string& name) const {
+    int variable = 0;
+    if (!open_ || nc_inq_varid(file_, name.c_str(), &variable) != NC_NOERR) return {};
+    const auto number = [&](const char* attribute, double other) {
+      std::size_t length = 0;
+      double value = other;
+      if (nc_inq_attlen(file_, variable, attribute, &length) != NC_NOERR || length != 1 || nc_get_att_double(file_, variable, attribute, &value) != NC_NOERR)
+        return other;
+      return value;
+    };
+    const double scale = number("scale_factor", 1), offset = number("add_offset", 0);
+    std::vector<double> fills;
+    for (const char* attribute : {"_FillValue", "missing_value"})
+      if (const double fill = number(attribute, std::numeric_limits<double>::quiet_NaN()); !std::isnan(fill)) fills.push_back(fill * scale + offset);
+    return fills;
+  }
+
+ private:
+  int file_ = 0;
+  bool open_ = false;
+};
+
+template <class T>
+void replace_by_nan(FileArray& array, const std::vector<double>& fills) {
+  const std::span<const T> values(reinterpret_cast<const T*>(array.values.data()), array.values.size() / sizeof(T));
+  const auto is_fill = [&](T value) { return std::any_of(fills.begin(), fills.end(), [&](double fill) { return value == static_cast<T>(fill); }); };
+  if (std::none_of(values.begin(), values.end(), is_fill)) return;
+  auto copy = std::make_shared<std::vector<T>>(values.begin(), values.end());
+  std::replace_if(copy->begin(), copy->end(), is_fill, std::numeric_limits<T>::quiet_NaN());
+  array.values = std::as_bytes(std::span<const T>(*copy));
+  array.storage = std::move(copy);
+}
+
+/// VTK is asked to do this (SetReplaceFillValueWithNan), and 9.3 does not; no version does it for packed numbers or missing_value.
+void leave_out_fills(Imported& imported, const NetcdfFile& file) {
+  for (Block& block : imported.blocks)
+    for (FileArray& array : block.arrays) {
+      const std::vector<double> fills = file.fills(array.name);
+      if (fills.empty()) continue;
+      if (array.type == ScalarType::float32) replace_by_nan<float>(array, fills);
+      if (array.type == ScalarType::float64) replace_by_nan<double>(array, fills);
+    }
+}
+
 }  // namespace
 
 Imported read_netcdf(const ReadRequest& request) {
@@ -68,6 +127,7 @@ Imported read_netcdf(const ReadRequest& request) {
   reader->SetDimensions(dimensions.c_str());
   reader->UpdateInformation();
   Imported imported = read_step(reader, request);
+  leave_out_fills(imported, NetcdfFile(request.file.string()));
   imported.notes.insert(imported.notes.end(), notes.begin(), notes.end());
   if (const char* units = reader->GetTimeUnits(); units && *units) imported.notes.push_back("times are in " + std::string(units));
   for (Block& block : imported.blocks)

@@ -70,6 +70,14 @@ def netcdf(name, format, first=0.0):
         packed = d.createVariable("packed", "i2", ("time", "lev", "lat", "lon"))
         packed.scale_factor, packed.add_offset = 0.5, 100.0
         packed[:] = np.stack([FIELD] * 3)
+        missing = d.createVariable("missing", "i2", ("time", "lev", "lat", "lon"), fill_value=-32000)
+        missing.scale_factor, missing.add_offset = 0.5, 100.0
+        missing[:] = np.stack([FIELD] * 3)
+        missing[:, 0, 0, :2] = np.ma.masked
+        gone = d.createVariable("gone", "f8", ("time", "lev", "lat", "lon"), fill_value=False)
+        gone.missing_value = 1e20
+        gone[:] = np.stack([FIELD] * 3)
+        gone[:, 0, 0, 1] = 1e20
         d.createVariable("pressure", "f4", ("time", "lat", "lon"))[:] = 1
 
 
@@ -77,7 +85,7 @@ def netcdf_files():
     bounds = [0, 25, -20, 20, 0, 70]
     for name, format in (("classic.nc", "NETCDF3_CLASSIC"), ("offset64.cdf", "NETCDF3_64BIT_OFFSET"), ("four.nc", "NETCDF4")):
         netcdf(name, format)
-        lattice(name, {"T": [1, 345, 1], "packed": [0, 345, 0]}, bounds, [25, 10, 30, "T", 235], [0, 6, 12], grid="rectilinear")
+        lattice(name, {"T": [1, 345, 1], "packed": [0, 345, 0], "missing": [2, 345, 2], "gone": [0, 345, 1]}, bounds, [25, 10, 30, "T", 235], [0, 6, 12], grid="rectilinear")
         lattice(name, {"T": [2000, 2345, 0]}, bounds, [25, 10, 30, "T", 2235], [0, 6, 12], 2, grid="rectilinear")
     netcdf("ocean_09.nc", "NETCDF3_CLASSIC")
     netcdf("ocean_10.nc", "NETCDF3_CLASSIC", 18.0)
