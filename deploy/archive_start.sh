@@ -36,5 +36,6 @@ if [ -z "${__EGL_VENDOR_LIBRARY_FILENAMES+set}" ]; then
   export __EGL_VENDOR_LIBRARY_FILENAMES="$__EGL_VENDOR_LIBRARY_FILENAMES$home/share/isostrata/egl/50_mesa.json"
 fi
 export LIBGL_DRIVERS_PATH="$home/lib/dri"
+export LIBHEIF_PLUGIN_PATH="$home/lib/heif" # where there are none: OpenImageIO's library for HEIF would load the machine's own
 
 exec "$home/lib/ld-linux-x86-64.so.2" --library-path "$home/lib" --argv0 "$0" "$home/programs/$program" "$@"
