@@ -34,7 +34,23 @@ bool LayerBricks::is_wanted(const ActiveBrick& brick, const Wanted& wanted) cons
   return wanted(box);
 }
 
-void LayerBricks::write(std::int64_t slab, const Wanted& wanted, Slab& out) const {
+bool LayerBricks::owns_all(const BrickLayout::Place& place, const Owns& owns) const {
+  if (!grid().rectilinear()) return false;
+  // Of boxes between planes those of one owner are a box of indices. The brick, and what its cells share faces with:
+  const BrickLayout& layout = active_->layout();
+  std::array<std::int64_t, 3> low, high;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = std::max<std::int64_t>(place.first[axis] - 1, 0);
+    high[axis] = std::min<std::int64_t>(place.first[axis] + place.cells[axis], layout.dims[axis] - 2);
+  }
+  for (unsigned corner = 0; corner < 8; ++corner)
+    if (!owns(layout.cell({corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1], corner & 4 ? high[2] : low[2]}))) return false;
+  return true;
+}
+
+void LayerBricks::write(std::int64_t slab, const Wanted& wanted, Slab& out) const { write(slab, wanted, nullptr, out); }
+
+void LayerBricks::write(std::int64_t slab, const Wanted& wanted, const Owns* owns, Slab& out) const {
   out.mesh.facets.clear();
   const BrickLayout& layout = active_->layout();
   const std::span<const ActiveBrick> bricks = active_->bricks();
@@ -53,19 +69,30 @@ void LayerBricks::write(std::int64_t slab, const Wanted& wanted, Slab& out) cons
   out.mesh.positions.resize(writer_.first_point(beyond) - base);
   out.mesh.origins.resize(out.mesh.positions.size());
   for (std::size_t b = begin; b < beyond; ++b) {
-    const bool ends = any_absent_ || is_at_end(layout, layout.place(bricks[b].number));  // only facets at an end use points of the grid
+    const bool ends = any_absent_ || owns || is_at_end(layout, layout.place(bricks[b].number));  // only facets at an end use points of the grid
     writer_.write_points(b, base, b < end ? BrickLayout::kSide : 1, ends, out.scratch, out.mesh);
   }
   for (std::size_t b = begin; b < end; ++b)
-    if (chosen[b - begin]) write_facets(b, base, out);
+    if (chosen[b - begin]) write_facets(b, base, owns, out);
 }
 
-void LayerBricks::write_facets(std::size_t b, std::uint32_t base, Slab& out) const {
+void LayerBricks::write_facets(std::size_t b, std::uint32_t base, const Owns* owns, Slab& out) const {
   if (active_->records(b).empty()) return;
+  const BrickLayout& layout = active_->layout();
+  const BrickLayout::Place place = layout.place(active_->bricks()[b].number);
+  if (owns && owns_all(place, *owns)) owns = nullptr;
+  const std::array<std::int64_t, 3> stride{1, layout.dims[0] - 1, (layout.dims[0] - 1) * (layout.dims[1] - 1)};
   writer_.make_tables(b, out.scratch);
   const HexahedronGather& gather = hexahedron_gather();
   visit_open_faces(grid(), array_, *active_, b, [&](const CellRecord& record, unsigned open) {
     const int case_index = record.case_index(), cell = record.cell();
+    if (owns) {  // what bounds the owned cells bounds what is measured
+      const std::array<std::int64_t, 3> at{place.first[0] + (cell & 7), place.first[1] + (cell >> 3 & 7), place.first[2] + (cell >> 6)};
+      const std::int64_t number = layout.cell(at);
+      if (!(*owns)(number)) return;
+      for (std::size_t face = 0; face < 6; ++face)
+        if (!(open >> face & 1) && !(*owns)(face % 2 ? number + stride[face / 2] : number - stride[face / 2])) open |= 1u << face;
+    }
     const auto interval = static_cast<std::uint16_t>(record.interval());
     const std::size_t turned = active_->turned(record);
     const std::uint32_t* const numbers =
@@ -91,7 +118,47 @@ void LayerBricks::write_facets(std::size_t b, std::uint32_t base, Slab& out) con
   });
 }
 
-std::vector<double> LayerBricks::signed_volumes(const Task& task) const {
+std::vector<double> LayerBricks::signed_volumes(const Task& task) const { return signed_volumes(nullptr, task); }
+
+std::vector<IntervalSummary> LayerBricks::summaries_of(const Owns& owns, const Task& task) const {
+  const std::span<const ActiveBrick> bricks = active_->bricks();
+  const HexahedronGather& gather = hexahedron_gather();
+  const BrickLayout& layout = active_->layout();
+  const std::size_t intervals = rules_.rules().size();
+  struct Counts {
+    std::int64_t cells = 0, tetrahedra = 0;
+  };
+  constexpr std::int64_t kBricksPerBlock = 256;
+  const auto count = static_cast<std::int64_t>(bricks.size()), blocks = (count + kBricksPerBlock - 1) / kBricksPerBlock;
+  std::vector<Counts> of_blocks(static_cast<std::size_t>(blocks) * intervals);
+  parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t block = begin; block < end; ++block) {
+      task.check();
+      Counts* const counts = of_blocks.data() + static_cast<std::size_t>(block) * intervals;
+      for (auto b = static_cast<std::size_t>(block * kBricksPerBlock); b < static_cast<std::size_t>(std::min(count, (block + 1) * kBricksPerBlock)); ++b) {
+        const BrickLayout::Place place = layout.place(bricks[b].number);
+        const bool all = owns_all(place, owns);
+        for (const CellRecord& record : active_->records(b)) {
+          const int cell = record.cell();
+          if (!all && !owns(layout.cell({place.first[0] + (cell & 7), place.first[1] + (cell >> 3 & 7), place.first[2] + (cell >> 6)}))) continue;
+          ++counts[record.interval()].cells;
+          counts[record.interval()].tetrahedra += gather.count[record.case_index()];
+        }
+      }
+    }
+  });
+  std::vector<IntervalSummary> summaries;
+  for (const IsoRule& rule : rules_.rules()) summaries.emplace_back().interval = with_open_ends(rule.lower, rule.upper);
+  for (std::size_t i = 0; i < of_blocks.size(); ++i) {
+    summaries[i % intervals].active_cells += of_blocks[i].cells;
+    summaries[i % intervals].tetrahedra += of_blocks[i].tetrahedra;
+  }
+  const std::vector<double> volumes = signed_volumes(&owns, task);
+  for (std::size_t i = 0; i < intervals; ++i) summaries[i].signed_volume = volumes[i];
+  return summaries;
+}
+
+std::vector<double> LayerBricks::signed_volumes(const Owns* owns, const Task& task) const {
   const std::size_t intervals = rules_.rules().size();
   const Vec3d origin = dataset_->bounds.center();
   std::vector<double> of_slabs(static_cast<std::size_t>(slabs()) * intervals);
@@ -99,7 +166,7 @@ std::vector<double> LayerBricks::signed_volumes(const Task& task) const {
     Slab slab(*this);
     for (std::int64_t z = begin; z < end; ++z) {
       task.check();
-      write(z, nullptr, slab);
+      write(z, nullptr, owns, slab);
       double* const sums = of_slabs.data() + static_cast<std::size_t>(z) * intervals;
       for (const BoundaryFacet& facet : slab.mesh.facets) {
         const Vec3d p = slab.mesh.positions[facet.points[0]] - origin, q = slab.mesh.positions[facet.points[1]] - origin,

@@ -47,10 +47,18 @@ class LayerBricks {
   void write(std::int64_t slab, const Wanted& wanted, Slab& out) const;
   /// [intervals] what the facets enclose: the sum of the tetrahedra's signed volumes. Parallel; the same for any number of threads.
   std::vector<double> signed_volumes(const Task& task) const;
+  /// [intervals] what lies in the cells that owns() says yes to, which may be called from any thread: active_cells, tetrahedra, and signed_volume.
+  /// The sums of owners of all cells are those of the whole: numbers exactly, volumes to rounding. Parallel. Throws cancelled.
+  std::vector<IntervalSummary> summaries_of(const std::function<bool(std::int64_t cell)>& owns, const Task& task) const;
   std::uint64_t bytes() const { return active_->bytes(); }
 
  private:
-  void write_facets(std::size_t b, std::uint32_t base, Slab& out) const;
+  using Owns = std::function<bool(std::int64_t cell)>;
+  /// Whether all of the brick's cells are owned, and those around it; no where that is not easily told.
+  bool owns_all(const BrickLayout::Place& place, const Owns& owns) const;
+  void write(std::int64_t slab, const Wanted& wanted, const Owns* owns, Slab& out) const;
+  void write_facets(std::size_t b, std::uint32_t base, const Owns* owns, Slab& out) const;
+  std::vector<double> signed_volumes(const Owns* owns, const Task& task) const;
   bool is_wanted(const ActiveBrick& brick, const Wanted& wanted) const;
 
   const std::shared_ptr<const Dataset> dataset_;

@@ -46,7 +46,8 @@ std::vector<IntervalSummary> unmeasured(std::vector<IntervalSummary> summaries) 
 
 }  // namespace
 
-std::vector<IntervalSummary> owned_summaries(const Grid& grid, const IntervalMesh& mesh, const OwnsCell& owns, const Task& task) {
+/// Of the cells that `wanted` says yes to.
+std::vector<IntervalSummary> summaries_where(const Grid& grid, const IntervalMesh& mesh, const OwnsCell& wanted, const Task& task) {
   const auto runs = static_cast<std::int64_t>(mesh.cell_runs.size());
   const std::int64_t blocks = (runs + kRunsPerBlock - 1) / kRunsPerBlock;
   std::vector<MeshSums> sums(static_cast<std::size_t>(blocks));
@@ -54,11 +55,25 @@ std::vector<IntervalSummary> owned_summaries(const Grid& grid, const IntervalMes
     for (std::int64_t b = begin; b < end; ++b) {
       task.check();
       for (std::int64_t r = b * kRunsPerBlock; r < std::min(runs, (b + 1) * kRunsPerBlock); ++r)
-        if (owns(mesh.cell_runs[static_cast<std::size_t>(r)].cell)) sum_run(grid, mesh, static_cast<std::size_t>(r), sums[static_cast<std::size_t>(b)]);
+        if (wanted(mesh.cell_runs[static_cast<std::size_t>(r)].cell)) sum_run(grid, mesh, static_cast<std::size_t>(r), sums[static_cast<std::size_t>(b)]);
     }
   });
   std::vector<IntervalSummary> summaries = unmeasured(mesh.summaries);
   for (const MeshSums& block : sums) block.add_to(summaries);
+  return summaries;
+}
+
+std::vector<IntervalSummary> owned_summaries(const Grid& grid, const IntervalMesh& mesh, const OwnsCell& owns, const Task& task) {
+  // A part owns most of its cells: the others are measured and taken away from what extraction has measured of all.
+  const std::vector<IntervalSummary> others = summaries_where(grid, mesh, [&owns](std::int64_t cell) { return !owns(cell); }, task);
+  std::vector<IntervalSummary> summaries = mesh.summaries;
+  for (std::size_t i = 0; i < summaries.size(); ++i) {
+    summaries[i].active_cells -= others[i].active_cells;
+    summaries[i].tetrahedra -= others[i].tetrahedra;
+    summaries[i].volume -= others[i].volume;
+    summaries[i].signed_volume -= others[i].signed_volume;
+    summaries[i].inverted -= others[i].inverted;
+  }
   return summaries;
 }
 

@@ -6,6 +6,8 @@
 #include <map>
 
 #include "data/take_region.h"
+#include "extraction/bricks/brick_memory.h"
+#include "extraction/bricks/layer_bricks.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "support/field_dataset.h"
 
@@ -46,6 +48,31 @@ OwnsCell owner(const Grid& grid, const RegionTree& tree, int region) {
     grid.cell_points(cell, ids);
     return region_at(tree, grid.point(ids[0])) == region;
   };
+}
+
+TEST(OwnedCells, BricksOfPartsHoldWhatTheMeshOfTheWholeHolds) {
+  const auto dataset = testing::field_dataset({37, 29, 41}, [](Vec3d p) { return p.x * p.y + 0.7 * p.z - 0.2 * p.x; });
+  const IntervalMesh whole = extract(*dataset);
+  const RegionTree tree = make_regions(dataset->grid, 5);
+  std::vector<IntervalSummary> sum(2);
+  for (int region = 0; region < 5; ++region) {
+    const auto part = take_region(*dataset, tree, region);
+    BrickMemory memory;
+    const auto found = find_layer_bricks(part, part->arrays[0], kIntervals, memory, 0, 1u << 30, Task{});
+    ASSERT_TRUE(found);
+    const std::vector<IntervalSummary> own = found->bricks->summaries_of(owner(part->grid, tree, region), Task{});
+    for (std::size_t i = 0; i < 2; ++i) {
+      sum[i].active_cells += own[i].active_cells;
+      sum[i].tetrahedra += own[i].tetrahedra;
+      sum[i].signed_volume += own[i].signed_volume;
+    }
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_GT(sum[i].tetrahedra, 10000);
+    EXPECT_EQ(sum[i].active_cells, whole.summaries[i].active_cells);
+    EXPECT_EQ(sum[i].tetrahedra, whole.summaries[i].tetrahedra);
+    EXPECT_NEAR(sum[i].signed_volume, whole.summaries[i].signed_volume, 1e-12 * whole.summaries[i].volume);
+  }
 }
 
 TEST(OwnedCells, PartsAddUpToTheWhole) {
