@@ -1,6 +1,7 @@
 #include "data/region.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <optional>
 #include <tuple>
@@ -12,6 +13,7 @@
 #include "data/import_cache.h"
 #include "data/import_door.h"
 #include "data/kept_facts.h"
+#include "data/source_mapping.h"
 #include "data/structured_part.h"
 
 namespace isostrata {
@@ -99,14 +101,23 @@ PointArray kept_array_of(const PointArray& whole, const StructuredPart& part, co
   return array;
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
 /// The whole as the import child leaves it, without a look at its values.
-std::shared_ptr<const Dataset> open_unmeasured(const std::filesystem::path& file, const OpenOptions& options, const Task& task) {
-  if (import_cache())
-    if (auto kept = find_import_cached(file, options, *import_cache())) return kept;
+std::shared_ptr<Dataset> import_unmeasured(const std::filesystem::path& file, const OpenOptions& options, const Task& task) {
   check_source(file, options);
   const TemporaryDirectory directory(temporary_base(), "isostrata-import-");
   import_into(directory.path(), file, options, task);
   return map_import(directory.path(), file, options, ImportFiles::unlinked, nullptr, ImportValues::unseen);
+}
+
+std::shared_ptr<const Dataset> open_unmeasured(const std::filesystem::path& file, const OpenOptions& options, const Task& task) {
+  if (import_cache())
+    if (auto kept = find_import_cached(file, options, *import_cache())) return kept;
+  return import_unmeasured(file, options, task);
 }
 
 }  // namespace
@@ -175,6 +186,29 @@ std::shared_ptr<const Dataset> coarser(const Dataset& whole, const std::array<st
   dataset->cell_types = count_cell_types(dataset->grid);
   for (const std::string& name : arrays) dataset->arrays.push_back(kept_array_of(whole.array(name), part, task));
   return dataset;
+}
+
+std::shared_ptr<const Dataset> open_unread(std::string_view name, const OpenOptions& options, const Task& task) {
+  const std::string ending = lower_case(std::filesystem::path(name).extension().string());
+  const bool may_be_in_place = ending == ".nrrd" || ending == ".nhdr" || ending == ".mha" || ending == ".mhd" || ending == ".vti";
+  if (is_analytic(name) || !may_be_in_place) return open_dataset(name, options, task);
+  if (import_cache())
+    if (auto kept = find_import_cached(name, options, *import_cache())) return kept;
+  const std::shared_ptr<Dataset> whole = import_unmeasured(name, options, task);
+  const auto in_place = [](const PointArray& array) {
+    return std::visit([](auto values) { return !values.empty() && is_in_source(values.data()); }, array.values);
+  };
+  if (std::none_of(whole->arrays.begin(), whole->arrays.end(), in_place)) return open_dataset(name, options, task);  // which others then find in the cache
+  for (PointArray& array : whole->arrays) {
+    if (!in_place(array)) {
+      measure_range(array);
+      continue;
+    }
+    array.lower = std::numeric_limits<double>::infinity();
+    array.upper = -array.lower;
+    array.nan_count = -1;
+  }
+  return whole;
 }
 
 std::shared_ptr<const Dataset> open_part(std::string_view name, const OpenOptions& options, const Region& region, const Task& task) {

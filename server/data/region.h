@@ -40,6 +40,12 @@ std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& regio
 /// Throws not_found (an array that is not there), cancelled. Parallel.
 std::shared_ptr<const Dataset> coarser(const Dataset& whole, const std::array<std::int64_t, 3>& stride, std::span<const std::string> arrays, const Task& task);
 
+/// open_dataset, but nobody looks at values that are mapped where they lie in the file (source_mapping.h), not even for their range: for whoever wants
+/// a part of the dataset. Throws what open_dataset throws.
+std::shared_ptr<const Dataset> open_unread(std::string_view name, const OpenOptions& options, const Task& task);
+/// Whether the array's range is not known yet: lower > upper, and nan_count is -1.
+inline bool is_unread(const PointArray& array) { return array.nan_count < 0; }
+
 /// open_dataset and part_of it. Where the whole is not known yet from the import cache, nobody looks at values outside, not even for their range; a
 /// file whose values can be mapped in place is not read elsewhere either. Throws what both throw.
 std::shared_ptr<const Dataset> open_part(std::string_view name, const OpenOptions& options, const Region& region, const Task& task);

@@ -39,7 +39,7 @@ struct BoxCells {
   Cut<BoxCells> cut(int half, int regions) const {
     int axis = 0;
     for (int a = 1; a < 3; ++a)
-      if (end[a] - first[a] > end[axis] - first[axis]) axis = a;
+      if (end[a] - first[a] >= end[axis] - first[axis]) axis = a;  // of equal ones that along which a file's values lie farthest apart
     const std::int64_t cells = end[axis] - first[axis];
     std::int64_t middle = first[axis] + (cells * half + regions / 2) / regions;
     if (cells > 1) middle = std::clamp(middle, first[axis] + 1, end[axis] - 1);

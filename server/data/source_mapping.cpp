@@ -113,4 +113,14 @@ SourceMapping map_source(int descriptor, std::uint64_t offset, std::uint64_t byt
 
 bool is_in_source(const void* address) { return find(address) != nullptr; }
 
+void drop_pages(const PointArray& array) {
+  std::visit(
+      [](auto values) {
+        if (values.empty() || !is_in_source(values.data())) return;
+        const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE)), at = reinterpret_cast<std::uintptr_t>(values.data()), begin = at / page * page;
+        madvise(reinterpret_cast<void*>(begin), at + values.size_bytes() - begin, MADV_DONTNEED);
+      },
+      array.values);
+}
+
 }  // namespace isostrata

@@ -5,17 +5,12 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "data/moments.h"
 
 namespace isostrata {
 namespace {
 
 constexpr std::int64_t kChunk = 1 << 16;  // fixed: the chunks, and with them the last bits, are the same on any machine
-
-/// Of values counted from an origin among them: those that are large and lie close together would else lose their last digits.
-struct Moments {
-  std::int64_t finite = 0, nan = 0, infinite = 0;
-  double mean = 0, squares = 0;  // sum of squared differences from the mean
-};
 
 template <class Values>
 Moments moments_of(Values values, std::int64_t begin, std::int64_t end, double scale, double origin) {
@@ -37,6 +32,18 @@ Moments moments_of(Values values, std::int64_t begin, std::int64_t end, double s
   return m;
 }
 
+struct Unit {
+  double scale = 1, origin = 0;
+};
+Unit unit_of(double lower, double upper) {
+  // Squares of values beyond the square root of the largest double would overflow: those are measured in larger units.
+  const double widest = std::max(std::abs(lower), std::abs(upper));
+  const double scale = std::isfinite(widest) && widest > 1e150 ? 1e-200 : 1;
+  return {scale, std::isfinite(widest) ? (lower * scale + upper * scale) / 2 : 0};
+}
+
+}  // namespace
+
 Moments combined(const Moments& a, const Moments& b) {
   Moments m{a.finite + b.finite, a.nan + b.nan, a.infinite + b.infinite};
   if (a.finite == 0 || b.finite == 0) {
@@ -51,13 +58,8 @@ Moments combined(const Moments& a, const Moments& b) {
   return m;
 }
 
-}  // namespace
-
-Statistics statistics(const PointArray& array) {
-  // Squares of values beyond the square root of the largest double would overflow: those are measured in larger units.
-  const double widest = std::max(std::abs(array.lower), std::abs(array.upper));
-  const double scale = std::isfinite(widest) && widest > 1e150 ? 1e-200 : 1;
-  const double origin = std::isfinite(widest) ? (array.lower * scale + array.upper * scale) / 2 : 0;
+Moments moments(const PointArray& part, double lower, double upper) {
+  const Unit unit = unit_of(lower, upper);
   return std::visit(
       [&](auto values) {
         const auto count = static_cast<std::int64_t>(values.size());
@@ -65,20 +67,26 @@ Statistics statistics(const PointArray& array) {
         parallel_for(static_cast<std::int64_t>(chunks.size()), 4, [&](std::int64_t begin, std::int64_t end) {
           for (std::int64_t c = begin; c < end; ++c)
             chunks[static_cast<std::size_t>(c)] =
-                moments_of(values, c * kChunk, std::min(count, (c + 1) * kChunk), scale, origin);
+                moments_of(values, c * kChunk, std::min(count, (c + 1) * kChunk), unit.scale, unit.origin);
         });
         while (chunks.size() > 1) {
           for (std::size_t i = 0; 2 * i < chunks.size(); ++i)
             chunks[i] = 2 * i + 1 < chunks.size() ? combined(chunks[2 * i], chunks[2 * i + 1]) : chunks[2 * i];
           chunks.resize((chunks.size() + 1) / 2);
         }
-        const Moments m = chunks.empty() ? Moments{} : chunks.front();
-        Statistics s{m.finite, m.nan, m.infinite, array.lower, array.upper};
-        s.mean = (m.mean + origin) / scale;
-        if (m.finite > 0) s.standard_deviation = std::sqrt(m.squares / static_cast<double>(m.finite)) / scale;
-        return s;
+        return chunks.empty() ? Moments{} : chunks.front();
       },
-      array.values);
+      part.values);
 }
+
+Statistics statistics_of(const Moments& all, double lower, double upper) {
+  const Unit unit = unit_of(lower, upper);
+  Statistics s{all.finite, all.nan, all.infinite, lower, upper};
+  s.mean = (all.mean + unit.origin) / unit.scale;
+  if (all.finite > 0) s.standard_deviation = std::sqrt(all.squares / static_cast<double>(all.finite)) / unit.scale;
+  return s;
+}
+
+Statistics statistics(const PointArray& array) { return statistics_of(moments(array, array.lower, array.upper), array.lower, array.upper); }
 
 }  // namespace isostrata
