@@ -10,6 +10,7 @@
 
 #include "base/utf8.h"
 #include "data/region.h"
+#include "main/ranks.h"
 
 namespace isostrata {
 namespace {
@@ -167,9 +168,12 @@ void add_region_options(CLI::App& command) {
       "Only every N-th point, or every NX,NY,NZ-th: a quick look at large data");
 }
 
+const Region& region_of_arguments() { return region_argument(); }
+
 std::shared_ptr<const Dataset> open_argument(const std::string& file, int step) {
   OpenOptions options;
   options.step = step;
+  if (SceneRanks* const ranks = ranks_in_use()) return ranks->open({file, file}, step, command_task());
   return open_part(file, options, region_argument(), command_task());
 }
 

@@ -32,6 +32,8 @@ Task& command_task();
 
 /// Adds --region and --stride, which open_argument heeds from then on.
 void add_region_options(CLI::App& command);
+struct Region;  // data/region.h
+const Region& region_of_arguments();
 
 /// FILE of a command: analytic data or a path; the part of it that --region and --stride say.
 std::shared_ptr<const Dataset> open_argument(const std::string& file, int step = 0);

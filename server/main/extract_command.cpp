@@ -296,7 +296,7 @@ void check_for_ranks(const ExtractArguments& arguments) {
 
 void run_as_rank(SceneRanks& ranks, LayerRequest request, const ExtractArguments& arguments, const WriteOptions& write) {
   check_for_ranks(arguments);
-  ranks.configure({.threads = arguments.threads});
+  ranks.configure({.threads = arguments.threads, .region = region_of_arguments()});
   Stopwatch total, stage;
   Timing ms;
   const StepSource steps = step_source(arguments.file);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
@@ -245,6 +246,9 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   const Stopwatch total;
   Stopwatch stage;
   Timing ms;
+  const RendererChoice choice{arguments.renderer, arguments.device};
+  SceneRanks* const ranks = ranks_in_use();
+  if (ranks) ranks->configure({.renderer = choice, .threads = arguments.threads, .region = region_of_arguments()});
   const StepSource steps = step_source(arguments.file);
   const std::shared_ptr<const Dataset> dataset = steps(arguments.layers.step, command_task());
   ms.load = stage.lap_ms();
@@ -259,16 +263,13 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   Scene scene = drawn_scene(wanted);
   if (scene.color_range.span == ColorSpan::all_steps)
     scene.color_range = over_all_steps(scene.color_range, steps, *dataset, scene.color_by.empty() ? scene.array : scene.color_by);
-  const RendererChoice choice{arguments.renderer, arguments.device};
-  SceneRanks* const ranks = ranks_in_use();
-  if (ranks) ranks->configure({.renderer = choice, .threads = arguments.threads});
   const std::unique_ptr<Renderer> renderer = ranks ? ranks->make_renderer() : make_renderer(choice);
   ms.device = stage.lap_ms();
   BaseMeshes bases(layer_request(scene).max_bytes);
   BrickMemory bricks;
   SceneAids aids;
   aids.bricks = &bricks;
-  if (renderer->cuts_intervals()) aids.least_in_bricks = kLeastInBricks;
+  if (renderer->draws_bricks()) aids.least_in_bricks = kLeastInBricks;
   if (arguments.tetrahedra == "cut" && renderer->cuts_intervals()) {
     aids.tetrahedra = TetrahedraWay::cut;
     aids.bases = &bases;
@@ -296,14 +297,15 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
       frames.push_back(std::move(frame));
       continue;
     }
-    ImageFile file(picture.out, width, height, {transparent, input.float_image});
+    std::optional<ImageFile> file;  // its library takes memory that drawing may want
     add_facts(facts, draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {
                 const Stopwatch writing;
-                std::visit([&](const auto& image) { file.put(image); }, rows);
+                if (!file) file.emplace(picture.out, width, height, ImageChannels{transparent, input.float_image});
+                std::visit([&](const auto& image) { file->put(image); }, rows);
                 ms.write += writing.elapsed_ms();
               }));
     stage.lap_ms();
-    file.finish();
+    file->finish();
     ms.write += stage.lap_ms();
   }
   stage.lap_ms();

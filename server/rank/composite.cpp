@@ -23,7 +23,7 @@ Compositor::Compositor(MPI_Comm ranks) {
 
 Compositor::~Compositor() { icetDestroyContext(context_); }
 
-FloatImage Compositor::blend(const FloatImage& own, const std::array<int, 4>& covered, const std::vector<int>& front_to_back) {
+const FloatImage& Compositor::blend(const FloatImage& own, const std::array<int, 4>& covered, const std::vector<int>& front_to_back) {
   static constexpr IceTDouble kIdentity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   static constexpr IceTFloat kClear[4] = {0, 0, 0, 0};
   while (icetGetError() != ICET_NO_ERROR) {
@@ -34,13 +34,15 @@ FloatImage Compositor::blend(const FloatImage& own, const std::array<int, 4>& co
   const IceTImage image = icetCompositeImage(own.rgba.data(), nullptr, covered.data(), kIdentity, kIdentity, kClear);
   if (const IceTEnum error = icetGetError(); error != ICET_NO_ERROR)
     throw Error(ErrorCode::internal, "IceT could not composite a picture of " + std::to_string(own.width) + "x" + std::to_string(own.height) + ": error " + std::to_string(error));
-  FloatImage whole;
-  if (icetImageIsNull(image) || icetImageGetColorFormat(image) == ICET_IMAGE_COLOR_NONE || icetImageGetNumPixels(image) == 0) return whole;
-  whole.width = own.width;
-  whole.height = own.height;
-  whole.rgba.resize(own.rgba.size());
-  icetImageCopyColorf(image, whole.rgba.data(), ICET_IMAGE_COLOR_RGBA_FLOAT);
-  return whole;
+  if (icetImageIsNull(image) || icetImageGetColorFormat(image) == ICET_IMAGE_COLOR_NONE || icetImageGetNumPixels(image) == 0) {
+    whole_ = {};
+    return whole_;
+  }
+  whole_.width = own.width;
+  whole_.height = own.height;
+  whole_.rgba.resize(own.rgba.size());
+  icetImageCopyColorf(image, whole_.rgba.data(), ICET_IMAGE_COLOR_RGBA_FLOAT);
+  return whole_;
 }
 
 }  // namespace isostrata

@@ -8,15 +8,19 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <type_traits>
 
 #include "base/parallel.h"
 #include "base/pulse.h"
+#include "base/stopwatch.h"
+#include "data/region.h"
 #include "data/sandbox.h"
 #include "engine/picture/draw_still.h"
 #include "extraction/files/write_vtu.h"
 #include "rank/picture_of_ranks.h"
 #include "rank/rank_work.h"
 #include "rendering/picture/check_draw_input.h"
+#include "rendering/picture/lit_surfaces.h"
 
 namespace isostrata {
 namespace {
@@ -50,11 +54,48 @@ class FirstRank final : public SceneRanks {
     setup.renderer = settings.renderer.renderer;
     setup.device = settings.renderer.device;
     setup.threads = settings.threads;
+    setup.region = settings.region;
     choice_ = settings.renderer;
     set_thread_count(line_.threads(settings.threads));
     work_.configure(setup);
     const std::lock_guard lock(line_.mutex());
     line_.send(setup);
+  }
+
+  std::shared_ptr<const Dataset> open(const RankedSource& of, int step, const Task& task) override {
+    const auto whole = work_.open(of.source)(step, task);
+    if (std::none_of(whole->arrays.begin(), whole->arrays.end(), is_unread)) return whole;
+    auto measured = std::make_shared<Dataset>(*whole);
+    if (whole->grid.flat() || whole->grid.cell_count() == 0) {  // which is not shared out
+      for (PointArray& array : measured->arrays) measure_range(array);
+      return measured;
+    }
+    const RankMeasured made = measure(of, whole, {}, task);
+    for (std::size_t i = 0; i < measured->arrays.size(); ++i) {
+      measured->arrays[i].lower = made.ranges.at(i).lower;
+      measured->arrays[i].upper = made.ranges.at(i).upper;
+      measured->arrays[i].nan_count = made.ranges.at(i).nan_count;
+    }
+    work_.know_ranges(of.version, *measured);
+    return measured;
+  }
+
+  std::vector<std::uint64_t> histogram(const RankedSource& of, const std::shared_ptr<const Dataset>& whole, const std::string& array, double lower,
+                                       double upper, int bins, const Task& task) override {
+    RankMeasure order;
+    order.array = array;
+    order.lower = lower;
+    order.upper = upper;
+    order.bins = bins;
+    return measure(of, whole, order, task).counts;
+  }
+
+  Statistics statistics(const RankedSource& of, const std::shared_ptr<const Dataset>& whole, const std::string& array, const Task& task) override {
+    RankMeasure order;
+    order.array = array;
+    order.lower = whole->array(array).lower;
+    order.upper = whole->array(array).upper;
+    return statistics_of(measure(of, whole, order, task).moments, order.lower, order.upper);
   }
 
   std::shared_ptr<const ExtractedScene> extract(const RankedSource& of, const StepSource& whole, const Scene& scene,
@@ -68,15 +109,14 @@ class FirstRank final : public SceneRanks {
     const std::vector<SmearMoment> moments = smear_moments(scene);
     order.regions = regions_of(of, whole, moments.empty() ? scene.step : moments.front().step, task);
     if (previous) order.previous = number_of(key_of(*previous));
+    // A limit in bytes is of each rank; one on the size of all is shared out.
+    const bool draws_bricks = aids.least_in_bricks != std::numeric_limits<std::int64_t>::max();
+    order.least_in_bricks = draws_bricks ? aids.least_in_bricks / line_.count() : aids.least_in_bricks;
     RankedExtraction made;
     std::shared_ptr<const ExtractedScene> own;
-    SceneAids split = aids;
-    split.tetrahedra = TetrahedraWay::split;  // ranks know meshes, and no grids of tetrahedra that are cut in the rays
-    split.bases = nullptr;
-    split.least_in_bricks = std::numeric_limits<std::int64_t>::max();  // likewise
     by_all(order, task, made, [&] {
       RankedExtraction part;
-      own = work_.extract(order, whole, previous, task, split, part);
+      own = work_.extract(order, whole, previous, draws_bricks, task, part);
       return part;
     });
     auto extracted = std::make_shared<ExtractedScene>(*own);
@@ -114,6 +154,7 @@ class FirstRank final : public SceneRanks {
 
   DrawResult draw(Renderer& own, const DrawInput& input) {
     check(input);
+    const Stopwatch watch;
     const std::lock_guard lock(line_.mutex());
     const auto found = std::find_if(drawable_.begin(), drawable_.end(), [&](const auto& of) { return of.second.key == key_of(input) && !of.second.extracted.expired(); });
     if (found == drawable_.end()) throw Error(ErrorCode::internal, "a picture of what the ranks have not extracted");
@@ -126,7 +167,7 @@ class FirstRank final : public SceneRanks {
     order.mode = input.mode;
     order.integral = input.integral;
     order.clip_planes = input.clip_planes;
-    order.with_normals = input.normals != nullptr;
+    order.with_normals = lit_along_gradient(input);  // of a rank that draws from bricks none are there before it draws
     order.camera = input.camera;
     order.width = input.width;
     order.height = input.height;
@@ -148,10 +189,14 @@ class FirstRank final : public SceneRanks {
     result.facts.tetrahedra = 0;
     for (std::size_t i = 0; i < input.styles.size() && extracted && i < extracted->summaries().size(); ++i)
       if (input.styles[i].visible) result.facts.tetrahedra += extracted->summaries()[i].tetrahedra;
-    if (input.float_image)
-      result.image = std::move(picture.image);
-    else
-      result.image = finish_annotated(std::move(picture.image), {}, input.background, input.transparent);
+    if (input.float_image) {
+      FloatImage floats = *picture.image;
+      floats.depth = std::move(picture.depth);
+      result.image = std::move(floats);
+    } else {
+      result.image = input.transparent ? to_8_bit(*picture.image) : over_background(*picture.image, input.background);
+    }
+    result.facts.draw_ms = watch.elapsed_ms() - result.facts.order_ms - result.facts.readback_ms;  // of the picture: the others' part and compositing, too
     return result;
   }
 
@@ -161,6 +206,17 @@ class FirstRank final : public SceneRanks {
     MeshKey key;
     RegionTree regions;
   };
+
+  RankMeasured measure(const RankedSource& of, const std::shared_ptr<const Dataset>& whole, RankMeasure order, const Task& task) {
+    const StepSource steps = [&](int, const Task&) { return whole; };
+    order.source = of.source;
+    order.version = of.version;
+    order.step = whole->step;
+    order.regions = regions_of(of, steps, whole->step, task);
+    RankMeasured made;
+    by_all(order, task, made, [&] { return work_.measure(order, steps, task); });
+    return made;
+  }
 
   /// Those of a dataset stay as the first step that was looked at has made them: any regions are right for any step.
   RegionTree regions_of(const RankedSource& of, const StepSource& whole, int step, const Task& task) {
@@ -191,15 +247,15 @@ class FirstRank final : public SceneRanks {
   }
 
   /// Has all ranks do it, this one by own(), and adds up what they made. The first failure, by rank, is thrown once all are done.
-  template <class Order, class Own>
-  void by_all(Order& order, const Task& task, RankedExtraction& sum, const Own& own) {
+  template <class Order, class Sum, class Own>
+  void by_all(Order& order, const Task& task, Sum& sum, const Own& own) {
     {
       const std::lock_guard lock(line_.mutex());
       order.number = ++numbers_;
       line_.send(order);
     }
     std::exception_ptr failure;
-    RankedExtraction part;
+    Sum part;
     try {
       part = own();
     } catch (...) {
@@ -215,7 +271,11 @@ class FirstRank final : public SceneRanks {
     task.check();
     if (failed != replies.end()) throw Error(failed->code, failed->message);
     add(sum, part);
-    for (const RankReply& of : replies) add(sum, of.made);
+    for (const RankReply& of : replies)
+      if constexpr (std::is_same_v<Sum, RankMeasured>)
+        add(sum, of.measured);
+      else
+        add(sum, of.made);
   }
 
   /// In the order of the ranks.
@@ -303,6 +363,7 @@ class RanksRenderer final : public Renderer {
       : ranks_(ranks), own_(std::move(own)), device_(own_->device() + ", " + std::to_string(ranks.count()) + (ranks.count() == 1 ? " rank" : " ranks")) {}
   DrawResult draw(const DrawInput& input) override { return ranks_.draw(*own_, input); }
   const std::string& device() const override { return device_; }
+  bool draws_bricks() const override { return own_->draws_bricks(); }
 
  private:
   FirstRank& ranks_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -96,10 +97,9 @@ class OtherRank {
       previous = it->second->extracted;
     }
     regions_[order.number] = order.regions;
-    begin(order.number, [this, order, previous](Job& job, RankReply& reply) {
-      SceneAids aids;
-      aids.max_bytes = order.max_bytes;
-      auto extracted = work_.extract(order, work_.open(order.source), previous, job.task, aids, reply.made);
+    const bool draws_bricks = order.least_in_bricks != std::numeric_limits<std::int64_t>::max() && has_renderer() && renderer_->draws_bricks();
+    begin(order.number, [this, order, previous, draws_bricks](Job& job, RankReply& reply) {
+      auto extracted = work_.extract(order, work_.open(order.source), previous, draws_bricks, job.task, reply.made);
       const std::lock_guard lock(job.mutex);
       job.extracted = std::move(extracted);
     });
@@ -109,6 +109,20 @@ class OtherRank {
   bool obey(const RankWrite& order) {
     begin(order.number, [this, order](Job& job, RankReply& reply) { reply.made = work_.write(order, work_.open(order.source), job.task); });
     return true;
+  }
+
+  bool obey(const RankMeasure& order) {
+    begin(order.number, [this, order](Job& job, RankReply& reply) { reply.measured = work_.measure(order, work_.open(order.source), job.task); });
+    return true;
+  }
+
+  /// Why there is none is thrown where it is to draw.
+  bool has_renderer() {
+    try {
+      if (!renderer_) renderer_ = make_renderer({setup_.renderer, setup_.device});
+    } catch (const Error&) {
+    }
+    return renderer_ != nullptr;
   }
 
   /// The reply goes out once the work is done, or has failed.
@@ -159,6 +173,7 @@ class OtherRank {
     input.bounds = order.bounds;
     input.mesh = extracted.mesh;
     input.color_values = extracted.color_values;
+    input.bricks = extracted.bricks;
     if (order.with_normals) input.normals = extracted.normals;
     input.texture_values = extracted.texture_values;
     input.styles = order.styles;

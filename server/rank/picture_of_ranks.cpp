@@ -1,5 +1,7 @@
 #include "rank/picture_of_ranks.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -7,6 +9,8 @@
 #include <exception>
 #include <map>
 
+#include "base/kept_blocks.h"
+#include "base/stopwatch.h"
 #include "rendering/picture/pixel_grid.h"
 
 namespace isostrata {
@@ -87,6 +91,13 @@ const char* ranks_control() {
   return control ? control : "";
 }
 
+void give_memory_back() {
+  free_kept_blocks();
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& own, const DrawInput& input, const RegionTree& regions) {
   const Box3d region = region_box(regions, line.rank());
   DrawInput part = input;
@@ -97,7 +108,11 @@ RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& ow
   const std::vector<int> order = order_of(regions, input.camera);
   RankedPicture picture;
   std::vector<float> depth;
-  for (std::vector<IntervalStyle>& styles : painted_styles(input)) {
+  double wait_ms = 0, composite_ms = 0;
+  FloatImage& painted = compositor.painted;
+  painted.rgba.clear();
+  std::vector<std::vector<IntervalStyle>> groups = painted_styles(input);
+  for (std::vector<IntervalStyle>& styles : groups) {
     part.styles = std::move(styles);
     DrawResult drawn;
     std::exception_ptr failure;
@@ -106,9 +121,11 @@ RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& ow
     } catch (...) {
       failure = std::current_exception();
     }
+    const Stopwatch waiting;
     const int all = line.agree(failure ? kFailed : drawn.facts.order_exact ? kExact : kApproximate);
     if (failure) std::rethrow_exception(failure);
     if (all == kFailed) throw Error(ErrorCode::cancelled, "another rank could not draw its region");
+    wait_ms += waiting.elapsed_ms();
     const double order_ms = picture.facts.order_ms + drawn.facts.order_ms, draw_ms = picture.facts.draw_ms + drawn.facts.draw_ms,
                  readback_ms = picture.facts.readback_ms + drawn.facts.readback_ms;
     picture.facts = drawn.facts;
@@ -121,14 +138,26 @@ RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& ow
       else
         for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = std::min(depth[i], own_picture.depth[i]);
     }
-    FloatImage whole = compositor.blend(own_picture, covered, order);
-    if (picture.image.rgba.empty())
-      picture.image = std::move(whole);
+    const Stopwatch compositing;
+    const FloatImage& whole = compositor.blend(own_picture, covered, order);
+    composite_ms += compositing.elapsed_ms();
+    if (groups.size() == 1) {
+      picture.image = &whole;
+      continue;
+    }
+    if (painted.rgba.empty())
+      painted = whole;
     else
-      paint_over(whole, picture.image);
+      paint_over(whole, painted);
+    picture.image = &painted;
   }
+  const Stopwatch compositing;
   if (input.float_image) line.least(depth);
-  picture.image.depth = std::move(depth);
+  if (input.bricks) give_memory_back();  // of what is seen of a large layer, which no mesh holds
+  picture.facts.stages = {{"own", picture.facts.order_ms + picture.facts.draw_ms + picture.facts.readback_ms},
+                          {"wait", wait_ms},
+                          {"composite", composite_ms + compositing.elapsed_ms()}};
+  picture.depth = std::move(depth);
   return picture;
 }
 

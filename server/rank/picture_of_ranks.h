@@ -12,9 +12,13 @@ namespace isostrata {
 /// region is put behind all others) or "no-ghosts" (regions have no margin). Empty: nothing.
 const char* ranks_control();
 
+/// Memory that was freed and kept for the next time goes to the kernel: parts are large, and ranks share a node.
+void give_memory_back();
+
 struct RankedPicture {
-  FloatImage image;  // on the first rank; premultiplied, with depth where the input asks for floats
-  DrawFacts facts;   // of this rank's own drawing
+  const FloatImage* image = nullptr;  // on the first rank, until the next picture; premultiplied, without depth
+  std::vector<float> depth;           // on the first rank, where the input asks for floats
+  DrawFacts facts;   // of this rank's own drawing; as stages also how long it waited for the others, and how long compositing took
 };
 
 /// By all ranks, with the same input but for what is the rank's own (mesh, values, normals, grid). Priorities are painted one after the other.

@@ -1,11 +1,20 @@
 #include "rank/rank_work.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
+#include <functional>
+#include <limits>
 
 #include "data/dataset_bytes.h"
+#include "data/histogram.h"
+#include "data/owned_values.h"
+#include "data/region.h"
 #include "data/sandbox.h"
+#include "data/source_mapping.h"
 #include "data/take_region.h"
+#include "extraction/bricks/layer_bricks.h"
 #include "extraction/facets/boundary_facets.h"
 #include "rank/picture_of_ranks.h"
 
@@ -14,6 +23,25 @@ namespace {
 
 /// The owner of a cell is the region of its first corner, whichever rank looks.
 OwnsCell owner(const Grid& grid, const RegionTree& regions, int rank) {
+  if (grid.rectilinear()) {  // a box of indices
+    const std::array<std::int64_t, 3> dims = grid.dims();
+    std::array<std::vector<std::uint8_t>, 3> owned;
+    const Box3d region = region_box(regions, rank);
+    std::int64_t stride = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int axis = static_cast<int>(a);
+      for (std::int64_t i = 0; i + 1 < dims[a]; ++i) {
+        const double at = grid.point(i * stride)[axis];
+        owned[a].push_back(at >= region.lower[axis] && at < region.upper[axis]);
+      }
+      stride *= dims[a];
+    }
+    const std::int64_t row = dims[0] - 1, layer = row * (dims[1] - 1), cells = layer * (dims[2] - 1);
+    return [owned = std::move(owned), row, layer, cells](std::int64_t cell) {
+      return cell < cells && owned[0][static_cast<std::size_t>(cell % row)] && owned[1][static_cast<std::size_t>(cell % layer / row)] &&
+             owned[2][static_cast<std::size_t>(cell / layer)];
+    };
+  }
   return [&grid, &regions, rank](std::int64_t cell) {
     if (cell >= grid.cell_count()) return false;  // of another step, whose points lie elsewhere
     std::array<std::int64_t, kMaxCellVertices> ids;
@@ -21,6 +49,8 @@ OwnsCell owner(const Grid& grid, const RegionTree& regions, int rank) {
     return region_at(regions, grid.point(ids[0])) == rank;
   };
 }
+
+constexpr RankMeasured::Range kNoRange{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0};
 
 void refuse_flat(const Dataset& dataset) {
   if (dataset.grid.flat())
@@ -34,10 +64,18 @@ void RankWork::configure(const RankSetup& setup) {
   store_.importer = setup.importer;
   store_.max_bytes = setup.max_bytes;
   store_.timeout_s = setup.import_timeout_s;
+  region_ = setup.region;
 }
 
 StepSource RankWork::open(const std::string& source) const {
-  return [store = store_, source](int step, const Task& task) { return DatasetStore::open(store, source, step, task); };
+  return [store = store_, region = region_, source](int step, const Task& task) {
+    OpenOptions open;
+    open.step = step;
+    open.importer = store.importer;
+    open.max_bytes = store.max_bytes;
+    open.timeout_s = store.timeout_s;
+    return region == Region{} ? open_unread(source, open, task) : open_part(source, open, region, task);
+  };
 }
 
 StepSource RankWork::parts(const std::string& version, const RegionTree& regions, const StepSource& whole) {
@@ -57,6 +95,7 @@ StepSource RankWork::parts(const std::string& version, const RegionTree& regions
       task.check();
       const RegionMargin margin{std::strcmp(ranks_control(), "no-ghosts") == 0 ? 0 : 1};
       auto made = take_region(*all, regions, rank_, margin);
+      for (const PointArray& array : all->arrays) drop_pages(array);  // they were copied
       const std::uint64_t bytes = dataset_bytes(*made);
       const std::lock_guard lock(mutex_);
       part->dataset = std::move(made);
@@ -84,12 +123,69 @@ void RankWork::drop_unused() {
 }
 
 std::shared_ptr<const ExtractedScene> RankWork::extract(const RankExtract& order, const StepSource& whole, const std::shared_ptr<const ExtractedScene>& previous,
-                                                        const Task& task, const SceneAids& aids, RankedExtraction& made) {
+                                                        bool draws_bricks, const Task& task, RankedExtraction& made) {
   const StepSource steps = parts(order.version, order.regions, whole);
+  SceneAids aids;  // ranks know meshes and bricks, and no grids of tetrahedra that are cut in the rays
+  aids.max_bytes = order.max_bytes;
+  aids.bricks = &bricks_;
+  if (draws_bricks) aids.least_in_bricks = order.least_in_bricks;
   auto extracted = extract_scene(steps, order.scene, previous, task, aids);
   const Grid& grid = extracted->dataset->grid;
-  made.summaries = owned_summaries(grid, *extracted->mesh, owner(grid, order.regions, rank_), task);
+  const OwnsCell owns = owner(grid, order.regions, rank_);
+  if (!previous) give_memory_back();  // the first of a dataset took more than others will
+  made.summaries = extracted->bricks ? extracted->bricks->summaries_of(owns, task) : owned_summaries(grid, *extracted->mesh, owns, task);
   return extracted;
+}
+
+RankMeasured RankWork::measure(const RankMeasure& order, const StepSource& whole, const Task& task) {
+  const auto part = parts(order.version, order.regions, whole)(order.step, task);
+  RankMeasured made;
+  const auto look = [&](const PointArray& array, const std::function<void(PointArray)>& of) {
+    for_owned_values(part->grid, array, order.regions, rank_, task, of);
+  };
+  if (order.array.empty()) {
+    for (const PointArray& array : part->arrays) {
+      RankMeasured::Range& range = made.ranges.emplace_back(kNoRange);
+      look(array, [&](PointArray values) {
+        measure_range(values);
+        range.lower = std::min(range.lower, values.lower);
+        range.upper = std::max(range.upper, values.upper);
+        range.nan_count += values.nan_count;
+      });
+    }
+    return made;
+  }
+  const PointArray& array = part->array(order.array);
+  if (order.bins > 0) made.counts.assign(static_cast<std::size_t>(order.bins), 0);
+  look(array, [&](const PointArray& values) {
+    if (order.bins == 0) {
+      made.moments = combined(made.moments, moments(values, order.lower, order.upper));
+      return;
+    }
+    const std::vector<std::uint64_t> counts = histogram(values, order.lower, order.upper, order.bins);
+    for (std::size_t i = 0; i < counts.size(); ++i) made.counts[i] += counts[i];
+  });
+  return made;
+}
+
+void RankWork::know_ranges(const std::string& version, const Dataset& whole) {
+  std::shared_ptr<Part> part;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = parts_.find({version, whole.step});
+    if (it == parts_.end()) return;
+    part = it->second;
+  }
+  const std::lock_guard making(part->making);
+  if (!part->dataset) return;
+  auto known = std::make_shared<Dataset>(*part->dataset);
+  for (std::size_t i = 0; i < known->arrays.size(); ++i) {
+    known->arrays[i].lower = whole.arrays[i].lower;
+    known->arrays[i].upper = whole.arrays[i].upper;
+    known->arrays[i].nan_count = whole.arrays[i].nan_count;
+  }
+  const std::lock_guard lock(mutex_);
+  part->dataset = std::move(known);
 }
 
 RankedExtraction RankWork::write(const RankWrite& order, const StepSource& whole, const Task& task) {
@@ -148,6 +244,18 @@ void add(RankedExtraction& sum, const RankedExtraction& of) {
   sum.upper_facets += of.upper_facets;
   sum.domain_facets += of.domain_facets;
   sum.unmatched_facets += of.unmatched_facets;
+}
+
+void add(RankMeasured& sum, const RankMeasured& of) {
+  sum.ranges.resize(std::max(sum.ranges.size(), of.ranges.size()), kNoRange);
+  for (std::size_t i = 0; i < of.ranges.size(); ++i) {
+    sum.ranges[i].lower = std::min(sum.ranges[i].lower, of.ranges[i].lower);
+    sum.ranges[i].upper = std::max(sum.ranges[i].upper, of.ranges[i].upper);
+    sum.ranges[i].nan_count += of.ranges[i].nan_count;
+  }
+  sum.counts.resize(std::max(sum.counts.size(), of.counts.size()));
+  for (std::size_t i = 0; i < of.counts.size(); ++i) sum.counts[i] += of.counts[i];
+  sum.moments = combined(sum.moments, of.moments);
 }
 
 }  // namespace isostrata

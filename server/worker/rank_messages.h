@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "data/moments.h"
+#include "data/region.h"
 #include "data/region_tree.h"
 #include "engine/picture/scene_ranks.h"
 #include "extraction/layers/extract_layers.h"
@@ -22,6 +24,7 @@ struct RankSetup {
   double import_timeout_s = 0;
   std::string renderer, device;
   int threads = 0;
+  Region region;
 };
 
 /// What is extracted has this number from then on. Answered by RankReply.
@@ -32,6 +35,7 @@ struct RankExtract {
   RegionTree regions;
   Scene scene;
   std::uint64_t max_bytes = 0;
+  std::int64_t least_in_bricks = 0;  // as SceneAids, of one rank
 };
 
 /// DrawInput, without what each rank has of its own. All ranks composite; a rank that cannot answers RankReply.
@@ -61,6 +65,17 @@ struct RankWrite {
   int compression = 1;
 };
 
+/// Looks at the values that the rank owns. Answered by RankReply.
+struct RankMeasure {
+  std::uint64_t number = 0;
+  std::string source, version;
+  RegionTree regions;
+  int step = 0;
+  std::string array;            // empty: the ranges of all arrays
+  double lower = 0, upper = 0;  // of the histogram, or the range of the whole
+  int bins = 0;                 // of the histogram; 0: moments
+};
+
 struct RankCancel {
   std::uint64_t number = 0;
 };
@@ -70,7 +85,18 @@ struct RankForget {
 };
 struct RankEnd {};
 
-using RankOrder = std::variant<RankSetup, RankExtract, RankDraw, RankWrite, RankCancel, RankForget, RankEnd>;
+using RankOrder = std::variant<RankSetup, RankExtract, RankDraw, RankWrite, RankMeasure, RankCancel, RankForget, RankEnd>;
+
+/// What RankMeasure asks for.
+struct RankMeasured {
+  struct Range {
+    double lower = 0, upper = 0;  // lower > upper: no finite value
+    std::int64_t nan_count = 0;
+  };
+  std::vector<Range> ranges;
+  std::vector<std::uint64_t> counts;
+  Moments moments;
+};
 
 struct RankReply {
   std::uint64_t number = 0;  // of the extraction or of the picture that it is about
@@ -80,6 +106,7 @@ struct RankReply {
   ErrorCode code = ErrorCode::internal;
   std::string message;
   RankedExtraction made;
+  RankMeasured measured;
 };
 
 }  // namespace isostrata

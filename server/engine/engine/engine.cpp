@@ -21,6 +21,7 @@
 #include "base/kept_blocks.h"
 #include "base/work.h"
 #include "data/histogram.h"
+#include "data/source_mapping.h"
 #include "data/look_at_folder.h"
 #include "engine/data/known_ranges.h"
 #include "engine/engine/encoder_threads.h"
@@ -192,7 +193,7 @@ class Engine::Impl {
   // One version of a dataset is never mixed with another: what was read is of the files that the catalogue lists, or it is not used.
   std::shared_ptr<const Dataset> load(const std::string& id, int step, const Task& task) const {
     const CatalogueEntry of = entry(id);
-    auto dataset = DatasetStore::open(options_.store, of.source, step, task);
+    auto dataset = options_.ranks ? options_.ranks->open({of.source, of.id}, step, task) : DatasetStore::open(options_.store, of.source, step, task);
     check_unchanged(of);
     return dataset;
   }
@@ -251,6 +252,8 @@ class Engine::Impl {
       const auto dataset = acquire_held(source, 0, operation->task());
       look_for_steps(source, *dataset, operation->task());
       FirstView view = view_of_series(source, dataset, operation->task());  // may read steps: what is known of the ranges is asked for afterwards
+      if (options_.ranks)
+        for (const PointArray& array : dataset->arrays) drop_pages(array);  // samples of all of it, which this rank does not keep
       const KnownRanges::Known known = ranges_.find(source.id).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}, {}, {}});
       DatasetFacts facts = dataset_facts(source.id, source.name, *dataset, known.ranges);
       if (known.times.size() > facts.times.size()) {
@@ -343,6 +346,15 @@ class Engine::Impl {
     }
   }
 
+  /// Whether each rank looks at its part of the values: this process has them mapped, and keeps none of them in memory.
+  bool by_ranks(const PointArray& array) const {
+    return options_.ranks && std::visit([](auto values) { return !values.empty() && is_in_source(values.data()); }, array.values);
+  }
+  RankedSource of_ranks(const std::string& dataset) const {
+    const CatalogueEntry source = entry(dataset);
+    return {source.source, source.id};
+  }
+
   void take(HistogramRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
@@ -352,7 +364,9 @@ class Engine::Impl {
         const PointArray& array = dataset->array(request.array);
         const ValueRange range = join(request.least, {array.lower, array.upper});
         std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::clamp(request.bins, 0, 1 << 20)));
-        if (!range.empty()) counts = kept_histogram(array, range.lower, range.upper, request.bins);
+        if (!range.empty())
+          counts = by_ranks(array) ? options_.ranks->histogram(of_ranks(request.dataset), dataset, array.name, range.lower, range.upper, request.bins, operation->task())
+                                   : kept_histogram(array, range.lower, range.upper, request.bins);
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, range.lower,
                             range.upper, std::move(counts)});
       });
@@ -365,8 +379,9 @@ class Engine::Impl {
     counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
         const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        const PointArray& array = dataset->array(request.array);
         send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
-                             statistics(dataset->array(request.array))});
+                             by_ranks(array) ? options_.ranks->statistics(of_ranks(request.dataset), dataset, array.name, operation->task()) : statistics(array)});
       });
     });
   }
@@ -496,7 +511,7 @@ class Engine::Impl {
       aids.ordered = &ordered_;
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
-      if (cuts_intervals_) aids.least_in_bricks = kLeastInBricksOfFrames;
+      if (draws_bricks_) aids.least_in_bricks = kLeastInBricksOfFrames;
       aids.max_bytes = room_for(key, false);
       const bool shows_it = is_whole(previous) && before->dataset == scene.dataset && before->array == scene.array;  // with other intervals, or at another step
       if (!options_.ranks && !shows_it)
@@ -897,9 +912,10 @@ class Engine::Impl {
   void take_renderer(const Renderer& renderer) {
     const std::lock_guard lock(mutex_);
     cuts_intervals_ = renderer.cuts_intervals();
+    draws_bricks_ = renderer.draws_bricks();
     in_lanes_ = needs_no_device(renderer);
     for (auto& [key, session] : sessions_) {
-      if (!cuts_intervals_ && session.ready && (session.ready->base || session.ready->bricks)) {
+      if (session.ready && ((!cuts_intervals_ && session.ready->base) || (!draws_bricks_ && session.ready->bricks))) {
         session.ready.reset();
         session.ready_coarse.reset();
         scenes_.hold(key, 0);
@@ -1184,7 +1200,7 @@ class Engine::Impl {
   const EngineOptions options_;
   const Sink sink_;
   std::string device_;
-  std::atomic<bool> cuts_intervals_{false};  // the renderer of now
+  std::atomic<bool> cuts_intervals_{false}, draws_bricks_{false};  // the renderer of now
   static constexpr std::uint64_t kFrameBytes = 64ull << 20;   // of a picture that is not counted
   static constexpr std::uint64_t kLeastExport = 32ull << 20;  // that an export is given
   static constexpr int kStills = 4;          // sessions whose stills are drawn at once: each holds a picture

@@ -64,7 +64,7 @@ struct SceneAids : LayerAids {
   TetrahedraWay tetrahedra = TetrahedraWay::split;  // another one only where the renderer cuts_intervals()
   BaseMeshes* bases = nullptr;                      // null: split
   // Layers on a structured grid that would have this many tetrahedra are drawn from their bricks (ExtractedScene::bricks) where the scene draws
-  // draws_from_bricks(); needs `bricks`, and a renderer that cuts_intervals(). A smaller mesh is drawn sooner the second time.
+  // draws_from_bricks(); needs `bricks`, and a renderer that draws_bricks(). A smaller mesh is drawn sooner the second time.
   std::int64_t least_in_bricks = std::numeric_limits<std::int64_t>::max();
   std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, where the scene would need more
 };

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "data/region.h"
+#include "data/statistics.h"
 #include "engine/data/dataset_store.h"
 #include "engine/picture/draw_scene.h"
 #include "extraction/files/write_mesh.h"
@@ -34,6 +36,7 @@ struct RankSettings {
   DatasetStoreOptions store;  // of which `keep` is this rank's own
   RendererChoice renderer;  // of each rank
   int threads = 0;          // of each rank; 0: the node's cores, shared out among its ranks
+  Region region;            // of each structured grid that is opened
 };
 
 /// Any thread may call any function.
@@ -42,6 +45,15 @@ class SceneRanks {
   virtual ~SceneRanks() = default;
   virtual int count() const = 0;
   virtual void configure(const RankSettings& settings) = 0;
+
+  /// As DatasetStore::open and open_part, for this rank: the whole dataset, of which it looks at nothing that is mapped where it lies in the file
+  /// (source_mapping.h): each rank looks at its part, and the ranges are put together.
+  virtual std::shared_ptr<const Dataset> open(const RankedSource& of, int step, const Task& task) = 0;
+  /// histogram() and statistics() of what open() gave, each rank of the values that it owns. Counts are those of one process, and mean and deviation
+  /// to rounding.
+  virtual std::vector<std::uint64_t> histogram(const RankedSource& of, const std::shared_ptr<const Dataset>& whole, const std::string& array,
+                                               double lower, double upper, int bins, const Task& task) = 0;
+  virtual Statistics statistics(const RankedSource& of, const std::shared_ptr<const Dataset>& whole, const std::string& array, const Task& task) = 0;
 
   /// As extract_scene, each rank of its region. What comes back is this rank's part, with the summaries of the whole, for make_renderer's
   /// renderer to draw. whole: opens all of the dataset, for this rank's own use. Throws what the first rank that fails throws,

@@ -43,7 +43,7 @@ struct DrawInput {
   // Then other ends need no other mesh. Surfaces among constant colours, without textures; only renderers that cuts_intervals().
   std::vector<Interval> cut_intervals;
   std::shared_ptr<const BaseTetrahedra> base;  // null without cut_intervals
-  // Not null: the mesh has summaries and no points; what is seen of its layers is made of these. As cut_intervals, and all styles constant().
+  // Not null: the mesh has summaries and no points; what is seen of its layers is made of these. Only renderers that draws_bricks(), and all styles constant().
   std::shared_ptr<const LayerBricks> bricks;
   RenderMode mode = RenderMode::sorted;
   Integral integral = Integral::exact;
@@ -91,8 +91,9 @@ class Renderer {
   /// Throws invalid_argument (size, camera, NaN colours), too_large, unavailable. After an Error the next call works.
   virtual DrawResult draw(const DrawInput& input) = 0;
   virtual const std::string& device() const = 0;
-  /// Whether DrawInput::cut_intervals and DrawInput::bricks can be drawn. The same as long as it lives.
+  /// Whether DrawInput::cut_intervals can be drawn, and DrawInput::bricks. The same as long as it lives.
   virtual bool cuts_intervals() const { return false; }
+  virtual bool draws_bricks() const { return cuts_intervals(); }
 };
 
 /// One attempt at a device, for `isostrata doctor`.
