@@ -13,7 +13,6 @@
 #include "engine/picture/draw_scene.h"
 #include "extraction/bricks/brick_memory.h"
 #include "main/picture_arguments.h"
-#include "main/ranks.h"
 #include "rendering/picture/turn_camera.h"
 
 namespace isostrata {
@@ -23,7 +22,7 @@ struct BenchArguments {
   std::vector<std::string> data;  // empty: the standard workloads
   std::vector<std::string> intervals;
   std::vector<std::string> sizes{"512x512", "1024x1024"}, renderers{"auto"};
-  std::string array, mode = "both", device = "auto", ranks;
+  std::string array, mode = "both", device = "auto";
   bool drag = false;
   std::vector<std::string> tetrahedra{"split"};
   int repeat = 20;
@@ -134,14 +133,8 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
   }
   frames.finish();
   input.camera = start;
-  if (!ranks_in_use()) count_fragments(renderer, input, run);
+  count_fragments(renderer, input, run);
   return run;
-}
-
-std::shared_ptr<const ExtractedScene> extract(const std::string& data, const StepSource& steps, const Scene& scene,
-                                              const std::shared_ptr<const ExtractedScene>& previous, const SceneAids& aids) {
-  if (ranks_in_use()) return ranks_in_use()->extract({data, data}, steps, scene, previous, command_task(), aids);
-  return extract_scene(steps, scene, previous, command_task(), aids);
 }
 
 /// An end of the last interval goes up and down by a tenth of its thickness, and every frame shows another place of it.
@@ -156,7 +149,7 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   for (SceneInterval& interval : scene.intervals) interval.own_range = true;
   const StepSource steps = [&](int, const Task&) { return dataset; };
   const SceneInterval start = scene.intervals.back();
-  auto extracted = extract(data, steps, scene, nullptr, aids);
+  auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
   renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
   BenchRun run;
   run.data = data;
@@ -164,19 +157,19 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   run.width = size[0];
   run.height = size[1];
   run.tetrahedra = 0;
-  std::vector<double> extracting;
+  std::vector<double> extract;
   Frames frames(run);
   const Stopwatch whole;
   for (int i = 0; i < arguments.repeat && (i < 3 || whole.elapsed_ms() < arguments.seconds * 1e3); ++i) {
     scene.intervals.back().upper = start.upper + 0.1 * std::sin(0.37 * (i + 1)) * (start.upper - start.lower);
     const Stopwatch watch;
-    extracted = extract(data, steps, scene, extracted, aids);
-    extracting.push_back(watch.elapsed_ms());
+    extracted = extract_scene(steps, scene, extracted, command_task(), aids);
+    extract.push_back(watch.elapsed_ms());
     const DrawResult result = renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
     frames.add(watch.elapsed_ms(), result.facts);
   }
   run.way = extracted->base ? "cut" : "split";
-  run.extract_ms = spread_of(extracting).median;
+  run.extract_ms = spread_of(extract).median;
   frames.finish();
   return run;
 }
@@ -250,13 +243,6 @@ std::string default_interval(const std::string& data, const PointArray& array) {
 /// "all": those that this machine has; what is missing is said on standard error.
 std::vector<std::unique_ptr<Renderer>> open_renderers(const BenchArguments& arguments) {
   std::vector<std::unique_ptr<Renderer>> renderers;
-  if (SceneRanks* const ranks = ranks_in_use()) {
-    if (arguments.renderers.size() != 1 || arguments.renderers.front() == "all")
-      throw Error(ErrorCode::invalid_argument, "--renderer: ranks draw with one renderer in a run; expected auto, native, raster or compute, once");
-    ranks->configure({.renderer = {arguments.renderers.front(), arguments.device}, .threads = arguments.threads});
-    renderers.push_back(ranks->make_renderer());
-    return renderers;
-  }
   for (const std::string& name : arguments.renderers) {
     if (name != "all") {
       renderers.push_back(make_renderer({name, arguments.device}));
@@ -274,7 +260,6 @@ std::vector<std::unique_ptr<Renderer>> open_renderers(const BenchArguments& argu
 
 void run(const BenchArguments& arguments) {
   for (const std::string& size : arguments.sizes) parse_size(size);
-  if (!arguments.ranks.empty()) run_by_ranks(arguments.ranks, "");
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   const std::vector<std::unique_ptr<Renderer>> renderers = open_renderers(arguments);
   std::vector<Workload> workloads;
@@ -310,7 +295,7 @@ void run(const BenchArguments& arguments) {
             }
         continue;
       }
-      const auto extracted = extract(workload.data, [&](int, const Task&) { return dataset; }, scene, nullptr, {});
+      const auto extracted = extract_scene(dataset, scene, nullptr, command_task());
       for (const std::string& size : arguments.sizes)
         for (const std::unique_ptr<Renderer>& renderer : renderers)
           put(measure(*renderer, workload.data, mode, *extracted, scene, parse_size(size), arguments));
@@ -358,7 +343,6 @@ void add_bench_render_command(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command->add_flag("--json", arguments->json, "Print one JSON document");
-  add_ranks_option(*command, arguments->ranks);
   command->callback([arguments] { run(*arguments); });
 }
 

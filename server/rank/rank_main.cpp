@@ -30,9 +30,6 @@ int lead(RankLine& line, int argc, char** argv) {
   use_ranks(ranks.get());
   add_render_command(app);
   add_extract_command(app);
-  CLI::App* bench = app.add_subcommand("bench", "Measures, as isostrata bench");
-  bench->require_subcommand(1);
-  add_bench_render_command(*bench);
   CLI::App* worker = app.add_subcommand("worker", "Draws for `isostrata serve --ranks`, which starts it");
   worker->group("");
   std::string socket;
