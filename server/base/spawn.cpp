@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <csignal>
 #include <string_view>
-#include <system_error>
 
 #include "base/error.h"
 #include "base/program_file.h"
@@ -146,7 +145,7 @@ void become(const std::filesystem::path& program, std::vector<std::string> argum
   spawn.words.insert(spawn.words.end(), arguments.begin(), arguments.end());
   Command command = command_of(spawn);
   execv(command.file.c_str(), pointers(command.words).data());
-  throw Error(ErrorCode::unavailable, program.string() + " cannot be started: " + std::generic_category().message(errno));
+  throw_system_error(program.string() + " cannot be started", errno);
 }
 
 }  // namespace isostrata

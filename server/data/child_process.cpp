@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 
 #include "base/spawn.h"
 #include "base/stopwatch.h"
@@ -27,7 +26,7 @@ struct Pipe {
   Pipe() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
-      throw Error(ErrorCode::unavailable, std::string("cannot make a pipe: ") + std::strerror(errno));
+      throw_system_error("cannot make a pipe", errno);
     read = ends[0];
     write = ends[1];
   }
@@ -76,7 +75,7 @@ pid_t start(const ChildProgram& child, int out, int err) {
   spawn.environment = child.environment ? *child.environment : environment_without({});
   pid_t id = 0;
   if (const int error = spawn_in_group(id, spawn); error != 0)
-    throw Error(ErrorCode::unavailable, child.program.string() + ": cannot be started: " + std::strerror(error));
+    throw_system_error(child.program.string() + ": cannot be started", error);
   return id;
 }
 

@@ -65,7 +65,7 @@ class Mapping {
     const std::uint64_t page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)), before = offset % page;
     size_ = static_cast<std::size_t>(bytes + before);
     data_ = mmap(nullptr, size_, PROT_READ, MAP_SHARED, descriptor, static_cast<off_t>(offset - before));
-    if (data_ == MAP_FAILED) throw Error(ErrorCode::unavailable, name + ": cannot map " + std::to_string(bytes) + " bytes: " + std::strerror(errno));
+    if (data_ == MAP_FAILED) throw_system_error(name + ": cannot map " + std::to_string(bytes) + " bytes", errno);
     bytes_ = {static_cast<const std::byte*>(data_) + before, static_cast<std::size_t>(bytes)};
     const std::lock_guard lock(listing);
     for (Listed& one : listed) {

@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 
 #include "base/program_file.h"
@@ -41,7 +40,7 @@ int run_words(std::vector<std::string>& words) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   int failed[2];
-  if (pipe2(failed, O_CLOEXEC) != 0) throw Error(ErrorCode::unavailable, std::string("no pipe can be made: ") + std::strerror(errno));
+  if (pipe2(failed, O_CLOEXEC) != 0) throw_system_error("no pipe can be made", errno);
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -59,7 +58,7 @@ int run_words(std::vector<std::string>& words) {
   int status = 0;
   while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (why != 0) throw Error(ErrorCode::unavailable, "--ranks: '" + words[0] + "' cannot be started: " + std::strerror(why));
+  if (why != 0) throw_system_error("--ranks: '" + words[0] + "' cannot be started", why);
   return status;
 }
 

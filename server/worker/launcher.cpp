@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -57,7 +56,7 @@ class LauncherHere final : public Launcher {
     Launched launched;
     const int error = spawn_in_group(launched.id, spawn);
     if (error != 0)
-      throw Error(ErrorCode::unavailable, plan_.program.string() + ": the worker process cannot be started: " + std::strerror(error));
+      throw_system_error(plan_.program.string() + ": the worker process cannot be started", error);
     launched.process = Descriptor(static_cast<int>(syscall(SYS_pidfd_open, launched.id, 0)));
     launched.keep = keep_;
     return launched;

@@ -81,7 +81,7 @@ void write_whole(const fs::path& path, const std::string& text) {
   if (written && rename(beside.c_str(), path.c_str()) != 0) written = false, why = errno;
   if (written) return;
   unlink(beside.c_str());
-  throw Error(ErrorCode::unavailable, path.string() + ": the ready file cannot be written: " + std::strerror(why));
+  throw_system_error(path.string() + ": the ready file cannot be written", why);
 }
 
 /// The helper's answer, its head taken off. Throws what it says, and unavailable where it is gone.
@@ -131,11 +131,11 @@ Packet ask(int line, const std::string& text, std::initializer_list<int> pass) {
 StarterProcess::StarterProcess(WorkerPlan plan, Duties duties) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
-    throw Error(ErrorCode::unavailable, std::string("no line to the process that starts workers: ") + std::strerror(errno));
+    throw_system_error("no line to the process that starts workers", errno);
   line_ = Descriptor(ends[0]);
   Descriptor there(ends[1]);
   id_ = fork();
-  if (id_ < 0) throw Error(ErrorCode::unavailable, std::string("the process that starts workers cannot be made: ") + std::strerror(errno));
+  if (id_ < 0) throw_system_error("the process that starts workers cannot be made", errno);
   if (id_ > 0) return;
   // It outlives the signals that a terminal or a batch system sends to all processes: its end is that of the server.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT}) std::signal(signal, SIG_IGN);

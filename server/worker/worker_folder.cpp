@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 
 #include "base/error.h"
@@ -42,7 +41,7 @@ bool WorkerFolder::exists() const {
 fs::path WorkerFolder::make(const char* name) const {
   const fs::path folder = path() / name;
   if (mkdir(folder.c_str(), 0700) != 0)
-    throw Error(ErrorCode::unavailable, "cannot make the directory " + folder.string() + ": " + std::strerror(errno));
+    throw_system_error("cannot make the directory " + folder.string(), errno);
   return folder;
 }
 

@@ -14,6 +14,7 @@
 #include <thread>
 
 namespace isostrata {
+
 SharedBoard::SharedBoard() : file_(make_memory_file("isostrata-board", sizeof(ActivityBoard))) { map(); }
 
 SharedBoard::SharedBoard(Descriptor file) : file_(std::move(file)) {
