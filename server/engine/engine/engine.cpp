@@ -6,32 +6,24 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <exception>
 #include <future>
 #include <map>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <set>
 #include <thread>
-#include <tuple>
 
 #include "base/as_error.h"
 #include "base/kept_blocks.h"
 #include "base/work.h"
-#include "data/histogram.h"
-#include "data/look_at_folder.h"
-#include "data/source_mapping.h"
-#include "engine/data/known_ranges.h"
-#include "engine/engine/encoder_threads.h"
 #include "engine/engine/kept_renderers.h"
 #include "engine/engine/lanes.h"
+#include "engine/engine/make_picture.h"
+#include "engine/engine/open_datasets.h"
 #include "engine/engine/scene_ledger.h"
-#include "engine/messages/operation.h"
+#include "engine/engine/session_state.h"
 #include "engine/picture/coarse_scene.h"
-#include "engine/picture/draw_scene.h"
-#include "engine/picture/draw_still.h"
 #include "engine/picture/export_mesh.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/unstructured/ordered_memory.h"
@@ -57,85 +49,14 @@ RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, 
   return {session, request, revision, error.code(), error.what()};
 }
 
-// The parts of a scene that a picture of older intervals can still follow. A smear's mesh is another one, so its mode stays with
-// what was extracted.
-void take_view(Scene& of, const Scene& from) {
-  of.camera = from.camera;
-  of.background = from.background;
-  if ((of.mode == SceneMode::smear) == (from.mode == SceneMode::smear)) of.mode = from.mode;
-  of.integral = from.integral;
-  of.cycle = from.cycle;
-  of.unit_distance = from.unit_distance;
-  of.clip_planes = from.clip_planes;
-  of.annotations = from.annotations;
-  of.color_range = from.color_range;
-}
-
-bool same_view(const Scene& a, const Scene& b) {
-  return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.integral == b.integral &&
-         a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance && a.clip_planes == b.clip_planes &&
-         a.annotations == b.annotations && a.color_range == b.color_range;
-}
-
-std::array<std::string, 2> color_arrays(const Scene& scene) { return {scene.color_by, scene.texture}; }
-
-/// Whether all points of the grid went into it.
-bool is_whole(const std::shared_ptr<const ExtractedScene>& extracted) { return extracted && extracted->point_stride == 1; }
-
-/// A picture that is being drawn or encoded.
-struct Picture {
-  std::shared_ptr<Task> task;
-  std::uint64_t revision = 0;
-  bool until_newer = false;  // a newer scene ends it
-};
-
-struct SessionState {
-  std::optional<Scene> scene;  // the newest
-  std::shared_ptr<const ExtractedScene> ready;
-  Scene ready_scene;                      // that it was extracted for
-  bool ready_drawn = false;               // its extraction time has been reported
-  std::shared_ptr<const ExtractedScene> ready_coarse;  // of every n-th point of the same, for moving frames; null: not at hand
-  std::array<std::string, 2> coarse_arrays;            // that colours and textures could run over when it was made
-  std::shared_ptr<Operation> extraction;  // running or queued
-  Scene extraction_scene;
-  bool last_was_cut_short = false;
-  std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
-  std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
-  std::deque<FrameRequest> waiting;
-  std::map<RequestId, Picture> pictures;
-  bool frame_in_lane = false, still_in_lane = false;  // a job that draws one is posted or at work
-  std::set<StreamId> streams;  // ordered from and not closed
-};
-
-struct DrawOrder {
-  FrameRequest request;
-  Scene scene;
-  std::shared_ptr<const ExtractedScene> extracted;
-  double extract_ms = 0;
-  std::shared_ptr<Task> task;
-  std::shared_ptr<void> room;  // in memory, of a large still
-  bool coarse_at_hand = false;
-};
-
-/// A script's picture or somebody's screenshot: nobody has a hand on it.
-bool is_still(const FrameRequest& request) { return request.still.has_value(); }
-
-WorkClass class_of(const FrameRequest& request) { return is_still(request) ? WorkClass::still : WorkClass::frame; }
-
 }  // namespace
-
-bool same_extraction(const Scene& a, const Scene& b) {
-  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
-         lights_along_gradient(a) == lights_along_gradient(b);
-}
 
 class Engine::Impl {
  public:
   Impl(EngineOptions options, Sink sink)
       : options_(std::move(options)),
         sink_(std::move(sink)),
-        catalogue_(options_.catalogue),
-        store_(options_.store, [this](const std::string& id, int step, const Task& task) { return load(id, step, task); }),
+        datasets_(options_.catalogue, options_.store, options_.ranks),
         coarse_(options_.least_coarse_cells),
         bases_(options_.store.max_bytes),
         ordered_(options_.store.max_bytes) {
@@ -183,52 +104,6 @@ class Engine::Impl {
     return operation;
   }
 
-  CatalogueEntry entry(const std::string& id) const {
-    const std::lock_guard lock(catalogue_mutex_);
-    const CatalogueEntry* found = catalogue_.find(id);
-    if (!found) throw Error(ErrorCode::not_found, "dataset '" + id + "': not in this server's catalogue");
-    return *found;
-  }
-
-  // One version of a dataset is never mixed with another: what was read is of the files that the catalogue lists, or it is not used.
-  std::shared_ptr<const Dataset> load(const std::string& id, int step, const Task& task) const {
-    const CatalogueEntry of = entry(id);
-    auto dataset = options_.ranks ? options_.ranks->open({of.source, of.id}, step, task) : DatasetStore::open(options_.store, of.source, step, task);
-    check_unchanged(of);
-    return dataset;
-  }
-
-  static void check_unchanged(const CatalogueEntry& of) {
-    if (of.mark == 0 || mark_on_disk(of.source, of.parts) == of.mark) return;
-    throw Error(ErrorCode::unavailable, of.name + ": has changed on disk since it was opened, or is being written, so that this part of it cannot be read; open it again");
-  }
-
-  // A dataset that was read before its series grew knows of fewer times; whoever looks for one begins with the first step.
-  std::shared_ptr<const Dataset> acquire(const CatalogueEntry& of, int step, const Task& task) {
-    auto dataset = acquire_held(of, step, task);
-    const auto known = step == 0 ? ranges_.find(of.id) : std::nullopt;
-    if (!known || known->times.size() <= dataset->times.size()) return dataset;
-    store_.drop(of.id, 0);
-    return acquire_held(of, step, task);
-  }
-
-  // Where the file lies is the server's own business: a failure names it as clients know it.
-  std::shared_ptr<const Dataset> acquire_held(const CatalogueEntry& of, int step, const Task& task) {
-    try {
-      auto dataset = store_.acquire(of.id, step, task);
-      ranges_.add(of.id, *dataset);
-      return dataset;
-    } catch (const Error& error) {
-      throw Error(error.code(), without_place(error.what(), of));
-    }
-  }
-
-  static std::string without_place(std::string message, const CatalogueEntry& of) {
-    for (auto at = message.find(of.source); at != std::string::npos; at = message.find(of.source, at + of.name.size()))
-      message.replace(at, of.source.size(), of.name);
-    return message;
-  }
-
   // ---- requests ----
 
   /// Of a session; of none: of the dataset, so that one that cannot be read holds up whoever asks for it and nobody else.
@@ -248,64 +123,8 @@ class Engine::Impl {
 
   void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
     run(request.all_ranges ? WorkClass::background : WorkClass::scene, request.session, request.request, *operation, [&] {
-      const CatalogueEntry source = entry(request.dataset);
-      const auto dataset = acquire_held(source, 0, operation->task());
-      look_for_steps(source, *dataset, operation->task());
-      FirstView view = view_of_series(source, dataset, operation->task());  // may read steps: what is known of the ranges is asked for afterwards
-      if (options_.ranks)
-        for (const PointArray& array : dataset->arrays) drop_pages(array);  // samples of all of it, which this rank does not keep
-      const KnownRanges::Known known = ranges_.find(source.id).value_or(KnownRanges::Known{SeriesRanges(*dataset), {}, {}, {}});
-      DatasetFacts facts = dataset_facts(source.id, source.name, *dataset, known.ranges);
-      if (known.times.size() > facts.times.size()) {
-        facts.times = known.times;
-        facts.notes = known.said;
-      }
-      facts.notes.insert(facts.notes.end(), known.notes.begin(), known.notes.end());
-      facts.first_view = std::move(view);
-      send(DatasetReady{request.session, request.request, std::move(facts)});
+      send(DatasetReady{request.session, request.request, datasets_.describe(request.dataset, operation->task())});
     });
-  }
-
-  // Of a series that has grown the first new step says what times there are; it is what somebody will look at next, too.
-  void look_for_steps(const CatalogueEntry& source, const Dataset& first_step, const Task& task) {
-    {
-      const std::lock_guard lock(catalogue_mutex_);
-      if (!grown_.contains(source.id)) return;
-    }
-    const auto known = ranges_.find(source.id);
-    const auto steps = static_cast<int>(known ? known->times.size() : first_step.times.size());
-    try {
-      acquire_held(source, steps, task);
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::not_found) throw;  // else what has come is no step
-    }
-    const std::lock_guard lock(catalogue_mutex_);
-    grown_.erase(source.id);
-  }
-
-  // Made once for a dataset that is held. A series of which nothing was to be seen is looked at again, for steps may be known by then that
-  // have more.
-  FirstView view_of_series(const CatalogueEntry& source, const std::shared_ptr<const Dataset>& first_step, const Task& task) {
-    {
-      std::lock_guard lock(mutex_);
-      if (const auto it = views_.find(source.id); it != views_.end() && it->second.first.lock() == first_step) return it->second.second;
-    }
-    const auto borrow = [&](int step, const Task& of) {
-      auto dataset = store_.borrow(source.id, step, of);
-      ranges_.add(source.id, *dataset);
-      return dataset;
-    };
-    FirstView view = first_view(*first_step, borrow, {}, task);
-    if (view.array.empty()) {
-      const auto known = ranges_.find(source.id);
-      for (const ArrayRanges& array : known ? known->ranges.arrays() : std::vector<ArrayRanges>{})
-        if (array.all.lower < array.all.upper) return first_view(*first_step, borrow, {array.name, known->ranges.widest_step(array.name)}, task);
-      return view;
-    }
-    std::lock_guard lock(mutex_);
-    std::erase_if(views_, [](const auto& of) { return of.second.first.expired(); });
-    views_[source.id] = {first_step, view};
-    return view;
   }
 
   // One more step, then whoever else waits for the same series: what two sessions show is read once. The importers that are
@@ -317,14 +136,10 @@ class Engine::Impl {
       const Task& task = operation->task();
       const Work work(request.session, WorkClass::background, {&task, true, opening.waiting()});
       task.check();
-      const CatalogueEntry& source = entry(request.dataset);
-      if (!ranges_.next(source.id)) acquire(source, 0, task);
-      if (const int step = *ranges_.next(source.id); step >= 0) {
-        const SeriesRanges known = ranges_.find(source.id)->ranges;
-        const double steps = known.steps();
-        operation->report_part(known.known_steps() / steps, (known.known_steps() + 1) / steps, "reading the ranges of all steps");
+      if (const auto next = datasets_.next_unknown(request.dataset, task)) {
+        operation->report_part(next->known / next->steps, (next->known + 1) / next->steps, "reading the ranges of all steps");
         task.report(0, "reading");
-        read_step(source, step, task);
+        datasets_.read_ranges(request.dataset, next->step, task);
         more = true;
       }
     } catch (...) {
@@ -337,36 +152,16 @@ class Engine::Impl {
       describe(request, operation);
   }
 
-  void read_step(const CatalogueEntry& source, int step, const Task& task) {
-    try {
-      ranges_.add(source.id, *store_.borrow(source.id, step, task));
-    } catch (const Error& error) {
-      if (error.code() == ErrorCode::cancelled) throw;
-      ranges_.skip(source.id, step, without_place(error.what(), source));
-    }
-  }
-
-  /// Whether each rank looks at its part of the values: this process has them mapped, and keeps none of them in memory.
-  bool by_ranks(const PointArray& array) const {
-    return options_.ranks && std::visit([](auto values) { return !values.empty() && is_in_source(values.data()); }, array.values);
-  }
-  RankedSource of_ranks(const std::string& dataset) const {
-    const CatalogueEntry source = entry(dataset);
-    return {source.source, source.id};
-  }
-
   void take(HistogramRequest& request) {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
     counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
-        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        const auto dataset = datasets_.acquire(datasets_.entry(request.dataset), request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
         const ValueRange range = join(request.least, {array.lower, array.upper});
         std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::clamp(request.bins, 0, 1 << 20)));
-        if (!range.empty())
-          counts = by_ranks(array) ? options_.ranks->histogram(of_ranks(request.dataset), dataset, array.name, range.lower, range.upper, request.bins, operation->task())
-                                   : kept_histogram(array, range.lower, range.upper, request.bins);
+        if (!range.empty()) counts = datasets_.histogram(request.dataset, dataset, array, range, request.bins, operation->task());
         send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, range.lower,
                             range.upper, std::move(counts)});
       });
@@ -378,10 +173,10 @@ class Engine::Impl {
     if (stopping_) return;
     counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
-        const auto dataset = acquire(entry(request.dataset), request.step, operation->task());
+        const auto dataset = datasets_.acquire(datasets_.entry(request.dataset), request.step, operation->task());
         const PointArray& array = dataset->array(request.array);
         send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
-                             by_ranks(array) ? options_.ranks->statistics(of_ranks(request.dataset), dataset, array.name, operation->task()) : statistics(array)});
+                             datasets_.statistics(request.dataset, dataset, array, operation->task())});
       });
     });
   }
@@ -391,8 +186,8 @@ class Engine::Impl {
     if (stopping_) return;
     exporters_.post(request.session, [this, request, operation = begin(request.session, request.request)] {
       run(WorkClass::background, request.session, request.request, *operation, [&] {
-        const CatalogueEntry& source = entry(request.scene.dataset);
-        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const CatalogueEntry source = datasets_.entry(request.scene.dataset);
+        const StepSource steps = datasets_.steps(source);
         const std::uint64_t bytes = export_bytes(request);
         const auto room = room_for_work(request.session, bytes, "this export");
         const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, {.memory = bytes}, operation->task());
@@ -405,13 +200,11 @@ class Engine::Impl {
     std::lock_guard lock(mutex_);
     if (stopping_) return;
     std::shared_ptr<const ExtractedScene> ready;  // what the pictures were made of
-    const auto it = sessions_.find(request.session);
-    if (it != sessions_.end() && is_whole(it->second.ready) && same_extraction(it->second.ready_scene, request.scene))
-      ready = it->second.ready;
+    if (const auto it = sessions_.find(request.session); it != sessions_.end()) ready = it->second.ready_for(request.scene);
     counters_.post(request.session, [this, request, ready, operation = begin(request.session, request.request)] {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
-        const CatalogueEntry& source = entry(request.scene.dataset);
-        const StepSource steps = [&](int step, const Task& task) { return acquire(source, step, task); };
+        const CatalogueEntry source = datasets_.entry(request.scene.dataset);
+        const StepSource steps = datasets_.steps(source);
         // How far a volume may be off is asked of the cells, which are not kept where pictures are made of bricks.
         const auto extracted = ready && !ready->bricks ? ready : extract_from(source, steps, request.scene, nullptr, operation->task(), {});
         send(LayersMeasured{request.session, request.request, request.scene.revision,
@@ -434,16 +227,7 @@ class Engine::Impl {
   }
 
   void take(CatalogueUpdate& update) {
-    std::set<std::string> ids;
-    {
-      const std::lock_guard lock(catalogue_mutex_);
-      for (CatalogueEntry& of : update.entries) {
-        ids.insert(of.id);
-        const CatalogueEntry* before = catalogue_.find(of.id);
-        if (before && before->parts < of.parts) grown_.insert(of.id);
-        catalogue_.put(std::move(of));
-      }
-    }
+    const std::set<std::string> ids = datasets_.update(std::move(update.entries));
     // What could not be read while it was being written is tried again.
     const std::lock_guard lock(mutex_);
     for (auto& [key, session] : sessions_) {
@@ -480,7 +264,7 @@ class Engine::Impl {
         session.extraction->supersede(kSupersededGraceMs);
       return;
     }
-    if (is_whole(session.ready) && same_extraction(session.ready_scene, scene)) return;
+    if (session.ready_for(scene)) return;
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
     extractors_.post(key, [this, key, operation = session.extraction, scene, previous = session.ready,
@@ -504,8 +288,8 @@ class Engine::Impl {
       const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
       operation->task().check();
       const Work work(key, WorkClass::scene, {&operation->task(), true, extracting.waiting()});
-      const CatalogueEntry& source = entry(scene.dataset);
-      const StepSource steps = [this, &source](int step, const Task& task) { return acquire(source, step, task); };
+      const CatalogueEntry source = datasets_.entry(scene.dataset);
+      const StepSource steps = datasets_.steps(source);
       SceneAids aids;
       aids.bricks = &bricks_;
       aids.ordered = &ordered_;
@@ -611,7 +395,7 @@ class Engine::Impl {
   /// With mutex_ held.
   std::uint64_t max_scene_bytes() const {
     const std::uint64_t most = options_.store.max_bytes,
-                        other = store_.held_bytes() + bases_.held_bytes() + ordered_.bytes() + scenes_.in_work();
+                        other = datasets_.held_bytes() + bases_.held_bytes() + ordered_.bytes() + scenes_.in_work();
     return most - std::min(most, other);
   }
 
@@ -653,28 +437,18 @@ class Engine::Impl {
     const std::lock_guard lock(mutex_);
     const auto it = sessions_.find(request.session);
     const std::uint64_t most = max_scene_bytes(), free = most - std::min(most, scenes_.bytes());
-    if (it != sessions_.end() && is_whole(it->second.ready) && same_extraction(it->second.ready_scene, request.scene)) {
+    if (it != sessions_.end() && it->second.ready_for(request.scene)) {
       // Its facets and values come on top, and it needs some room to be told by numbers that it has too little.
       return std::max(2 * scenes_.bytes_of(request.session), kLeastExport);
     }
     return std::max(free / 4, kLeastExport);
   }
 
-  /// What a still takes beside the scene: its pixels, and their copies on the way to a file. Measured bytes a pixel (worker's peak, 8192 x 8192 and
-  /// 4096 x 4096): PNG 7.5, WebP 17.4, annotated PNG 24.1, EXR 48.3. 0 for a still that takes no more than a frame may.
-  static std::uint64_t still_bytes(const FrameRequest& request, const Scene& scene) {
-    const bool annotated = (request.annotations ? *request.annotations : scene.annotations).any();
-    const std::uint64_t as_floats = 50, as_bytes = (annotated ? 26 : 10) + (request.still == StillFormat::webp ? 10 : 0);
-    const std::uint64_t of_pixel = request.still && is_float(*request.still) ? as_floats : as_bytes;
-    const std::uint64_t bytes = of_pixel * static_cast<std::uint64_t>(request.width) * static_cast<std::uint64_t>(request.height);
-    return bytes <= kFrameBytes ? 0 : bytes;
-  }
-
   /// An order for the session's next still and, where it is large, its room; nothing where that has to wait for others that work. With mutex_ held.
-  std::optional<DrawOrder> still_order(SessionKey key, SessionState& session, std::vector<std::shared_ptr<const ExtractedScene>>& given_back) {
+  std::optional<PictureOrder> still_order(SessionKey key, SessionState& session, std::vector<std::shared_ptr<const ExtractedScene>>& given_back) {
     const auto drawn_meanwhile = session.drawn_meanwhile;
     const bool ready_drawn = session.ready_drawn;
-    auto order = order_of(session, is_still);
+    auto order = session.next_order(is_still);
     const std::uint64_t bytes = order ? still_bytes(order->request, order->scene) : 0;
     if (bytes == 0) return order;
     if (bytes <= try_work(key, bytes, given_back)) {
@@ -739,13 +513,13 @@ class Engine::Impl {
   void read_ahead(const ExtractedScene& extracted, const Scene& scene, const Scene& before) {
     const int next = scene.step + (scene.step - before.step > 0 ? 1 : -1);
     if (scene.time || before.time || scene.dataset != before.dataset || std::abs(scene.step - before.step) != 1 || next < 0 ||
-        next >= static_cast<int>(extracted.dataset->times.size()) || !store_.has_room_for(scene.dataset, next))
+        next >= static_cast<int>(extracted.dataset->times.size()) || !datasets_.has_room_for(scene.dataset, next))
       return;
     ahead_.post(std::hash<std::string>()(scene.dataset), [this, dataset = scene.dataset, next] {
       const Doing opening(options_.board, Stage::opening, 0, 0);
       try {
         const Work work(0, WorkClass::background, {&base_task_, true, opening.waiting()});
-        acquire_held(entry(dataset), next, base_task_);
+        datasets_.acquire(datasets_.entry(dataset), next, base_task_);
       } catch (const std::exception&) {  // who asks for it is told why
       }
     });
@@ -877,7 +651,7 @@ class Engine::Impl {
       return;
     }
     for (;;) {
-      std::optional<DrawOrder> order;
+      std::optional<PictureOrder> order;
       std::string instead;
       {
         std::unique_lock lock(mutex_);
@@ -944,7 +718,7 @@ class Engine::Impl {
 
   /// One picture, so that others who wait for a lane have their turn.
   void draw_in_lane(SessionKey key, bool still) {
-    std::optional<DrawOrder> order;
+    std::optional<PictureOrder> order;
     std::function<std::unique_ptr<Renderer>()> make;
     std::string instead;
     std::vector<std::shared_ptr<const ExtractedScene>> given_back;
@@ -952,7 +726,7 @@ class Engine::Impl {
       const std::lock_guard lock(mutex_);
       const auto it = sessions_.find(key);
       if (stopping_ || it == sessions_.end()) return;
-      order = still ? still_order(key, it->second, given_back) : order_of(it->second, [](const FrameRequest& f) { return !is_still(f); });
+      order = still ? still_order(key, it->second, given_back) : it->second.next_order([](const FrameRequest& f) { return !is_still(f); });
       if (!order) {
         (still ? it->second.still_in_lane : it->second.frame_in_lane) = false;
         return;
@@ -983,12 +757,12 @@ class Engine::Impl {
   }
 
   // The next session in turn that has a frame to draw. With mutex_ held.
-  std::optional<DrawOrder> next_order() {
+  std::optional<PictureOrder> next_order() {
     if (in_lanes_) return std::nullopt;
     auto it = sessions_.upper_bound(last_drawn_);
     for (std::size_t n = sessions_.size(); n > 0; --n, ++it) {
       if (it == sessions_.end()) it = sessions_.begin();
-      if (auto order = order_of(it->second, [](const FrameRequest&) { return true; })) {
+      if (auto order = it->second.next_order([](const FrameRequest&) { return true; })) {
         last_drawn_ = it->first;
         return order;
       }
@@ -996,46 +770,9 @@ class Engine::Impl {
     return std::nullopt;
   }
 
-  /// Of the requests that fit. With mutex_ held.
-  template <class Fits>
-  static std::optional<DrawOrder> order_of(SessionState& session, const Fits& fits) {
-    if (!session.ready || !session.scene) return std::nullopt;
-    const bool whole = is_whole(session.ready), newest = whole && same_extraction(session.ready_scene, *session.scene);
-    DrawOrder order;
-    const auto request = std::find_if(session.waiting.begin(), session.waiting.end(), [&](const FrameRequest& f) {
-      return fits(f) && (newest || !f.lossless) && (whole || !is_still(f));
-    });
-    if (request == session.waiting.end()) return std::nullopt;
-    if (newest) {
-      order.scene = *session.scene;
-      session.ready_scene = *session.scene;
-      session.drawn_meanwhile.reset();
-    } else {
-      // The intervals of the newest scene are still being extracted. The camera need not wait for them.
-      if (session.ready_scene.dataset != session.scene->dataset) return std::nullopt;
-      order.scene = session.ready_scene;
-      take_view(order.scene, *session.scene);
-      if (!whole) order.scene.revision = std::min(order.scene.revision, session.scene->revision - 1);  // it contains none wholly: who waits goes on
-      const bool seen = session.ready_drawn && session.drawn_meanwhile
-                            ? same_view(*session.drawn_meanwhile, order.scene)
-                            : session.ready_drawn && same_view(session.ready_scene, order.scene);
-      if (seen) return std::nullopt;
-      session.drawn_meanwhile = order.scene;
-    }
-    order.request = *request;
-    session.waiting.erase(request);
-    order.task = std::make_shared<Task>();
-    session.pictures[order.request.request] = {order.task, order.scene.revision, order.request.band_bytes > 0};
-    order.coarse_at_hand = newest && session.ready_coarse && session.coarse_arrays == color_arrays(order.scene);
-    order.extracted = order.coarse_at_hand && order.request.coarse ? session.ready_coarse : session.ready;
-    order.extract_ms = session.ready_drawn ? 0 : session.ready->extract_ms;
-    session.ready_drawn = true;
-    return order;
-  }
-
   /// Why the device failed, where it did. instead: is added to the device's name. in_lane: the thread is the session's, so that
   /// it may wait for its turn and end in the middle; a device is everybody's, so there turns are taken between pictures.
-  std::optional<std::string> draw(Renderer& renderer, DrawOrder order, const std::string& instead, bool in_lane) {
+  std::optional<std::string> draw(Renderer& renderer, PictureOrder order, const std::string& instead, bool in_lane) {
     const FrameRequest& request = order.request;
     // On the board before it is said: whoever hears of it and looks finds it there.
     std::optional<Doing> drawing;
@@ -1048,9 +785,9 @@ class Engine::Impl {
     try {
       if (const std::uint64_t bytes = is_still(request) && !order.room ? still_bytes(request, order.scene) : 0)
         order.room = room_for_work(request.session, bytes, "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height));
-      Drawn drawn = [&] {
+      DrawnPicture drawn = [&] {
         const Work work(request.session, class_of(request), {in_lane ? order.task.get() : nullptr, in_lane, drawing->waiting()});
-        return draw_scene(renderer, order, instead);
+        return draw_picture(renderer, order, instead);
       }();
       drawing.reset();
       order.extracted.reset();
@@ -1061,7 +798,7 @@ class Engine::Impl {
         const std::lock_guard lock(mutex_);
         if (!sessions_.contains(request.session)) throw Error(ErrorCode::cancelled, "the session has ended");
         encoders_.post(request.session,
-                       [this, drawn = std::make_shared<Drawn>(std::move(drawn)), order](StreamEncoders& streams) mutable {
+                       [this, drawn = std::make_shared<DrawnPicture>(std::move(drawn)), order](StreamEncoders& streams) mutable {
                          encode(&streams, *drawn, order);
                          drawn.reset();
                        });
@@ -1078,97 +815,25 @@ class Engine::Impl {
     return std::nullopt;
   }
 
-  /// A picture before it has bytes.
-  struct Drawn {
-    AnyImage image;
-    Drawing annotations;
-    Rgb background{0, 0, 0};
-    FrameReady frame;
-    Stopwatch since_taken;
-  };
-
-  Drawn draw_scene(Renderer& renderer, DrawOrder& order, const std::string& instead) {
-    const FrameRequest& request = order.request;
-    Drawn drawn;
-    DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
-    if (request.still && is_float(*request.still)) input.float_image = true;
-    if (request.annotations) order.scene.annotations = *request.annotations;
-    if (order.scene.annotations.any()) {
-      drawn.annotations = annotate(annotation_input(*order.extracted, order.scene, input));
-      if (!drawn.annotations.empty()) ask_for_annotated(input, request.lossless);
-    }
-    DrawResult result = renderer.draw(input);
-    FrameReady& frame = drawn.frame;
-    frame.session = request.session;
-    frame.request = request.request;
-    frame.revision = order.scene.revision;
-    frame.step = order.scene.time || !order.extracted->parts.empty() ? order.extracted->time.first : order.scene.step;
-    frame.lossless = request.lossless;
-    frame.jpeg = request.jpeg;
-    if (request.video) frame.video = VideoFacts{request.video->codec, request.video->stream, false};
-    frame.width = request.width;
-    frame.height = request.height;
-    frame.camera = input.camera;
-    frame.stages = {order.extract_ms, result.facts.order_ms, result.facts.draw_ms, result.facts.readback_ms, 0, 0};
-    frame.device = result.facts.device + instead;
-    frame.order = std::move(result.facts.order);
-    frame.order_exact = result.facts.order_exact;
-    frame.tetrahedra = result.facts.tetrahedra;
-    frame.point_stride = order.extracted->point_stride;
-    frame.coarse_at_hand = order.coarse_at_hand;
-    frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
-    drawn.image = std::move(result.image);
-    drawn.background = input.background;
-    return drawn;
-  }
-
-  void send_encoded(FrameReady frame, const Stopwatch& encoding, const Stopwatch& since_taken) {
-    frame.stages.encode_ms = encoding.elapsed_ms();
-    frame.stages.total_ms = frame.stages.extract_ms + since_taken.elapsed_ms();
-    send(std::move(frame));
-  }
-
   /// Makes the picture's bytes and sends them. streams: null for a still.
-  void encode(StreamEncoders* streams, Drawn& drawn, const DrawOrder& of) {
+  void encode(StreamEncoders* streams, DrawnPicture& drawn, const PictureOrder& of) {
     FrameReady& frame = drawn.frame;
     const FrameRequest& request = of.request;
     try {
       const Doing encoding(options_.board, Stage::encoding, frame.session, frame.request);
       const WorkClass work_class = is_still(request) || request.lossless ? class_of(request) : WorkClass::encoding;
       const Work work(frame.session, work_class, {of.task.get(), true, encoding.waiting()});
-      encode_bytes(streams, drawn, of);
+      encode_picture(drawn, of,
+                     {streams, [&] { return overtaken(frame.session, frame.revision); }, [&] { return stream_is_open(frame.session, frame.video->stream); }});
+      send(std::move(frame));
+    } catch (const EncoderFailed&) {
+      RequestFailed failed = failure_of(std::current_exception(), request.session, request.request, of.scene.revision);
+      failed.encoder_failed = true;
+      send(std::move(failed));
     } catch (...) {
-      send(failure_of(std::current_exception(), frame.session, frame.request, frame.revision));
+      send(failure_of(std::current_exception(), request.session, request.request, of.scene.revision));
     }
     end_picture(request.session, request.request);
-  }
-
-  void encode_bytes(StreamEncoders* streams, Drawn& drawn, const DrawOrder& of) {
-    FrameReady& frame = drawn.frame;
-    const FrameRequest& request = of.request;
-    of.task->check();
-    Stopwatch watch;
-    if (!drawn.annotations.empty())
-      drawn.image = finish_annotated(std::move(drawn.image), drawn.annotations, drawn.background, false);
-    if (request.still) {
-      frame.bytes = std::make_shared<const Bytes>(
-          std::visit([&](const auto& image) { return encode_still(image, *request.still); }, drawn.image));
-      return send_encoded(std::move(frame), watch, drawn.since_taken);
-    }
-    const Image& image = std::get<Image>(drawn.image);
-    if (frame.video) {
-      EncodeOrder order{request.jpeg_quality};
-      order.bitrate_kbps = request.video->bitrate_kbps;
-      order.key = request.video->key;
-      if (!encode_video(*streams, image, order, frame)) return;
-    } else if (request.lossless && request.band_bytes > 0) {
-      auto bands = encode_png_bands(image, request.band_bytes, [&] { return overtaken(frame.session, frame.revision); });
-      if (bands.empty()) throw Error(ErrorCode::cancelled, "a newer scene came first");
-      frame.bands = std::make_shared<const std::vector<PngBand>>(std::move(bands));
-    } else {
-      frame.bytes = std::make_shared<const Bytes>(frame.jpeg ? encode_jpeg(image, request.jpeg_quality) : encode_png(image));
-    }
-    send_encoded(std::move(frame), watch, drawn.since_taken);
   }
 
   bool overtaken(SessionKey key, std::uint64_t revision) {
@@ -1177,31 +842,10 @@ class Engine::Impl {
     return it == sessions_.end() || !it->second.scene || it->second.scene->revision > revision;
   }
 
-  /// False where the frame was answered with a failure.
-  bool encode_video(StreamEncoders& streams, const Image& image, const EncodeOrder& order, FrameReady& frame) {
-    const StreamId stream = frame.video->stream;
-    if (!stream_is_open(frame.session, stream)) {
-      send(RequestFailed{frame.session, frame.request, frame.revision, ErrorCode::cancelled, "the stream has been closed"});
-      return false;
-    }
-    try {
-      EncodedFrame encoded = streams.encoder(stream, frame.video->codec).encode(image, order);
-      frame.bytes = std::make_shared<const Bytes>(std::move(encoded.bytes));
-      frame.video->key = encoded.key;
-      return true;
-    } catch (...) {
-      RequestFailed failed = failure_of(std::current_exception(), frame.session, frame.request, frame.revision);
-      failed.encoder_failed = true;
-      send(std::move(failed));
-      return false;
-    }
-  }
-
   const EngineOptions options_;
   const Sink sink_;
   std::string device_;
   std::atomic<bool> cuts_intervals_{false}, draws_bricks_{false};  // the renderer of now
-  static constexpr std::uint64_t kFrameBytes = 64ull << 20;   // of a picture that is not counted
   static constexpr std::uint64_t kLeastExport = 32ull << 20;  // that an export is given
   static constexpr int kStills = 4;          // sessions whose stills are drawn at once: each holds a picture
 
@@ -1216,20 +860,15 @@ class Engine::Impl {
   SessionKey last_drawn_ = 0;
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
   std::uint64_t next_operation_ = 1;
-  std::map<std::string, std::pair<std::weak_ptr<const Dataset>, FirstView>> views_;  // by source
 
   // Destroyed from the last: every thread ends before what it uses.
-  mutable std::mutex catalogue_mutex_;  // guards these two
-  Catalogue catalogue_;
-  std::set<std::string> grown_;  // ids of series whose new steps nobody has looked at
-  DatasetStore store_;
+  OpenDatasets datasets_;
   CoarseScenes coarse_;                      // of all sessions
   BrickMemory bricks_;                       // likewise
   BaseMeshes bases_;                         // likewise
   OrderedMemory ordered_;                    // likewise
   Task base_task_;                           // of making those that nobody waits for
   std::atomic<bool> base_in_making_{false};  // one at a time
-  KnownRanges ranges_;
   KeptRenderers renderers_;
   EncoderThreads encoders_;
   Lanes openers_;                 // by session

@@ -57,8 +57,4 @@ class Engine final : public FrameEngine {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether the extraction made for one scene serves the other: same dataset, the same layer_request and steps of a smear
-/// (draw_scene.h).
-bool same_extraction(const Scene& a, const Scene& b);
-
 }  // namespace isostrata

@@ -502,6 +502,11 @@ bool cuts_exactly(const Scene& scene, const std::string& array) {
 
 LayerRequest layer_request(const Scene& scene) { return request_for(scene, scene.array); }
 
+bool same_extraction(const Scene& a, const Scene& b) {
+  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
+         lights_along_gradient(a) == lights_along_gradient(b);
+}
+
 std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     const SceneAids& aids) {

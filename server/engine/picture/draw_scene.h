@@ -43,6 +43,9 @@ struct SmearMoment {
 /// Of SceneMode::smear; empty in any other mode.
 std::vector<SmearMoment> smear_moments(const Scene& scene);
 
+/// Whether the extraction made for one scene serves the other: same dataset, layer_request and moments of a smear, and lit alike.
+bool same_extraction(const Scene& a, const Scene& b);
+
 /// How many pictures a cycle has: intervals, and terms that bring something in, that are not hidden.
 std::size_t cycle_length(const Scene& scene);
 

@@ -1,0 +1,77 @@
+// The datasets that an engine lists, as its works read them: each version of its own, steps shared, with what is known of all steps.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "data/statistics.h"
+#include "engine/data/catalogue.h"
+#include "engine/data/dataset_facts.h"
+#include "engine/data/dataset_store.h"
+#include "engine/data/known_ranges.h"
+#include "engine/picture/scene_ranks.h"
+
+namespace isostrata {
+
+/// Any thread may call any function; what reads files waits for them. Locks: catalogue_mutex_, views_mutex_, neither while anything is read.
+/// Failures name a file as clients know it, never its place. All throw not_found for an id that is not listed, what open_dataset throws, unavailable if
+/// the file has changed since it was listed, and cancelled.
+class OpenDatasets {
+ public:
+  /// ranks: as EngineOptions.
+  OpenDatasets(Catalogue catalogue, DatasetStoreOptions store, SceneRanks* ranks);
+
+  CatalogueEntry entry(const std::string& id) const;
+  /// Lists these, or lists them anew. Returns their ids.
+  std::set<std::string> update(std::vector<CatalogueEntry> entries);
+
+  std::shared_ptr<const Dataset> acquire(const CatalogueEntry& of, int step, const Task& task);
+  /// acquire() of one dataset; valid as long as this object and `of`.
+  StepSource steps(const CatalogueEntry& of);
+  /// Whether a step that nobody has asked for may be read ahead.
+  bool has_room_for(const std::string& id, int step) const { return store_.has_room_for(id, step); }
+  std::uint64_t held_bytes() const { return store_.held_bytes(); }
+
+  /// What a client is told of a dataset that it opens: of its first step, and of all steps as far as they are known.
+  DatasetFacts describe(const std::string& id, const Task& task);
+
+  struct NextStep {
+    int step = 0;
+    double known = 0, steps = 1;  // how many there are ranges of, of how many
+  };
+  /// The first step whose ranges are not known; nothing if all are. Reads the first step if no step has been read.
+  std::optional<NextStep> next_unknown(const std::string& id, const Task& task);
+  /// Reads a step for its ranges. One that cannot be read is left out of them.
+  void read_ranges(const std::string& id, int step, const Task& task);
+
+  /// Of an array of acquire()'s, also if each rank looks at its part of the values.
+  std::vector<std::uint64_t> histogram(const std::string& id, const std::shared_ptr<const Dataset>& dataset, const PointArray& array, ValueRange range,
+                                       int bins, const Task& task) const;
+  Statistics statistics(const std::string& id, const std::shared_ptr<const Dataset>& dataset, const PointArray& array, const Task& task) const;
+
+ private:
+  std::shared_ptr<const Dataset> load(const std::string& id, int step, const Task& task) const;
+  std::shared_ptr<const Dataset> acquire_held(const CatalogueEntry& of, int step, const Task& task);
+  void look_for_steps(const CatalogueEntry& of, const Dataset& first_step, const Task& task);
+  FirstView view_of_series(const CatalogueEntry& of, const std::shared_ptr<const Dataset>& first_step, const Task& task);
+  bool by_ranks(const PointArray& array) const;
+
+  const DatasetStoreOptions options_;
+  SceneRanks* const ranks_;
+  mutable std::mutex catalogue_mutex_;  // guards these two
+  Catalogue catalogue_;
+  std::set<std::string> grown_;  // ids of series whose new steps nobody has looked at
+  std::mutex views_mutex_;       // guards this one
+  std::map<std::string, std::pair<std::weak_ptr<const Dataset>, FirstView>> views_;  // by id
+  KnownRanges ranges_;
+  DatasetStore store_;  // last: its threads load by this object
+};
+
+}  // namespace isostrata

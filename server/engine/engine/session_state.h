@@ -1,0 +1,59 @@
+// What an engine knows of one session: its newest scene, what has been extracted, and which of the waiting requests can be drawn of that.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "engine/engine/make_picture.h"
+#include "engine/messages/messages.h"
+#include "engine/messages/operation.h"
+#include "engine/picture/draw_scene.h"
+
+namespace isostrata {
+
+/// A picture that is being drawn or encoded.
+struct Picture {
+  std::shared_ptr<Task> task;
+  std::uint64_t revision = 0;
+  bool until_newer = false;  // a newer scene ends it
+};
+
+/// Plain state; not thread-safe.
+struct SessionState {
+  std::optional<Scene> scene;  // the newest
+  std::shared_ptr<const ExtractedScene> ready;
+  Scene ready_scene;                                   // that it was extracted for
+  bool ready_drawn = false;                            // its extraction time has been reported
+  std::shared_ptr<const ExtractedScene> ready_coarse;  // of every n-th point of the same, for moving frames; null: not at hand
+  std::array<std::string, 2> coarse_arrays;            // that colours and textures could run over when it was made
+  std::shared_ptr<Operation> extraction;               // running or queued
+  Scene extraction_scene;
+  bool last_was_cut_short = false;
+  std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
+  std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
+  std::deque<FrameRequest> waiting;
+  std::map<RequestId, Picture> pictures;
+  bool frame_in_lane = false, still_in_lane = false;  // a job that draws one is posted or at work
+  std::set<StreamId> streams;                         // ordered from and not closed
+
+  /// What is ready for a scene of the same extraction, all points of the grid; else null.
+  std::shared_ptr<const ExtractedScene> ready_for(const Scene& of) const;
+
+  /// Takes the first of the waiting requests that fit and can be drawn now, and counts it among the pictures. While the newest scene's intervals are being
+  /// extracted that is an older scene from the newest camera, once for each view.
+  std::optional<PictureOrder> next_order(const std::function<bool(const FrameRequest&)>& fits);
+};
+
+/// Whether all points of the grid went into it.
+bool is_whole(const std::shared_ptr<const ExtractedScene>& extracted);
+/// Arrays, besides the one that is cut, that the scene's colours and textures run over.
+std::array<std::string, 2> color_arrays(const Scene& scene);
+
+}  // namespace isostrata
