@@ -254,22 +254,27 @@ class Engine::Impl {
   void advance(SessionKey key, SessionState& session) {
     const Scene& scene = *session.scene;
     if (stopping_ || scene.dataset.empty() || session.extraction_failure) return;
+    const bool coarse = session.coarse_suffices();  // a hand moves the layers, and asks for no more
     if (session.extraction) {
-      if (same_extraction(session.extraction_scene, scene)) return;
+      const bool for_nobody = coarse && !session.extraction_is_coarse;
+      if (same_extraction(session.extraction_scene, scene) && !for_nobody) return;
       const bool other_data = session.extraction_scene.dataset != scene.dataset ||
                               session.extraction_scene.array != scene.array || session.extraction_scene.step != scene.step;
-      if (other_data)
+      if (other_data || for_nobody)
         session.extraction->supersede(0);
       else if (!session.last_was_cut_short)
         session.extraction->supersede(kSupersededGraceMs);
       return;
     }
-    if (session.ready_for(scene)) return;
+    if (session.ready_for(scene) || (coarse && session.coarse_for(scene))) return;
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
-    extractors_.post(key, [this, key, operation = session.extraction, scene, previous = session.ready,
-                           before = session.ready ? std::optional(session.ready_scene) : std::nullopt] {
-      extract(key, operation, scene, previous, before);
+    session.extraction_is_coarse = coarse;
+    extractors_.post(key, [this, key, operation = session.extraction, scene, before = session.ready, coarse] {
+      if (coarse)
+        extract_coarse(key, operation, scene, before.extracted->dataset);
+      else
+        extract(key, operation, scene, before);
     });
   }
 
@@ -279,9 +284,9 @@ class Engine::Impl {
     return extract_scene(steps, scene, previous, task, aids);
   }
 
-  /// previous, before: what is ready, and the scene that it is of.
-  void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const ExtractedScene>& previous,
-               const std::optional<Scene>& before) {
+  /// before: what is ready.
+  void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const Prepared& before) {
+    const std::shared_ptr<const ExtractedScene>& previous = before.extracted;
     std::shared_ptr<const ExtractedScene> extracted;
     std::exception_ptr failure;
     try {
@@ -297,7 +302,7 @@ class Engine::Impl {
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
       if (draws_bricks_) aids.least_in_bricks = kLeastInBricksOfFrames;
       aids.max_bytes = room_for(key, false);
-      const bool shows_it = is_whole(previous) && before->dataset == scene.dataset && before->array == scene.array;  // with other intervals, or at another step
+      const bool shows_it = is_whole(previous) && before.scene.dataset == scene.dataset && before.scene.array == scene.array;  // with other intervals, or at another step
       if (!options_.ranks && !shows_it)
         if (auto first = coarse_.extract(steps, scene, operation->task())) show_meanwhile(key, operation, scene, std::move(first));
       try {
@@ -313,7 +318,34 @@ class Engine::Impl {
     }
     operation->finish();
     if (extracted) prepare_tetrahedra(*extracted, scene, previous.get());
-    if (extracted && before) read_ahead(*extracted, scene, *before);
+    if (extracted && previous) read_ahead(*extracted, scene, before.scene);
+    finish_extraction(key, operation, scene, failure, [&](SessionState& session) {
+      session.ready = {extracted, scene};
+      if (!session.coarse_for(scene)) session.coarse.extracted.reset();
+      hold(key, session);
+      if (!session.coarse.extracted) prepare_motion(key, extracted, scene);
+    });
+  }
+
+  /// Of every n-th point, from a dataset of the scene's step that is at hand.
+  void extract_coarse(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const Dataset>& whole) {
+    std::shared_ptr<const ExtractedScene> extracted;
+    std::exception_ptr failure;
+    try {
+      const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
+      operation->task().check();
+      const Work work(key, WorkClass::scene, {&operation->task(), true, extracting.waiting()});
+      extracted = coarse_.extract_for_motion(whole, scene, operation->task());
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    operation->finish();
+    finish_extraction(key, operation, scene, failure, [&](SessionState& session) { hold_coarse(key, session, extracted, scene); });
+  }
+
+  /// Gives the session what was extracted by take(session), or tells who waits why there is nothing, and goes on with what the newest scene needs.
+  template <class Take>
+  void finish_extraction(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::exception_ptr& failure, const Take& take) {
     std::vector<EngineEvent> events;
     std::vector<std::shared_ptr<const ExtractedScene>> given_back;
     {
@@ -323,14 +355,10 @@ class Engine::Impl {
       SessionState& session = it->second;
       session.extraction.reset();
       session.last_was_cut_short = failure && operation->superseded();
-      if (extracted) {
-        scenes_.hold(key, scene_bytes(*extracted));
-        session.ready = extracted;
-        session.ready_scene = scene;
-        session.ready_drawn = false;
-        session.ready_coarse.reset();
-        prepare_motion(key, extracted, scene);
-      } else if (same_extraction(scene, *session.scene)) {
+      const bool for_nobody = !session.extraction_is_coarse && session.coarse_suffices();
+      if (!failure) {
+        take(session);
+      } else if (same_extraction(scene, *session.scene) && !for_nobody) {
         // Nothing is tried again until the scene changes: whoever waits for it is told once.
         session.extraction_failure = failure_of(failure, key, 0, session.scene->revision);
         events.push_back(*session.extraction_failure);
@@ -352,7 +380,7 @@ class Engine::Impl {
     movers_.post(key, [this, key, extracted, scene] {
       const auto is_ready = [&] {
         const auto it = sessions_.find(key);
-        return it != sessions_.end() && it->second.ready == extracted;
+        return it != sessions_.end() && it->second.ready.extracted == extracted;
       };
       {
         const std::lock_guard lock(mutex_);
@@ -369,10 +397,23 @@ class Engine::Impl {
       if (!coarse) return;
       const std::lock_guard lock(mutex_);
       if (!is_ready()) return;
-      scenes_.hold(key, scene_bytes(*extracted) + scene_bytes(*coarse));
-      sessions_.at(key).ready_coarse = std::move(coarse);
-      sessions_.at(key).coarse_arrays = color_arrays(scene);
+      hold_coarse(key, sessions_.at(key), std::move(coarse), scene);
     });
+  }
+
+  /// With mutex_ held.
+  void hold_coarse(SessionKey key, SessionState& session, std::shared_ptr<const ExtractedScene> coarse, const Scene& scene) {
+    session.coarse = {std::move(coarse), scene};
+    session.coarse_arrays = color_arrays(scene);
+    hold(key, session);
+  }
+
+  /// With mutex_ held.
+  void hold(SessionKey key, const SessionState& session) {
+    std::uint64_t bytes = 0;
+    for (const Prepared* of : {&session.ready, &session.coarse})
+      if (of->extracted) bytes += scene_bytes(*of->extracted);
+    scenes_.hold(key, bytes);
   }
 
   /// What is drawn until the extraction is done.
@@ -381,11 +422,9 @@ class Engine::Impl {
     const auto it = sessions_.find(key);
     if (it == sessions_.end() || it->second.extraction != operation) return;
     SessionState& session = it->second;
-    scenes_.hold(key, scene_bytes(*coarse));
-    session.ready = std::move(coarse);
-    session.ready_coarse.reset();
-    session.ready_scene = scene;
-    session.ready_drawn = false;
+    session.ready = {std::move(coarse), scene};
+    session.coarse.extracted.reset();
+    hold(key, session);
     session.drawn_meanwhile.reset();
     draw_soon(key, session);
   }
@@ -447,7 +486,7 @@ class Engine::Impl {
   /// An order for the session's next still and, where it is large, its room; nothing where that has to wait for others that work. With mutex_ held.
   std::optional<PictureOrder> still_order(SessionKey key, SessionState& session, std::vector<std::shared_ptr<const ExtractedScene>>& given_back) {
     const auto drawn_meanwhile = session.drawn_meanwhile;
-    const bool ready_drawn = session.ready_drawn;
+    const bool ready_drawn = session.ready.drawn;
     auto order = session.next_order(is_still);
     const std::uint64_t bytes = order ? still_bytes(order->request, order->scene) : 0;
     if (bytes == 0) return order;
@@ -457,7 +496,7 @@ class Engine::Impl {
       session.waiting.push_front(order->request);
       session.pictures.erase(order->request.request);
       session.drawn_meanwhile = drawn_meanwhile;
-      session.ready_drawn = ready_drawn;
+      session.ready.drawn = ready_drawn;
       return std::nullopt;
     }
     return order;  // without room where there will be none: it is refused
@@ -473,10 +512,9 @@ class Engine::Impl {
     };
     for (const SessionKey key : scenes_.too_many(most, may_go)) {
       SessionState& session = sessions_.at(key);
-      all.push_back(std::move(session.ready));
-      all.push_back(std::move(session.ready_coarse));
-      session.ready.reset();
-      session.ready_coarse.reset();
+      all.push_back(std::move(session.ready.extracted));
+      all.push_back(std::move(session.coarse.extracted));
+      session.give_back();
       scenes_.hold(key, 0);
       renderers_.drop(key);
     }
@@ -575,7 +613,8 @@ class Engine::Impl {
       } else {
         it->second.waiting.push_back(request);
         scenes_.see(request.session);
-        if (!it->second.ready) advance(request.session, it->second);  // it was given back
+        if (!is_still(request)) it->second.asks_coarse = request.coarse && !options_.ranks;
+        advance(request.session, it->second);  // what was given back, or is wanted of all points now
         if (request.video) it->second.streams.insert(request.video->stream);
         draw_soon(request.session, it->second);
       }
@@ -614,7 +653,7 @@ class Engine::Impl {
       if (const auto living = operation.lock(); living && living->session() == session) living->task().cancel();
     const auto it = sessions_.find(session);
     if (it == sessions_.end()) return false;
-    freed_outside_the_lock = std::move(it->second.ready);
+    freed_outside_the_lock = std::move(it->second.ready.extracted);
     for (auto& [request, picture] : it->second.pictures) picture.task->cancel();
     sessions_.erase(it);
     renderers_.drop(session);
@@ -689,9 +728,9 @@ class Engine::Impl {
     draws_bricks_ = renderer.draws_bricks();
     in_lanes_ = needs_no_device(renderer);
     for (auto& [key, session] : sessions_) {
-      if (session.ready && ((!cuts_intervals_ && session.ready->base) || (!draws_bricks_ && session.ready->bricks))) {
-        session.ready.reset();
-        session.ready_coarse.reset();
+      const ExtractedScene* ready = session.ready.extracted.get();
+      if (ready && ((!cuts_intervals_ && ready->base) || (!draws_bricks_ && ready->bricks))) {
+        session.give_back();
         scenes_.hold(key, 0);
         advance(key, session);
       }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/picture/coarse_scene.h"
+
 namespace isostrata {
 namespace {
 
@@ -32,41 +34,61 @@ bool is_whole(const std::shared_ptr<const ExtractedScene>& extracted) { return e
 std::array<std::string, 2> color_arrays(const Scene& scene) { return {scene.color_by, scene.texture}; }
 
 std::shared_ptr<const ExtractedScene> SessionState::ready_for(const Scene& of) const {
-  return is_whole(ready) && same_extraction(ready_scene, of) ? ready : nullptr;
+  return is_whole(ready.extracted) && same_extraction(ready.scene, of) ? ready.extracted : nullptr;
+}
+
+std::shared_ptr<const ExtractedScene> SessionState::coarse_for(const Scene& of) const {
+  return coarse.extracted && same_extraction(coarse.scene, of) && coarse_arrays == color_arrays(of) ? coarse.extracted : nullptr;
+}
+
+bool SessionState::coarse_suffices() const {
+  return asks_coarse && std::all_of(waiting.begin(), waiting.end(), [](const FrameRequest& f) { return f.coarse; }) && is_whole(ready.extracted) &&
+         ready.scene.dataset == scene->dataset && ready.scene.step == scene->step && can_be_coarse(*ready.extracted, *scene);
+}
+
+void SessionState::give_back() {
+  ready.extracted.reset();
+  coarse.extracted.reset();
 }
 
 std::optional<PictureOrder> SessionState::next_order(const std::function<bool(const FrameRequest&)>& fits) {
-  if (!ready || !scene) return std::nullopt;
-  const bool whole = is_whole(ready), newest = whole && same_extraction(ready_scene, *scene);
+  if (!ready.extracted || !scene) return std::nullopt;
+  for (auto request = waiting.begin(); request != waiting.end(); ++request) {
+    if (!fits(*request)) continue;
+    auto order = order_of(*request);
+    if (!order) continue;
+    waiting.erase(request);
+    pictures[order->request.request] = {order->task, order->scene.revision, order->request.band_bytes > 0};
+    return order;
+  }
+  return std::nullopt;
+}
+
+std::optional<PictureOrder> SessionState::order_of(const FrameRequest& request) {
+  const bool whole = is_whole(ready.extracted), coarse_at_hand = coarse_for(*scene) != nullptr;
+  Prepared* of = request.coarse && coarse_at_hand ? &coarse : &ready;
   PictureOrder order;
-  const auto request = std::find_if(waiting.begin(), waiting.end(), [&](const FrameRequest& f) {
-    return fits(f) && (newest || !f.lossless) && (whole || !is_still(f));
-  });
-  if (request == waiting.end()) return std::nullopt;
-  if (newest) {
+  if (of == &coarse || ready_for(*scene)) {
     order.scene = *scene;
-    ready_scene = *scene;
+    of->scene = *scene;
     drawn_meanwhile.reset();
   } else {
     // The intervals of the newest scene are still being extracted. The camera need not wait for them.
-    if (ready_scene.dataset != scene->dataset) return std::nullopt;
-    order.scene = ready_scene;
+    if (request.lossless || (!whole && is_still(request))) return std::nullopt;
+    if (request.coarse && coarse.extracted && coarse.scene.revision > ready.scene.revision) of = &coarse;
+    if (of->scene.dataset != scene->dataset) return std::nullopt;
+    order.scene = of->scene;
     take_view(order.scene, *scene);
     if (!whole) order.scene.revision = std::min(order.scene.revision, scene->revision - 1);  // it contains none wholly: who waits goes on
-    const bool seen = ready_drawn && drawn_meanwhile
-                          ? same_view(*drawn_meanwhile, order.scene)
-                          : ready_drawn && same_view(ready_scene, order.scene);
-    if (seen) return std::nullopt;
+    if (of->drawn && same_view(drawn_meanwhile ? *drawn_meanwhile : of->scene, order.scene)) return std::nullopt;
     drawn_meanwhile = order.scene;
   }
-  order.request = *request;
-  waiting.erase(request);
+  order.request = request;
   order.task = std::make_shared<Task>();
-  pictures[order.request.request] = {order.task, order.scene.revision, order.request.band_bytes > 0};
-  order.coarse_at_hand = newest && ready_coarse && coarse_arrays == color_arrays(order.scene);
-  order.extracted = order.coarse_at_hand && order.request.coarse ? ready_coarse : ready;
-  order.extract_ms = ready_drawn ? 0 : ready->extract_ms;
-  ready_drawn = true;
+  order.coarse_at_hand = coarse_at_hand;
+  order.extracted = of->extracted;
+  order.extract_ms = of->drawn ? 0 : of->extracted->extract_ms;
+  of->drawn = true;
   return order;
 }
 

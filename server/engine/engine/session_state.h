@@ -25,17 +25,23 @@ struct Picture {
   bool until_newer = false;  // a newer scene ends it
 };
 
+/// What has been extracted, and the scene that it is of.
+struct Prepared {
+  std::shared_ptr<const ExtractedScene> extracted;  // null: nothing
+  Scene scene;
+  bool drawn = false;  // its extraction time has been reported
+};
+
 /// Plain state; not thread-safe.
 struct SessionState {
   std::optional<Scene> scene;  // the newest
-  std::shared_ptr<const ExtractedScene> ready;
-  Scene ready_scene;                                   // that it was extracted for
-  bool ready_drawn = false;                            // its extraction time has been reported
-  std::shared_ptr<const ExtractedScene> ready_coarse;  // of every n-th point of the same, for moving frames; null: not at hand
-  std::array<std::string, 2> coarse_arrays;            // that colours and textures could run over when it was made
-  std::shared_ptr<Operation> extraction;               // running or queued
+  Prepared ready;              // of all points of the grid, or a first look at it
+  Prepared coarse;             // of every n-th point, for moving frames that ask for it
+  std::array<std::string, 2> coarse_arrays;  // that colours and textures could run over when it was made
+  std::shared_ptr<Operation> extraction;     // running or queued
   Scene extraction_scene;
-  bool last_was_cut_short = false;
+  bool extraction_is_coarse = false, last_was_cut_short = false;
+  bool asks_coarse = false;                         // the last frame that was asked for
   std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
   std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
   std::deque<FrameRequest> waiting;
@@ -45,10 +51,19 @@ struct SessionState {
 
   /// What is ready for a scene of the same extraction, all points of the grid; else null.
   std::shared_ptr<const ExtractedScene> ready_for(const Scene& of) const;
+  /// The same of every n-th point.
+  std::shared_ptr<const ExtractedScene> coarse_for(const Scene& of) const;
+  /// Whether nobody waits for more than every n-th point of the newest scene, which can be made of what is ready: the same grid and step.
+  bool coarse_suffices() const;
+  /// No scene is held any more.
+  void give_back();
 
   /// Takes the first of the waiting requests that fit and can be drawn now, and counts it among the pictures. While the newest scene's intervals are being
   /// extracted that is an older scene from the newest camera, once for each view.
   std::optional<PictureOrder> next_order(const std::function<bool(const FrameRequest&)>& fits);
+
+ private:
+  std::optional<PictureOrder> order_of(const FrameRequest& request);
 };
 
 /// Whether all points of the grid went into it.

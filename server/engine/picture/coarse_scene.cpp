@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::int64_t kMostPoints = std::int64_t{1} << 24;  // 256 along each axis of a cube: found and drawn in a fifth of a second on two cores
 constexpr std::int64_t kMostMovingPoints = std::int64_t{1} << 22;  // drawn in some 30 ms there
+constexpr std::array<std::int64_t, 3> kAllPoints{1, 1, 1};
 constexpr std::int64_t kFewPoints = 32;                      // along an axis
 
 std::vector<std::string> arrays_of(const Scene& scene, const Dataset& dataset) {
@@ -26,7 +27,7 @@ bool of_one_step(const Scene& scene) { return !scene.time && smear_moments(scene
 }  // namespace
 
 std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells, std::int64_t most_points) {
-  std::array<std::int64_t, 3> stride{1, 1, 1};
+  std::array<std::int64_t, 3> stride = kAllPoints;
   if (!grid.structured() || grid.cell_count() <= least_cells) return stride;
   const auto dims = grid.dims();
   for (std::int64_t n = 2;; ++n) {
@@ -38,6 +39,11 @@ std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_c
     }
     if (points <= most_points || !coarser) return stride;
   }
+}
+
+bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene) {
+  return of_one_step(scene) && extracted.dataset && !extracted.dataset->arrays.empty() &&
+         coarse_stride(extracted.dataset->grid, 0, kMostMovingPoints) != kAllPoints;
 }
 
 std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<const Dataset>& whole, const std::array<std::int64_t, 3>& stride,
@@ -57,7 +63,7 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole,
                                                                   const Scene& scene, const Task& task) {
-  if (stride == std::array<std::int64_t, 3>{1, 1, 1} || whole->arrays.empty()) return nullptr;
+  if (stride == kAllPoints || whole->arrays.empty()) return nullptr;
   const Stopwatch watch;
   const auto coarse = coarse_of(whole, stride, arrays_of(scene, *whole), task);
   const auto extracted = extract_scene([&](int, const Task&) { return coarse; }, scene, nullptr, task);

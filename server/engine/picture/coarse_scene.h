@@ -16,6 +16,9 @@ namespace isostrata {
 /// `least_cells`, or is not structured.
 std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells, std::int64_t most_points);
 
+/// Whether extract_for_motion of the scene has something to make, on the grid of `extracted`, which is of all points.
+bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene);
+
 /// Lends coarser datasets to scenes, and makes each once for as long as a scene has it. Any thread may call any function. Lock: mutex_.
 class CoarseScenes {
  public:

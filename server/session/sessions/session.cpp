@@ -158,7 +158,10 @@ void Session::announce(TimePoint now) {
   if (!unannounced_) return;
   unannounced_ = false;
   announced_ = now;
-  engine_.post(SceneUpdate{key_, drawn()});
+  Scene scene = drawn();
+  if (!same_extraction(told_, scene)) costs_.extracts = true;
+  told_ = scene;
+  engine_.post(SceneUpdate{key_, std::move(scene)});
   const v1::State state = wire_state();
   for (auto& [key, viewer] : viewers_) viewer->outbox->send_state(state, viewer->heeded);
   engine_.state_told(*this);

@@ -185,6 +185,8 @@ class Session {
     CodecCosts encoding{kUsualEncoding};
     double coarse_part = 0.4;  // of drawing, that drawing every n-th point takes
     bool coarse_at_hand = false;
+    double extraction = 0, coarse_extraction = 0;  // the last ones
+    bool extracts = false;                         // since the last rest: a hand moves layers, and does not only turn them
   };
   static constexpr double kUsualEncoding = 2.5;  // of video by that of JPEG
 
@@ -255,6 +257,8 @@ class Session {
   void leave_stream(Viewer& viewer, TimePoint now);
   void end_streams();
   void step_down(Viewer& viewer, TimePoint now);
+  /// Whether a viewer's moving frames may be of every n-th point.
+  bool coarse(const Viewer& viewer) const;
   void note_made(const Picture& picture, const FrameReady& ready, TimePoint now);
   void note_sent(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, std::uint64_t frame);
   void note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimePoint now);
@@ -284,6 +288,7 @@ class Session {
   SceneState state_;
   std::shared_ptr<const DatasetFacts> dataset_;
   std::map<ViewerKey, Viewer*> viewers_;
+  Scene told_;                // what the engine knows
   bool unannounced_ = false;  // the scene is newer than the engine and the viewers know
   TimePoint announced_{};
   std::optional<Opening> opening_;

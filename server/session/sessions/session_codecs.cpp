@@ -23,13 +23,17 @@ double weight(double megapixels) { return 0.08 + megapixels; }
 
 }  // namespace
 
+bool Session::coarse(const Viewer& viewer) const { return (costs_.extracts ? viewer.moved_coarse : viewer.turned_coarse).wanted(); }
+
 void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoint now) {
   const StageTimes& ms = ready.stages;
   const double drawing = ms.order_ms + ms.draw_ms + ms.readback_ms;
   const double size = megapixels(ready.width, ready.height);
   if (picture.request.still) return;
   costs_.coarse_at_hand = ready.coarse_at_hand;
+  if (ms.extract_ms > 0) (ready.point_stride > 1 ? costs_.coarse_extraction : costs_.extraction) = ms.extract_ms;
   if (picture.order.phase != FramePhase::moving || picture.request.lossless) {
+    costs_.extracts = false;
     // What every n-th point took by what this takes holds for the next gesture, too.
     const double whole = costs_.drawing.ms(Codec::jpeg, size, now), coarse = costs_.coarse_drawing.ms(Codec::jpeg, size, now);
     if (costs_.coarse_drawing.pictures() >= CodecCosts::kEnough && whole > 0)
@@ -80,8 +84,12 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
 
   const double per_jpeg = jpeg_ms > 0 ? jpeg_ms : kFirstEncodingMs, decoded = viewer.decoding.expected(Codec::jpeg, now);
   const double least = whole * CoarseChoice::kLeastScale * CoarseChoice::kLeastScale;
-  viewer.coarse.choose(costs_.drawing.ms(Codec::jpeg, least, now) + weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs)), !viewer.frames.moving(), now);
-  const DrawingForecast& drawn = viewer.coarse.wanted() && costs_.coarse_at_hand ? costs_.coarse_drawing : costs_.drawing;
+  const double turning = costs_.drawing.ms(Codec::jpeg, least, now) + weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs));
+  viewer.turned_coarse.choose(turning, !viewer.frames.moving(), now);
+  viewer.moved_coarse.choose(turning + costs_.extraction, !viewer.frames.moving(), now);
+  const bool coarse_at_hand = coarse(viewer) && costs_.coarse_at_hand;
+  const DrawingForecast& drawn = coarse_at_hand ? costs_.coarse_drawing : costs_.drawing;
+  const double extraction = !costs_.extracts ? 0 : coarse_at_hand ? costs_.coarse_extraction : costs_.extraction;
 
   std::vector<CodecCandidate> candidates;
   for (const Codec codec : codecs)
@@ -96,7 +104,7 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
       CodecCandidate candidate;
       candidate.codec = codec;
       candidate.scale = scale;
-      candidate.making_ms = drawing + encoding + decoding;
+      candidate.making_ms = extraction + drawing + encoding + decoding;
       if (others > 0 && with[is_video(codec)] == 0) candidate.making_ms += drawing;
       // A change waits for the frame under way: as long as the slowest of the places takes that hold one frame at a time.
       const double wait = std::max({drawing + encoding, passing.line_ms, decoding});

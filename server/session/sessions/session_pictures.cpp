@@ -107,7 +107,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
     else
       order->codec = Codec::jpeg;
   }
-  request.coarse = order->phase == FramePhase::moving && viewer.coarse.wanted();
+  request.coarse = order->phase == FramePhase::moving && coarse(viewer);
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)
     if (made.ready.revision == state_.scene.revision && does_for(made.request, made.order, request, *order)) {
