@@ -65,9 +65,7 @@ struct KeptCall {
   Call call() const { return {request, target, path, nullptr, {}, reply}; }
 };
 
-using AnswerNumbers = void (*)(RestContext&, const Call&, SessionKey, const DatasetFacts&, int, const std::string&);
-
-std::function<void(Call)> numbers_handler(RestContext& context, AnswerNumbers answer) {
+std::function<void(Call)> numbers_of_dataset(RestContext& context, AnswerNumbers answer) {
   return [&context, answer](Call call) {
     std::uint32_t step = 0;
     if (auto error = number_parameter(call, "step", step)) return call.reply(problem(*error));
@@ -137,7 +135,7 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "How an array's values are spread at a step",
                     .query = {kArrayParameter, bins, kStepParameter},
                     .answers = {{200, "Counts over the array's range at all steps that are known", "Histogram"}},
-                    .handler = numbers_handler(context, answer_histogram)});
+                    .handler = numbers_of_dataset(context, answer_histogram)});
   routes.push_back({.method = "GET",
                     .path = "/datasets/{dataset}/statistics",
                     .id = "getDatasetStatistics",
@@ -145,7 +143,7 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "Range, mean and standard deviation of an array at a step",
                     .query = {kArrayParameter, kStepParameter},
                     .answers = {{200, "Moments of the finite values", "Statistics"}},
-                    .handler = numbers_handler(context, answer_statistics)});
+                    .handler = numbers_of_dataset(context, answer_statistics)});
 }
 
 }  // namespace isostrata

@@ -77,10 +77,8 @@ void image(RestContext& context, const Call& call) {
   give_up_with(call, context, request);
 }
 
-using AnswerNumbers = void (*)(RestContext&, const Call&, SessionKey, const DatasetFacts&, int, const std::string&);
-
 // Of what the session shows: its dataset, step and array.
-std::function<void(Call)> numbers_handler(RestContext& context, AnswerNumbers answer) {
+std::function<void(Call)> numbers_of_session(RestContext& context, AnswerNumbers answer) {
   return [&context, answer](Call call) {
     const DatasetFacts* facts = call.session->dataset();
     if (!facts) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
@@ -171,7 +169,7 @@ void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "How an array's values are spread at the step that is shown",
                     .query = {array, {"bins", "How many bins of equal width", true, 1, 4096, "256"}},
                     .answers = {{200, "Counts over the array's range at all steps that are known", "Histogram"}},
-                    .handler = numbers_handler(context, answer_histogram)});
+                    .handler = numbers_of_session(context, answer_histogram)});
   routes.push_back({.method = "GET",
                     .path = "/sessions/{session}/statistics",
                     .id = "getStatistics",
@@ -179,7 +177,7 @@ void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "Range, mean and standard deviation of an array at the step that is shown",
                     .query = {array},
                     .answers = {{200, "Moments of the finite values", "Statistics"}},
-                    .handler = numbers_handler(context, answer_statistics)});
+                    .handler = numbers_of_session(context, answer_statistics)});
   routes.push_back({.method = "GET",
                     .path = "/sessions/{session}/layers",
                     .id = "getLayers",

@@ -53,6 +53,7 @@ void answer_histogram(RestContext& context, const Call& call, SessionKey session
                       const std::string& otherwise);
 void answer_statistics(RestContext& context, const Call& call, SessionKey session, const DatasetFacts& facts, int step,
                        const std::string& otherwise);
+using AnswerNumbers = decltype(&answer_histogram);
 
 inline const QueryParameter kArrayParameter{"array", "An array's name; absent: the first, or the one that is shown"};
 inline const QueryParameter kStepParameter{"step", "A time step, from 0", true, 0, INT32_MAX, "0"};
