@@ -218,6 +218,42 @@ TEST_F(InMotion, WhatIsHeavyTurnsAsEveryNthPointOnceThatIsThereAndRestsAsAllPoin
   EXPECT_LT(other.intervals[0].volume, exact.intervals[0].volume);
 }
 
+TEST_F(InMotion, ADraggedEndIsOfEveryNthPointForWhoAsksAndOfAllPointsForTheOthersAndAtRest) {
+  engine_->post(SceneUpdate{1, scene(++revision_, 0.5, "torus-96")});
+  const FrameReady exact = ask(false, true);
+  const auto drag = [&] { engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.002 * static_cast<double>(revision_), "torus-96")}); };
+  FrameReady moved;
+  for (int i = 0; i < 4; ++i) {
+    drag();
+    moved = ask(true);
+    EXPECT_EQ(moved.revision, revision_) << "what a hand did is in each picture";
+    EXPECT_TRUE(i == 0 || moved.point_stride == 2) << i << ": the first was cut before anybody asked";
+  }
+  drag();
+  const FrameReady other = ask(false);
+  EXPECT_EQ(other.point_stride, 1) << "who does not ask for it does not get it";
+  EXPECT_EQ(other.revision, revision_);
+  drag();
+  const FrameReady last = ask(true), rest = ask(false, true);
+  EXPECT_EQ(last.point_stride, 2);
+  EXPECT_EQ(rest.point_stride, 1);
+  EXPECT_EQ(rest.revision, revision_);
+  EXPECT_GT(rest.tetrahedra, 4 * last.tetrahedra);
+  EXPECT_LT(rest.intervals[0].volume, exact.intervals[0].volume);
+  EXPECT_NEAR(last.intervals[0].volume, rest.intervals[0].volume, 0.02 * rest.intervals[0].volume);
+}
+
+TEST_F(InMotion, AnEndOfASmallGridIsDraggedAsAllPoints) {
+  turn("torus-12");
+  ask(false, true);
+  for (int i = 0; i < 3; ++i) {
+    engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.01 * i, "torus-12")});
+    const FrameReady moved = ask(true);
+    EXPECT_EQ(moved.point_stride, 1);
+    EXPECT_EQ(moved.revision, revision_);
+  }
+}
+
 TEST_F(InMotion, WhatIsLightTurnsAsAllPoints) {
   turn("torus-12");
   ask(false, true);

@@ -69,7 +69,7 @@ struct FrameRequest {
                                // the session has a newer scene
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
   std::optional<Annotations> annotations;  // in place of the scene's
-  bool coarse = false;  // a moving frame of every n-th point, if that is at hand (FrameReady::coarse_at_hand)
+  bool coarse = false;  // a moving frame of every n-th point, if that is at hand (FrameReady::coarse_at_hand); moved layers are made so for it
 };
 
 struct HistogramRequest {
