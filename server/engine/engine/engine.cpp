@@ -317,7 +317,7 @@ class Engine::Impl {
       failure = std::current_exception();
     }
     operation->finish();
-    if (extracted) prepare_tetrahedra(*extracted, scene, previous.get());
+    if (extracted) prepare_tetrahedra(key, *extracted, scene, previous.get());
     if (extracted && previous) read_ahead(*extracted, scene, before.scene);
     finish_extraction(key, operation, scene, failure, [&](SessionState& session) {
       session.ready = {extracted, scene};
@@ -563,22 +563,25 @@ class Engine::Impl {
     });
   }
 
-  /// Intervals that were moved once will be moved again, and steps on one mesh will be followed by others: the grid of tetrahedra that they are cut
-  /// out of then, where they are drawn or by extraction, is made meanwhile.
-  void prepare_tetrahedra(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
-    if (extracted.base || !previous || previous->request == extracted.request || !only_tetrahedra(*extracted.dataset)) return;
-    const bool same_steps = previous->steps == extracted.steps;
-    const bool played = !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
-    if (!same_steps && !played) return;
-    const bool cut = same_steps && cuts_intervals_ && cuts_exactly(scene, extracted.array) && !bases_.find(extracted.dataset, extracted.array);
+  /// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others: the grid of tetrahedra that layers are cut out of then,
+  /// where they are drawn or by extraction, is made meanwhile. Before a hand has moved, only if it takes little of the memory.
+  void prepare_tetrahedra(SessionKey key, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous) {
+    constexpr std::uint64_t kLittle = 8;  // of --max-memory
+    const bool same_steps = previous && previous->steps == extracted.steps;
+    if (extracted.base || (same_steps && previous->request == extracted.request) || !only_tetrahedra(*extracted.dataset)) return;
+    const bool played = previous && !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
+    const bool opened = !same_steps && !played;
+    if (opened && base_tetrahedra_bytes(*extracted.dataset) > options_.store.max_bytes / kLittle) return;
+    const bool cut = !played && cuts_intervals_ && cuts_exactly(scene, extracted.array) && !bases_.find(extracted.dataset, extracted.array);
     const LayerRequest& request = extracted.request;
     const bool lay_out = request.terms.empty() && !request.time && !ordered_.knows(extracted.dataset->grid);
-    if (cut ? previous->request.intervals == request.intervals : !lay_out) return;
+    if (cut ? same_steps && previous->request.intervals == request.intervals : !lay_out) return;
     if (base_in_making_.exchange(true)) return;
-    preparers_.post(0, [this, cut, dataset = extracted.dataset, array = extracted.array] {
+    // A hand that moves waits for it.
+    (same_steps ? movers_ : preparers_).post(same_steps ? key : 0, [this, key, cut, same_steps, dataset = extracted.dataset, array = extracted.array] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
-        const Work work(0, WorkClass::background, {&base_task_, true, extracting.waiting()});
+        const Work work(same_steps ? key : 0, same_steps ? WorkClass::scene : WorkClass::background, {&base_task_, true, extracting.waiting()});
         if (cut)
           bases_.make(dataset, array, base_task_);
         else
@@ -914,8 +917,8 @@ class Engine::Impl {
   Lanes counters_;                // of histograms and the like, by session
   Lanes readers_{{8, 10}};        // of steps for their ranges, by dataset
   Lanes exporters_{{2, 10}};      // of mesh files, by session
-  Lanes preparers_{{1, 10}};      // of base meshes
-  Lanes movers_{{1, 0}};         // of scenes of every n-th point, by session
+  Lanes preparers_{{1, 10}};      // of what it may need
+  Lanes movers_{{1, 0}};          // of what a hand that moves needs, by session
   Lanes ahead_{{1, 0}};           // of steps that will be asked for, by dataset
   Lanes extractors_;              // by session
   Lanes stills_{{kStills, 0}};    // by session
