@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <random>
 #include <thread>
 #include <vector>
 
@@ -241,6 +242,28 @@ TEST_F(InMotion, ADraggedEndIsOfEveryNthPointForWhoAsksAndOfAllPointsForTheOther
   EXPECT_GT(rest.tetrahedra, 4 * last.tetrahedra);
   EXPECT_LT(rest.intervals[0].volume, exact.intervals[0].volume);
   EXPECT_NEAR(last.intervals[0].volume, rest.intervals[0].volume, 0.02 * rest.intervals[0].volume);
+}
+
+TEST_F(InMotion, TheRestOfEveryDragIsExactHoweverItsRequestsMeet) {
+  const unsigned seed = std::random_device{}();
+  std::mt19937 random(seed);
+  const auto pause = [&] { std::this_thread::sleep_for(std::chrono::microseconds(random() % 6000)); };
+  engine_->post(SceneUpdate{1, scene(++revision_, 0.5, "torus-96")});
+  ask(false, true);
+  for (int i = 0; i < 30; ++i) {
+    engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.002 * (1 + i % 40), "torus-96")});
+    pause();
+    for (const bool coarse : {false, true}) {  // the gesture's first frame is forecast anew while the layers are found
+      FrameRequest moving = frame(1, ++request_);
+      moving.coarse = coarse;
+      engine_->post(moving);
+      if (!coarse) engine_->post(ForgetFrame{1, request_});
+    }
+    pause();
+    const FrameReady rest = ask(false, true);
+    ASSERT_EQ(rest.revision, revision_) << "seed " << seed << ", drag " << i;
+    ASSERT_EQ(rest.point_stride, 1);
+  }
 }
 
 TEST_F(InMotion, AnEndOfASmallGridIsDraggedAsAllPoints) {

@@ -355,10 +355,9 @@ class Engine::Impl {
       SessionState& session = it->second;
       session.extraction.reset();
       session.last_was_cut_short = failure && operation->superseded();
-      const bool for_nobody = !session.extraction_is_coarse && session.coarse_suffices();
       if (!failure) {
         take(session);
-      } else if (same_extraction(scene, *session.scene) && !for_nobody) {
+      } else if (same_extraction(scene, *session.scene) && !operation->superseded()) {  // else it was given up, and is wanted again by now
         // Nothing is tried again until the scene changes: whoever waits for it is told once.
         session.extraction_failure = failure_of(failure, key, 0, session.scene->revision);
         events.push_back(*session.extraction_failure);
