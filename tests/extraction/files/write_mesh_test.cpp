@@ -12,7 +12,7 @@
 
 #include "data/analytic.h"
 #include "extraction/files/output_file.h"
-#include "extraction/files/write_vtu.h"
+#include "extraction/files/vtk_xml.h"
 #include "extraction/small_grids.h"
 
 namespace isostrata {
@@ -106,7 +106,7 @@ TEST_F(WriteMesh, VtuHoldsWhatTheMeshHoldsCompressedOrNot) {
 }
 
 TEST_F(WriteMesh, TablesOfManyBlocksAndOfNone) {
-  VtuArray array{"Int32", "n", 1, 0, 4, [](std::uint64_t first, std::uint64_t last, std::byte* to) {
+  VtkArray array{"Int32", "n", 1, 0, 4, [](std::uint64_t first, std::uint64_t last, std::byte* to) {
                    for (std::uint64_t i = first; i < last; ++i, to += 4) {
                      const auto value = static_cast<std::int32_t>(i * 7);
                      std::memcpy(to, &value, 4);
