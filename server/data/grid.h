@@ -50,12 +50,15 @@ struct UnstructuredGrid {
 inline constexpr std::array<std::array<std::int64_t, 3>, 8> kHexahedronCorners{
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 
+/// In Grid::hidden_cells: a copy of a cell that another piece of the same grid has as its own.
+inline constexpr std::uint8_t kGhostCell = 2;
+
 /// One of the four, with what is common to them. Points of structured grids are numbered i + dims[0] * (j + dims[1] * k), cells
 /// likewise with dims - 1. A structured grid that is one point thick in just one direction is flat: its cells are quadrilaterals, turned as
 /// the two other directions are. One that is one point thick in more directions has no cells.
 struct Grid {
   std::variant<UniformGrid, RectilinearGrid, CurvilinearGrid, UnstructuredGrid> shape;
-  std::span<const std::uint8_t> hidden_cells;  // [nc], 1 = blanked or ghost: not part of the volume; empty = none hidden
+  std::span<const std::uint8_t> hidden_cells;  // [nc], 1 = blanked, kGhostCell: not part of the volume; 0 = is; empty = none hidden
   std::shared_ptr<const void> storage;         // keeps the spans alive
 
   const char* kind_name() const;  // "uniform", "rectilinear", "curvilinear", "unstructured"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -54,6 +55,28 @@ bool share_points(const std::vector<Block>& blocks) {
 FileArray last_tuples(FileArray array, std::int64_t tuples) {
   array.values = array.values.last(static_cast<std::size_t>(tuples * array.components) * size_of(array.type));
   return array;
+}
+
+/// Only the tuples of these cells.
+FileArray of_cells(const FileArray& all, const std::vector<std::int64_t>& kept) {
+  FileArray out = all;
+  const std::size_t tuple = size_of(all.type) * static_cast<std::size_t>(all.components);
+  auto [storage, bytes] = allocate<std::byte>(tuple * kept.size());
+  for (std::size_t c = 0; c < kept.size(); ++c) std::memcpy(bytes.data() + c * tuple, all.values.data() + static_cast<std::size_t>(kept[c]) * tuple, tuple);
+  out.values = bytes;
+  out.storage = storage;
+  return out;
+}
+
+/// The numbers that points have in the whole, where all blocks say them.
+std::vector<std::int64_t> global_points(const std::vector<Block>& blocks) {
+  std::vector<std::int64_t> out;
+  for (const Block& block : blocks) {
+    if (block.global_points.values.size() != static_cast<std::size_t>(block.grid.point_count()) * sizeof(std::int64_t)) return {};
+    const auto numbers = std::get<std::span<const std::int64_t>>(scalar_span(ScalarType::int64, block.global_points.values));
+    out.insert(out.end(), numbers.begin(), numbers.end());
+  }
+  return out;
 }
 
 /// What stands for an array in a block that has none of its name: NaN.
@@ -148,6 +171,8 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   std::int64_t first_source = 0;
   std::array<std::int64_t, kMaxCellVertices> ids{};
   std::vector<std::int64_t> first_points, first_cells;
+  std::vector<std::int64_t> kept;  // of all blocks' cells, one after the other: those that are no ghosts
+  std::int64_t all_cells = 0;
   for (const Block& block : imported.blocks) {
     first_cells.push_back(static_cast<std::int64_t>(cells->types.size()));
     const std::int64_t points_before =
@@ -168,6 +193,9 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
         cells->single_points.push_back({static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)});
     }
     for (std::int64_t c = 0; c < block.grid.cell_count(); ++c) {
+      const std::int64_t number_of_all = all_cells++;
+      if (!block.grid.hidden_cells.empty() && block.grid.hidden_cells[static_cast<std::size_t>(c)] == kGhostCell) continue;
+      kept.push_back(number_of_all);
       const int n = block.grid.cell_points(c, ids);
       for (int v = 0; v < n; ++v) cells->connectivity.push_back(number(ids[static_cast<std::size_t>(v)]));
       cells->offsets.push_back(static_cast<std::int64_t>(cells->connectivity.size()));
@@ -218,16 +246,19 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
         continue;
       }
       all.arrays.push_back(concatenate(parts));
+      if (array.on_cells && std::ssize(kept) < all_cells) all.arrays.back() = of_cells(all.arrays.back(), kept);
       all.arrays.back().partial = without > 0;
       if (without > 0) lacking[array.name] = without;
     }
   for (const auto& [array, blocks] : lacking)
     imported.notes.push_back("array '" + array + "' has no values in " + std::to_string(blocks) + " of " + std::to_string(imported.blocks.size()) + " blocks");
+  if (std::ssize(kept) < all_cells)
+    imported.notes.push_back(std::to_string(all_cells - std::ssize(kept)) + " ghost cells left out: other pieces have them as their own");
   note_names(imported);
   imported.notes.push_back(std::to_string(imported.blocks.size()) +
                            (shared ? " blocks over the same points as one unstructured grid"
                                    : " blocks as one unstructured grid"));
-  if (!shared) join_pieces(all, first_points, first_cells, imported.notes);
+  if (!shared) join_pieces(all, first_points, first_cells, global_points(imported.blocks), imported.notes);
   return all;
 }
 

@@ -35,20 +35,21 @@ struct IdsHash {
 
 class Joiner {
  public:
-  Joiner(Block& block, std::span<const std::int64_t> first_points, std::span<const std::int64_t> first_cells)
+  Joiner(Block& block, std::span<const std::int64_t> first_points, std::span<const std::int64_t> first_cells, std::span<const std::int64_t> global_points)
       : block_(block),
         grid_(std::get<UnstructuredGrid>(block.grid.shape)),
         first_points_(first_points),
         first_cells_(first_cells),
+        global_points_(global_points),
         stands_for_(static_cast<std::size_t>(block.grid.point_count())) {
     std::iota(stands_for_.begin(), stands_for_.end(), 0);
   }
 
   void run(std::vector<std::string>& notes) {
     find_common_points();
-    if (joined_ > 0) {
+    if (joined_ > 0 || !global_points_.empty()) {
       const std::vector<std::int64_t> kept = renumber();
-      hide_doubled_cells();
+      if (global_points_.empty()) hide_doubled_cells();  // else ghosts were marked, and what the whole has twice it has twice
       leave_out_all_but(kept);
     }
     const std::string pieces = std::to_string(first_points_.size()) + " pieces";
@@ -71,6 +72,10 @@ class Joiner {
       return array.on_cells || (array.partial && (no_value(array, p) || no_value(array, q))) ||
              std::memcmp(array.values.data() + static_cast<std::size_t>(p) * tuple, array.values.data() + static_cast<std::size_t>(q) * tuple, tuple) == 0;
     });
+  }
+
+  bool may_be_one(std::int64_t p, std::int64_t q) const {
+    return global_points_.empty() || global_points_[static_cast<std::size_t>(p)] == global_points_[static_cast<std::size_t>(q)];
   }
 
   /// Of an array that some pieces do not have, where it is NaN in all components.
@@ -118,7 +123,7 @@ class Joiner {
         const Candidate own{order[i].second, place(order[i].second), piece_of(order[i].second)};
         bool met = false;
         const auto same = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& other) {
-          if (other.at != own.at || other.newest == own.newest) return false;  // two points of one piece are two points
+          if (other.at != own.at || other.newest == own.newest || !may_be_one(own.point, other.point)) return false;  // two points of one piece are two points
           met = true;
           return same_values(own.point, other.point);
         });
@@ -138,16 +143,19 @@ class Joiner {
   /// Makes stands_for_ the numbers that points have when only one of each place is left: those that are returned.
   std::vector<std::int64_t> renumber() {
     std::vector<std::int64_t> kept;
+    for (std::size_t p = 0; p < stands_for_.size(); ++p)
+      if (static_cast<std::size_t>(stands_for_[p]) == p) kept.push_back(static_cast<std::int64_t>(p));
+    if (!global_points_.empty())
+      std::stable_sort(kept.begin(), kept.end(), [&](std::int64_t p, std::int64_t q) {
+        return global_points_[static_cast<std::size_t>(p)] < global_points_[static_cast<std::size_t>(q)];
+      });
+    std::vector<std::int64_t> number(stands_for_.size());
+    for (std::size_t i = 0; i < kept.size(); ++i) number[static_cast<std::size_t>(kept[i])] = static_cast<std::int64_t>(i);
+    common_.assign(kept.size(), false);
     for (std::size_t p = 0; p < stands_for_.size(); ++p) {
-      const auto first = static_cast<std::size_t>(stands_for_[p]);  // at most p
-      if (first == p) {
-        stands_for_[p] = static_cast<std::int64_t>(kept.size());
-        kept.push_back(static_cast<std::int64_t>(p));
-        common_.push_back(false);
-      } else {
-        stands_for_[p] = stands_for_[first];
-        common_[static_cast<std::size_t>(stands_for_[p])] = true;
-      }
+      const auto first = static_cast<std::size_t>(stands_for_[p]);
+      stands_for_[p] = number[first];
+      if (first != p) common_[static_cast<std::size_t>(number[first])] = true;
     }
     auto [storage, ids] = allocate<std::int64_t>(grid_.connectivity.size());
     for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = stands_for_[static_cast<std::size_t>(grid_.connectivity[i])];
@@ -211,7 +219,7 @@ class Joiner {
 
   Block& block_;
   UnstructuredGrid& grid_;
-  const std::span<const std::int64_t> first_points_, first_cells_;
+  const std::span<const std::int64_t> first_points_, first_cells_, global_points_;
   std::vector<std::int64_t> stands_for_;  // [np] the first of the points that are one with it
   std::vector<bool> common_;              // of the points that are left: several pieces have it
   std::int64_t joined_ = 0, apart_ = 0, doubled_ = 0;
@@ -220,8 +228,8 @@ class Joiner {
 }  // namespace
 
 void join_pieces(Block& block, std::span<const std::int64_t> first_points, std::span<const std::int64_t> first_cells,
-                 std::vector<std::string>& notes) {
-  Joiner(block, first_points, first_cells).run(notes);
+                 std::span<const std::int64_t> global_points, std::vector<std::string>& notes) {
+  Joiner(block, first_points, first_cells, global_points).run(notes);
 }
 
 }  // namespace isostrata

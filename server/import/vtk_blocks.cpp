@@ -30,6 +30,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "data/partition.h"
 #include "import/vtk_cells.h"
 
 namespace isostrata {
@@ -159,6 +160,10 @@ void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuple
       throw Error(ErrorCode::bad_data, name + ": array '" + array_name + "' has " + std::to_string(array->GetNumberOfTuples()) +
                                            " tuples; expected " + std::to_string(tuples));
     FileArray shared = shared_array(array);
+    if (!on_cells && array_name == kGlobalPoints && attributes->GetGlobalIds() == array && shared.type == ScalarType::int64 && shared.components == 1) {
+      if (added.size() == 0) block.global_points = std::move(shared);
+      continue;
+    }
     if (on_cells && !block.source.empty()) shared = gathered(shared, block.source);
     if (!on_cells && added.size() > 0) shared = with_added_points(shared, added);
     shared.name = array_name;
@@ -181,7 +186,7 @@ bool is_set(vtkDataArray* ghosts, std::int64_t at, unsigned bits) {
 }
 
 /// vtkGhostType: refined and hidden cells are not part of the volume, nor are duplicated ones, whose originals are in another
-/// piece, nor cells that use a hidden point. Duplicated points belong to cells as any others do. Where the pieces of a structured
+/// piece (kGhostCell), nor cells that use a hidden point. Duplicated points belong to cells as any others do. Where the pieces of a structured
 /// grid were put together, each cell is there once and `each_cell_once` says so: then the marks of duplicates, which overlapping
 /// pieces leave at their seams, mean nothing.
 void add_hidden_cells(vtkDataSet* data, bool each_cell_once, Block& block, const std::string& name) {
@@ -193,8 +198,8 @@ void add_hidden_cells(vtkDataSet* data, bool each_cell_once, Block& block, const
   vtkDataArray* point_ghosts = ghosts(data->GetPointData(), data->GetNumberOfPoints(), "points", name);
   if (!cell_ghosts && !point_ghosts) return;
 
-  const unsigned cell_bits = vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL |
-                             (each_cell_once ? 0u : static_cast<unsigned>(vtkDataSetAttributes::DUPLICATECELL));
+  const unsigned cell_bits = vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
+  const unsigned ghost_bits = each_cell_once ? 0u : static_cast<unsigned>(vtkDataSetAttributes::DUPLICATECELL);
   auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data);
   vtkNew<vtkIdList> points;
   std::array<std::int64_t, kMaxCellVertices> ids{};
@@ -217,8 +222,9 @@ void add_hidden_cells(vtkDataSet* data, bool each_cell_once, Block& block, const
   for (std::int64_t c = 0; c < cells; ++c) {
     const std::int64_t in_file = all_kept ? c : block.source[static_cast<std::size_t>(c)];
     const bool hide = is_set(cell_ghosts, in_file, cell_bits) || uses_hidden_point(c, in_file);
-    hidden[static_cast<std::size_t>(c)] = hide;
-    any = any || hide;
+    const std::uint8_t how = hide ? 1 : is_set(cell_ghosts, in_file, ghost_bits) ? kGhostCell : 0;
+    hidden[static_cast<std::size_t>(c)] = how;
+    any = any || how != 0;
   }
   if (!any) return;
   block.grid.hidden_cells = hidden;

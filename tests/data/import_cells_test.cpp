@@ -25,7 +25,7 @@ double visible_volume(const Dataset& data) {
 }
 
 std::int64_t hidden_cells(const Dataset& data) {
-  return std::count(data.grid.hidden_cells.begin(), data.grid.hidden_cells.end(), 1);
+  return std::count_if(data.grid.hidden_cells.begin(), data.grid.hidden_cells.end(), [](std::uint8_t hidden) { return hidden != 0; });
 }
 
 bool says(const Dataset& data, const std::string& part) {
@@ -308,6 +308,7 @@ TEST(GhostCells, OfParallelUnstructuredPiecesAreCountedOnce) {
           "<PPoints><PDataArray type=\"Float64\" NumberOfComponents=\"3\"/></PPoints><Piece Source=\"p0.vtu\"/>"
           "<Piece Source=\"p1.vtu\"/></PUnstructuredGrid>\n")));
   EXPECT_NEAR(visible_volume(*data), 5, 1e-12);
+  EXPECT_EQ(data->grid.cell_count(), 5);
 }
 
 TEST(GhostCells, OfOverlappingStructuredPiecesDoNotTearAHole) {

@@ -40,7 +40,7 @@ VtuText bar(int from, int to, const std::function<double(const Vec3d&)>& value =
 
 class Pieces : public ::testing::Test {
  protected:
-  std::shared_ptr<const Dataset> open(const std::vector<std::string>& pieces) {
+  std::shared_ptr<const Dataset> open(const std::vector<std::string>& pieces, const std::string& more_on_cells = "") {
     std::string list;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       const std::string name = "p" + std::to_string(i) + ".vtu";
@@ -50,7 +50,7 @@ class Pieces : public ::testing::Test {
     return test::open(scratch_.write(
         "all.pvtu", testing::vtk_file("PUnstructuredGrid",
                                       "<PUnstructuredGrid GhostLevel=\"0\"><PPointData><PDataArray type=\"Float64\" Name=\"f\"/></PPointData>"
-                                      "<PCellData><PDataArray type=\"Float64\" Name=\"number\"/></PCellData>"
+                                      "<PCellData><PDataArray type=\"Float64\" Name=\"number\"/>" + more_on_cells + "</PCellData>"
                                       "<PPoints><PDataArray type=\"Float64\" NumberOfComponents=\"3\"/></PPoints>" +
                                           list + "</PUnstructuredGrid>\n")));
   }
@@ -97,6 +97,33 @@ TEST_F(Pieces, AreTheGridThatTheyArePiecesOf) {
     ASSERT_FALSE(same.empty()) << "a point twice";
     EXPECT_EQ(pieces->array("f").at(static_cast<std::size_t>(p)), linear(x));
     EXPECT_NEAR(pieces->array("number").at(static_cast<std::size_t>(p)), whole->array("number").at(same.mapped()), 1e-12);
+  }
+}
+
+TEST_F(Pieces, GhostCellsAreLeftOutWithTheirValues) {
+  const auto whole = test::open(scratch_.write("whole.vtu", bar(0, 9).text()));
+  const auto piece = [](int from, int to, int own_from, int own_to) {
+    VtuText vtu = bar(from, to);
+    std::vector<int> marks;
+    for (int j = 0; j < 2; ++j)
+      for (int i = from; i < to; ++i) marks.push_back(i < own_from || i >= own_to);
+    vtu.cell_array("vtkGhostType", "UInt8", marks);
+    return vtu.text();
+  };
+  const auto pieces = open({piece(0, 4, 0, 3), piece(2, 6, 3, 5), piece(4, 9, 5, 9)}, "<PDataArray type=\"UInt8\" Name=\"vtkGhostType\"/>");
+  EXPECT_EQ(pieces->grid.cell_count(), whole->grid.cell_count());
+  EXPECT_EQ(pieces->grid.point_count(), whole->grid.point_count());
+  EXPECT_TRUE(pieces->grid.hidden_cells.empty());
+  EXPECT_EQ(open_faces(*pieces), open_faces(*whole));
+  EXPECT_TRUE(says(*pieces, "8 ghost cells left out"));
+  std::map<std::array<double, 3>, std::size_t> at;
+  for (std::int64_t p = 0; p < whole->grid.point_count(); ++p) {
+    const Vec3d x = whole->grid.point(p);
+    at[{x.x, x.y, x.z}] = static_cast<std::size_t>(p);
+  }
+  for (std::int64_t p = 0; p < pieces->grid.point_count(); ++p) {
+    const Vec3d x = pieces->grid.point(p);
+    EXPECT_NEAR(pieces->array("number").at(static_cast<std::size_t>(p)), whole->array("number").at(at.at({x.x, x.y, x.z})), 1e-12);  // ghosts count in no mean
   }
 }
 
