@@ -13,8 +13,15 @@
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
+#include "data/region_tree.h"
 
 namespace isostrata {
+
+/// Of which a dataset is one region's part (take_region.h) that lies in a file of its own (partition.h).
+struct WholeOfPart {
+  std::int64_t points = 0, cells = 0;
+  RegionTree regions;
+};
 
 struct Dataset {
   std::string name;  // what it was opened by: a path or the name of analytic data
@@ -25,6 +32,7 @@ struct Dataset {
   int step = 0;                                    // which of them this is
   std::map<std::string, std::int64_t> cell_types;  // "hexahedron" -> count, of the cells in grid
   std::vector<std::string> notes;                  // what a reader should know: "12 triangles skipped: only 3-D cells are read"
+  std::shared_ptr<const WholeOfPart> whole;        // not null: grid and values are a part's; bounds, ranges, cell types are those of the whole
 
   /// Throws not_found naming the array and listing those that are there.
   const PointArray& array(std::string_view name) const;

@@ -26,7 +26,7 @@ namespace isostrata {
 /// The array in an unstructured piece that says which points of the whole its points are, as VTK's attribute GlobalIds.
 inline constexpr const char* kGlobalPoints = "GlobalPointIds";
 
-struct Partition {
+struct DatasetParts {
   struct Array {
     std::string name;
     ScalarType type = ScalarType::float32;
@@ -50,19 +50,19 @@ struct Partition {
 };
 
 /// What is the same for all parts; the parts are still to be added.
-Partition partition_of(const Dataset& whole, const RegionTree& regions);
+DatasetParts partition_of(const Dataset& whole, const RegionTree& regions);
 
 /// "folder/NAME.parts.json" of "folder/NAME.pvtu".
 std::filesystem::path manifest_of(const std::filesystem::path& list);
-std::string to_text(const Partition& partition);
+std::string to_text(const DatasetParts& partition);
 /// Throws bad_data saying what was expected; `name` is for messages.
-Partition parse_partition(const std::string& text, const std::string& name);
+DatasetParts parse_partition(const std::string& text, const std::string& name);
 
 /// Of a list of pieces beside which a manifest lies; nothing where there is none, or the name is another one. Throws bad_data.
-std::optional<Partition> find_partition(const std::filesystem::path& list);
+std::optional<DatasetParts> find_partition(const std::filesystem::path& list);
 
 /// The part of one region, as take_region gives it with the margin that was written; what is said of the whole is the manifest's. Only its own file
 /// is opened. Throws what open_dataset throws, and bad_data where the piece is another one than the manifest says.
-std::shared_ptr<const Dataset> open_piece(const Partition& partition, const std::filesystem::path& list, int region, const OpenOptions& options, const Task& task);
+std::shared_ptr<const Dataset> open_piece(const DatasetParts& partition, const std::filesystem::path& list, int region, const OpenOptions& options, const Task& task);
 
 }  // namespace isostrata

@@ -150,7 +150,7 @@ std::vector<std::int64_t> free_cells(const Grid& grid, const Box3d& region, int 
   return list;
 }
 
-void take_structured(const Dataset& whole, const Box3d& region, int layers, Dataset& part) {
+void take_structured(const Dataset& whole, const Box3d& region, int layers, Dataset& part, PartOrigin* origin) {
   StructuredPart box;
   std::shared_ptr<const void> points;
   if (whole.grid.rectilinear()) {
@@ -173,9 +173,10 @@ void take_structured(const Dataset& whole, const Box3d& region, int layers, Data
   part.grid.hidden_cells = kept->second;
   part.grid.storage = kept;
   for (const PointArray& array : whole.arrays) part.arrays.push_back(array_of(array, box, Task()));
+  if (origin) origin->box = box;
 }
 
-void take_unstructured(const Dataset& whole, const Box3d& region, int layers, Dataset& part) {
+void take_unstructured(const Dataset& whole, const Box3d& region, int layers, Dataset& part, PartOrigin* origin) {
   const auto& grid = std::get<UnstructuredGrid>(whole.grid.shape);
   auto storage = std::make_shared<PartStorage>();
   const std::vector<std::int64_t> cells = free_cells(whole.grid, region, layers);
@@ -204,11 +205,12 @@ void take_unstructured(const Dataset& whole, const Box3d& region, int layers, Da
   part.grid.hidden_cells = storage->hidden;
   part.grid.storage = std::move(storage);
   for (const PointArray& array : whole.arrays) part.arrays.push_back(array_of(array, points.size(), point_of));
+  if (origin) origin->points = std::move(points);
 }
 
 }  // namespace
 
-std::shared_ptr<const Dataset> take_region(const Dataset& whole, const RegionTree& tree, int region, const RegionMargin& margin) {
+std::shared_ptr<const Dataset> take_region(const Dataset& whole, const RegionTree& tree, int region, const RegionMargin& margin, PartOrigin* origin) {
   if (whole.grid.cell_count() == 0) return std::make_shared<const Dataset>(whole);
   auto part = std::make_shared<Dataset>();
   part->name = whole.name;
@@ -220,9 +222,9 @@ std::shared_ptr<const Dataset> take_region(const Dataset& whole, const RegionTre
   const Box3d box = region_box(tree, region);
   try {
     if (whole.grid.structured())
-      take_structured(whole, box, margin.layers, *part);
+      take_structured(whole, box, margin.layers, *part, origin);
     else
-      take_unstructured(whole, box, margin.layers, *part);
+      take_unstructured(whole, box, margin.layers, *part, origin);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::too_large, whole.name + ": the part of region " + std::to_string(region) + " does not fit in memory");
   }

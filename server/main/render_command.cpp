@@ -47,7 +47,10 @@ struct Timing {
 /// Where no layers were said: what the page would show, of the array and the time that were said, if any.
 FirstView chosen_view(const RenderArguments& arguments, const CLI::App& command, const StepSource& steps, const Dataset& dataset) {
   const bool timed = command.count("--step") > 0 || arguments.layers.time || arguments.modes.mode == "smear";
-  FirstView view = first_view(dataset, steps, {arguments.array, timed ? dataset.step : -1}, command_task());
+  const FirstViewWishes wishes{arguments.array, timed ? dataset.step : -1};
+  // Of a rank's part nothing can be said of the whole: the pieces are read together, for this once.
+  FirstView view = dataset.whole ? first_view(*open_dataset(arguments.file, {.step = dataset.step}, command_task()), wishes, command_task())
+                                 : first_view(dataset, steps, wishes, command_task());
   if (view.array.empty()) throw Error(ErrorCode::not_found, arguments.file + ": nothing to show: " + view.array_reason + "; give --interval");
   return view;
 }
@@ -147,6 +150,8 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
 boost::json::object to_json(const RenderArguments& arguments, const Scene& scene, const ExtractedScene& extracted,
                             const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
   const auto vector = [](Vec3d v) { return boost::json::array{v.x, v.y, v.z}; };
+  boost::json::object stages;  // of the last picture
+  for (const StageTime& stage : facts.stages) stages[stage.name] = stage.ms;
   boost::json::array intervals;
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalSummary& summary = extracted.summaries()[i];
@@ -187,6 +192,7 @@ boost::json::object to_json(const RenderArguments& arguments, const Scene& scene
           {"order", facts.order},
           {"order_exact", facts.order_exact},
           {"tetrahedra", facts.tetrahedra},
+          {"stages_ms", std::move(stages)},
           {"intervals", std::move(intervals)},
           {"camera", boost::json::object{{"eye", vector(input.camera.eye)},
                                          {"at", vector(input.camera.at)},

@@ -37,7 +37,7 @@ MeshKey key_of(const Of& of) {
 
 class FirstRank final : public SceneRanks {
  public:
-  explicit FirstRank(RankLine& line) : line_(line), work_(line.rank()), compositor_(line.communicator()) {}
+  explicit FirstRank(RankLine& line) : line_(line), work_(line.rank(), line.count()), compositor_(line.communicator()) {}
   ~FirstRank() override {
     const std::lock_guard lock(line_.mutex());
     line_.send(RankEnd{});
@@ -64,7 +64,7 @@ class FirstRank final : public SceneRanks {
 
   std::shared_ptr<const Dataset> open(const RankedSource& of, int step, const Task& task) override {
     const auto whole = work_.open(of.source)(step, task);
-    if (std::none_of(whole->arrays.begin(), whole->arrays.end(), is_unread)) return whole;
+    if (whole->whole || std::none_of(whole->arrays.begin(), whole->arrays.end(), is_unread)) return whole;
     auto measured = std::make_shared<Dataset>(*whole);
     if (whole->grid.flat() || whole->grid.cell_count() == 0) {  // which is not shared out
       for (PointArray& array : measured->arrays) measure_range(array);
@@ -224,7 +224,8 @@ class FirstRank final : public SceneRanks {
       const std::lock_guard lock(line_.mutex());
       if (const auto it = regions_.find(of.version); it != regions_.end()) return it->second;
     }
-    RegionTree made = make_regions(whole(step, task)->grid, line_.count());
+    const auto dataset = whole(step, task);
+    RegionTree made = dataset->whole ? dataset->whole->regions : make_regions(dataset->grid, line_.count());
     const std::lock_guard lock(line_.mutex());
     return regions_[of.version] = std::move(made);
   }

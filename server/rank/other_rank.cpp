@@ -55,7 +55,7 @@ RankReply failed(std::uint64_t number, const std::exception_ptr& failure) {
 
 class OtherRank {
  public:
-  explicit OtherRank(RankLine& line) : line_(line), work_(line.rank()), compositor_(line.communicator()) {}
+  explicit OtherRank(RankLine& line) : line_(line), work_(line.rank(), line.count()), compositor_(line.communicator()) {}
 
   void serve() {
     for (bool more = true; more;) {

@@ -1,15 +1,16 @@
 #include "rank/rank_work.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <limits>
 
 #include "data/dataset_bytes.h"
 #include "data/histogram.h"
 #include "data/owned_values.h"
+#include "data/partition.h"
 #include "data/region.h"
 #include "data/sandbox.h"
 #include "data/source_mapping.h"
@@ -20,35 +21,6 @@
 
 namespace isostrata {
 namespace {
-
-/// The owner of a cell is the region of its first corner, whichever rank looks.
-OwnsCell owner(const Grid& grid, const RegionTree& regions, int rank) {
-  if (grid.rectilinear()) {  // a box of indices
-    const std::array<std::int64_t, 3> dims = grid.dims();
-    std::array<std::vector<std::uint8_t>, 3> owned;
-    const Box3d region = region_box(regions, rank);
-    std::int64_t stride = 1;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const int axis = static_cast<int>(a);
-      for (std::int64_t i = 0; i + 1 < dims[a]; ++i) {
-        const double at = grid.point(i * stride)[axis];
-        owned[a].push_back(at >= region.lower[axis] && at < region.upper[axis]);
-      }
-      stride *= dims[a];
-    }
-    const std::int64_t row = dims[0] - 1, layer = row * (dims[1] - 1), cells = layer * (dims[2] - 1);
-    return [owned = std::move(owned), row, layer, cells](std::int64_t cell) {
-      return cell < cells && owned[0][static_cast<std::size_t>(cell % row)] && owned[1][static_cast<std::size_t>(cell % layer / row)] &&
-             owned[2][static_cast<std::size_t>(cell / layer)];
-    };
-  }
-  return [&grid, &regions, rank](std::int64_t cell) {
-    if (cell >= grid.cell_count()) return false;  // of another step, whose points lie elsewhere
-    std::array<std::int64_t, kMaxCellVertices> ids;
-    grid.cell_points(cell, ids);
-    return region_at(regions, grid.point(ids[0])) == rank;
-  };
-}
 
 constexpr RankMeasured::Range kNoRange{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0};
 
@@ -68,13 +40,16 @@ void RankWork::configure(const RankSetup& setup) {
 }
 
 StepSource RankWork::open(const std::string& source) const {
-  return [store = store_, region = region_, source](int step, const Task& task) {
+  return [store = store_, region = region_, source, rank = rank_, count = count_](int step, const Task& task) {
     OpenOptions open;
     open.step = step;
     open.importer = store.importer;
     open.max_bytes = store.max_bytes;
     open.timeout_s = store.timeout_s;
-    return region == Region{} ? open_unread(source, open, task) : open_part(source, open, region, task);
+    if (!(region == Region{})) return open_part(source, open, region, task);
+    if (const auto partition = find_partition(source); partition && std::ssize(partition->parts) == count && step == 0)
+      return open_piece(*partition, source, rank, open, task);
+    return open_unread(source, open, task);
   };
 }
 
@@ -94,8 +69,10 @@ StepSource RankWork::parts(const std::string& version, const RegionTree& regions
       refuse_flat(*all);
       task.check();
       const RegionMargin margin{std::strcmp(ranks_control(), "no-ghosts") == 0 ? 0 : 1};
-      auto made = take_region(*all, regions, rank_, margin);
-      for (const PointArray& array : all->arrays) drop_pages(array);  // they were copied
+      if (all->whole && !(all->whole->regions == regions)) throw Error(ErrorCode::bad_data, all->name + ": its parts are others than those of the first rank; expected the same files on every node");
+      auto made = all->whole ? all : take_region(*all, regions, rank_, margin);
+      if (!all->whole)
+        for (const PointArray& array : all->arrays) drop_pages(array);  // they were copied
       const std::uint64_t bytes = dataset_bytes(*made);
       const std::lock_guard lock(mutex_);
       part->dataset = std::move(made);
@@ -131,7 +108,7 @@ std::shared_ptr<const ExtractedScene> RankWork::extract(const RankExtract& order
   if (draws_bricks) aids.least_in_bricks = order.least_in_bricks;
   auto extracted = extract_scene(steps, order.scene, previous, task, aids);
   const Grid& grid = extracted->dataset->grid;
-  const OwnsCell owns = owner(grid, order.regions, rank_);
+  const OwnsCell owns = owner_of(grid, order.regions, rank_);
   if (!previous) give_memory_back();  // the first of a dataset took more than others will
   made.summaries = extracted->bricks ? extracted->bricks->summaries_of(owns, task) : owned_summaries(grid, *extracted->mesh, owns, task);
   return extracted;
@@ -194,7 +171,7 @@ RankedExtraction RankWork::write(const RankWrite& order, const StepSource& whole
   const Grid& grid = layers.dataset->grid;
   RankedExtraction made;
   made.unmatched_facets = count_unmatched_facets(layers.mesh, task);
-  OwnedPart owned = owned_mesh(grid, layers.mesh, owner(grid, order.regions, rank_), task);
+  OwnedPart owned = owned_mesh(grid, layers.mesh, owner_of(grid, order.regions, rank_), task);
   const IntervalMesh& mesh = owned.mesh;
   made.summaries = mesh.summaries;
   made.cells = mesh.cells;

@@ -18,10 +18,11 @@ namespace isostrata {
 /// Any thread may call any function. Lock: mutex_.
 class RankWork {
  public:
-  explicit RankWork(int rank) : rank_(rank) {}
+  RankWork(int rank, int count) : rank_(rank), count_(count) {}
   void configure(const RankSetup& setup);
 
-  /// All of a dataset as the setup says that it is read, with nothing looked at that can be mapped (open_unread). Nothing of it is kept.
+  /// All of a dataset as the setup says that it is read, with nothing looked at that can be mapped (open_unread). Nothing of it is kept. Of one that
+  /// lies in as many parts as there are ranks (data/partition.h) it is this rank's part alone, which is then Dataset::whole's.
   StepSource open(const std::string& source) const;
   /// Its part for this rank's region, out of what `whole` opens; kept for the next time, at most max_bytes of parts. Both outlive the call.
   StepSource parts(const std::string& version, const RegionTree& regions, const StepSource& whole);
@@ -44,7 +45,7 @@ class RankWork {
   };
   void drop_unused();
 
-  const int rank_;
+  const int rank_, count_;
   std::mutex mutex_;
   DatasetStoreOptions store_;
   Region region_;

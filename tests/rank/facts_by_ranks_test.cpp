@@ -92,5 +92,37 @@ TEST(FactsByRanks, RangesHistogramAndStatisticsOfAMappedFileAreThoseOfOneProcess
   one.stop(SIGTERM);
 }
 
+// The first rank has one part of three, and says what is so of all.
+TEST(FactsByRanks, FactsHistogramAndFirstViewOfPartsAreThoseOfOneProcess) {
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
+  const TemporaryFolder folder;
+  for (const char* data : {"torus:20", "mixed:9"}) {
+    SCOPED_TRACE(data);
+    const std::filesystem::path out = folder / std::string(data, 5);
+    const CommandResult run = run_isostrata(std::string("partition ") + data + " --parts 3 --json --out " + quoted(out));
+    ASSERT_EQ(run.status, 0) << run.err;
+    const std::string list(boost::json::parse(run.out).at("list").as_string());
+    Served many({list, "--renderer", "native", "--ranks", launcher(3)}), one({data, "--renderer", "native"});
+    ASSERT_FALSE(many.url().empty()) << many.process().err();
+    ASSERT_FALSE(one.url().empty()) << one.process().err();
+    const auto facts = [](const Served& server) {
+      const auto dataset = ask(server, "GET", "datasets").at("datasets").at(0).at("id").as_string();
+      const auto session = ask(server, "POST", "sessions", "{\"dataset\":\"" + std::string(dataset) + "\"}").at("id").as_string();
+      const std::string of = "sessions/" + std::string(session);
+      return std::array<boost::json::value, 4>{ask(server, "GET", of + "/intervals"), ask(server, "GET", of + "/histogram?bins=50"), ask(server, "GET", of + "/statistics"),
+                                               ask(server, "GET", "datasets/" + std::string(dataset))};
+    };
+    const auto by_many = facts(many), by_one = facts(one);
+    EXPECT_EQ(by_many[0], by_one[0]) << by_many[0] << " and " << by_one[0];
+    for (const char* name : {"lower", "upper", "counts"}) EXPECT_EQ(by_many[1].at(name), by_one[1].at(name)) << by_many[1];
+    EXPECT_NEAR(by_many[2].at("mean").to_number<double>(), by_one[2].at("mean").to_number<double>(), 1e-12 * by_one[2].at("upper").to_number<double>()) << by_many[2];
+    for (const char* name : {"points", "cells", "lower", "upper"}) EXPECT_EQ(by_many[3].at(name), by_one[3].at(name)) << by_many[3];
+    EXPECT_EQ(many.stop(SIGTERM), 0);
+    one.stop(SIGTERM);
+  }
+}
+
 }  // namespace
 }  // namespace isostrata::testing

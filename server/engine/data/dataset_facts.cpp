@@ -13,8 +13,8 @@ DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& data
   facts.id = std::move(id);
   facts.name = std::move(name);
   facts.grid = dataset.grid.kind_name();
-  facts.points = dataset.grid.point_count();
-  facts.cells = dataset.grid.cell_count();
+  facts.points = dataset.whole ? dataset.whole->points : dataset.grid.point_count();
+  facts.cells = dataset.whole ? dataset.whole->cells : dataset.grid.cell_count();
   facts.cell_types = dataset.cell_types;
   facts.bounds = dataset.bounds;
   std::map<std::string_view, const ArrayRanges*> ranges_of;

@@ -187,7 +187,7 @@ class Engine::Impl {
     exporters_.post(request.session, [this, request, operation = begin(request.session, request.request)] {
       run(WorkClass::background, request.session, request.request, *operation, [&] {
         const CatalogueEntry source = datasets_.entry(request.scene.dataset);
-        const StepSource steps = datasets_.steps(source);
+        const StepSource steps = datasets_.whole_steps(source);
         const std::uint64_t bytes = export_bytes(request);
         const auto room = room_for_work(request.session, bytes, "this export");
         const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, {.memory = bytes}, operation->task());

@@ -77,6 +77,14 @@ StepSource OpenDatasets::steps(const CatalogueEntry& of) {
   return [this, &of](int step, const Task& task) { return acquire(of, step, task); };
 }
 
+std::shared_ptr<const Dataset> OpenDatasets::all_of(const CatalogueEntry& of, std::shared_ptr<const Dataset> dataset, const Task& task) const {
+  return dataset->whole ? DatasetStore::open(options_, of.source, dataset->step, task) : dataset;
+}
+
+StepSource OpenDatasets::whole_steps(const CatalogueEntry& of) {
+  return [this, &of](int step, const Task& task) { return all_of(of, acquire(of, step, task), task); };
+}
+
 DatasetFacts OpenDatasets::describe(const std::string& id, const Task& task) {
   const CatalogueEntry of = entry(id);
   const auto dataset = acquire_held(of, 0, task);
@@ -119,16 +127,18 @@ FirstView OpenDatasets::view_of_series(const CatalogueEntry& of, const std::shar
     const std::lock_guard lock(views_mutex_);
     if (const auto it = views_.find(of.id); it != views_.end() && it->second.first.lock() == first_step) return it->second.second;
   }
+  const auto all = all_of(of, first_step, task);
   const auto borrow = [&](int step, const Task& reading) {
+    if (first_step->whole && step == all->step) return all;
     auto dataset = store_.borrow(of.id, step, reading);
     ranges_.add(of.id, *dataset);
     return dataset;
   };
-  FirstView view = first_view(*first_step, borrow, {}, task);
+  FirstView view = first_view(*all, borrow, {}, task);
   if (view.array.empty()) {
     const auto known = ranges_.find(of.id);
     for (const ArrayRanges& array : known ? known->ranges.arrays() : std::vector<ArrayRanges>{})
-      if (array.all.lower < array.all.upper) return first_view(*first_step, borrow, {array.name, known->ranges.widest_step(array.name)}, task);
+      if (array.all.lower < array.all.upper) return first_view(*all, borrow, {array.name, known->ranges.widest_step(array.name)}, task);
     return view;
   }
   const std::lock_guard lock(views_mutex_);
@@ -155,20 +165,20 @@ void OpenDatasets::read_ranges(const std::string& id, int step, const Task& task
   }
 }
 
-// Whether each rank looks at its part of the values: this process has them mapped, and keeps none of them in memory.
-bool OpenDatasets::by_ranks(const PointArray& array) const {
-  return ranks_ && std::visit([](auto values) { return !values.empty() && is_in_source(values.data()); }, array.values);
+// Whether each rank looks at its part of the values: this process has a part, too, or has them mapped and keeps none of them in memory.
+bool OpenDatasets::by_ranks(const Dataset& dataset, const PointArray& array) const {
+  return ranks_ && (dataset.whole || std::visit([](auto values) { return !values.empty() && is_in_source(values.data()); }, array.values));
 }
 
 std::vector<std::uint64_t> OpenDatasets::histogram(const std::string& id, const std::shared_ptr<const Dataset>& dataset, const PointArray& array,
                                                    ValueRange range, int bins, const Task& task) const {
-  if (!by_ranks(array)) return kept_histogram(array, range.lower, range.upper, bins);
+  if (!by_ranks(*dataset, array)) return kept_histogram(array, range.lower, range.upper, bins);
   const CatalogueEntry of = entry(id);
   return ranks_->histogram({of.source, of.id}, dataset, array.name, range.lower, range.upper, bins, task);
 }
 
 Statistics OpenDatasets::statistics(const std::string& id, const std::shared_ptr<const Dataset>& dataset, const PointArray& array, const Task& task) const {
-  if (!by_ranks(array)) return isostrata::statistics(array);
+  if (!by_ranks(*dataset, array)) return isostrata::statistics(array);
   const CatalogueEntry of = entry(id);
   return ranks_->statistics({of.source, of.id}, dataset, array.name, task);
 }

@@ -35,6 +35,9 @@ class OpenDatasets {
   std::shared_ptr<const Dataset> acquire(const CatalogueEntry& of, int step, const Task& task);
   /// acquire() of one dataset; valid as long as this object and `of`.
   StepSource steps(const CatalogueEntry& of);
+  /// The same for whoever looks everywhere in this process, also if it has one part of many (Dataset::whole): then all parts are read together, which
+  /// nobody keeps.
+  StepSource whole_steps(const CatalogueEntry& of);
   /// Whether a step that nobody has asked for may be read ahead.
   bool has_room_for(const std::string& id, int step) const { return store_.has_room_for(id, step); }
   std::uint64_t held_bytes() const { return store_.held_bytes(); }
@@ -61,7 +64,8 @@ class OpenDatasets {
   std::shared_ptr<const Dataset> acquire_held(const CatalogueEntry& of, int step, const Task& task);
   void look_for_steps(const CatalogueEntry& of, const Dataset& first_step, const Task& task);
   FirstView view_of_series(const CatalogueEntry& of, const std::shared_ptr<const Dataset>& first_step, const Task& task);
-  bool by_ranks(const PointArray& array) const;
+  bool by_ranks(const Dataset& dataset, const PointArray& array) const;
+  std::shared_ptr<const Dataset> all_of(const CatalogueEntry& of, std::shared_ptr<const Dataset> dataset, const Task& task) const;
 
   const DatasetStoreOptions options_;
   SceneRanks* const ranks_;

@@ -63,6 +63,34 @@ std::vector<IntervalSummary> summaries_where(const Grid& grid, const IntervalMes
   return summaries;
 }
 
+OwnsCell owner_of(const Grid& grid, const RegionTree& regions, int region) {
+  if (grid.rectilinear()) {  // a box of indices
+    const std::array<std::int64_t, 3> dims = grid.dims();
+    std::array<std::vector<std::uint8_t>, 3> owned;
+    const Box3d box = region_box(regions, region);
+    std::int64_t stride = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int axis = static_cast<int>(a);
+      for (std::int64_t i = 0; i + 1 < dims[a]; ++i) {
+        const double at = grid.point(i * stride)[axis];
+        owned[a].push_back(at >= box.lower[axis] && at < box.upper[axis]);
+      }
+      stride *= dims[a];
+    }
+    const std::int64_t row = dims[0] - 1, layer = row * (dims[1] - 1), cells = layer * (dims[2] - 1);
+    return [owned = std::move(owned), row, layer, cells](std::int64_t cell) {
+      return cell < cells && owned[0][static_cast<std::size_t>(cell % row)] && owned[1][static_cast<std::size_t>(cell % layer / row)] &&
+             owned[2][static_cast<std::size_t>(cell / layer)];
+    };
+  }
+  return [&grid, &regions, region](std::int64_t cell) {
+    if (cell >= grid.cell_count()) return false;  // of another step, whose points lie elsewhere
+    std::array<std::int64_t, kMaxCellVertices> ids;
+    grid.cell_points(cell, ids);
+    return region_at(regions, grid.point(ids[0])) == region;
+  };
+}
+
 std::vector<IntervalSummary> owned_summaries(const Grid& grid, const IntervalMesh& mesh, const OwnsCell& owns, const Task& task) {
   // A part owns most of its cells: the others are measured and taken away from what extraction has measured of all.
   const std::vector<IntervalSummary> others = summaries_where(grid, mesh, [&owns](std::int64_t cell) { return !owns(cell); }, task);

@@ -8,12 +8,17 @@
 
 #include "base/task.h"
 #include "data/grid.h"
+#include "data/region_tree.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
 
 /// Called from any thread.
 using OwnsCell = std::function<bool(std::int64_t cell)>;
+
+/// The owner of a cell is the region of its first corner, whichever part of the whole it is looked at in. Grid and regions must outlive what is
+/// returned.
+OwnsCell owner_of(const Grid& grid, const RegionTree& regions, int region);
 
 /// The mesh's summaries as its owned cells alone make them. What owners of all cells count adds up to what one extraction of the whole grid
 /// counts; volumes to rounding. O(tetrahedra). Precondition: the grid is not flat. Throws cancelled.
