@@ -17,8 +17,8 @@ struct ExportArguments {
 void export_layers(const Options& options, const ExportArguments& arguments) {
   const auto dot = arguments.out.rfind('.');
   const std::string format = dot == std::string::npos ? "" : arguments.out.substr(dot + 1);
-  if (format != "vtu" && format != "ply" && format != "stl")
-    throw ClientError("bad_argument", "--out '" + arguments.out + "': expected a name that ends in .vtu, .ply or .stl");
+  if (format != "vtu" && format != "vtkhdf" && format != "ply" && format != "stl")
+    throw ClientError("bad_argument", "--out '" + arguments.out + "': expected a name that ends in .vtu, .vtkhdf, .ply or .stl");
   Client client = connect(options, arguments.scene);
   set_scene(client, arguments.scene);
   // It has its name only when it is complete.
@@ -51,7 +51,7 @@ void add_export(CLI::App& app, Options& options) {
   arguments->scene.size.clear();
   add_scene_options(*command, arguments->scene);
   command->remove_option(command->get_option("--size"));
-  command->add_option("--out", arguments->out, ".vtu: tetrahedra; .ply, .stl: their boundary")->required()->type_name("FILE");
+  command->add_option("--out", arguments->out, ".vtu, .vtkhdf: tetrahedra; .ply, .stl: their boundary")->required()->type_name("FILE");
   command->add_option("--facets", arguments->facets, "Of .ply and .stl, any of lower, upper and domain; by default all")
       ->delimiter(',')
       ->check(CLI::IsMember({"lower", "upper", "domain"}));

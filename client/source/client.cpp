@@ -134,7 +134,7 @@ class Client::Impl {
     judged(number, connection_.last_command(), "the server did not answer a command", [] { return true; });
   }
 
-  void open_dataset(const std::string& dataset) {
+  void open_dataset(const std::string& dataset, const std::string& region, const std::string& stride) {
     std::string id = dataset;
     for (const v1::DatasetEntry& entry : welcome_.datasets())
       if (entry.name() == dataset) id = entry.id();
@@ -142,6 +142,11 @@ class Client::Impl {
       if (entry.id() == dataset) id = dataset;
     v1::ClientMessage message;
     message.mutable_open_dataset()->set_id(id);
+    message.mutable_open_dataset()->set_region(region);
+    message.mutable_open_dataset()->set_stride(stride);
+    // A part has its text behind the id, as the server writes it.
+    const bool part = !region.empty() || !stride.empty();
+    const auto is_it = [&](const std::string& of) { return of == id || (part && of.starts_with(id.substr(0, id.find('@')) + '@')); };
     const std::uint64_t number = send(std::move(message)), command = connection_.last_command();
     bool described = false, lost = false;
     wait("dataset '" + id + "' was not open in time", [&](const v1::ServerMessage& answer) {
@@ -150,12 +155,12 @@ class Client::Impl {
         if (answer.welcome().last_command() == command && answer.welcome().has_last_command_error())
           refuse(answer.welcome().last_command_error());
         lost = true;
-        described = answer.welcome().last_command() >= command && dataset_.id() == id;
-        return described && state_.dataset() == id;
+        described = answer.welcome().last_command() >= command && is_it(dataset_.id());
+        return described && is_it(state_.dataset());
       }
-      described = described || (answer.has_dataset_info() && answer.dataset_info().id() == id);
+      described = described || (answer.has_dataset_info() && is_it(answer.dataset_info().id()));
       // Not before it has been read: a newcomer's session opens a dataset by itself, and what was asked for would come later.
-      return described && answer.has_state() && state_.dataset() == id && (lost || answer.heeded() >= number);
+      return described && answer.has_state() && is_it(state_.dataset()) && (lost || answer.heeded() >= number);
     });
   }
 
@@ -311,7 +316,9 @@ std::optional<v1::ServerMessage> Client::receive(std::chrono::milliseconds timeo
   return impl_->receive_until(Steady::now() + timeout);
 }
 void Client::command(v1::ClientMessage message) { impl_->command(std::move(message)); }
-void Client::open_dataset(const std::string& dataset) { impl_->open_dataset(dataset); }
+void Client::open_dataset(const std::string& dataset, const std::string& region, const std::string& stride) {
+  impl_->open_dataset(dataset, region, stride);
+}
 v1::LayerFacts Client::layer_facts() { return impl_->layer_facts(); }
 v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }

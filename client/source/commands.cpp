@@ -35,6 +35,12 @@ void Client::texture_by(const std::string& array) {
   command(std::move(message));
 }
 
+void Client::set_values(v1::FieldValues values) {
+  v1::ClientMessage message;
+  message.mutable_select_arrays()->set_values(values);
+  command(std::move(message));
+}
+
 void Client::set_step(int step) {
   v1::ClientMessage message;
   message.mutable_set_time_step()->set_step(step);

@@ -91,7 +91,10 @@ ScalarSpan scalar_span(ScalarType type, std::span<const std::byte> bytes) {
   return typed<double>(bytes);
 }
 
-void measure_range(PointArray& array) {
+namespace {
+
+template <class Values>
+void measure(Values& array) {
   FiniteValues total;
   std::mutex mutex;
   std::visit(
@@ -109,5 +112,22 @@ void measure_range(PointArray& array) {
   array.upper = total.upper;
   array.nan_count = total.not_finite;
 }
+
+}  // namespace
+
+PointArray as_array(const CellValues& cells, const std::string& name) {
+  PointArray array;
+  array.name = name;
+  array.type = cells.type;
+  array.values = cells.values;
+  array.lower = cells.lower;
+  array.upper = cells.upper;
+  array.nan_count = cells.nan_count;
+  array.storage = cells.storage;
+  return array;
+}
+
+void measure_range(PointArray& array) { measure(array); }
+void measure_range(CellValues& cells) { measure(cells); }
 
 }  // namespace isostrata

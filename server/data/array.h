@@ -31,6 +31,15 @@ enum class Association {
   cell_averaged  // stored per cell in the file; averaged to points on import (each point: mean over the cells that use it)
 };
 
+/// One scalar per cell, as the file has them: cells without interpolation (whole_values.h).
+struct CellValues {
+  ScalarType type = ScalarType::float32;
+  ScalarSpan values;                    // [nc]; of the pieces of a cell that was split: that cell's
+  double lower = 0, upper = 0;          // range of the finite values; lower > upper if there is none
+  std::int64_t nan_count = 0;           // values that are NaN or infinite
+  std::shared_ptr<const void> storage;  // keeps values alive
+};
+
 /// One scalar per point. Vectors arrive as several arrays: NAME (magnitude), NAME_x, NAME_y, NAME_z (NAME_0, NAME_1, ... beyond
 /// three).
 struct PointArray {
@@ -43,13 +52,18 @@ struct PointArray {
   double lower = 0, upper = 0;          // range of the finite values; lower > upper where there is none
   std::int64_t nan_count = 0;           // values that are NaN or infinite
   std::shared_ptr<const void> storage;  // keeps values alive
+  std::shared_ptr<const CellValues> cells;  // of cell_averaged: what was averaged; null also in a part of a grid whose cells are other ones
 
   double at(std::size_t point) const {
     return std::visit([&](auto v) { return static_cast<double>(v[point]); }, values);
   }
 };
 
+/// The values of cells as an array of so many points, for whoever counts values.
+PointArray as_array(const CellValues& cells, const std::string& name);
+
 /// Sets lower, upper and nan_count from values: one parallel pass, the same result for any number of threads.
 void measure_range(PointArray& array);
+void measure_range(CellValues& cells);
 
 }  // namespace isostrata

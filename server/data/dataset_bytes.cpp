@@ -33,6 +33,8 @@ std::uint64_t dataset_bytes(const Dataset& dataset) {
                         }},
              dataset.grid.shape);
   for (const PointArray& array : dataset.arrays)
+    if (array.cells) bytes += std::visit([](auto values) { return static_cast<std::uint64_t>(values.size_bytes()); }, array.cells->values);
+  for (const PointArray& array : dataset.arrays)
     bytes += std::visit([](auto values) { return is_in_source(values.data()) ? 0 : static_cast<std::uint64_t>(values.size_bytes()); }, array.values);
   return bytes;
 }

@@ -34,7 +34,7 @@ namespace json = boost::json;
 constexpr const char* kMeasures = "measures.json";
 constexpr const char* kEntry = "read-";
 constexpr const char* kNew = "new-";
-constexpr int kVersion = 2;  // of what an entry looks like, and of what is made of a file
+constexpr int kVersion = 3;  // of what an entry looks like, and of what is made of a file
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -48,13 +48,14 @@ json::value bits(double value) { return std::bit_cast<std::int64_t>(value); }
 double number(const json::value& value) { return std::bit_cast<double>(value.as_int64()); }
 
 std::string to_text(const ImportMeasures& measures) {
-  json::array arrays, bounds;
+  json::array arrays, cells, bounds;
   for (const auto& range : measures.arrays) arrays.push_back(json::array{bits(range.lower), bits(range.upper), range.nan_count});
+  for (const auto& range : measures.cells) cells.push_back(json::array{bits(range.lower), bits(range.upper), range.nan_count});
   for (const Vec3d& corner : {measures.bounds.lower, measures.bounds.upper})
     for (int a = 0; a < 3; ++a) bounds.push_back(bits(corner[a]));
   json::object types;
   for (const auto& [name, count] : measures.cell_types) types[name] = count;
-  return json::serialize(json::object{{"arrays", arrays}, {"bounds", bounds}, {"cell_types", types}, {"boot", boot_id()}});
+  return json::serialize(json::object{{"arrays", arrays}, {"cells", cells}, {"bounds", bounds}, {"cell_types", types}, {"boot", boot_id()}});
 }
 
 struct KnownMeasures {
@@ -66,8 +67,9 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
   try {
     const json::value document = json::parse(text_of(file));
     KnownMeasures known;
-    for (const json::value& range : document.at("arrays").as_array())
-      known.measures.arrays.push_back({number(range.at(0)), number(range.at(1)), range.at(2).as_int64()});
+    for (const auto& [name, ranges] : {std::pair{"arrays", &known.measures.arrays}, std::pair{"cells", &known.measures.cells}})
+      for (const json::value& range : document.at(name).as_array())
+        ranges->push_back({number(range.at(0)), number(range.at(1)), range.at(2).as_int64()});
     const json::array& bounds = document.at("bounds").as_array();
     for (int a = 0; a < 3; ++a) {
       known.measures.bounds.lower[a] = number(bounds.at(static_cast<std::size_t>(a)));

@@ -8,7 +8,7 @@
 //   {"format":1, "grid":"uniform"|"rectilinear"|"curvilinear"|"unstructured", "dims":[ni,nj,nk] (structured grids),
 //    "points":["float32"|"float64", count] (curvilinear, unstructured), "cells":n, "connectivity":n (unstructured),
 //    "hidden_cells":bool, "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":...,
-//    "type":...[, "in_file":..., "offset":n]}], "times":n, "step":n, "notes":[...]}
+//    "type":...[, "in_file":..., "offset":n][, "cell_type":...]}], "times":n, "step":n, "notes":[...]}
 //
 //   placement.bin       float64[6]: origin, spacing (uniform)
 //   axis_x.bin, ...     float64[dims] each (rectilinear)
@@ -16,6 +16,7 @@
 //   types.bin           uint8[cells], offsets.bin int64[cells + 1], connectivity.bin int64[connectivity]
 //   hidden.bin          uint8[cells]
 //   array_N.bin         [points] of the N-th array's type; not there where its bytes lie in a file as they are
+//   cells_N.bin         [cells] of its cell_type, if it is cell_averaged
 //   times.bin           float64[times]
 //
 // File names are fixed, and "in_file" leads to a regular file beside the one that was asked for, or below, which the child may read anyhow: so the
@@ -28,6 +29,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/vec.h"
@@ -65,8 +67,9 @@ struct ImportMeasures {
   struct Range {
     double lower = 0, upper = 0;
     std::int64_t nan_count = 0;
+    auto as_tuple() const { return std::tuple(lower, upper, nan_count); }
   };
-  std::vector<Range> arrays;
+  std::vector<Range> arrays, cells;  // cells: of those that have cell values, in the order of the arrays
   Box3d bounds;
   std::map<std::string, std::int64_t> cell_types;
 };

@@ -335,7 +335,18 @@ ScalarType read_type(const Manifest& manifest, const json::value& value) {
   manifest.refuse("wrote an array of type '" + name + "'");
 }
 
-std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points, bool measured) {
+/// What the array's points were averaged from.
+std::shared_ptr<CellValues> map_cells(Manifest& manifest, const json::object& fields, std::size_t number, std::int64_t cells, bool measured) {
+  auto out = std::make_shared<CellValues>();
+  out->type = read_type(manifest, manifest.need(fields, "cell_type"));
+  out->values = scalar_span(out->type, manifest.map("cells_" + std::to_string(number) + ".bin", cells, size_of(out->type), out->storage));
+  if (measured) measure_range(*out);
+  return out;
+}
+
+std::vector<PointArray> map_arrays(Manifest& manifest, const Grid& grid, const ImportMeasures* known, bool measured) {
+  const std::int64_t points = grid.point_count();
+  std::size_t known_cells = 0;
   const json::value& list = manifest.need(manifest.root(), "arrays");
   if (!list.is_array() || list.get_array().size() > kMostArrays) manifest.refuse("wrote no list of at most 20000 arrays");
   std::vector<PointArray> arrays;
@@ -359,6 +370,12 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points, bool
                                                ? manifest.map_in_place(fields, points, size_of(array.type), array.storage)
                                                : manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
     if (measured) measure_range(array);
+    if (array.association == Association::cell_averaged) {
+      const auto cells = map_cells(manifest, fields, i, grid.cell_count(), !known);
+      if (known && known_cells >= known->cells.size()) manifest.refuse("wrote more arrays of cells than were measured");
+      if (known) std::tie(cells->lower, cells->upper, cells->nan_count) = known->cells[known_cells++].as_tuple();
+      array.cells = cells;
+    }
     arrays.push_back(std::move(array));
   }
   return arrays;
@@ -368,7 +385,10 @@ std::vector<PointArray> map_arrays(Manifest& manifest, std::int64_t points, bool
 
 ImportMeasures measures_of(const Dataset& dataset) {
   ImportMeasures measures;
-  for (const PointArray& array : dataset.arrays) measures.arrays.push_back({array.lower, array.upper, array.nan_count});
+  for (const PointArray& array : dataset.arrays) {
+    measures.arrays.push_back({array.lower, array.upper, array.nan_count});
+    if (array.cells) measures.cells.push_back({array.cells->lower, array.cells->upper, array.cells->nan_count});
+  }
   measures.bounds = dataset.bounds;
   measures.cell_types = dataset.cell_types;
   return measures;
@@ -382,7 +402,7 @@ std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& f
   auto dataset = std::make_shared<Dataset>();
   dataset->name = without_mark(file).string();
   dataset->grid = map_grid(manifest);
-  dataset->arrays = map_arrays(manifest, dataset->grid.point_count(), !known && values_are == ImportValues::measured);
+  dataset->arrays = map_arrays(manifest, dataset->grid, known, !known && values_are == ImportValues::measured);
 
   const std::int64_t times = manifest.integer(manifest.need(manifest.root(), "times"), "the number of time steps", 1, kMostTimes);
   Storages keep;

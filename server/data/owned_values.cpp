@@ -57,6 +57,7 @@ void for_owned_values(const Grid& part, const PointArray& array, const RegionTre
     task.check();
     const std::int64_t end = std::min(points, begin + kMostOwnedAtOnce);
     PointArray owned = array;
+    owned.cells = nullptr;
     std::visit(
         [&](auto all) {
           using T = std::remove_const_t<typename decltype(all)::element_type>;

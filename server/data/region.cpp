@@ -92,6 +92,7 @@ PointArray kept_array_of(const PointArray& whole, const StructuredPart& part, co
   if (auto kept = kept_fact(whole, name); kept && kept->size() == bytes) {
     const auto storage = std::make_shared<const std::vector<std::byte>>(std::move(*kept));
     PointArray array = whole;
+    array.cells = nullptr;
     array.values = scalar_span(whole.type, *storage);
     array.storage = storage;
     return array;
@@ -148,6 +149,27 @@ void set_stride(Region& region, std::string_view text) {
       throw Error(ErrorCode::invalid_argument, "stride '" + std::string(text) + "': expected N, or NX,NY,NZ, each 1 or more");
     region.stride[a] = *value;
   }
+}
+
+std::string to_string(const Region& region) {
+  std::string text;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (a > 0) text += ',';
+    if (region.first[a] > 0) text += std::to_string(region.first[a]);
+    text += ':';
+    if (region.last[a] != Region{}.last[a]) text += std::to_string(region.last[a]);
+  }
+  const auto& [x, y, z] = region.stride;
+  if (region.stride == Region{}.stride) return text;
+  return text + '*' + std::to_string(x) + (x == y && y == z ? "" : ',' + std::to_string(y) + ',' + std::to_string(z));
+}
+
+Region region_of(std::string_view text) {
+  Region region;
+  const auto at = text.find('*');
+  set_box(region, text.substr(0, at));
+  if (at != std::string_view::npos) set_stride(region, text.substr(at + 1));
+  return region;
 }
 
 std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& region, std::uint64_t max_bytes, const Task& task) {

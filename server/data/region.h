@@ -30,6 +30,11 @@ void set_box(Region& region, std::string_view text);
 /// "N" or "NX,NY,NZ", each 1 or more. Throws as set_box.
 void set_stride(Region& region, std::string_view text);
 
+/// The shortest text that set_box and set_stride read, with what is between them: "0:31,:,:*2", ":,:,:" of the whole.
+std::string to_string(const Region& region);
+/// What to_string wrote. Throws as set_box.
+Region region_of(std::string_view text);
+
 /// The part of the dataset: values and positions as they are there, copied; ranges, bounds and cells are the part's own. A cell of the part that
 /// spans several is hidden where one of them is. Values outside are not read. Throws invalid_argument (nothing of the grid is in it, naming both),
 /// unsupported (an unstructured grid), too_large, cancelled. Parallel.

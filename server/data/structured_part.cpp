@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <tuple>
 
 #include "base/parallel.h"
 
@@ -28,6 +29,22 @@ std::pair<std::span<const T>, std::shared_ptr<const void>> take(std::span<const 
   return {std::span<const T>(storage.get(), static_cast<std::size_t>(part.count())), storage};
 }
 
+/// The part's own, if its cells are cells of the whole.
+std::shared_ptr<const CellValues> cells_of(const PointArray& whole, const StructuredPart& part, const Task& task) {
+  if (!whole.cells || part.step != Index{1, 1, 1}) return nullptr;
+  StructuredPart cells = part;
+  for (std::size_t a = 0; a < 3; ++a) {
+    cells.dims[a] = std::max<std::int64_t>(part.dims[a] - 1, 1);
+    cells.of[a] = std::max<std::int64_t>(part.of[a] - 1, 1);
+    cells.from[a] = std::min(part.from[a], cells.of[a] - 1);
+    if (part.dims[a] == 1 && part.of[a] > 1) return nullptr;  // a sheet between cells has none of them
+  }
+  CellValues out = *whole.cells;
+  std::visit([&](auto all) { std::tie(out.values, out.storage) = take(all, cells, task); }, whole.cells->values);
+  measure_range(out);
+  return std::make_shared<const CellValues>(std::move(out));
+}
+
 }  // namespace
 
 std::pair<PointSpan, std::shared_ptr<const void>> points_of(const PointSpan& whole, const StructuredPart& part, const Task& task) {
@@ -41,6 +58,7 @@ std::pair<PointSpan, std::shared_ptr<const void>> points_of(const PointSpan& who
 
 PointArray array_of(const PointArray& whole, const StructuredPart& part, const Task& task) {
   PointArray array = whole;
+  array.cells = cells_of(whole, part, task);
   std::visit(
       [&](auto all) {
         auto [taken, storage] = take(all, part, task);

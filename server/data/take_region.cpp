@@ -40,6 +40,7 @@ Box3d box_of(const Grid& grid, std::int64_t cell, std::array<std::int64_t, kMaxC
 template <class PointOf>
 PointArray array_of(const PointArray& whole, std::size_t points, const PointOf& point_of) {
   PointArray part = whole;
+  part.cells = nullptr;
   std::visit(
       [&](auto values) {
         using T = std::remove_const_t<typename decltype(values)::element_type>;

@@ -110,9 +110,26 @@ class ArrayWriter {
  public:
   ArrayWriter(Writer& writer, json::array& list) : writer_(writer), list_(list) {}
 
-  void add(const FileArray& array, const std::string& base) {
+  /// `cells`: what `array` was averaged from; null if it was not.
+  void add(const FileArray& array, const FileArray* cells, const std::string& base) {
+    const std::size_t first = list_.size();
+    add(array, base, [&](std::string name, const std::string& component, ScalarType type, std::span<const std::byte> bytes) {
+      write(array, std::move(name), component, type, bytes);
+    });
+    if (!cells) return;
+    std::size_t at = first;
+    add(*cells, base, [&](const std::string&, const std::string&, ScalarType type, std::span<const std::byte> bytes) {
+      list_[at].as_object()["cell_type"] = to_string(type);
+      writer_.file("cells_" + std::to_string(at++) + ".bin", bytes);
+    });
+  }
+
+ private:
+  /// put(name, component, type, values) for the array, or for its magnitude and each component.
+  template <class Put>
+  void add(const FileArray& array, const std::string& base, const Put& put) {
     if (array.components == 1) {
-      write(array, base, "", array.type, array.values);
+      put(base, "", array.type, array.values);
       return;
     }
     static constexpr const char* kAxes[3] = {"x", "y", "z"};
@@ -123,22 +140,21 @@ class ArrayWriter {
           const std::size_t n = values.size() / components;
           // The magnitude keeps single precision for float32 and for integers that it holds exactly.
           if constexpr (sizeof(T) <= 2 || std::is_same_v<T, float>)
-            write(array, base, "magnitude", ScalarType::float32,
+            put(base, "magnitude", ScalarType::float32,
                   std::as_bytes(std::span<const float>(magnitude<float>(values, components))));
           else
-            write(array, base, "magnitude", ScalarType::float64,
+            put(base, "magnitude", ScalarType::float64,
                   std::as_bytes(std::span<const double>(magnitude<double>(values, components))));
           std::vector<T> one(n);
           for (std::size_t c = 0; c < components; ++c) {
             for (std::size_t p = 0; p < n; ++p) one[p] = values[p * components + c];
             const std::string component = components <= 3 ? kAxes[c] : std::to_string(c);
-            write(array, base + "_" + component, component, array.type, std::as_bytes(std::span<const T>(one)));
+            put(base + "_" + component, component, array.type, std::as_bytes(std::span<const T>(one)));
           }
         },
         scalar_span(array.type, array.values));
   }
 
- private:
   template <class Out, class T>
   std::vector<Out> magnitude(std::span<const T> values, std::size_t components) {
     std::vector<Out> out(values.size() / components);
@@ -193,7 +209,7 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
   for (const FileArray& array : block.arrays) {
     const std::string name =
         printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
-    array_writer.add(array.on_cells ? average_cells(block, array) : array, name);
+    array_writer.add(array.on_cells ? average_cells(block, array) : array, array.on_cells ? &array : nullptr, name);
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }
   manifest["arrays"] = std::move(arrays);

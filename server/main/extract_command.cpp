@@ -13,6 +13,7 @@
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/files/write_mesh.h"
 #include "extraction/intervals/extract_intervals.h"
+#include "extraction/intervals/extract_whole.h"
 #include "extraction/laws/check_laws.h"
 #include "extraction/laws/volume_error.h"
 #include "extraction/layers/extract_layers.h"
@@ -250,7 +251,39 @@ Proof prove_areas(const LayerRequest& request, const Layers& layers) {
   return proof;
 }
 
+/// Each interval's cells with those outside it against all cells.
+Proof prove_whole(const LayerRequest& request, const Layers& layers) {
+  const Grid& grid = layers.dataset->grid;
+  const CellValues& cells = *layers.dataset->array(request.array).cells;
+  Proof proof;
+  ExtractOptions options;
+  options.max_bytes = request.max_bytes;
+  options.tetrahedra = false;
+  const auto size = [&](const Interval& interval, bool with_rest) {
+    options.complement = with_rest;
+    double sum = 0;
+    for (const IntervalSummary& row : extract_whole(grid, cells, {&interval, 1}, options, command_task()).summaries) sum += grid.flat() ? row.area : row.signed_volume;
+    return sum;
+  };
+  const double infinity = std::numeric_limits<double>::infinity(), all = size({-infinity, infinity}, false);
+  for (const IntervalSummary& row : layers.mesh.summaries) {
+    const double sum = size(row.interval, true), error = all != 0 ? std::abs((sum - all) / all) : std::abs(sum);
+    if (!proof.partition || error > proof.partition->error) proof.partition = Partition{error, all};
+  }
+  LawOptions laws;
+  laws.one_range = false;  // points have no values
+  if (!grid.flat()) proof.broken = check_laws(grid, layers.mesh, laws, command_task());
+  if (proof.partition && !(proof.partition->error <= kPartitionTolerance)) {
+    std::ostringstream text;
+    text << "an interval and what is outside it differ from the volume of the cells, " << all << ", by " << proof.partition->error << " of it; expected at most "
+         << kPartitionTolerance;
+    proof.broken.push_back({"partition", 1, text.str()});
+  }
+  return proof;
+}
+
 Proof prove(const LayerRequest& request, const Layers& layers) {
+  if (request.values == FieldValues::whole) return prove_whole(request, layers);
   if (layers.dataset->grid.flat()) return prove_areas(request, layers);
   Proof proof;
   const bool plain = request.terms.empty() && !request.time;
@@ -325,6 +358,7 @@ void run(ExtractArguments& arguments) {
     request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
   request.array = arguments.array;
   request.facets = true;
+  if (request.values == FieldValues::whole) request.carry.push_back("");  // the array itself, once its name is known
   if (!arguments.color_by.empty() && arguments.color_by != arguments.array) request.carry.push_back(arguments.color_by);
   if (!arguments.out.empty() && !ranks_in_use()) check_mesh_path(arguments.out);
   WriteOptions write;
@@ -344,6 +378,7 @@ void run(ExtractArguments& arguments) {
   };
   const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
   request.array = array_argument(*dataset, request.array).name;
+  if (request.values == FieldValues::whole) request.carry.front() = request.array;
   if (dataset->grid.cell_count() == 0)
     throw Error(ErrorCode::unsupported, dataset->name + ": it has no cells with a volume or an area, so there is nothing to cut; " +
                                             "`isostrata info` says what is in it");
@@ -406,7 +441,7 @@ void add_extract_command(CLI::App& app) {
   add_region_options(*command);
   add_device_option(*command, arguments->device);
   command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
-  command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu; .pvtu with --ranks) or their boundary (.ply, .stl)");
+  command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu; .vtkhdf, which is written faster; .pvtu with --ranks) or their boundary (.ply, .stl)");
   command
       ->add_option("--facets", arguments->facets,
                    "Which of the boundary goes into .ply and .stl: lower, upper, domain, comma-separated; LABEL@N: of interval N "

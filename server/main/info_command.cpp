@@ -82,6 +82,10 @@ json::object describe(const Dataset& dataset, const SeriesRanges& ranges, const 
                                   {"step_range", range_json({array.lower, array.upper})},
                                   {"step_ranges", std::move(step_ranges)},
                                   {"nan_count", array.nan_count}});
+    if (array.cells) {
+      arrays.back().as_object()["cell_type"] = to_string(array.cells->type);
+      arrays.back().as_object()["cell_range"] = range_json({array.cells->lower, array.cells->upper});
+    }
   }
   out["arrays"] = std::move(arrays);
   out["times"] = json::array(dataset.times.begin(), dataset.times.end());
@@ -132,6 +136,8 @@ void print_text(const Dataset& dataset, const SeriesRanges& ranges, const std::v
       std::printf("  [%g, %g] at this step", here.lower, here.upper);
     if (array.component == "magnitude") std::printf("  magnitude of %d components", array.components);
     if (array.association == Association::cell_averaged) std::printf("  averaged from cells");
+    if (array.cells && array.cells->lower <= array.cells->upper)
+      std::printf(" of %s [%g, %g]", to_string(array.cells->type), array.cells->lower, array.cells->upper);
     if (array.nan_count > 0) std::printf("  %lld not finite", static_cast<long long>(array.nan_count));
     std::printf("\n");
   }

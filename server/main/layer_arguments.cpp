@@ -76,6 +76,12 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
                   "table: the interval tables; strict: no tetrahedron is turned against its cell")
       ->check(CLI::IsMember({"table", "strict"}))
       ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--values", [&arguments](const std::string& text) { arguments.values = text == "whole" ? FieldValues::whole : FieldValues::interpolated; },
+          "interpolated: values between those of the array (default); whole: none, so that cells are taken uncut. An array of cells has one value in "
+          "each, an array of points everywhere that of the nearest one: for labels")
+      ->check(CLI::IsMember({"interpolated", "whole"}));
 }
 
 LayerRequest layer_request(const LayerArguments& arguments) {
@@ -85,6 +91,7 @@ LayerRequest layer_request(const LayerArguments& arguments) {
   request.time = arguments.time;
   request.time_mode = time_mode_of(arguments.time_mode);
   request.triangulation = triangulation_of(arguments.triangulation);
+  request.values = arguments.values;
   return request;
 }
 
@@ -94,6 +101,7 @@ void set_layers(Scene& scene, const LayerArguments& arguments) {
   scene.time = arguments.time;
   scene.time_mode = time_mode_of(arguments.time_mode);
   scene.triangulation = triangulation_of(arguments.triangulation);
+  scene.values = arguments.values;
 }
 
 StepSource step_source(const std::string& file) {

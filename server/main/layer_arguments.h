@@ -17,9 +17,10 @@ struct LayerArguments {
   std::optional<double> time;
   std::string time_mode = "step";
   std::string triangulation = "table";
+  FieldValues values = FieldValues::interpolated;
 };
 
-/// Adds --and, --or, --minus, --xor, --step, --time, --time-mode and --triangulation. `arguments` must outlive the command.
+/// Adds --and, --or, --minus, --xor, --step, --time, --time-mode, --triangulation and --values. `arguments` must outlive the command.
 void add_layer_options(CLI::App& command, LayerArguments& arguments);
 
 /// A request without array and intervals.

@@ -67,6 +67,7 @@ Scene make_scene(const RenderArguments& arguments, const CLI::App& command, cons
     if (view.step != dataset.step) shown = (other = steps(view.step, command_task())).get();
     scene.step = view.step;
     scene.array = view.array;
+    if (command.count("--values") == 0) scene.values = view.values;
     scene.intervals = first_intervals(view);
     camera = view.camera(aspect);
   } else {
@@ -111,6 +112,7 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
   if (!arguments.layers.terms.empty()) scene.terms = said.terms;
   if (given("--time-mode")) scene.time_mode = said.time_mode;
   if (given("--triangulation")) scene.triangulation = said.triangulation;
+  if (given("--values")) scene.values = said.values;
 
   // The modes' options depend on one another: they are judged with those of the state that are not given.
   const SceneMode mode = scene.mode;

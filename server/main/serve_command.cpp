@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "main/arguments.h"
 #include "main/commands.h"
 #include "main/config_file.h"
 #include "main/ranks.h"
@@ -224,6 +225,7 @@ void serve(ServeArguments arguments) {
   }
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
+  options.engine.store.part = region_of_arguments();
   options.worker.emplace();
   options.worker->launcher = shut_in.helper();
   options.worker->threads = arguments.threads;
@@ -349,6 +351,7 @@ void add_serve_command(CLI::App& app) {
                    "Seconds without a connection after which the server ends; 0: never")
       ->check(CLI::Range(0, 31536000))
       ->capture_default_str();
+  add_region_options(*command);
   command
       ->add_option("--max-memory", arguments->max_memory,
                    "Bytes of loaded data that are kept, and the most one dataset may need (suffixes KB, MB, GB)")

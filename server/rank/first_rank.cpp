@@ -35,6 +35,11 @@ MeshKey key_of(const Of& of) {
   return {of.mesh.get(), of.color_values.get(), of.texture_values.get()};
 }
 
+/// The nearest point of a place may be another rank's.
+void check_values(FieldValues values) {
+  if (values == FieldValues::whole) throw Error(ErrorCode::unsupported, "ranks take no whole values; expected interpolated values, or one process");
+}
+
 class FirstRank final : public SceneRanks {
  public:
   explicit FirstRank(RankLine& line) : line_(line), work_(line.rank(), line.count()), compositor_(line.communicator()) {}
@@ -101,6 +106,7 @@ class FirstRank final : public SceneRanks {
   std::shared_ptr<const ExtractedScene> extract(const RankedSource& of, const StepSource& whole, const Scene& scene,
                                                 const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                 const SceneAids& aids) override {
+    check_values(scene.values);
     RankExtract order;
     order.source = of.source;
     order.version = of.version;
@@ -129,6 +135,7 @@ class FirstRank final : public SceneRanks {
 
   RankedExtraction write_pieces(const RankedSource& of, const StepSource& whole, const LayerRequest& request, const std::string& path,
                                 const WriteOptions& options, const Task& task) override {
+    check_values(request.values);
     RankWrite order;
     order.source = of.source;
     order.version = of.version;

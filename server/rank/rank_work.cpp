@@ -186,7 +186,7 @@ RankedExtraction RankWork::write(const RankWrite& order, const StepSource& whole
   if (order.path.empty()) return made;
   std::vector<MeshArray> carried;
   for (const MeshArray& array : layers.carried) {
-    MeshArray& of = carried.emplace_back(MeshArray{array.name, {}});
+    MeshArray& of = carried.emplace_back(MeshArray{array.name, {}, false});
     for (const std::uint32_t point : owned.points) of.values.push_back(array.values[point]);
   }
   WriteOptions options;

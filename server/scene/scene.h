@@ -10,6 +10,7 @@
 #include "scene/annotation_choice.h"
 #include "scene/camera.h"
 #include "scene/clip_plane.h"
+#include "scene/field_values.h"
 #include "scene/integral.h"
 #include "scene/interval.h"
 #include "scene/range_term.h"
@@ -119,6 +120,7 @@ struct Scene {
   std::optional<double> time;           // in the dataset's units, between its steps or at one; none: `step`
   TimeMode time_mode = TimeMode::step;  // what `time` means
   Triangulation triangulation = Triangulation::table;
+  FieldValues values = FieldValues::interpolated;  // of `array`; whole: at a step, without terms
   SceneMode mode = SceneMode::sorted;
   Integral integral = Integral::exact;
   SceneCycle cycle;

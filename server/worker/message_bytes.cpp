@@ -30,6 +30,8 @@ constexpr Integral last_of<Integral> = Integral::table2d;
 template <>
 constexpr TimeMode last_of<TimeMode> = TimeMode::spacetime;
 template <>
+constexpr FieldValues last_of<FieldValues> = FieldValues::whole;
+template <>
 constexpr Triangulation last_of<Triangulation> = Triangulation::strict;
 template <>
 constexpr Codec last_of<Codec> = Codec::vp9_444;

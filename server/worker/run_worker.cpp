@@ -27,6 +27,7 @@ EngineOptions options_of(WorkerSetup setup, ActivityBoard* board) {
   options.store.importer = setup.importer;
   options.store.timeout_s = setup.import_timeout_s;
   options.store.keep = setup.keep;
+  options.store.part = setup.part;
   options.board = board;
   return options;
 }
@@ -45,7 +46,7 @@ void send(MessageChannel& channel, const EngineEvent& event) {
 
 /// The others do what this process's setup says; what one of them cannot draw, none can.
 void use_ranks_of(SceneRanks& ranks, int threads, EngineOptions& options) {
-  ranks.configure({options.store, options.renderer_choice, threads});
+  ranks.configure({options.store, options.renderer_choice, threads, options.store.part});
   options.ranks = &ranks;
   options.renderer = options.fallback_renderer = [&ranks] { return ranks.make_renderer(); };
 }

@@ -541,6 +541,7 @@ class WorkerEngine::Impl {
     setup.import_timeout_s = options_.store.timeout_s;
     setup.keep = keep_.string();
     setup.threads = worker_.threads;
+    setup.part = options_.store.part;
     return setup;
   }
 

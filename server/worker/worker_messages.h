@@ -20,6 +20,7 @@ struct WorkerSetup {
   double import_timeout_s = 0;
   std::string keep;
   int threads = 0;  // set_thread_count
+  Region part;      // DatasetStoreOptions
 };
 
 /// The first from a worker: its engine can draw,

@@ -26,6 +26,15 @@ Region region(const std::string& box, const std::string& stride = "1") {
   return of;
 }
 
+TEST(RegionText, IsReadAsItWasWritten) {
+  for (const auto& [box, stride] : {std::pair{":,:,:", "1"}, {"3:9,:,:12", "1"}, {"0:0,1:,:", "2"}, {":,:,:", "1,2,3"}, {"5:6,7:8,9:10", "4,4,4"}}) {
+    const Region of = region(box, stride);
+    EXPECT_EQ(region_of(to_string(of)), of) << to_string(of);
+  }
+  EXPECT_EQ(to_string(region("0:31,:,:", "2,2,2")), ":31,:,:*2");
+  for (const char* wrong : {"", ":,:", ":,:,:*", ":,:,:*0", ":,:,:*1,2", "a:,:,:"}) EXPECT_THROW(region_of(wrong), Error) << wrong;
+}
+
 /// Every point of the part is the whole's, in place and value.
 void expect_part(const Dataset& part, const Dataset& whole, const Region& of) {
   const auto n = part.grid.dims(), all = whole.grid.dims();

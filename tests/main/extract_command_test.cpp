@@ -90,7 +90,7 @@ TEST(ExtractCommand, IntervalsWithOpenEndsHoldEverythingAboveOrBelow) {
 
 TEST(ExtractCommand, WritesFilesByTheirEnding) {
   const TemporaryFolder folder;
-  const std::pair<const char*, const char*> formats[] = {{"a.vtu", "<?xml"}, {"a.ply", "ply\n"}, {"a.stl", "interval boundary"}};
+  const std::pair<const char*, const char*> formats[] = {{"a.vtu", "<?xml"}, {"a.vtkhdf", "\x89HDF"}, {"a.ply", "ply\n"}, {"a.stl", "interval boundary"}};
   for (const auto& [name, magic] : formats) {
     const CommandResult result =
         run_isostrata("extract cylinder:12x10x8 --interval 0.99:1 --color-by Energy --out '" + (folder / name).string() + "'");
@@ -98,6 +98,18 @@ TEST(ExtractCommand, WritesFilesByTheirEnding) {
     const std::string text = read_text(folder / name);
     EXPECT_TRUE(text.starts_with(magic)) << name;
     EXPECT_EQ(text.find("Name=\"Energy\"") != std::string::npos, std::string(name) == "a.vtu");
+  }
+}
+
+TEST(ExtractCommand, TakesValuesWhole) {
+  for (const std::string data : {"torus:16", "tets:7", "mixed:7"}) {
+    const auto document = extract_json(data + " --values whole --verify --interval 0.31:0.6 --interval -inf:0.31 --interval 0.6:inf --interval 2:2.5");
+    ASSERT_TRUE(document.is_object()) << data;
+    EXPECT_EQ(number(document.at("unmatched_facets")), 0) << data;
+    const auto whole = extract_json(data + " --interval -inf:inf");
+    double parts = 0;
+    for (const int i : {0, 1, 2}) parts += number(document.at("intervals").at(static_cast<std::size_t>(i)).at("signed_volume"));
+    EXPECT_NEAR(parts, signed_volume(whole), 1e-9 * std::abs(parts)) << data;
   }
 }
 
@@ -109,13 +121,15 @@ TEST(ExtractCommand, RefusesWithOneClearLine) {
   };
   const Refusal refusals[] = {
       {"torus:8 --interval 2:1", 1, "lower must be less than upper"},
+      {"torus:8 --interval 0:1 --values whole --and distance=0:1", 1, "not combined with ranges of other arrays"},
+      {"torus:8 --interval 0:1 --values whole --triangulation strict", 1, "expected the triangulation table"},
       {"torus:8 --interval 1:1", 1, "lower must be less than upper"},
       {"torus:8 --interval nan:1", 1, "lower must be less than upper"},
       {"torus:8 --interval inf:inf", 1, "lower must be less than upper"},
       {"torus:8 --interval half:1", 1, "'half' is not a number"},
       {"torus:8 --interval 0:1 --array missing", 1, "no array 'missing'; it has distance"},
       {"torus:8 --interval 0:1 --color-by missing", 1, "no array 'missing'; it has distance"},
-      {"torus:8 --interval 0:1 --out mesh.obj", 1, "expected .vtu, .ply or .stl"},
+      {"torus:8 --interval 0:1 --out mesh.obj", 1, "expected .vtu, .vtkhdf, .ply or .stl"},
       {"torus:8 --interval 0:1 --out /no/such/folder/mesh.vtu", 1, "cannot create"},
       {"torus:8 --interval 0:1 --step 3", 1, "step"},
       {"torus:32 --interval 0:1 --max-memory 1MB", 1, "the limit is 1048576"},

@@ -51,6 +51,18 @@ class Sessions(WithServer):
         self.assertIn("Density", s.arrays)
         self.assertRefused("not_found", s.open, "nosuch")
 
+    def test_a_part_of_a_grid_opens_as_a_dataset_and_values_are_taken_whole(self):
+        s = self.connect()
+        whole = s.info.id
+        s.open("torus:12", region="0:5,:,:", stride="2")
+        self.assertEqual((s.info.points, s.info.id), (3 * 6 * 6, whole + "@:5,:,:*2"))
+        self.assertEqual(s.values, "interpolated")
+        s.values = "whole"
+        self.assertEqual(s.values, "whole")
+        self.assertRefused("invalid_argument", s.open, "torus:12", region="5:2,:,:", field="region")
+        s.open("torus:12")
+        self.assertEqual((s.info.points, s.values), (12**3, "interpolated"))
+
     def test_addresses_and_tokens_that_are_wrong_are_said(self):
         for url in ("nonsense", "ftp://x/", "http://", "http://h:port/"):
             self.assertRefused("bad_url", isostrata.connect, url)

@@ -2,6 +2,7 @@
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
+#include <vtkHDFReader.h>
 #include <vtkNew.h>
 #include <vtkPLYReader.h>
 #include <vtkPointData.h>
@@ -36,21 +37,25 @@ Vec3d point(vtkDataSet* data, vtkIdType i) {
   return {x[0], x[1], x[2]};
 }
 
-TEST(ReadWrittenMeshes, VtuGivesTheSameTetrahedraValuesAndVolumes) {
+TEST(ReadWrittenMeshes, VtuAndVtkhdfGiveTheSameTetrahedraValuesAndVolumes) {
   const IntervalMesh mesh = torus();
   const testing::TemporaryFolder folder;
   std::vector<float> other;
   for (const Vec3d& x : mesh.positions) other.push_back(static_cast<float>(x.x - x.y));
-  for (const int compression : {0, 1, 6}) {
-    SCOPED_TRACE("compression " + std::to_string(compression));
-    const std::string path = (folder / "mesh.vtu").string();
+  for (const int compression : {-1, 0, 1, 6}) {
+    const bool hdf = compression < 0;
+    SCOPED_TRACE(hdf ? "vtkhdf" : "compression " + std::to_string(compression));
+    const std::string path = (folder / (hdf ? "mesh.vtkhdf" : "mesh.vtu")).string();
     WriteOptions options;
-    options.compression = compression;
+    if (!hdf) options.compression = compression;
     write_mesh(path, mesh, "distance", std::vector<MeshArray>{{"x - y <&>", other}}, options, Task());
-    vtkNew<vtkXMLUnstructuredGridReader> reader;
-    reader->SetFileName(path.c_str());
-    reader->Update();
-    vtkUnstructuredGrid* grid = reader->GetOutput();
+    vtkNew<vtkXMLUnstructuredGridReader> xml;
+    vtkNew<vtkHDFReader> reader;
+    if (hdf) ASSERT_TRUE(reader->CanReadFile(path.c_str()));
+    hdf ? reader->SetFileName(path.c_str()) : xml->SetFileName(path.c_str());
+    hdf ? reader->Update() : xml->Update();
+    vtkUnstructuredGrid* grid = hdf ? vtkUnstructuredGrid::SafeDownCast(reader->GetOutputDataObject(0)) : xml->GetOutput();
+    ASSERT_TRUE(grid);
     ASSERT_EQ(grid->GetNumberOfCells(), static_cast<vtkIdType>(mesh.tetrahedra.size()));
     ASSERT_EQ(grid->GetNumberOfPoints(), static_cast<vtkIdType>(mesh.positions.size()));
     vtkDataArray* const values = grid->GetPointData()->GetArray("distance");
@@ -76,6 +81,39 @@ TEST(ReadWrittenMeshes, VtuGivesTheSameTetrahedraValuesAndVolumes) {
     }
     for (int i = 0; i < 2; ++i) EXPECT_NEAR(volume[i], mesh.summaries[i].signed_volume, 1e-11 * volume[i]);
   }
+}
+
+TEST(ReadWrittenMeshes, VtkhdfOfNoneOfManyArraysAndOfAreas) {
+  const testing::TemporaryFolder folder;
+  const auto read = [&](const IntervalMesh& mesh, const std::vector<MeshArray>& more) {
+    const std::string path = (folder / "mesh.vtkhdf").string();
+    write_mesh(path, mesh, "f", more, {}, Task());
+    vtkNew<vtkHDFReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->Update();
+    vtkNew<vtkUnstructuredGrid> grid;
+    grid->ShallowCopy(reader->GetOutputDataObject(0));
+    return vtkSmartPointer<vtkUnstructuredGrid>(grid);
+  };
+  IntervalMesh mesh = torus();
+  std::vector<MeshArray> more;
+  for (int i = 0; i < 40; ++i) more.push_back({"a/b " + std::to_string(i), std::vector<float>(mesh.positions.size(), static_cast<float>(i)), false});
+  more.push_back({"in cells", std::vector<float>(mesh.tetrahedra.size(), 7), true});
+  const auto many = read(mesh, more);
+  EXPECT_EQ(many->GetPointData()->GetNumberOfArrays(), 41);
+  for (int i = 0; i < 40; ++i) {
+    vtkDataArray* const array = many->GetPointData()->GetArray(("a_b " + std::to_string(i)).c_str());
+    ASSERT_TRUE(array) << i;
+    EXPECT_EQ(array->GetTuple1(0), i);
+  }
+  ASSERT_TRUE(many->GetCellData()->GetArray("in cells"));
+  EXPECT_EQ(many->GetCellData()->GetArray("in cells")->GetTuple1(5), 7);
+
+  const Grid flat = uniform_grid({5, 4, 1});
+  const IntervalMesh areas = extract(flat, point_array(std::vector<double>{0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4}), {{0.5, 2.5}});
+  const auto triangles = read(areas, {});
+  ASSERT_EQ(triangles->GetNumberOfCells(), static_cast<vtkIdType>(areas.facets.size()));
+  EXPECT_EQ(triangles->GetCellType(0), VTK_TRIANGLE);
 }
 
 TEST(ReadWrittenMeshes, PlyGivesTheChosenFacets) {

@@ -43,6 +43,15 @@ describe('after the server was restarted', () => {
     expect(last.commands.map((c) => c.case)).toEqual(['selectArrays', 'setTimeStep', 'setIntervals', 'setAppearance', 'setCamera']);
   });
 
+  test('values stay whole, and a part is there as long as what it is of', () => {
+    const whole = { ...saved, dataset: 'fin@:9,:,:*2', values: 'whole' as const };
+    const first = restoreStep(whole, emptyState, null, datasets, false);
+    expect(first.kind === 'send' && first.commands.map((c) => c.value)).toEqual([{ id: 'fin@:9,:,:*2' }]);
+    const step = restoreStep(whole, { ...emptyState, dataset: whole.dataset }, info(whole.dataset, 'Density'), datasets, false);
+    const arrays = step.kind === 'send' && step.commands.find((c) => c.case === 'selectArrays');
+    expect(arrays && arrays.value).toMatchObject({ array: 'Density', values: 2 });
+  });
+
   test('intervals are sent as new ones: the old ids mean nothing now', () => {
     const step = restoreStep(saved, { ...emptyState, dataset: 'fin' }, info('fin', 'Density'), datasets, false);
     if (step.kind !== 'send') throw new Error(step.kind);

@@ -56,14 +56,17 @@ class Client {
   // ---- data: what is open, its arrays, its time
   // --------------------------------------------------------------------------------
 
-  /// By id or by name. Waits until it is open.
-  void open_dataset(const std::string& dataset);
+  /// By id or by name. Waits until it is open. Of a structured grid a part can be opened, which is a dataset of its own: its points
+  /// region, "FIRST:LAST,FIRST:LAST,FIRST:LAST", of which every stride-th, "N" or "NX,NY,NZ", is taken.
+  void open_dataset(const std::string& dataset, const std::string& region = "", const std::string& stride = "");
   /// The array that intervals are cut from; they keep their place in its range.
   void select_array(const std::string& array);
   /// The array that colour maps and ramps run over.
   void color_by(const std::string& array);
   /// The array that surfaces' textures run over.
   void texture_by(const std::string& array);
+  /// Whether values of the array are interpolated, or whole: FieldValues in the protocol.
+  void set_values(v1::FieldValues values);
   void set_step(int step);
   /// A time between the first step's and the last one's, and what it means between two steps.
   void set_time(double time, v1::TimeMode mode = v1::TIME_MODE_UNSPECIFIED);

@@ -30,6 +30,7 @@ _MODES = {
     "smear": v1.RENDER_MODE_SMEAR,
 }
 _TIME_MODES = {"": 0, "step": v1.TIME_MODE_STEP, "interpolate": v1.TIME_MODE_INTERPOLATE, "spacetime": v1.TIME_MODE_SPACETIME}
+_FIELD_VALUES = {"interpolated": v1.FIELD_VALUES_INTERPOLATED, "whole": v1.FIELD_VALUES_WHOLE}
 _SPANS = {"step": v1.COLOR_SPAN_STEP, "all_steps": v1.COLOR_SPAN_ALL_STEPS}
 
 
@@ -239,20 +240,28 @@ class Session:
 
     # ---- data ------------------------------------------------------------------------------------------------------------------
 
-    def open(self, dataset: str) -> None:
-        """By name or id; waits until it is open."""
+    def open(self, dataset: str, region: str = "", stride: str = "") -> None:
+        """By name or id; waits until it is open.
+
+        Of a structured grid a part can be opened, which is a dataset of its own: its points ``region``, "FIRST:LAST,FIRST:LAST,FIRST:LAST", of which every
+        ``stride``-th, "N" or "NX,NY,NZ", is taken."""
         entries = list(self._connection.datasets.values())
         wanted = next((e.id for e in entries if e.id == dataset), next((e.id for e in entries if e.name == dataset), dataset))
-        if self.message.dataset == wanted and self.info.id == wanted:
+        part = bool(region or stride)
+        if not part and self.message.dataset == wanted and self.info.id == wanted:
             return
         session = self.id
-        seq = self._connection.send(v1.ClientMessage(open_dataset=v1.OpenDataset(id=wanted)))
+        seq = self._connection.send(v1.ClientMessage(open_dataset=v1.OpenDataset(id=wanted, region=region, stride=stride)))
+        whole = wanted.partition("@")[0]
+
+        def is_it(opened: str) -> bool:  # a part has its text behind the id, as the server writes it
+            return opened == wanted or (part and opened.startswith(whole + "@"))
 
         def is_open() -> bool:
             self._connection._refuse(seq)
             # Not before it has been read: a newcomer's session opens a dataset by itself, and what was asked for would come later.
             heeded = self.id != session or self._connection.heeded >= seq
-            return self.info.id == wanted and self.message.dataset == wanted and heeded
+            return is_it(self.info.id) and self.message.dataset == self.info.id and heeded
 
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
 
@@ -297,6 +306,17 @@ class Session:
     @texture.setter
     def texture(self, name: str) -> None:
         self.command(select_arrays=v1.SelectArrays(texture=name))
+
+    @property
+    def values(self) -> str:
+        """What lies between the values of the array: "interpolated", or "whole": nothing, so that layers take whole cells, or labels of points.
+
+        Another array is interpolated until this is set again."""
+        return "whole" if self.message.values == v1.FIELD_VALUES_WHOLE else "interpolated"
+
+    @values.setter
+    def values(self, values: str) -> None:
+        self.command(select_arrays=v1.SelectArrays(values=_choice(_FIELD_VALUES, values, "values")))
 
     @property
     def step(self) -> int:
@@ -494,7 +514,7 @@ class Session:
         self._connection.on_state = listener and (lambda: listener(self))
 
     def export(self, path: str | PathLike[str], facets: Sequence[str] = ()) -> None:
-        """The layers as a mesh file: .vtu (tetrahedra), .ply or .stl (their boundary, or of it what ``facets`` names: "lower", "upper",
+        """The layers as a mesh file: .vtu or .vtkhdf (tetrahedra), .ply or .stl (their boundary, or of it what ``facets`` names: "lower", "upper",
         "domain"). ``on_progress`` hears of it; Ctrl-C takes the server's work with it."""
         wanted = {"format": str(path).rpartition(".")[2].lower(), **({"facets": list(facets)} if facets else {})}
         session, made = self.id, self._connection.made

@@ -79,6 +79,42 @@ fs::path marked_pattern(const fs::path& pattern) {
 std::string version_id(const CatalogueEntry& entry) { return entry.version == 0 ? entry.id : entry.id + "~" + std::to_string(entry.version); }
 std::string plain_id(const std::string& id) { return id.substr(0, id.rfind('~')); }
 
+std::string whole_id(const std::string& id) {
+  const auto at = id.find('@'), version = id.rfind('~');
+  if (at == std::string::npos) return id;
+  return id.substr(0, at) + (version == std::string::npos ? "" : id.substr(version));
+}
+
+std::string part_id(const std::string& id, const Region& part) {
+  const std::string whole = whole_id(id);
+  if (part == Region{}) return whole;
+  const auto version = std::min(whole.rfind('~'), whole.size());
+  return whole.substr(0, version) + '@' + to_string(part) + whole.substr(version);
+}
+
+std::string with_part_of(const std::string& like, const std::string& whole) {
+  const std::string plain = plain_id(like);
+  const auto at = plain.find('@');
+  if (at == std::string::npos) return whole;
+  const auto version = std::min(whole.rfind('~'), whole.size());
+  return whole.substr(0, version) + plain.substr(at) + whole.substr(version);
+}
+
+Region part_of_id(const std::string& id) {
+  const std::string plain = plain_id(id);
+  const auto at = plain.find('@');
+  return at == std::string::npos ? Region{} : region_of(std::string_view(plain).substr(at + 1));
+}
+
+std::string part_name(const std::string& name, const Region& part) {
+  if (part == Region{}) return name;
+  Region box = part;
+  box.stride = Region{}.stride;
+  std::string text = name + ", points " + to_string(box);
+  if (part.stride != box.stride) text += " by " + to_string(part).substr(to_string(part).find('*') + 1);
+  return text;
+}
+
 /// Whether it can be opened shows when it is.
 CatalogueEntry Catalogue::entry_of(const fs::path& path) {
   CatalogueEntry entry;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "data/list_folder.h"
+#include "data/region.h"
 
 namespace isostrata {
 
@@ -41,6 +42,18 @@ struct CatalogueEntry {
 std::string version_id(const CatalogueEntry& entry);
 /// The entry's own of such an id.
 std::string plain_id(const std::string& id);
+
+/// The id of a part of an entry, which is opened as a dataset of its own: "head-3f2a91@0:63,:,:*2"; its versions are "head-3f2a91@0:63,:,:*2~2". Of everything
+/// it is the entry's. An id that has a part already gets this one in its place.
+std::string part_id(const std::string& id, const Region& part);
+/// The entry's own of the id of a part, of a version or of none.
+std::string whole_id(const std::string& id);
+/// The id of `whole`, or of one of its versions, with the part that the text `like` has behind its '@'. Nobody has judged that text yet.
+std::string with_part_of(const std::string& like, const std::string& whole);
+/// The part; of everything Region{}. Throws invalid_argument.
+Region part_of_id(const std::string& id);
+/// What a person reads: "head, points 0:63,:,: by 2".
+std::string part_name(const std::string& name, const Region& part);
 
 /// Immutable once made, but for those who make it.
 class Catalogue {

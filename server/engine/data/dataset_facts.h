@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,7 @@ struct ArrayFacts {
   double lower = 0, upper = 0;         // of the finite values of all steps that are known; lower > upper where there is none
   std::int64_t nan_count = 0;          // at the known step that has most of them
   std::vector<ValueRange> steps = {};  // ArrayRanges::steps; may be empty
+  std::optional<ValueRange> cells = {};  // of cell_averaged: of the cells themselves, at the step that was opened
 
   ValueRange range() const { return {lower, upper}; }
 };

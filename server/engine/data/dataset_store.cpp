@@ -29,12 +29,19 @@ struct DatasetStore::Loading {
 DatasetStore::DatasetStore(DatasetStoreOptions options)
     : DatasetStore(options, [options](const std::string& source, int step, const Task& task) { return open(options, source, step, task); }) {}
 
-std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task) {
+std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task,
+                                                  const Region& part) {
   OpenOptions open;
   open.step = step;
   open.importer = options.importer;
   open.max_bytes = options.max_bytes;
   open.timeout_s = options.timeout_s;
+  if (part != Region{}) return open_part(source, open, part, task);
+  if (options.part != Region{}) try {
+      return open_part(source, open, options.part, task);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::unsupported) throw;  // an unstructured grid has no parts
+    }
   if (options.keep.empty() || is_analytic(source) || (import_cache() && can_be_cached(*import_cache(), source))) return open_dataset(source, open, task);
   return open_import_keeping(source, open, options.keep, task);
 }

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "data/dataset.h"
+#include "data/region.h"
 
 namespace isostrata {
 
@@ -24,6 +25,7 @@ struct DatasetStoreOptions {
   std::filesystem::path importer;        // as OpenOptions
   double timeout_s = 600;                // as OpenOptions
   std::filesystem::path keep;            // as open_import_keeping; empty: nothing is kept
+  Region part;                           // of each structured grid that is opened whole
 };
 
 /// Steps of one source that lie on the very same mesh share one copy of it: a step then takes its arrays. Any thread may call any function. Lock:
@@ -34,7 +36,9 @@ class DatasetStore {
 
   explicit DatasetStore(DatasetStoreOptions options);
   /// What it loads with: open_dataset, keeping what was imported where the options say so. `source` is a path or the name of analytic data.
-  static std::shared_ptr<const Dataset> open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task);
+  /// `part`: of a structured grid, in place of the options' (`unsupported` of others); values beside it are not read if they can be mapped in place.
+  static std::shared_ptr<const Dataset> open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task,
+                                             const Region& part = {});
   /// Loads by another function, for which `source` may stand for anything.
   DatasetStore(DatasetStoreOptions options, Loader loader);
   /// Cancels what is loading and waits for it.

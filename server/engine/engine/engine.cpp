@@ -158,7 +158,8 @@ class Engine::Impl {
     counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
         const auto dataset = datasets_.acquire(datasets_.entry(request.dataset), request.step, operation->task());
-        const PointArray& array = dataset->array(request.array);
+        const PointArray& named = dataset->array(request.array);
+        const PointArray array = request.values == FieldValues::whole && named.cells ? as_array(*named.cells, named.name) : named;
         const ValueRange range = join(request.least, {array.lower, array.upper});
         std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::clamp(request.bins, 0, 1 << 20)));
         if (!range.empty()) counts = datasets_.histogram(request.dataset, dataset, array, range, request.bins, operation->task());

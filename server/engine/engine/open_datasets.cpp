@@ -1,6 +1,7 @@
 #include "engine/engine/open_datasets.h"
 
 #include "base/error.h"
+#include "data/beneath.h"
 #include "data/histogram.h"
 #include "data/look_at_folder.h"
 #include "data/source_mapping.h"
@@ -14,8 +15,10 @@ void check_unchanged(const CatalogueEntry& of) {
 }
 
 std::string without_place(std::string message, const CatalogueEntry& of) {
-  for (auto at = message.find(of.source); at != std::string::npos; at = message.find(of.source, at + of.name.size()))
-    message.replace(at, of.source.size(), of.name);
+  const std::string unmarked = without_mark(of.source).string();
+  for (const std::string& source : {of.source, unmarked == of.source ? std::string() : unmarked})
+    for (auto at = source.empty() ? std::string::npos : message.find(source); at != std::string::npos; at = message.find(source, at + of.name.size()))
+      message.replace(at, source.size(), of.name);
   return message;
 }
 
@@ -29,9 +32,12 @@ OpenDatasets::OpenDatasets(Catalogue catalogue, DatasetStoreOptions store, Scene
 
 CatalogueEntry OpenDatasets::entry(const std::string& id) const {
   const std::lock_guard lock(catalogue_mutex_);
-  const CatalogueEntry* found = catalogue_.find(id);
+  const CatalogueEntry* found = catalogue_.find(whole_id(id));
   if (!found) throw Error(ErrorCode::not_found, "dataset '" + id + "': not in this server's catalogue");
-  return *found;
+  CatalogueEntry of = *found;
+  of.id = id;
+  of.name = part_name(of.name, part_of_id(id));
+  return of;
 }
 
 std::set<std::string> OpenDatasets::update(std::vector<CatalogueEntry> entries) {
@@ -49,7 +55,10 @@ std::set<std::string> OpenDatasets::update(std::vector<CatalogueEntry> entries) 
 // One version of a dataset is never mixed with another: what was read is of the files that the catalogue lists, or it is not used.
 std::shared_ptr<const Dataset> OpenDatasets::load(const std::string& id, int step, const Task& task) const {
   const CatalogueEntry of = entry(id);
-  auto dataset = ranks_ ? ranks_->open({of.source, of.id}, step, task) : DatasetStore::open(options_, of.source, step, task);
+  const Region part = part_of_id(id);
+  if (ranks_ && part != Region{})
+    throw Error(ErrorCode::unsupported, of.name + ": ranks open whole datasets; expected no region and no stride, or those of the server");
+  auto dataset = ranks_ ? ranks_->open({of.source, of.id}, step, task) : DatasetStore::open(options_, of.source, step, task, part);
   check_unchanged(of);
   return dataset;
 }

@@ -177,8 +177,7 @@ void cut_field(const ProxyGrid& proxy, const ValueCurves& curves, Side side, Lay
 
 constexpr std::size_t kMostLabelLayers = 8;
 
-/// Each label but the background, cut midway to those beside it: the bodies, and around all of them one lit hull. A label has no surface of its own,
-/// for the values between two labels pass by others, whose surfaces would lie there like a skin.
+/// Each label but the background, with ends midway to those beside it. Its values are taken whole, so a label ends where another one begins.
 void cut_labels(const ValueCurves& curves, const ProxyGrid& proxy, const FieldHints& hints, LayersChoice& choice) {
   struct Label {
     LayerChoice layer;
@@ -203,10 +202,6 @@ void cut_labels(const ValueCurves& curves, const ProxyGrid& proxy, const FieldHi
   choice.reason = std::to_string(labels.size()) + " whole numbers, and neighbours have the same one: they number things";
   if (background->of_rim > 0.5) {
     choice.reason += "; " + background->layer.name + " is left out, the background";
-    const bool first = background == labels.begin();
-    if (!hints.flat && (first || background + 1 == labels.end()))
-      choice.layers.push_back({LayerRole::hull, first ? background->layer.to : 0, first ? 1 : background->layer.from, first, "hull",
-                               "the surface around all labels, for light"});
     labels.erase(background);
   }
   std::vector<double> shares;

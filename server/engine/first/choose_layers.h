@@ -22,7 +22,7 @@ enum class FieldKind {
 };
 const char* to_string(FieldKind kind);
 
-enum class LayerRole { outer, inner, low, high, wall, band, outline, label, hull };
+enum class LayerRole { outer, inner, low, high, wall, band, outline, label };
 
 /// Of the proxy's values; 0 and 1 are the ends of what there is.
 struct LayerChoice {

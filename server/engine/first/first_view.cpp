@@ -11,6 +11,7 @@
 #include "engine/first/choose_array.h"
 #include "engine/first/choose_layers.h"
 #include "engine/first/find_labels.h"
+#include "engine/first/kept_first_view.h"
 
 namespace isostrata {
 namespace {
@@ -124,12 +125,9 @@ FirstLayer looks_of(const LayerChoice& layer, const LayersChoice& choice, const 
       break;
     case LayerRole::label: {
       constexpr std::array kLabels{kOrange, kSky, kGreen, kVermilion, kYellow, kPurple, kBlue, kGrey};
-      look(kLabels[index % kLabels.size()], flat ? 0.98 : opacity_of(0.9, layer.depth), flat ? SurfaceStyle{} : lit(false, false, true, 0.95));
+      look(kLabels[index % kLabels.size()], flat ? 0.98 : opacity_of(0.9, layer.depth), flat ? SurfaceStyle{} : lit(true, true, true, 0.95));
       break;
     }
-    case LayerRole::hull:
-      look(kOutline, 0.001, lit(low_side, !low_side, true, 0.3));
-      break;
   }
   return out;
 }
@@ -142,7 +140,7 @@ FieldHints hints_of(const Dataset& dataset, const PointArray& array) {
   hints.level_set = is_level_set(array.name);
   hints.whole_numbers = array.type != ScalarType::float32 && array.type != ScalarType::float64;
   hints.flat = dataset.grid.flat();
-  hints.labels = find_labels(array);
+  hints.labels = find_labels(array.cells ? as_array(*array.cells, array.name) : array);
   return hints;
 }
 
@@ -233,6 +231,8 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   view.kind_reason = choice.reason;
 
   PointArray array = *looked.array;
+  if (choice.kind == FieldKind::labels) view.values = FieldValues::whole;  // between labels there are none
+  if (view.values == FieldValues::whole && array.cells) range = join(range, {array.cells->lower, array.cells->upper});
   array.lower = std::min(array.lower, range.lower);
   array.upper = std::max(array.upper, range.upper);
   view.lower = array.lower;
@@ -294,7 +294,9 @@ const PointArray* find(const Dataset& dataset, const std::string& name) {
 
 Camera FirstView::camera(double aspect) const { return camera_on({direction, up, outline, {}}, aspect); }
 
-FirstView first_view(const Dataset& first, const FirstViewSteps& steps, const FirstViewWishes& wishes, const Task& task) {
+namespace {
+
+FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const FirstViewWishes& wishes, const Task& task) {
   const int count = static_cast<int>(std::max<std::size_t>(first.times.size(), 1));
   std::vector<int> wanted{wishes.step >= 0 ? wishes.step : count / 2};
   if (wishes.step < 0 && count > 1 && dataset_bytes(first) <= kFirstViewBytes)
@@ -356,6 +358,16 @@ FirstView first_view(const Dataset& first, const FirstViewSteps& steps, const Fi
     if (const PointArray* array = find(*step, view.array); array && array->lower <= array->upper)
       range = join(range, {array->lower, array->upper});
   look_at(view, *shown, looked, range);
+  return view;
+}
+
+}  // namespace
+
+FirstView first_view(const Dataset& first, const FirstViewSteps& steps, const FirstViewWishes& wishes, const Task& task) {
+  const bool free = wishes.array.empty() && wishes.step < 0;
+  if (auto kept = free ? kept_first_view(first) : std::nullopt) return std::move(*kept);
+  FirstView view = choose_view(first, steps, wishes, task);
+  if (free && !view.array.empty()) keep_first_view(first, view);
   return view;
 }
 

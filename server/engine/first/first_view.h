@@ -12,6 +12,7 @@
 #include "engine/first/choose_camera.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "scene/camera.h"
+#include "scene/field_values.h"
 #include "scene/style.h"
 
 namespace isostrata {
@@ -32,6 +33,7 @@ struct FirstLayer {
 struct FirstView {
   std::string array;  // empty: nothing to show, and array_reason says why
   std::string array_reason;
+  FieldValues values = FieldValues::interpolated;  // whole: of an array of labels
   int step = 0;
   std::string step_reason;
   std::string kind;  // of field: to_string(FieldKind)
@@ -58,7 +60,8 @@ struct FirstViewWishes {
 };
 
 /// `first` is a step of the dataset, whichever. Of a series five steps are looked at, of one whose steps take more than
-/// kFirstViewBytes the middle one alone. About 20 ms for 256^3 points, 50 ms a million cells of other grids, on one core. Throws
+/// kFirstViewBytes the middle one alone. Without wishes it is kept beside the import of `first`, if that is cached, and not made again
+/// (kept_first_view.h). About 20 ms for 256^3 points, 50 ms a million cells of other grids, on one core. Throws
 /// not_found (no such array), cancelled, and what `steps` throws.
 FirstView first_view(const Dataset& first, const FirstViewSteps& steps, const FirstViewWishes& wishes, const Task& task);
 inline constexpr std::uint64_t kFirstViewBytes = 64ull << 20;

@@ -80,6 +80,7 @@ struct HistogramRequest {
   std::string array;
   int bins = 256;
   ValueRange least;  // that the bins span at least; else the array's own at that step
+  FieldValues values = FieldValues::interpolated;  // whole: of an array that was averaged from cells, those of the cells
 };
 
 /// Answered by StatisticsReady or RequestFailed.

@@ -64,6 +64,8 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole,
                                                                   const Scene& scene, const Task& task) {
   if (stride == kAllPoints || whole->arrays.empty()) return nullptr;
+  const std::string& array = scene.array.empty() ? whole->arrays.front().name : scene.array;
+  if (scene.values == FieldValues::whole && whole->array(array).association == Association::cell_averaged) return nullptr;  // coarser cells have no value
   const Stopwatch watch;
   const auto coarse = coarse_of(whole, stride, arrays_of(scene, *whole), task);
   const auto extracted = extract_scene([&](int, const Task&) { return coarse; }, scene, nullptr, task);

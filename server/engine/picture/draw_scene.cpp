@@ -11,6 +11,7 @@
 #include "extraction/laws/volume_error.h"
 #include "extraction/layers/extract_at_time.h"
 #include "extraction/layers/join_meshes.h"
+#include "extraction/layers/own_points.h"
 #include "extraction/surfaces/gradient_normals.h"
 #include "rendering/picture/lit_surfaces.h"
 #include "scene/color_range.h"
@@ -41,7 +42,7 @@ bool brings_in(const SceneTerm& term) {
 /// Whether another array can be brought to the finished mesh: its points know what they lie on, in the grid of one step.
 bool can_carry(const ExtractedScene& extracted) {
   const IntervalMesh& mesh = *extracted.mesh;
-  return extracted.time.first == extracted.time.second &&
+  return extracted.time.first == extracted.time.second && extracted.request.values == FieldValues::interpolated &&
          mesh.origins.size() + mesh.inner.first.size() - 1 == mesh.positions.size();
 }
 
@@ -50,11 +51,19 @@ bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, cons
   LayerRequest wanted = request;
   wanted.facets = wanted.facets || previous.request.facets;  // more than is asked for does no harm
   wanted.normals = wanted.normals || previous.request.normals;
+  wanted.tetrahedra = wanted.tetrahedra || previous.request.tetrahedra;
   return previous.request == wanted && std::all_of(previous.steps.begin(), previous.steps.end(),
                                                    [&](const auto& used) { return steps(used->step, task) == used; });
 }
 
 using Values = std::shared_ptr<const std::vector<float>>;
+
+/// Values at the points of a mesh whose cells have points of their own.
+std::vector<float> at_own_points(const OwnPoints& own, const MeshArray& array) {
+  std::vector<float> values(own.point.size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = array.values[array.in_cells ? own.simplex[i] : own.point[i]];
+  return values;
+}
 
 /// Returns the carried arrays, in the order of the request.
 std::vector<Values> extract(ExtractedScene& made, const LayerRequest& request, const StepSource& steps, const Task& task,
@@ -72,6 +81,11 @@ std::vector<Values> extract(ExtractedScene& made, const LayerRequest& request, c
   Layers layers = extract_layers(request, steps, task, aids);
   made.dataset = std::move(layers.dataset);
   made.time = layers.time;
+  if (std::any_of(layers.carried.begin(), layers.carried.end(), [](const MeshArray& array) { return array.in_cells; })) {
+    OwnPoints own = with_own_points(layers.mesh, request.max_bytes);
+    for (MeshArray& array : layers.carried) array = {array.name, at_own_points(own, array), false};
+    layers.mesh = std::move(own.mesh);
+  }
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
   made.normals_wanted = request.normals;
   if (!layers.normals.empty()) made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(layers.normals));
@@ -90,10 +104,13 @@ void add_normals(ExtractedScene& made, const Task& task) {
   if (!normals.empty()) made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(normals));
 }
 
-void set_range(const PointArray& array, double& lower, double& upper) {
-  if (!(array.lower <= array.upper)) return;
-  lower = array.lower;
-  upper = array.upper;
+/// Of what is drawn: of whole cells theirs, which points' means do not reach.
+void set_range(const PointArray& array, FieldValues values, double& lower, double& upper) {
+  const bool whole = values == FieldValues::whole && array.cells;
+  const double least = whole ? array.cells->lower : array.lower, most = whole ? array.cells->upper : array.upper;
+  if (!(least <= most)) return;
+  lower = least;
+  upper = most;
 }
 
 template <class T>
@@ -138,6 +155,7 @@ LayerRequest request_for(const Scene& scene, const std::string& array) {
   else
     request.step = scene.step;
   request.triangulation = scene.triangulation;
+  request.values = scene.values;
   const auto [color_by, texture] = names_of(scene, array);
   if (uses_color_values(scene)) request.carry.push_back(color_by);
   if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
@@ -220,6 +238,7 @@ std::shared_ptr<const ExtractedScene> extract_smear(const StepSource& source, co
 /// Whether only the ends of the intervals were moved since `last`, as in a drag.
 bool ends_moved(const ExtractedScene* last, LayerRequest request) {
   if (!last) return false;
+  request.tetrahedra = last->request.tetrahedra;
   request.facets = last->request.facets;
   request.normals = last->request.normals;
   request.intervals = last->request.intervals;
@@ -249,8 +268,8 @@ bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& r
   made.mesh = made.base->mesh;
   made.color_values = made.base->values;
   made.cut_summaries = measure_intervals(*made.base, request.intervals);
-  set_range(dataset->array(made.color_by), made.color_lower, made.color_upper);
-  set_range(dataset->array(made.texture), made.texture_lower, made.texture_upper);
+  set_range(dataset->array(made.color_by), request.values, made.color_lower, made.color_upper);
+  set_range(dataset->array(made.texture), request.values, made.texture_lower, made.texture_upper);
   made.bounds = dataset->bounds;
   made.request = request;
   return true;
@@ -268,8 +287,8 @@ bool bricks_instead(ExtractedScene& made, const Scene& scene, const LayerRequest
   made.time.first = made.time.second = request.step;
   made.mesh = std::make_shared<const IntervalMesh>(std::move(found->mesh));
   made.bricks = std::move(found->bricks);
-  set_range(dataset->array(made.color_by), made.color_lower, made.color_upper);
-  set_range(dataset->array(made.texture), made.texture_lower, made.texture_upper);
+  set_range(dataset->array(made.color_by), request.values, made.color_lower, made.color_upper);
+  set_range(dataset->array(made.texture), request.values, made.texture_lower, made.texture_upper);
   made.bounds = dataset->bounds;
   made.request = request;
   return true;
@@ -440,16 +459,17 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
 }
 
 bool draws_from_bricks(const Scene& scene) {
-  return !scene.intervals.empty() && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear &&
+  return !scene.intervals.empty() && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear && scene.values == FieldValues::interpolated &&
          scene.triangulation == Triangulation::table && !uses_color_values(scene) && !uses_texture(scene);
 }
 
 std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task) {
   const auto summaries = interval_summaries(extracted, scene);
   std::vector<double> of_each;
-  const bool plain = extracted.parts.empty() && extracted.whole_summaries.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
-  if (errors && extracted.base)
-    of_each.resize(summaries.size());  // cut exactly
+  const bool whole = extracted.request.values == FieldValues::whole;
+  const bool plain = extracted.parts.empty() && !whole && extracted.whole_summaries.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
+  if (errors && (extracted.base || (whole && !extracted.dataset->grid.flat())))
+    of_each.resize(summaries.size());  // cut exactly, or not at all
   else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())  // an area has no volume to be wrong about
     of_each = volume_errors(extracted.dataset->grid, extracted.dataset->array(extracted.array), *extracted.mesh, task);
   std::vector<IntervalFacts> facts;
@@ -471,6 +491,7 @@ bool draws_surfaces(const Scene& scene) {
 }
 
 bool lights_along_gradient(const Scene& scene) {
+  if (scene.values == FieldValues::whole) return false;  // its surfaces are faces of cells
   if (scene.mode == SceneMode::cycled || scene.mode == SceneMode::smear) return draws_surfaces(scene);  // what is drawn changes from picture to picture
   bool any = false, domain = false;
   const auto take = [&](const SurfaceStyle& surface, bool visible) {
@@ -492,7 +513,7 @@ bool cuts_exactly(const Scene& scene, const std::string& array) {
   std::sort(sorted.begin(), sorted.end(), [](const Interval& a, const Interval& b) { return a.lower < b.lower; });
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].lower < sorted[i - 1].upper) return false;
-  return !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
+  return scene.values == FieldValues::interpolated && !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
          scene.mode != SceneMode::smear && (!draws_surfaces(scene) || (!uses_color_values(scene) && !uses_texture(scene))) &&
          (!uses_color_values(scene) || scene.color_by.empty() || scene.color_by == array) &&
          std::all_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& interval) {
@@ -520,7 +541,10 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (std::find(made->steps.begin(), made->steps.end(), dataset) == made->steps.end()) made->steps.push_back(dataset);
     return dataset;
   };
-  const LayerRequest request = request_for(scene, scene.array.empty() ? first_array(*steps(scene.step, task)) : scene.array);
+  LayerRequest request = request_for(scene, scene.array.empty() ? first_array(*steps(scene.step, task)) : scene.array);
+  // A renderer that draws constant colours by facets needs no more of whole cells, of which a segmentation has millions.
+  request.tetrahedra = scene.values == FieldValues::interpolated || uses_color_values(scene) || uses_texture(scene) || scene.mode == SceneMode::smear ||
+                       !aids.bricks || aids.least_in_bricks == std::numeric_limits<std::int64_t>::max();
   const auto names = names_of(scene, request.array);
   const std::string &color_by = names.color_by, &texture = names.texture;
   const bool colored = uses_color_values(scene), textured = uses_texture(scene), lit = lights_along_gradient(scene);
@@ -569,6 +593,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (textured)
       made->texture_values = kept_texture ? kept_texture : colored && texture == color_by ? made->color_values : carried(texture);
     plain.facets = last->request.facets;
+    plain.tetrahedra = last->request.tetrahedra;
     plain.normals = last->request.normals;
   } else {
     if (request.time_mode == TimeMode::spacetime)
@@ -580,8 +605,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (textured) made->texture_values = carried.back();
   }
   if (lit && !made->normals_wanted && !made->dataset->grid.flat()) add_normals(*made, task);
-  set_range(made->steps.front()->array(color_by), made->color_lower, made->color_upper);
-  set_range(made->steps.front()->array(texture), made->texture_lower, made->texture_upper);
+  set_range(made->steps.front()->array(color_by), scene.values, made->color_lower, made->color_upper);
+  set_range(made->steps.front()->array(texture), scene.values, made->texture_lower, made->texture_upper);
   made->bounds = made->dataset->bounds;
   made->request = std::move(plain);
   made->extract_ms = watch.elapsed_ms();

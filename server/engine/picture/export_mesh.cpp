@@ -44,7 +44,7 @@ ExportedMesh export_mesh(const StepSource& steps, const Scene& scene, const std:
   Scene plain = scene;
   plain.mode = SceneMode::sorted;
   LayerRequest request = layer_request(plain);
-  request.facets = path.extension() != ".vtu";
+  request.facets = path.extension() != ".vtu" && path.extension() != ".vtkhdf";
   request.max_bytes = room.memory;
   if (request.array.empty()) {
     const auto dataset = steps(request.step, task);
@@ -52,6 +52,7 @@ ExportedMesh export_mesh(const StepSource& steps, const Scene& scene, const std:
     request.array = dataset->arrays.front().name;
   }
   request.carry.clear();
+  if (request.values == FieldValues::whole) request.carry.push_back(request.array);
   if (!scene.color_by.empty() && scene.color_by != request.array) request.carry.push_back(scene.color_by);
   const Layers layers = extract_layers(request, steps, task);
   task.report(0.9, "writing");

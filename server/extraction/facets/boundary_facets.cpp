@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/cell_geometry.h"
+#include "extraction/facets/face_key.h"
 #include "extraction/mesh/match_table.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/mesh/partitioned_items.h"
@@ -37,32 +38,6 @@ OpenFaces open_faces_structured(const Grid& grid, const PointArray& array, std::
     }
   });
   return open;
-}
-
-/// The points of a face in increasing order, without repeats; -1 where it has fewer than four.
-struct FaceKey {
-  std::array<std::int64_t, 4> points{-1, -1, -1, -1};
-
-  bool operator==(const FaceKey&) const = default;
-  std::uint64_t hash() const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t p : points) hash = mixed_hash(hash, static_cast<std::uint64_t>(p));
-    return hash;
-  }
-};
-
-FaceKey face_key(const CellFace& face, const std::array<std::int64_t, kMaxCellVertices>& ids) {
-  FaceKey key;
-  int size = 0;
-  for (int i = 0; i < face.size; ++i) {
-    const std::int64_t id = ids[face.vertex[i]];
-    int to = size;
-    while (to > 0 && key.points[to - 1] > id) --to;
-    if (to > 0 && key.points[to - 1] == id) continue;
-    for (int k = size++; k > to; --k) key.points[k] = key.points[k - 1];
-    key.points[to] = id;
-  }
-  return key;
 }
 
 /// Whose a face is, while it is only one cell's.
@@ -115,7 +90,7 @@ OpenFaces open_faces_unstructured(const Grid& grid, std::span<const CellRun> run
         const auto& faces = topology(grid.cell_type(runs[r].cell)).faces;
         for (std::size_t f = 0; f < faces.size(); ++f) {
           const FaceKey key = face_key(faces[f], ids);
-          if (ranges.part(key.points[0]) != part || key.points[2] < 0) continue;  // collapsed to an edge: it holds no facet
+          if (ranges.part(key.points[0]) != part || key.collapsed()) continue;
           FaceMeeting& meeting = table.at(key);
           meeting.shared = meeting.face != 0;
           meeting.face = static_cast<std::uint8_t>(f + 1);

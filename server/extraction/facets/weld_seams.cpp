@@ -132,9 +132,9 @@ class Welder {
   std::vector<bool> on_seam_;          // [np] two points have become this one
 };
 
-}  // namespace
-
-std::array<bool, 3> find_seams(const Grid& grid, const PointArray& array) {
+/// alike(p, q): whether nothing ends between these points of the two sheets.
+template <class Alike>
+std::array<bool, 3> seams_of(const Grid& grid, const Alike& alike) {
   std::array<bool, 3> seams{};
   const auto* curvilinear = std::get_if<CurvilinearGrid>(&grid.shape);
   if (!curvilinear) return seams;
@@ -143,15 +143,26 @@ std::array<bool, 3> find_seams(const Grid& grid, const PointArray& array) {
     if (!sheets.may_close()) continue;
     const auto last = static_cast<std::size_t>(sheets.last());
     seams[static_cast<std::size_t>(axis)] = std::visit(
-        [&](auto points, auto values) {
+        [&](auto points) {
           return sheets.all_of([&](std::int64_t point) {
             const auto p = static_cast<std::size_t>(point);
-            return points[p] == points[p + last] && same(values[p], values[p + last]);
+            return points[p] == points[p + last] && alike(p, p + last);
           });
         },
-        curvilinear->points, array.values);
+        curvilinear->points);
   }
   return seams;
+}
+
+}  // namespace
+
+std::array<bool, 3> find_seams(const Grid& grid, const PointArray& array) {
+  return std::visit(
+      [&](auto values) { return seams_of(grid, [&](std::size_t p, std::size_t q) { return same(values[p], values[q]); }); }, array.values);
+}
+
+std::array<bool, 3> find_seams(const Grid& grid) {
+  return seams_of(grid, [](std::size_t, std::size_t) { return true; });
 }
 
 void weld_seams(const Grid& grid, const PointArray& array, IntervalMesh& mesh, const Task& task) {

@@ -14,6 +14,8 @@ namespace isostrata {
 /// Where an array has other values on the two sides, it ends there, and for it there is no seam. Looks at one point of an axis
 /// that has none.
 std::array<bool, 3> find_seams(const Grid& grid, const PointArray& array);
+/// By the positions alone: of values that belong to cells nothing ends there.
+std::array<bool, 3> find_seams(const Grid& grid);
 
 /// Makes one mesh of the two sides of each seam: points of the last sheet become those of the first, in tetrahedra and facets, and
 /// the facets in which cells meet across it bound nothing any more. Both sides cut their faces alike, since faces are cut in the

@@ -29,6 +29,29 @@ void compress_block(const std::vector<std::byte>& from, int level, std::vector<s
   to.resize(size);
 }
 
+std::uint64_t items_per_block(const VtkArray& array) { return std::max<std::uint64_t>(1, kBlockBytes / array.item_bytes); }
+
+/// Calls put(block, its bytes) in the order of the blocks; compressed ones at a level above 0.
+template <class Put>
+void for_blocks(const VtkArray& array, int compression, const Task& task, const Put& put) {
+  const std::uint64_t per_block = items_per_block(array), blocks = (array.count + per_block - 1) / per_block;
+  std::array<std::vector<std::byte>, kBlocksAtATime> plain, packed;
+  for (std::uint64_t first = 0; first < blocks; first += kBlocksAtATime) {
+    const std::uint64_t count = std::min(kBlocksAtATime, blocks - first);
+    parallel_for(static_cast<std::int64_t>(count), 1, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t b = from; b < to; ++b) {
+        task.check();
+        const std::uint64_t item = (first + static_cast<std::uint64_t>(b)) * per_block;
+        const std::uint64_t last = std::min(array.count, item + per_block);
+        plain[b].resize((last - item) * array.item_bytes);
+        array.fill(item, last, plain[b].data());
+        if (compression != 0) compress_block(plain[b], compression, packed[b]);
+      }
+    });
+    for (std::uint64_t b = 0; b < count; ++b) put(first + b, compression == 0 ? plain[b] : packed[b]);
+  }
+}
+
 }  // namespace
 
 std::string xml_text(const std::string& text) {
@@ -54,39 +77,27 @@ std::string xml_text(const std::string& text) {
   return out;
 }
 
+void write_plain(OutputFile& out, const VtkArray& array, const Task& task) {
+  for_blocks(array, 0, task, [&](std::uint64_t, const std::vector<std::byte>& bytes) { out.write(bytes); });
+}
+
 void write_appended(OutputFile& out, const VtkArray& array, int compression, const Task& task) {
-  const std::uint64_t per_block = std::max<std::uint64_t>(1, kBlockBytes / array.item_bytes);
-  const std::uint64_t blocks = (array.count + per_block - 1) / per_block;
-  const std::uint64_t begin = out.size();
-  std::vector<std::uint64_t> table;
   if (compression == 0) {
     out.put(array.count * array.item_bytes);
-  } else {
-    table.assign(3 + blocks, 0);
-    table[0] = blocks;
-    table[1] = per_block * array.item_bytes;
-    table[2] = array.count % per_block * array.item_bytes;
-    out.write(std::as_bytes(std::span(table)));  // the sizes are filled in afterwards
+    return write_plain(out, array, task);
   }
-  std::array<std::vector<std::byte>, kBlocksAtATime> plain, packed;
-  for (std::uint64_t first = 0; first < blocks; first += kBlocksAtATime) {
-    const std::uint64_t count = std::min(kBlocksAtATime, blocks - first);
-    parallel_for(static_cast<std::int64_t>(count), 1, [&](std::int64_t from, std::int64_t to) {
-      for (std::int64_t b = from; b < to; ++b) {
-        task.check();
-        const std::uint64_t item = (first + static_cast<std::uint64_t>(b)) * per_block;
-        const std::uint64_t last = std::min(array.count, item + per_block);
-        plain[b].resize((last - item) * array.item_bytes);
-        array.fill(item, last, plain[b].data());
-        if (compression != 0) compress_block(plain[b], compression, packed[b]);
-      }
-    });
-    for (std::uint64_t b = 0; b < count; ++b) {
-      out.write(compression == 0 ? plain[b] : packed[b]);
-      if (compression != 0) table[3 + first + b] = packed[b].size();
-    }
-  }
-  if (compression != 0) out.patch(begin, std::as_bytes(std::span(table)));
+  const std::uint64_t per_block = items_per_block(array), blocks = (array.count + per_block - 1) / per_block;
+  const std::uint64_t begin = out.size();
+  std::vector<std::uint64_t> table(3 + blocks);
+  table[0] = blocks;
+  table[1] = per_block * array.item_bytes;
+  table[2] = array.count % per_block * array.item_bytes;
+  out.write(std::as_bytes(std::span(table)));  // the sizes are filled in afterwards
+  for_blocks(array, compression, task, [&](std::uint64_t block, const std::vector<std::byte>& bytes) {
+    out.write(bytes);
+    table[3 + block] = bytes.size();
+  });
+  out.patch(begin, std::as_bytes(std::span(table)));
 }
 
 void write_vtk_xml(OutputFile& out, const VtkXml& file, int compression, const Task& task) {

@@ -64,6 +64,9 @@ void write_vtk_xml(OutputFile& out, const VtkXml& file, int compression, const T
 /// looked at. pieces: the attributes of each, Source among them. Throws unavailable.
 void write_vtk_list(OutputFile& out, const VtkXml& file, std::span<const std::string> pieces);
 
+/// Writes the items' bytes and nothing else, in blocks as write_appended. Throws unavailable, cancelled.
+void write_plain(OutputFile& out, const VtkArray& array, const Task& task);
+
 /// Writes items in blocks of about 256 KiB, some at a time on the pool: with compression 0 their byte count and bytes, else
 /// vtkZLibDataCompressor's table (number of blocks, bytes in a block, bytes in the last one where it is shorter, compressed bytes
 /// of each) and compressed blocks. All sizes have 64 bits. Throws unavailable, cancelled.

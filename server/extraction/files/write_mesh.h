@@ -34,9 +34,10 @@ void check_mesh_path(const std::filesystem::path& path);
 /// Writes by the ending of the path's name:
 ///   .vtu  VTK's XML UnstructuredGrid, binary (raw appended data, 64-bit sizes), compressed by vtkZLibDataCompressor's rules:
 ///         tetrahedra with cell arrays `interval` (0, 1, ... in the order of the request), `lower` and `upper`, the extracted
-///         values as a point array `array_name` where the mesh has them, and `more` point arrays;
+///         values as a point array `array_name` where the mesh has them, and `more` point or cell arrays;
+///   .vtkhdf  the same as VTKHDF 1.0, never compressed: for large meshes, which it takes as fast as the disk does;
 ///   .ply  the boundary facets, binary, with `interval` and `label` (0 lower, 1 upper, 2 domain) for each face; vertices have the
-///         extracted values as `value`, and `more`, letters outside [A-Za-z0-9_] in their names made _;
+///         extracted values as `value`, and those of `more` that are at points, letters outside [A-Za-z0-9_] in their names made _;
 ///   .stl  the boundary facets, binary, the label in the attribute bytes.
 /// Nothing of the mesh is copied whole: blocks of a few megabytes are made, compressed on the pool and written; .ply needs 1.5
 /// bits more for each mesh point. The file is complete or not there: it is written beside the path and renamed. Precondition for

@@ -33,13 +33,16 @@ std::vector<VtkArray> simplices_of(const IntervalMesh& mesh, const char* type) {
   return cells_of<Index, 4>(mesh.tetrahedra.size(), type, 10, [&mesh](std::uint64_t i) { return mesh.tetrahedra[i]; });
 }
 
-std::vector<VtkSection> sections_of(const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more) {
+}  // namespace
+
+std::vector<VtkSection> mesh_sections(const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more) {
   const std::uint64_t np = mesh.positions.size(), nt = simplex_count(mesh);
   std::vector<VtkSection> sections{{"PointData", {}, ""}, {"CellData", {}, ""}, {"Points", {}, ""}, {"Cells", {}, ""}};
   if (mesh.values.size() == np)
     sections[0].arrays.push_back(vtk_array("Float64", array_name, np, 1, [&mesh](std::uint64_t i) { return mesh.values[i]; }));
   for (const MeshArray& array : more)
-    sections[0].arrays.push_back(vtk_array("Float32", array.name, np, 1, [&array](std::uint64_t i) { return array.values[i]; }));
+    sections[array.in_cells ? 1 : 0].arrays.push_back(
+        vtk_array("Float32", array.name, array.in_cells ? nt : np, 1, [&array](std::uint64_t i) { return array.values[i]; }));
   const bool areas = has_areas(mesh);
   const auto number = [&mesh, areas](std::uint64_t t) { return areas ? mesh.facets[t].interval : mesh.tetrahedron_interval[t]; };
   const auto of_interval = [&mesh, number](std::uint64_t t) -> const Interval& { return mesh.summaries[number(t)].interval; };
@@ -54,13 +57,11 @@ std::vector<VtkSection> sections_of(const IntervalMesh& mesh, const std::string&
   return sections;
 }
 
-}  // namespace
-
 void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more,
                int compression, const Task& task) {
   VtkXml file{"UnstructuredGrid", "",
               " NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfCells=\"" + std::to_string(simplex_count(mesh)) + "\"",
-              sections_of(mesh, array_name, more)};
+              mesh_sections(mesh, array_name, more)};
   VtkSection& on_points = file.sections.front();
   if (!on_points.arrays.empty()) on_points.attributes = " Scalars=\"" + xml_text(on_points.arrays.front().name) + "\"";
   write_vtk_xml(out, file, compression, task);

@@ -3,12 +3,17 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/task.h"
 #include "extraction/files/output_file.h"
+#include "extraction/files/vtk_xml.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
+
+/// What a mesh is written as: the arrays of PointData, of CellData, Points, and of Cells: connectivity, offsets, types.
+std::vector<VtkSection> mesh_sections(const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more);
 
 /// What write_mesh writes for .vtu.
 void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more,

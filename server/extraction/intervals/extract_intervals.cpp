@@ -13,6 +13,7 @@
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/cells/cell_triangulation.h"
+#include "extraction/cells/collapsed_cell.h"
 #include "extraction/cells/iso_rules.h"
 #include "extraction/cells/mesh_points.h"
 #include "extraction/cells/structured_points.h"
@@ -45,22 +46,6 @@ struct Sums {
   std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
   double volume = 0, signed_volume = 0;
 };
-
-/// In a collapsed cell isovertices may be one point, and that point lies wherever any of them does.
-void merge_masks(std::uint32_t isovertices, const std::array<std::uint32_t, kMaxIsoVertices>& numbers,
-                 std::span<FaceMask> masks) {
-  for (std::uint32_t rest = isovertices; rest; rest &= rest - 1)
-    for (std::uint32_t others = rest & (rest - 1); others; others &= others - 1) {
-      const int v = std::countr_zero(rest), w = std::countr_zero(others);
-      if (numbers[v] == numbers[w]) masks[v] = masks[w] = masks[v] | masks[w];
-    }
-}
-
-/// Two vertices of a tetrahedron are one point where the cell is collapsed (a hexahedron that repeats a point): it has no extent,
-/// and both facets that it separates are the same triangle.
-bool repeats_a_point(const std::array<std::uint32_t, 4>& t) {
-  return t[0] == t[1] || t[0] == t[2] || t[0] == t[3] || t[1] == t[2] || t[1] == t[3] || t[2] == t[3];
-}
 
 class Extraction {
  public:

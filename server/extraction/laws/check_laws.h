@@ -22,7 +22,7 @@ struct BrokenLaw {
 };
 
 struct LawOptions {
-  bool one_range = true;  // the intervals are ranges of the array in IntervalMesh::values, not combined with others
+  bool one_range = true;  // the intervals are ranges of the array in IntervalMesh::values, not combined with others; of whole values there are none
   bool strict = false;    // no tetrahedron is turned but in tangled cells
 };
 

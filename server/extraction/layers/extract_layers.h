@@ -13,6 +13,7 @@
 #include "data/dataset.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/mesh/interval_mesh.h"
+#include "scene/field_values.h"
 #include "scene/range_term.h"
 #include "scene/time_mode.h"
 #include "scene/triangulation.h"
@@ -27,8 +28,10 @@ struct LayerRequest {
   std::optional<double> time;  // in the dataset's units, clamped to nothing: outside the steps' times is invalid_argument
   TimeMode time_mode = TimeMode::step;
   Triangulation triangulation = Triangulation::table;
+  FieldValues values = FieldValues::interpolated;  // whole: at a step, without terms, by the table; others are `unsupported`
   std::vector<std::string> carry;         // other arrays to bring to the mesh's points
   bool facets = false;                    // fill IntervalMesh::facets
+  bool tetrahedra = true;                 // as ExtractOptions: of whole values alone
   bool normals = false;                   // with terms and facets: fill Layers::normals
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
 
@@ -49,9 +52,10 @@ struct LayerTime {
 
 struct Layers {
   std::shared_ptr<const Dataset> dataset;  // whose grid the mesh lies in: the step's; between steps the first step's, or, where
-                                           // points move or the field is interpolated, one of that time with the arrays asked for
+                                           // points move or the field is interpolated, one of that time with the arrays asked for; of whole
+                                           // values at points nearest_point_cells of it
   IntervalMesh mesh;                       // without origins in space-time mode
-  std::vector<MeshArray> carried;          // one per LayerRequest::carry
+  std::vector<MeshArray> carried;          // one per LayerRequest::carry; of whole values those that belong to cells are in_cells
   std::vector<Vec3f> normals;              // [np] of the surfaces of combined ranges (combined_normals.h); not of slices
   LayerTime time;
 };
@@ -77,6 +81,7 @@ struct LayerAids {
 
 /// In space-time mode the volume between the two steps is made and sliced; a dataset of one step is extracted as it is. There
 /// the strict triangulation has nothing to change: a slice's tetrahedra are turned over only where the cell's own split is.
+/// Whole values of an array of cells are taken by its cells, those of an array of points by nearest_point_cells, on which every array has whole values.
 /// Throws not_found (an array that is not there, naming it and those that are), invalid_argument, unsupported, too_large,
 /// cancelled, and what `steps` and the aids throw. Any thread.
 Layers extract_layers(const LayerRequest& request, const StepSource& steps, const Task& task, const LayerAids& aids = {});

@@ -106,10 +106,11 @@ struct IntervalMesh {
   StrictSummary strict;
 };
 
-/// A named value at each point of the mesh.
+/// A named value at each point of the mesh, or in each tetrahedron.
 struct MeshArray {
   std::string name;
-  std::vector<float> values;  // [np]
+  std::vector<float> values;  // [np], or [nt] (of a flat grid [facets])
+  bool in_cells = false;
 };
 
 }  // namespace isostrata

@@ -45,8 +45,8 @@ void end_operation(RestContext& context, const Call& call, OperationRecord& reco
 }
 
 std::optional<v1::Error> check_export(const v1::NewExport& wanted, const Session& session, WriteOptions& options) {
-  if (wanted.format() != "vtu" && wanted.format() != "ply" && wanted.format() != "stl")
-    return wire_error("invalid_argument", "format '" + wanted.format().substr(0, 32) + "' is not known; expected vtu, ply or stl",
+  if (wanted.format() != "vtu" && wanted.format() != "vtkhdf" && wanted.format() != "ply" && wanted.format() != "stl")
+    return wire_error("invalid_argument", "format '" + wanted.format().substr(0, 32) + "' is not known; expected vtu, vtkhdf, ply or stl",
                       "format");
   if (wanted.has_compression()) {
     if (wanted.compression() > 9)
@@ -121,7 +121,8 @@ void begin_export(RestContext& context, const Call& call) {
   OperationRecord& record = context.operations.begin(session, "export", request);
   *id = record.id;
   record.file = *file;
-  record.media_type = wanted.format() == "vtu"   ? "application/vnd.vtk.vtu+xml"
+  record.media_type = wanted.format() == "vtu"      ? "application/vnd.vtk.vtu+xml"
+                      : wanted.format() == "vtkhdf" ? "application/x-hdf5"
                       : wanted.format() == "stl" ? "model/stl"
                                                  : "model/ply";
   record.file_name = "layers-" + std::to_string(revision) + "." + wanted.format();
@@ -212,7 +213,7 @@ void add_operation_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "getExport",
                     .tag = "exports",
                     .summary = "The mesh file of an export that is done",
-                    .answers = {{200, "The file", "", "application/vnd.vtk.vtu+xml", {"model/ply", "model/stl"}}},
+                    .answers = {{200, "The file", "", "application/vnd.vtk.vtu+xml", {"application/x-hdf5", "model/ply", "model/stl"}}},
                     .handler = [&context](Call call) { download(context, call); }});
   routes.push_back({.method = "DELETE",
                     .path = "/sessions/{session}/exports/{export}",

@@ -97,8 +97,11 @@ void answer_histogram(RestContext& context, const Call& call, SessionKey session
   wanted.set_bins(bins);
   if (auto error = check_histogram(wanted, {&facts})) return call.reply(problem(*error));
   if (auto error = check_step(facts, step)) return call.reply(problem(*error));
-  give_up_with(call, context, context.sessions.ask(HistogramRequest{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins),
-                                        facts.find_array(wanted.array())->range()},
+  HistogramRequest request{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins), {}};
+  const ArrayFacts& array = *facts.find_array(wanted.array());
+  if (call.session && call.session->scene().array == array.name) request.values = call.session->scene().values;
+  request.least = request.values == FieldValues::whole && array.cells ? *array.cells : array.range();
+  give_up_with(call, context, context.sessions.ask(std::move(request),
                        [reply = call.reply](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
                          reply(message_response(200, to_wire(std::get<HistogramReady>(event))));

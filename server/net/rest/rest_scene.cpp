@@ -33,6 +33,7 @@ constexpr auto kSelection = [](const v1::State& state, v1::SelectArrays& body) {
   body.set_array(state.array());
   body.set_color_by(state.color_by());
   body.set_texture(state.texture());
+  body.set_values(state.values());
 };
 constexpr auto kStep = [](const v1::State& state, v1::SetTimeStep& body) { body.set_step(state.step()); };
 constexpr auto kTime = [](const v1::State& state, v1::SetTime& body) {
@@ -66,7 +67,7 @@ constexpr auto kClipPlanes = [](const v1::State& state, v1::SetClipPlanes& body)
 constexpr auto kAnnotations = [](const v1::State& state, v1::Annotations& body) { body = state.annotations(); };
 
 const ScenePart kParts[] = {
-    {"selection", "Selection", "PATCH", "select_arrays", "", "which arrays are extracted, coloured by and used as a texture",
+    {"selection", "Selection", "PATCH", "select_arrays", "", "which arrays are extracted, coloured by and used as a texture, and whether values are interpolated or whole",
      read_as<v1::SelectArrays, kSelection>},
     {"time-step", "TimeStep", "PUT", "set_time_step", "", "the time step that is shown", read_as<v1::SetTimeStep, kStep>},
     {"time", "Time", "PATCH", "set_time", "", "a time between steps and what it means", read_as<v1::SetTime, kTime>},

@@ -34,7 +34,7 @@ json::object version_object(const Sessions& sessions) {
           {"device", engine.device},
           {"deviceIsSoftware", engine.device_is_software},
           {"imageFormats", json::array{"png", "jpeg", "webp", "exr"}},
-          {"exportFormats", json::array{"vtu", "ply", "stl"}},
+          {"exportFormats", json::array{"vtu", "vtkhdf", "ply", "stl"}},
           {"limits", limits_object()}};
 }
 

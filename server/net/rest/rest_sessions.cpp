@@ -68,7 +68,7 @@ void open_dataset(RestContext& context, const Call& call) {
     std::string operation;
   };
   const auto outcome = std::make_shared<Outcome>();
-  session.open(wanted.id(), nullptr, rest_now(), [&context, outcome, id = session.id()](std::optional<v1::Error> error) {
+  session.open(wanted, nullptr, rest_now(), [&context, outcome, id = session.id()](std::optional<v1::Error> error) {
     outcome->known = true;
     OperationRecord* record = context.operations.find(id, outcome->operation);
     if (!record) {

@@ -32,7 +32,7 @@ Session::Reply answer_state(RestContext& context, const Call& call, int status) 
 
 void command_and_answer(RestContext& context, Call call, const v1::ClientMessage& message, int status) {
   if (message.has_open_dataset())
-    return call.session->open(message.open_dataset().id(), nullptr, rest_now(), answer_state(context, call, status));
+    return call.session->open(message.open_dataset(), nullptr, rest_now(), answer_state(context, call, status));
   if (message.has_reload_dataset()) return call.session->reload(nullptr, rest_now(), answer_state(context, call, status));
   call.session->command(message, nullptr, rest_now(), answer_state(context, call, status), call.expected);
 }

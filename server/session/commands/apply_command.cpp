@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/data/catalogue.h"
 #include "engine/first/first_scene.h"
 #include "engine/picture/draw_scene.h"
 #include "session/commands/command_checks.h"
@@ -70,6 +71,14 @@ CommandOutcome attempt(SceneState& state, const Change& change) {
   return {std::nullopt, changed};
 }
 
+/// Whole values are at steps, of one array.
+void check_values(const Scene& scene) {
+  if (scene.values != FieldValues::whole) return;
+  if (!scene.terms.empty()) refuse("unsupported", "whole values are not combined with ranges of other arrays; expected interpolated values, or no terms", "values");
+  if (scene.time && scene.time_mode != TimeMode::step)
+    refuse("unsupported", "there are no whole values between two steps; expected interpolated values, or the time mode step", "values");
+}
+
 }  // namespace
 
 bool is_scene_command(const v1::ClientMessage& message) {
@@ -81,6 +90,7 @@ CommandOutcome apply_command(SceneState& state, const v1::ClientMessage& message
     if (!visit_scene_command(message, [&](const auto& command) { apply(next, command, context); }))
       refuse("unsupported", "this message does not change a scene", "");
     const Scene& scene = next.scene;
+    check_values(scene);
     if (message.has_select_arrays() && has_transfer(scene) && !scene.color_by.empty() && scene.color_by != scene.array)
       refuse("unsupported",
              "an interval has a transfer function of " + scene.array + "; colours by " + scene.color_by +
@@ -108,6 +118,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       arrays.set_array(wanted.array());
       arrays.set_color_by(wanted.color_by());
       arrays.set_texture(wanted.texture());
+      arrays.set_values(wanted.values());
       apply(next, arrays, context);
       v1::SetTimeStep step;
       step.set_step(wanted.step());
@@ -164,6 +175,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
     if (wanted.has_color_range()) *appearance.mutable_color_range() = wanted.color_range();
     appearance.set_unit_distance(wanted.unit_distance());
     apply(next, appearance, context);
+    check_values(next.scene);
   });
 }
 
@@ -208,6 +220,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.smear.times.clear();
   scene.cycle.phase = 0;
   scene.array.clear();
+  scene.values = FieldValues::interpolated;
   scene.intervals.clear();
   scene.camera = opening_camera(dataset, aspect);
   const std::uint64_t revision = scene.revision;
@@ -219,9 +232,11 @@ bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
   Scene& scene = state.scene;
   const std::vector<SceneInterval> before = std::exchange(scene.intervals, {});
   const std::string array_before = std::exchange(scene.array, "");
+  const FieldValues values_before = std::exchange(scene.values, FieldValues::interpolated);
   const FirstView& view = dataset.first_view;
   if (const ArrayFacts* array = dataset.find_array(view.array)) {
     scene.array = array->name;
+    scene.values = view.values;
     scene.intervals = first_intervals(view);
     for (std::size_t i = 0; i < scene.intervals.size(); ++i) {
       SceneInterval& interval = scene.intervals[i];
@@ -233,9 +248,23 @@ bool show_first_layers(SceneState& state, const DatasetFacts& dataset) {
   } else if (!dataset.arrays.empty()) {
     scene.array = dataset.arrays.front().name;
   }
-  if (scene.array == array_before && scene.intervals == before) return false;
+  if (scene.array == array_before && scene.values == values_before && scene.intervals == before) return false;
   ++scene.revision;
   return true;
+}
+
+std::string asked_dataset(const v1::OpenDataset& wanted, std::optional<v1::Error>& error) {
+  const char* field = "region";
+  try {
+    Region part;
+    if (!wanted.region().empty()) set_box(part, wanted.region());
+    field = "stride";
+    if (!wanted.stride().empty()) set_stride(part, wanted.stride());
+    return part == Region{} ? wanted.id() : part_id(wanted.id(), part);
+  } catch (const Error& refused) {
+    error = wire_error("invalid_argument", refused.what(), field);
+    return {};
+  }
 }
 
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height) {

@@ -59,6 +59,9 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
 /// they are the same.
 bool show_first_layers(SceneState& state, const DatasetFacts& dataset);
 
+/// The id of what is to be opened: of the part, if the message asks for one. Sets the error, naming the field, if that cannot be read.
+std::string asked_dataset(const v1::OpenDataset& wanted, std::optional<v1::Error>& error);
+
 /// Null where the size is one that can be drawn; names the field that is not.
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context);

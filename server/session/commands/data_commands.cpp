@@ -45,6 +45,7 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
   if (!command.array().empty()) {
     const ArrayFacts& array = array_of(command.array(), context, "array");
     if (scene.array != array.name) {
+      scene.values = FieldValues::interpolated;
       // Intervals keep their place in the range: their ends have no meaning in another array's values.
       const ArrayFacts* before = context.dataset->find_array(scene.array);
       scene.array = array.name;
@@ -63,6 +64,18 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
         }
       }
     }
+  }
+  switch (command.values()) {
+    case v1::FIELD_VALUES_UNSPECIFIED:
+      break;
+    case v1::FIELD_VALUES_INTERPOLATED:
+      scene.values = FieldValues::interpolated;
+      break;
+    case v1::FIELD_VALUES_WHOLE:
+      scene.values = FieldValues::whole;
+      break;
+    default:
+      refuse("unsupported", "values " + std::to_string(command.values()) + " are not known; expected interpolated (1) or whole (2)", "values");
   }
   if (!command.color_by().empty()) scene.color_by = array_of(command.color_by(), context, "color_by").name;
   // A transfer function is of the values that are cut.

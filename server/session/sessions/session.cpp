@@ -192,7 +192,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
     case v1::ClientMessage::kOpenDataset:
-      open(message.open_dataset().id(), &viewer, now, reply);
+      open(message.open_dataset(), &viewer, now, reply);
       if (opening_ && opening_->viewer == key && opening_->seq == seq && opening_->command == 0) {
         opening_->client = viewer.client_id;
         opening_->command = message.command();
@@ -322,7 +322,10 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
                            state_.scene.step,
                            wanted.array(),
                            static_cast<int>(wanted.bins()),
-                           dataset_->find_array(wanted.array())->range()};
+                           {}};
+  const ArrayFacts& array = *dataset_->find_array(wanted.array());
+  if (state_.scene.array == array.name) request.values = state_.scene.values;
+  request.least = request.values == FieldValues::whole && array.cells ? *array.cells : array.range();
   engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
     --histograms_;
     Viewer* to = living(key);
@@ -376,6 +379,13 @@ void Session::command(const v1::ClientMessage& message, Viewer* viewer, TimePoin
       viewer->outbox->send_state(wire_state(), viewer->heeded);
   }
   reply(std::move(outcome.error));
+}
+
+void Session::open(const v1::OpenDataset& wanted, Viewer* viewer, TimePoint now, const Reply& reply) {
+  std::optional<v1::Error> error;
+  const std::string id = asked_dataset(wanted, error);
+  if (error) return reply(std::move(error));
+  open(id, viewer, now, reply);
 }
 
 void Session::open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload) {

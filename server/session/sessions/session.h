@@ -108,6 +108,8 @@ class Session {
   /// again.
   /// reload: also what is open already is read again where it has changed, and the scene goes on with it.
   void open(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload = false);
+  /// The dataset, or the part of it, that the message asks for.
+  void open(const v1::OpenDataset& wanted, Viewer* viewer, TimePoint now, const Reply& reply);
   /// Reads the open dataset as it is on the disk now.
   void reload(Viewer* viewer, TimePoint now, Reply reply);
   /// The catalogue has changed.

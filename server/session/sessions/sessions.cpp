@@ -155,6 +155,8 @@ void Sessions::tell_asked(const Session& session, Viewer& viewer, const v1::Clie
   switch (kind) {
     case v1::ClientMessage::kOpenDataset:
       detail = message.open_dataset().id();
+      for (const std::string& part : {message.open_dataset().region(), message.open_dataset().stride()})
+        if (!part.empty()) detail += ' ' + part;
       break;
     case v1::ClientMessage::kSetRole:
       detail = name_of(message.set_role().role()) + (message.set_role().participant() ? " of w" + std::to_string(message.set_role().participant()) : "");
@@ -465,7 +467,7 @@ void Sessions::remove(SessionKey key) {
   sessions_.erase(ending);
 }
 
-const CatalogueEntry* Sessions::entry(const std::string& dataset) const { return options_.follows_files ? catalogue_->find(plain_id(dataset)) : nullptr; }
+const CatalogueEntry* Sessions::entry(const std::string& dataset) const { return options_.follows_files ? catalogue_->find(whole_id(plain_id(dataset))) : nullptr; }
 
 // The engine is told of what is used, and not of the hundred thousand files beside it.
 std::string Sessions::newest(const std::string& dataset) {
@@ -478,7 +480,7 @@ std::string Sessions::newest(const std::string& dataset) {
     at->second = named;
     post_(CatalogueUpdate{0, {named}});
   }
-  return named.id;
+  return with_part_of(dataset, named.id);
 }
 
 void Sessions::set_catalogue(std::shared_ptr<const Catalogue> catalogue, std::string watching, TimePoint now) {

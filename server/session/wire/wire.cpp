@@ -153,6 +153,7 @@ v1::State to_wire(const Scene& scene) {
   *out.mutable_color_range() = to_wire(scene.color_range);
   for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
   if (scene.time) out.set_time(*scene.time);
+  out.set_values(scene.values == FieldValues::whole ? v1::FIELD_VALUES_WHOLE : v1::FIELD_VALUES_INTERPOLATED);
   out.set_time_mode(scene.time_mode == TimeMode::interpolate ? v1::TIME_MODE_INTERPOLATE
                     : scene.time_mode == TimeMode::spacetime ? v1::TIME_MODE_SPACETIME
                                                              : v1::TIME_MODE_STEP);
@@ -180,6 +181,10 @@ v1::DatasetInfo to_wire(const DatasetFacts& facts) {
     info->set_lower(array.lower);
     info->set_upper(array.upper);
     info->set_nan_count(array.nan_count);
+    if (array.cells) {
+      info->set_cell_lower(array.cells->lower);
+      info->set_cell_upper(array.cells->upper);
+    }
     for (const ValueRange& range : array.steps) {
       info->add_step_lower(range.lower);
       info->add_step_upper(range.upper);

@@ -26,6 +26,27 @@ class CatalogueFiles : public ::testing::Test {
   testing::TemporaryFolder root_;
 };
 
+TEST(CatalogueIds, NameAPartAndAVersionOfIt) {
+  Region part;
+  set_box(part, "0:31,:,5:");
+  set_stride(part, "2");
+  const std::string id = part_id("head-3f2a91", part);
+  EXPECT_EQ(id, "head-3f2a91@:31,:,5:*2");
+  for (const std::string& text : {id, part_id("head-3f2a91~2", part)}) {
+    EXPECT_EQ(part_of_id(text), part) << text;
+    EXPECT_EQ(plain_id(text), id);
+    EXPECT_EQ(whole_id(plain_id(text)), "head-3f2a91");
+  }
+  EXPECT_EQ(part_id("head-3f2a91~2", part), id + "~2");
+  EXPECT_EQ(whole_id(id + "~2"), "head-3f2a91~2");
+  EXPECT_EQ(with_part_of(id, "head-3f2a91~7"), id + "~7");
+  EXPECT_EQ(with_part_of("head-3f2a91", "head-3f2a91~7"), "head-3f2a91~7");
+  EXPECT_EQ(part_of_id("head-3f2a91~2"), Region{});
+  EXPECT_EQ(part_id(id, Region{}), "head-3f2a91");
+  EXPECT_EQ(part_name("head.nii", part), "head.nii, points :31,:,5: by 2");
+  for (const char* wrong : {"head@", "head@1", "head@:,:,:*0", "head@9:3,:,:"}) EXPECT_THROW(part_of_id(wrong), Error) << wrong;
+}
+
 TEST_F(CatalogueFiles, ADirectoryOffersWhatCanBeReadInsideItself) {
   const auto catalogue = Catalogue::from_sources({(root_ / "data").string()});
   std::set<std::string> names, ids;

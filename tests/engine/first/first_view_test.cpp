@@ -186,23 +186,20 @@ TEST(FirstView, OfLabelsCutsBetweenWholeNumbers) {
   for (const FirstLayer& layer : view.layers)
     EXPECT_TRUE(layer.lower == 0 || layer.lower == std::floor(layer.lower) + 0.5) << layer.lower;
 
-  // Each label is a body in a colour of its own; what lies between two values has no surface. The hull around them is lit.
+  // Each label is a lit body in a colour of its own, whole, so that nothing lies between two of them.
   EXPECT_EQ(view.kind, "labels");
-  ASSERT_EQ(view.layers.size(), 4u);
-  EXPECT_EQ(view.layers[0].name, "hull");
-  EXPECT_EQ(view.layers[0].interval().lower, 0.5);
-  EXPECT_EQ(view.layers[0].interval().upper, 5);
-  EXPECT_TRUE(view.layers[0].surface.lower);
+  EXPECT_EQ(view.values, FieldValues::whole);
+  ASSERT_EQ(view.layers.size(), 3u);
   const double values[] = {1, 3, 5};
   for (std::size_t i = 0; i < 3; ++i) {
-    const FirstLayer& layer = view.layers[i + 1];
+    const FirstLayer& layer = view.layers[i];
     EXPECT_EQ(layer.name, "label " + std::to_string(static_cast<int>(values[i])));
     EXPECT_LT(layer.lower, values[i]);
     EXPECT_GE(layer.upper, values[i]);
-    EXPECT_FALSE(layer.surface.lower || layer.surface.upper);
+    EXPECT_TRUE(layer.surface.lower && layer.surface.upper && layer.surface.domain);
     for (std::size_t k = 0; k < i; ++k) {
-      EXPECT_NE(layer.color, view.layers[k + 1].color);
-      EXPECT_GE(layer.lower, view.layers[k + 1].upper);
+      EXPECT_NE(layer.color, view.layers[k].color);
+      EXPECT_GE(layer.lower, view.layers[k].upper);
     }
   }
 }
@@ -218,7 +215,7 @@ TEST(FirstView, OfLabelsThatFillTheDomainShowsEachAndOfManyTheLargest) {
   });
   const FirstView largest = view_of_data(*slices);
   EXPECT_EQ(largest.kind, "labels");
-  EXPECT_EQ(largest.layers.size(), 9u) << "the hull and eight of twelve";
+  EXPECT_EQ(largest.layers.size(), 8u) << "of twelve";
 }
 
 TEST(FindLabels, AreFewWholeNumbersThatHoldTogether) {

@@ -42,7 +42,7 @@ class RestOperations : public ::testing::Test {
 
 TEST_F(RestOperations, AnExportIsAFileThatCanBeFetchedUntilItIsDeleted) {
   const std::string session = new_session("torus-12");
-  for (const std::string format : {"vtu", "ply", "stl"}) {
+  for (const std::string format : {"vtu", "vtkhdf", "ply", "stl"}) {
     const std::string id = begin(session, "{\"format\":\"" + format + "\"}");
     const auto told = events(session + "/operations/" + id);
     EXPECT_TRUE(has(told, "event: done\ndata: {")) << told;
@@ -53,7 +53,7 @@ TEST_F(RestOperations, AnExportIsAFileThatCanBeFetchedUntilItIsDeleted) {
     const auto file = ask("GET", href);
     ASSERT_EQ(status_of(file), 200) << file.substr(0, 300);
     EXPECT_EQ(text_of(file).size(), done.at("result").at("bytes").to_number<std::size_t>());
-    EXPECT_TRUE(text_of(file).starts_with(format == "vtu" ? "<?xml" : format == "ply" ? "ply" : "")) << format;
+    EXPECT_TRUE(text_of(file).starts_with(format == "vtu" ? "<?xml" : format == "vtkhdf" ? "\x89HDF" : format == "ply" ? "ply" : "")) << format;
     EXPECT_TRUE(has(file, "attachment; filename=\"layers-"));
     const auto head = ask("HEAD", href);
     EXPECT_TRUE(has(head, "Content-Length: " + std::to_string(text_of(file).size()))) << head;

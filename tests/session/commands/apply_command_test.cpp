@@ -70,6 +70,50 @@ TEST_F(ApplyCommand, LayersThatReachToTheEndsReachToThoseThatBecomeKnown) {
   EXPECT_FALSE(show_first_layers(state_, facts_));
 }
 
+TEST_F(ApplyCommand, WholeValuesAreOfOneArrayAtAStepAndEndWithTheArray) {
+  ASSERT_FALSE(apply(R"({"selectArrays":{"values":"FIELD_VALUES_WHOLE"}})").error);
+  EXPECT_EQ(state_.scene.values, FieldValues::whole);
+  SceneState other;
+  open_in_scene(other, facts_);
+  EXPECT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.values, FieldValues::whole);
+  const std::string combined = R"({"setCombination":{"terms":[{"op":"RANGE_OPERATOR_UNITE","array":"Energy","lower":0,"upper":1}]}})";
+  for (const std::string& refused : {combined, std::string(R"({"setTime":{"time":0,"mode":"TIME_MODE_INTERPOLATE"}})")}) {
+    const CommandOutcome outcome = apply(refused);
+    ASSERT_TRUE(outcome.error) << refused;
+    EXPECT_EQ(outcome.error->code(), "unsupported");
+    EXPECT_EQ(outcome.error->field(), "values");
+  }
+  EXPECT_EQ(state_.scene.terms.size(), 0u);
+  EXPECT_TRUE(apply(R"({"selectArrays":{"values":9}})").error);
+  ASSERT_FALSE(apply(R"({"selectArrays":{"array":"Energy"}})").error);
+  EXPECT_EQ(state_.scene.values, FieldValues::interpolated) << "another array is interpolated";
+  ASSERT_FALSE(apply(R"({"selectArrays":{"array":"Density","values":"FIELD_VALUES_WHOLE"}})").error);
+  EXPECT_EQ(state_.scene.values, FieldValues::whole);
+  ASSERT_FALSE(apply(R"({"selectArrays":{"values":"FIELD_VALUES_INTERPOLATED"}})").error);
+  ASSERT_FALSE(apply(combined).error);
+  EXPECT_TRUE(apply(R"({"selectArrays":{"values":"FIELD_VALUES_WHOLE"}})").error) << "beside terms";
+}
+
+TEST(AskedDataset, IsThePartThatTheMessageAsksFor) {
+  const auto id_of = [](const std::string& id, const std::string& region, const std::string& stride) {
+    v1::OpenDataset wanted;
+    wanted.set_id(id);
+    wanted.set_region(region);
+    wanted.set_stride(stride);
+    std::optional<v1::Error> error;
+    const std::string asked = asked_dataset(wanted, error);
+    return error ? "refused " + error->field() : asked;
+  };
+  EXPECT_EQ(id_of("fin", "", ""), "fin");
+  EXPECT_EQ(id_of("fin", "0:31,:,5:", "2"), "fin@:31,:,5:*2");
+  EXPECT_EQ(id_of("fin", "", "1,2,4"), "fin@:,:,:*1,2,4");
+  EXPECT_EQ(id_of("fin", ":,:,:", "1"), "fin") << "of everything";
+  EXPECT_EQ(id_of("fin@:9,:,:", ":3,:,:", ""), "fin@:3,:,:") << "in place of another part";
+  EXPECT_EQ(id_of("fin", "3", ""), "refused region");
+  EXPECT_EQ(id_of("fin", "", "0"), "refused stride");
+}
+
 TEST_F(ApplyCommand, ClipPlanesAreReplacedTogetherAndGoWithTheDataset) {
   const std::string two =
       R"({"setClipPlanes":{"clipPlanes":[{"normal":{"x":1},"offset":0.5},{"normal":{"y":-2,"z":1},"offset":-3}]}})";

@@ -138,11 +138,15 @@ export interface RangeTerm extends Range {
 
 export type TimeMode = 'step' | 'interpolate' | 'spacetime';
 
+/** What lies between the values of the array: whole cells and labels have nothing there. */
+export type FieldValues = 'interpolated' | 'whole';
+
 export interface SceneState {
   revision: number;
   dataset: string; // empty: nothing is open
   step: number;
   array: string;
+  values?: FieldValues;
   colorBy: string;
   intervals: Interval[]; // in the order they were added
   mode: RenderMode;
@@ -166,6 +170,7 @@ export interface ArrayInfo extends Range {
   type: string;
   components: number;
   nanCount: number;
+  cells?: Range | null; // of an array that is averaged from cells: their own range
   steps: Range[]; // at each step; lower > upper: no value, or not read yet. Of a long series the first alone. The range itself is over all that are known
 }
 

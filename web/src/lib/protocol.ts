@@ -10,6 +10,7 @@ import {
   RenderMode as WireMode,
   Role as WireRole,
   ServerMessageSchema,
+  FieldValues as WireFieldValues,
   TimeMode as WireTimeMode,
   type Camera as WireCamera,
   type DatasetEntry as WireEntry,
@@ -50,6 +51,7 @@ import type {
   ServerEvent,
   Smear,
   Surface,
+  FieldValues,
   TimeMode,
   TransferPoint,
   Vec3,
@@ -98,6 +100,10 @@ const timeModes = byWire<TimeMode, WireTimeMode>([
   ['step', WireTimeMode.STEP],
   ['interpolate', WireTimeMode.INTERPOLATE],
   ['spacetime', WireTimeMode.SPACETIME],
+]);
+const fieldValues = byWire<FieldValues, WireFieldValues>([
+  ['interpolated', WireFieldValues.INTERPOLATED],
+  ['whole', WireFieldValues.WHOLE],
 ]);
 const news = byWire<DatasetNews, WireNews>([
   ['none', WireNews.UNSPECIFIED],
@@ -157,9 +163,9 @@ export const command = {
     },
   }),
   openDataset: (id: string): Command => ({ case: 'openDataset', value: { id } }),
-  selectArrays: (array: string, colorBy: string, texture = ''): Command => ({
+  selectArrays: (array: string, colorBy: string, texture = '', values: FieldValues | null = null): Command => ({
     case: 'selectArrays',
-    value: { array, colorBy, texture },
+    value: { array, colorBy, texture, ...(values ? { values: fieldValues.wire(values) } : {}) },
   }),
   setTimeStep: (step: number): Command => ({ case: 'setTimeStep', value: { step } }),
   setIntervals: (intervals: readonly Interval[]): Command => ({
@@ -409,6 +415,7 @@ function stateOf(s: WireState): SceneState {
     time: s.time ?? null,
     timeMode: timeModes.name(s.timeMode),
     texture: s.texture,
+    values: fieldValues.name(s.values),
     cycle: s.cycle
       ? { seconds: s.cycle.seconds || 1, phase: s.cycle.phase, playing: s.cycle.playing }
       : { seconds: 1, phase: 0, playing: false },
@@ -425,7 +432,7 @@ function datasetInfoOf(d: WireDatasetInfo): DatasetInfo {
     cells: Number(d.cells),
     cellTypes: Object.entries(d.cellTypes).map(([type, count]) => [type, Number(count)]),
     bounds: d.lower && d.upper ? { lower: vecOf(d.lower), upper: vecOf(d.upper) } : null,
-    arrays: d.arrays.map(({ name, association, type, components, lower, upper, nanCount, stepLower, stepUpper }) => ({
+    arrays: d.arrays.map(({ name, association, type, components, lower, upper, nanCount, stepLower, stepUpper, cellLower, cellUpper }) => ({
       name,
       association,
       type,
@@ -433,6 +440,7 @@ function datasetInfoOf(d: WireDatasetInfo): DatasetInfo {
       lower,
       upper,
       nanCount: Number(nanCount),
+      cells: cellLower !== undefined && cellUpper !== undefined && cellLower <= cellUpper ? { lower: cellLower, upper: cellUpper } : null,
       steps: stepLower.map((least, step) => ({ lower: least, upper: stepUpper[step] ?? least })),
     })),
     missingRangeSteps: d.missingRangeSteps,

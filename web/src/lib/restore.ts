@@ -19,7 +19,7 @@ export function restoreStep(
   if (saved.dataset === '') return { kind: 'send', commands: [], done: true };
   if (current.dataset !== saved.dataset) {
     if (opened) return { kind: 'wait' };
-    if (all <= datasets.length && !datasets.some((entry) => entry.id === saved.dataset))
+    if (all <= datasets.length && !datasets.some((entry) => entry.id === saved.dataset.split('@')[0]))
       return { kind: 'impossible', reason: `The server no longer has the dataset “${saved.dataset}”.` };
     return { kind: 'send', commands: [command.openDataset(saved.dataset)], done: false };
   }
@@ -27,7 +27,7 @@ export function restoreStep(
 
   const has = (name: string) => info.arrays.some((array) => array.name === name);
   if (!has(saved.array)) return { kind: 'impossible', reason: `The dataset no longer has the array “${saved.array}”.` };
-  const commands = [command.selectArrays(saved.array, has(saved.colorBy) ? saved.colorBy : '')];
+  const commands = [command.selectArrays(saved.array, has(saved.colorBy) ? saved.colorBy : '', '', saved.values ?? null)];
   if (saved.step !== current.step && saved.step < Math.max(info.times.length, 1)) commands.push(command.setTimeStep(saved.step));
   // New ids: those of the old session mean nothing to the new one.
   commands.push(command.setIntervals(saved.intervals.map((interval) => ({ ...interval, id: 0 }))));

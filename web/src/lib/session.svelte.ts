@@ -13,6 +13,7 @@ import {
   type DatasetInfo,
   type DatasetList,
   type Frame,
+  type FieldValues,
   type Histogram,
   type Interval,
   type IntervalPatch,
@@ -193,10 +194,11 @@ export class Session {
     if (what) this.send(command.listDatasets(what.folder, what.search, what.first, listedRows));
     else this.listing = null;
   }
-  selectArrays(change: { array?: string; colorBy?: string; texture?: string }): void {
-    this.edit(change);
+  selectArrays(change: { array?: string; colorBy?: string; texture?: string; values?: FieldValues }): void {
+    // Another array is interpolated, as on the server.
+    this.edit(change.array !== undefined && change.array !== this.view.array ? { values: 'interpolated', ...change } : change);
     this.notices.clear('arrays');
-    this.sendInOrder(command.selectArrays(change.array ?? '', change.colorBy ?? '', change.texture ?? ''));
+    this.sendInOrder(command.selectArrays(change.array ?? '', change.colorBy ?? '', change.texture ?? '', change.values ?? null));
   }
   setTime(time: number | null, timeMode: SceneState['timeMode']): void {
     this.edit(time === null ? { timeMode } : { time, timeMode });
@@ -650,11 +652,11 @@ export class Session {
   }
 
   private askHistogram(): void {
-    const { dataset, step, array } = this.server;
+    const { dataset, step, array, values } = this.server;
     if (!dataset || !array || this.info?.id !== dataset) return;
     // Its bins span the array's range, which grows while the steps of a series are read.
     const range = this.info.arrays.find((of) => of.name === array);
-    const wanted = JSON.stringify([dataset, step, array, range?.lower, range?.upper]);
+    const wanted = JSON.stringify([dataset, step, array, range?.lower, range?.upper, values]);
     if (wanted === this.askedHistogram) return;
     this.askedHistogram = wanted;
     this.notices.clear('histogram');
