@@ -80,7 +80,7 @@ test('facts are those of the dataset that is open, also where two notes are equa
   const badge = viewer.page.locator('footer .phase');
   await choose('two-parts');
   await expect.poll(() => panel.innerText()).toContain('54 cells');
-  const notes = (await panel.innerText()).split('\n').filter((line) => line.includes('label'));
+  const notes = (await panel.innerText()).split('\n').filter((line) => line.includes("array 'label'"));
   expect(notes.length, notes.join()).toBe(2);
   expect(notes[0]).toBe(notes[1]);
   await expect.poll(() => badge.innerText()).toBe('exact');
