@@ -58,6 +58,14 @@ class Pieces : public ::testing::Test {
     return std::any_of(data.notes.begin(), data.notes.end(),
                        [&](const std::string& note) { return note.find(part) != std::string::npos; });
   }
+  static std::map<std::array<double, 3>, std::size_t> points_by_place(const Dataset& data) {
+    std::map<std::array<double, 3>, std::size_t> at;
+    for (std::int64_t p = 0; p < data.grid.point_count(); ++p) {
+      const Vec3d x = data.grid.point(p);
+      at[{x.x, x.y, x.z}] = static_cast<std::size_t>(p);
+    }
+    return at;
+  }
   /// How many faces no two visible cells share.
   static std::size_t open_faces(const Dataset& data) {
     std::map<std::vector<std::int64_t>, int> faces;
@@ -86,11 +94,7 @@ TEST_F(Pieces, AreTheGridThatTheyArePiecesOf) {
   EXPECT_EQ(open_faces(*pieces), open_faces(*whole));
   EXPECT_TRUE(says(*pieces, "12 points that 3 pieces share are one point each"));
   // Every point once, with its own value, and cells' values averaged over the pieces alike.
-  std::map<std::array<double, 3>, std::size_t> at;
-  for (std::int64_t p = 0; p < whole->grid.point_count(); ++p) {
-    const Vec3d x = whole->grid.point(p);
-    at[{x.x, x.y, x.z}] = static_cast<std::size_t>(p);
-  }
+  auto at = points_by_place(*whole);
   for (std::int64_t p = 0; p < pieces->grid.point_count(); ++p) {
     const Vec3d x = pieces->grid.point(p);
     const auto same = at.extract({x.x, x.y, x.z});
@@ -116,11 +120,7 @@ TEST_F(Pieces, GhostCellsAreLeftOutWithTheirValues) {
   EXPECT_TRUE(pieces->grid.hidden_cells.empty());
   EXPECT_EQ(open_faces(*pieces), open_faces(*whole));
   EXPECT_TRUE(says(*pieces, "8 ghost cells left out"));
-  std::map<std::array<double, 3>, std::size_t> at;
-  for (std::int64_t p = 0; p < whole->grid.point_count(); ++p) {
-    const Vec3d x = whole->grid.point(p);
-    at[{x.x, x.y, x.z}] = static_cast<std::size_t>(p);
-  }
+  const auto at = points_by_place(*whole);
   for (std::int64_t p = 0; p < pieces->grid.point_count(); ++p) {
     const Vec3d x = pieces->grid.point(p);
     EXPECT_NEAR(pieces->array("number").at(static_cast<std::size_t>(p)), whole->array("number").at(at.at({x.x, x.y, x.z})), 1e-12);  // ghosts count in no mean

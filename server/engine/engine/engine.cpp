@@ -285,15 +285,27 @@ class Engine::Impl {
     return extract_scene(steps, scene, previous, task, aids);
   }
 
+  /// What job threw; null: nothing.
+  template <class Job>
+  std::exception_ptr run_extraction(SessionKey key, Operation& operation, const Job& job) {
+    std::exception_ptr failure;
+    try {
+      const Doing extracting(options_.board, Stage::extracting, key, 0, operation.id());
+      operation.task().check();
+      const Work work(key, WorkClass::scene, {&operation.task(), true, extracting.waiting()});
+      job();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    operation.finish();
+    return failure;
+  }
+
   /// before: what is ready.
   void extract(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const Prepared& before) {
     const std::shared_ptr<const ExtractedScene>& previous = before.extracted;
     std::shared_ptr<const ExtractedScene> extracted;
-    std::exception_ptr failure;
-    try {
-      const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
-      operation->task().check();
-      const Work work(key, WorkClass::scene, {&operation->task(), true, extracting.waiting()});
+    const std::exception_ptr failure = run_extraction(key, *operation, [&] {
       const CatalogueEntry source = datasets_.entry(scene.dataset);
       const StepSource steps = datasets_.steps(source);
       SceneAids aids;
@@ -314,10 +326,7 @@ class Engine::Impl {
         aids.max_bytes = room;
         extracted = extract_from(source, steps, scene, previous, operation->task(), aids);
       }
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    operation->finish();
+    });
     if (extracted) prepare_tetrahedra(key, *extracted, scene, previous.get());
     if (extracted && previous) read_ahead(*extracted, scene, before.scene);
     finish_extraction(key, operation, scene, failure, [&](SessionState& session) {
@@ -331,16 +340,8 @@ class Engine::Impl {
   /// Of every n-th point, from a dataset of the scene's step that is at hand.
   void extract_coarse(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const Dataset>& whole) {
     std::shared_ptr<const ExtractedScene> extracted;
-    std::exception_ptr failure;
-    try {
-      const Doing extracting(options_.board, Stage::extracting, key, 0, operation->id());
-      operation->task().check();
-      const Work work(key, WorkClass::scene, {&operation->task(), true, extracting.waiting()});
-      extracted = coarse_.extract_for_motion(whole, scene, operation->task());
-    } catch (...) {
-      failure = std::current_exception();
-    }
-    operation->finish();
+    const std::exception_ptr failure =
+        run_extraction(key, *operation, [&] { extracted = coarse_.extract_for_motion(whole, scene, operation->task()); });
     finish_extraction(key, operation, scene, failure, [&](SessionState& session) { hold_coarse(key, session, extracted, scene); });
   }
 
