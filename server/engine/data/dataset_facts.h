@@ -26,6 +26,8 @@ struct ArrayFacts {
   std::optional<ValueRange> cells = {};  // of cell_averaged: of the cells themselves, at the step that was opened
 
   ValueRange range() const { return {lower, upper}; }
+  /// Of what is taken: of whole cells theirs.
+  ValueRange range(FieldValues values) const { return values == FieldValues::whole && cells ? *cells : range(); }
 };
 
 /// What has become of the files since they were read.

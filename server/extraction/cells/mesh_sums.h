@@ -16,6 +16,13 @@ namespace isostrata {
 struct IntervalSums {
   std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
   double volume = 0, signed_volume = 0;
+
+  /// Of one tetrahedron. tolerance: what its rounding makes uncertain; flat ones come out as rounding of either sign.
+  void measure(double of_one, double tolerance) {
+    volume += std::abs(of_one);
+    signed_volume += of_one;
+    inverted += of_one < -tolerance;
+  }
 };
 
 /// Of one part of a mesh.
@@ -48,10 +55,7 @@ inline void measure_tetrahedra(const IntervalMesh& mesh, std::uint64_t first, st
   const auto& x = mesh.positions;
   for (std::uint64_t i = first; i < last; ++i) {
     const auto& p = mesh.tetrahedra[i];
-    const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-    sums.volume += std::abs(volume);
-    sums.signed_volume += volume;
-    sums.inverted += volume < -tolerance;  // flat ones come out as rounding of either sign
+    sums.measure(orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6, tolerance);
   }
 }
 

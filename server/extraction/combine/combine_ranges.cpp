@@ -49,9 +49,7 @@ void summarise(const RegionMesh& mesh, std::size_t cuts, std::vector<IntervalSum
           const double volume =
               orient3d(mesh.positions[p[0]], mesh.positions[p[1]], mesh.positions[p[2]], mesh.positions[p[3]]) / 6;
           ++own.tetrahedra;
-          own.volume += std::abs(volume);
-          own.signed_volume += volume;
-          own.inverted += volume < -tolerance;
+          own.measure(volume, tolerance);
         }
       }
     }

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <bit>
 #include <limits>
-#include <map>
 #include <string>
 
 #include "base/parallel.h"
@@ -16,6 +15,7 @@
 #include "extraction/cells/collapsed_cell.h"
 #include "extraction/cells/iso_rules.h"
 #include "extraction/cells/mesh_points.h"
+#include "extraction/cells/mesh_sums.h"
 #include "extraction/cells/structured_points.h"
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/facets/weld_seams.h"
@@ -42,11 +42,6 @@ std::vector<std::size_t> block_starts(std::span<const CellCase> cases) {
 }
 
 /// What one block adds to one interval's summary.
-struct Sums {
-  std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
-  double volume = 0, signed_volume = 0;
-};
-
 class Extraction {
  public:
   Extraction(const Grid& grid, const PointArray& array, std::span<const Interval> intervals, const ExtractOptions& options,
@@ -196,10 +191,8 @@ class Extraction {
                    std::array<std::uint32_t, kMaxIsoVertices>& numbers) {
     std::uint64_t to = tetrahedra_before_[block];
     std::uint64_t run = cells_before_[block];
-    std::map<std::uint16_t, Sums>& sums = sums_[block];
+    MeshSums& sums = sums_[block];
     CellHandedness hand;
-    std::uint16_t summed = 0;
-    Sums* own = nullptr;
     bool collapsed = false;
     std::array<FaceMask, kMaxIsoVertices> merged_masks;
     visit_block(block, points, triangulation, numbers, [&](const CellCase& at, bool first) {
@@ -209,8 +202,8 @@ class Extraction {
         mesh_.cell_runs[run++] = {at.cell, static_cast<std::uint32_t>(to)};
       }
       const bool left_handed = (hand.sign != 0 ? hand.sign : usual_sign_) < 0;
-      if (!own || summed != at.interval) own = &sums[summed = at.interval];
-      ++own->active_cells;
+      IntervalSums& own = sums.of(at.interval);
+      ++own.active_cells;
       std::span<const FaceMask> masks = triangulation.masks();
       if (options_.facets && collapsed) {
         std::copy(masks.begin(), masks.end(), merged_masks.begin());
@@ -221,14 +214,8 @@ class Extraction {
         if (left_handed) std::swap(t[0], t[1]);  // positive where the cell's own orientation is
         const std::array<std::uint32_t, 4> p{numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]};
         if (repeats_a_point(p)) continue;
-        ++own->tetrahedra;
-        if (options_.measure) {
-          const auto& x = mesh_.positions;
-          const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-          own->volume += std::abs(volume);
-          own->signed_volume += volume;
-          own->inverted += volume < -hand.tolerance;  // flat ones come out as rounding of either sign
-        }
+        ++own.tetrahedra;
+        if (const auto& x = mesh_.positions; options_.measure) own.measure(orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6, hand.tolerance);
         if (options_.facets) labels_[to] = label_facets(masks[t[0]], masks[t[1]], masks[t[2]], masks[t[3]]);
         mesh_.tetrahedron_interval[to] = at.interval;
         mesh_.tetrahedra[to++] = p;
@@ -237,15 +224,7 @@ class Extraction {
   }
 
   void summarise() {
-    for (const auto& block : sums_)
-      for (const auto& [interval, sums] : block) {
-        IntervalSummary& summary = mesh_.summaries[interval];
-        summary.active_cells += sums.active_cells;
-        summary.tetrahedra += sums.tetrahedra;
-        summary.inverted += sums.inverted;
-        summary.volume += sums.volume;
-        summary.signed_volume += sums.signed_volume;
-      }
+    for (const MeshSums& block : sums_) block.add_to(mesh_.summaries);
   }
 
   const Grid& grid_;
@@ -261,7 +240,7 @@ class Extraction {
   std::vector<CellHandedness> handedness_;        // [active cells]
   int usual_sign_ = 1;
   std::vector<FacetLabels> labels_;                  // [nt] where facets are wanted
-  std::vector<std::map<std::uint16_t, Sums>> sums_;  // [blocks] by interval
+  std::vector<MeshSums> sums_;  // [blocks]
 };
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "extraction/cells/cell_triangulation.h"
 #include "extraction/cells/collapsed_cell.h"
 #include "extraction/cells/iso_rules.h"
+#include "extraction/cells/mesh_sums.h"
 #include "extraction/cells/structured_points.h"
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/facets/face_key.h"
@@ -59,7 +60,7 @@ struct FaceOwners {
 
 struct WholeSums {
   std::int64_t tetrahedra = 0, facets = 0, cells = 0;
-  std::vector<IntervalSummary> of;  // [intervals]
+  MeshSums sums;
 };
 
 class WholeExtraction {
@@ -311,11 +312,10 @@ class WholeExtraction {
     sums_.resize(static_cast<std::size_t>(blocks()));
     for_each_block<int>(task_, "counting", 0.5, 0.7, blocks(), [&](std::int64_t b, int&) {
       WholeSums& own = sums_[static_cast<std::size_t>(b)];
-      own.of.resize(mesh_.summaries.size());
       std::int64_t last_cell = -1;
       int last_interval = -1;
       visit_block(b, [&](const WholeCase& at, bool opens, const CellHandedness& hand, const std::array<std::uint32_t, 4>& p, const FacetLabels& labels) {
-        IntervalSummary& sum = own.of[at.interval];
+        IntervalSums& sum = own.sums.of(at.interval);
         own.cells += opens;
         sum.active_cells += at.cell != last_cell || at.interval != last_interval;
         last_cell = at.cell;
@@ -323,12 +323,7 @@ class WholeExtraction {
         ++own.tetrahedra;
         ++sum.tetrahedra;
         visit_ends(at, labels, [&](int, FacetLabel) { ++own.facets; });
-        if (!options_.measure) return;
-        const auto& x = mesh_.positions;
-        const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-        sum.volume += std::abs(volume);
-        sum.signed_volume += volume;
-        sum.inverted += volume < -hand.tolerance;
+        if (const auto& x = mesh_.positions; options_.measure) sum.measure(orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6, hand.tolerance);
       });
     });
     WholeSums total;
@@ -336,14 +331,7 @@ class WholeExtraction {
       total.tetrahedra += own.tetrahedra;
       total.facets += own.facets;
       total.cells += own.cells;
-      for (std::size_t i = 0; i < own.of.size(); ++i) {
-        IntervalSummary& to = mesh_.summaries[i];
-        to.active_cells += own.of[i].active_cells;
-        to.tetrahedra += own.of[i].tetrahedra;
-        to.volume += own.of[i].volume;
-        to.signed_volume += own.of[i].signed_volume;
-        to.inverted += own.of[i].inverted;
-      }
+      own.sums.add_to(mesh_.summaries);
     }
     mesh_.active_cells = total.cells;
     if (!options_.tetrahedra) total.tetrahedra = total.cells = 0;

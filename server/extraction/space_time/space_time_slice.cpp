@@ -3,13 +3,13 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <span>
 #include <utility>
 
 #include "base/parallel.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/cell_geometry.h"
+#include "extraction/cells/mesh_sums.h"
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/space_time/space_time_volume.h"
@@ -263,12 +263,6 @@ class SpaceTimeSlicer {
         mesh.cell_runs[to++] = {volume_.runs_[r].cell, static_cast<std::uint32_t>(tetrahedra_before_[r])};
   }
 
-  /// What one block of runs adds to one interval's summary.
-  struct Sums {
-    std::int64_t active_cells = 0, tetrahedra = 0, inverted = 0;
-    double volume = 0, signed_volume = 0;
-  };
-
   void write() {
     const std::int64_t blocks = (run_count() + kRunsPerSlice - 1) / kRunsPerSlice;
     sums_.resize(blocks);
@@ -281,19 +275,19 @@ class SpaceTimeSlicer {
     });
   }
 
-  void write_run(std::int64_t r, std::map<std::uint16_t, Sums>& sums) {
+  void write_run(std::int64_t r, MeshSums& sums) {
     const SliceTable& table = slice_table(4);
     IntervalMesh& mesh = out_.mesh;
     const SpaceTimeVolume::Run& run = volume_.runs_[r];
     const double tolerance = options_.measure ? tolerance_of(run) : 0;
     std::uint64_t to = tetrahedra_before_[r], facet_to = options_.facets ? facets_before_[r] : 0;
     int summed = -1;
-    Sums* own = nullptr;
+    IntervalSums* own = nullptr;
     for (std::uint64_t s = run.first_simplex; s < run_end(r); ++s) {
       if (above_[s] == 0) continue;
       const std::uint16_t interval = volume_.interval_[s];
       if (summed != interval) {  // the simplices of one interval in one cell follow each other
-        own = &sums[interval];
+        own = &sums.of(interval);
         summed = interval;
         ++own->active_cells;
       }
@@ -310,13 +304,7 @@ class SpaceTimeSlicer {
           std::swap(labels[0], labels[1]);
         }
         ++own->tetrahedra;
-        if (options_.measure) {
-          const auto& x = mesh.positions;
-          const double volume = orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6;
-          own->volume += std::abs(volume);
-          own->signed_volume += volume;
-          own->inverted += volume < -tolerance;
-        }
+        if (const auto& x = mesh.positions; options_.measure) own->measure(orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6, tolerance);
         if (options_.facets)
           for (int i = 0; i < 4; ++i) {
             if (!bounds(labels[i], run.open)) continue;
@@ -337,15 +325,7 @@ class SpaceTimeSlicer {
       out_.mesh.summaries.emplace_back();
       out_.mesh.summaries.back().interval = interval;
     }
-    for (const auto& block : sums_)
-      for (const auto& [interval, sums] : block) {
-        IntervalSummary& summary = out_.mesh.summaries[interval];
-        summary.active_cells += sums.active_cells;
-        summary.tetrahedra += sums.tetrahedra;
-        summary.inverted += sums.inverted;
-        summary.volume += sums.volume;
-        summary.signed_volume += sums.signed_volume;
-      }
+    for (const MeshSums& block : sums_) block.add_to(out_.mesh.summaries);
   }
 
   const SpaceTimeVolume& volume_;
@@ -358,7 +338,7 @@ class SpaceTimeSlicer {
   Buffer<std::uint8_t> above_;                    // [4-simplices] the points above the cut, 0: not cut
   std::vector<std::uint64_t> tetrahedra_before_;  // [runs + 1]
   std::vector<std::uint64_t> facets_before_;      // [runs + 1]
-  std::vector<std::map<std::uint16_t, Sums>> sums_;
+  std::vector<MeshSums> sums_;
 };
 
 SpaceTimeSlice SpaceTimeVolume::slice(double weight, const SliceOptions& options, const Task& task) const {

@@ -100,7 +100,7 @@ void answer_histogram(RestContext& context, const Call& call, SessionKey session
   HistogramRequest request{session, 0, facts.id, step, wanted.array(), static_cast<int>(bins), {}};
   const ArrayFacts& array = *facts.find_array(wanted.array());
   if (call.session && call.session->scene().array == array.name) request.values = call.session->scene().values;
-  request.least = request.values == FieldValues::whole && array.cells ? *array.cells : array.range();
+  request.least = array.range(request.values);
   give_up_with(call, context, context.sessions.ask(std::move(request),
                        [reply = call.reply](const EngineEvent& event, TimePoint) {
                          if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));

@@ -325,7 +325,7 @@ void Session::send_histogram(Viewer& viewer, const v1::ClientMessage& message) {
                            {}};
   const ArrayFacts& array = *dataset_->find_array(wanted.array());
   if (state_.scene.array == array.name) request.values = state_.scene.values;
-  request.least = request.values == FieldValues::whole && array.cells ? *array.cells : array.range();
+  request.least = array.range(request.values);
   engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
     --histograms_;
     Viewer* to = living(key);
