@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,6 +19,12 @@ namespace isostrata::testing {
 /// As root OpenMPI wants to be asked twice; nothing of this reaches anybody who is not.
 inline std::string launcher_environment() {
   return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_btl_vader_single_copy_mechanism=none";
+}
+/// The same for servers, which this process starts.
+inline void set_mpi_environment() {
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
 }
 inline std::string launcher(int ranks) { return "mpirun --oversubscribe -n " + std::to_string(ranks); }
 

@@ -53,6 +53,15 @@ boost::json::value ask(const Served& server, const std::string& method, const st
   return boost::json::parse(answer.substr(head + 4));
 }
 
+/// What a session that begins with the server's dataset says: intervals, histogram, statistics, the dataset.
+std::array<boost::json::value, 4> told_by(const Served& server) {
+  const auto dataset = ask(server, "GET", "datasets").at("datasets").at(0).at("id").as_string();
+  const auto session = ask(server, "POST", "sessions", "{\"dataset\":\"" + std::string(dataset) + "\"}").at("id").as_string();
+  const std::string of = "sessions/" + std::string(session);
+  return {ask(server, "GET", of + "/intervals"), ask(server, "GET", of + "/histogram?bins=50"), ask(server, "GET", of + "/statistics"),
+          ask(server, "GET", "datasets/" + std::string(dataset))};
+}
+
 TEST(FactsByRanks, PicturesOfAMappedFileAreThoseOfOneProcess) {
   const TemporaryFolder folder;
   const std::string file = quoted(write_large(folder / "large.nrrd"));
@@ -65,21 +74,13 @@ TEST(FactsByRanks, PicturesOfAMappedFileAreThoseOfOneProcess) {
 }
 
 TEST(FactsByRanks, RangesHistogramAndStatisticsOfAMappedFileAreThoseOfOneProcess) {
-  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
+  set_mpi_environment();
   const TemporaryFolder folder;
   const std::string file = write_large(folder / "large.nrrd").string();
   Served many({file, "--renderer", "native", "--ranks", launcher(3)}), one({file, "--renderer", "native"});
   ASSERT_FALSE(many.url().empty()) << many.process().err();
   ASSERT_FALSE(one.url().empty()) << one.process().err();
-  const auto facts = [](const Served& server) {
-    const auto dataset = ask(server, "GET", "datasets").at("datasets").at(0).at("id").as_string();
-    const auto session = ask(server, "POST", "sessions", "{\"dataset\":\"" + std::string(dataset) + "\"}").at("id").as_string();
-    const std::string of = "sessions/" + std::string(session);
-    return std::array<boost::json::value, 3>{ask(server, "GET", of + "/intervals"), ask(server, "GET", of + "/histogram?bins=50"), ask(server, "GET", of + "/statistics")};
-  };
-  const auto by_many = facts(many), by_one = facts(one);
+  const auto by_many = told_by(many), by_one = told_by(one);
   EXPECT_EQ(by_many[0], by_one[0]) << by_many[0] << " and " << by_one[0];  // the first view, which ranges and samples decide
   EXPECT_EQ(by_many[1], by_one[1]) << by_many[1];
   std::int64_t counted = 0;
@@ -94,9 +95,7 @@ TEST(FactsByRanks, RangesHistogramAndStatisticsOfAMappedFileAreThoseOfOneProcess
 
 // The first rank has one part of three, and says what is so of all.
 TEST(FactsByRanks, FactsHistogramAndFirstViewOfPartsAreThoseOfOneProcess) {
-  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
+  set_mpi_environment();
   const TemporaryFolder folder;
   for (const char* data : {"torus:20", "mixed:9"}) {
     SCOPED_TRACE(data);
@@ -107,14 +106,7 @@ TEST(FactsByRanks, FactsHistogramAndFirstViewOfPartsAreThoseOfOneProcess) {
     Served many({list, "--renderer", "native", "--ranks", launcher(3)}), one({data, "--renderer", "native"});
     ASSERT_FALSE(many.url().empty()) << many.process().err();
     ASSERT_FALSE(one.url().empty()) << one.process().err();
-    const auto facts = [](const Served& server) {
-      const auto dataset = ask(server, "GET", "datasets").at("datasets").at(0).at("id").as_string();
-      const auto session = ask(server, "POST", "sessions", "{\"dataset\":\"" + std::string(dataset) + "\"}").at("id").as_string();
-      const std::string of = "sessions/" + std::string(session);
-      return std::array<boost::json::value, 4>{ask(server, "GET", of + "/intervals"), ask(server, "GET", of + "/histogram?bins=50"), ask(server, "GET", of + "/statistics"),
-                                               ask(server, "GET", "datasets/" + std::string(dataset))};
-    };
-    const auto by_many = facts(many), by_one = facts(one);
+    const auto by_many = told_by(many), by_one = told_by(one);
     EXPECT_EQ(by_many[0], by_one[0]) << by_many[0] << " and " << by_one[0];
     for (const char* name : {"lower", "upper", "counts"}) EXPECT_EQ(by_many[1].at(name), by_one[1].at(name)) << by_many[1];
     EXPECT_NEAR(by_many[2].at("mean").to_number<double>(), by_one[2].at("mean").to_number<double>(), 1e-12 * by_one[2].at("upper").to_number<double>()) << by_many[2];

@@ -56,11 +56,7 @@ std::vector<pid_t> launchers() {
 
 class ServeByRanks : public ::testing::Test {
  protected:
-  ServeByRanks() {
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
-  }
+  ServeByRanks() { set_mpi_environment(); }
 
   /// The server's picture and that of `isostrata render` by one process are of the same layers.
   static Samples picture(const Served& server, const fs::path& out, const std::string& interval) {
