@@ -10,9 +10,12 @@
 #include "encoding/encode_image.h"
 #include "engine/picture/draw_scene.h"
 #include "support/places.h"
+#include "support/test_device.h"
 
 namespace isostrata {
 namespace {
+
+using testing::test_device;
 
 Image read_golden(const std::filesystem::path& path) {
   const auto input = OIIO::ImageInput::open(path.string());
@@ -41,7 +44,7 @@ TEST(GoldenImage, FourIntervalsAroundATorus) {
   scene.camera = Camera{{2.4, 2.6, 4.2}, {0, 0, 0}, {0, 1, 0}, 25};
   const auto extracted = extract_scene(dataset, scene, nullptr, Task{});
   const Image image =
-      std::get<Image>(make_renderer({"raster", "surfaceless"})->draw(draw_input(*extracted, scene, 192, 144)).image);
+      std::get<Image>(make_renderer({"raster", test_device()})->draw(draw_input(*extracted, scene, 192, 144)).image);
 
   const Image golden = read_golden(isostrata::places::source() + "/tests/engine/golden/torus_four_intervals.png");
   int worst = 256;

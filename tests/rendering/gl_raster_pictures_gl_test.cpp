@@ -42,7 +42,7 @@ Extracted extracted(const char* data, int intervals, double opacity) {
 class RasterPictures : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    renderer_ = make_gl_renderer(open_context("surfaceless"), "surfaceless",
+    renderer_ = make_gl_renderer(open_context(test_device()), "surfaceless",
                                  GetParam() == std::string("cpu") ? ProjectOn::cpu : ProjectOn::device);
   }
   void meets(const DrawInput& input, double mean, double max, const std::string& what) {

@@ -60,7 +60,7 @@ DrawInput torus(const char* data = "torus:10") {
 
 class Trouble : public ::testing::Test {
  protected:
-  Trouble() : context_(open_context("surfaceless")) {
+  Trouble() : context_(open_context(test_device())) {
     lost = false;
     calls = 0;
     largest = 0;
@@ -72,7 +72,7 @@ class Trouble : public ::testing::Test {
   GlFunctions& gl() { return context_->gl_to_break(); }
   std::unique_ptr<Renderer> renderer(ProjectOn project_on) {
     its_functions_ = &context_->gl_to_break();  // valid until the renderer opens another context
-    return make_gl_renderer(std::move(context_), "surfaceless", project_on);
+    return make_gl_renderer(std::move(context_), test_device(), project_on);
   }
   static std::string failure(Renderer& renderer, const DrawInput& input, ErrorCode code) {
     try {
@@ -185,7 +185,7 @@ TEST_F(Trouble, ThousandsOfIntervalsHaveTheirOwnLooks) {
   input.height = 100;
   input.camera.fov_deg = 2 * std::atan(25.0 / 100) * 180 / std::numbers::pi;  // 2 pixels a box
   for (const ProjectOn where : {ProjectOn::cpu, ProjectOn::device}) {
-    const auto drawn = make_gl_renderer(open_context("surfaceless"), "surfaceless", where);
+    const auto drawn = make_gl_renderer(open_context(test_device()), "surfaceless", where);
     const Image image = draw_bytes(input, *drawn);
     for (int y = 0; y < 50; ++y)
       for (int x = 0; x < 60; ++x)

@@ -7,12 +7,13 @@
 
 #include "rendering/picture/renderer.h"
 #include "support/box_mesh.h"
+#include "support/test_device.h"
 
 namespace isostrata::testing {
 
-/// One renderer for all tests of a thread: the software one, which every machine that runs the tests has.
+/// One renderer for all tests of a thread.
 inline Renderer& test_renderer() {
-  static const std::unique_ptr<Renderer> renderer = make_renderer({"raster", "surfaceless"});
+  static const std::unique_ptr<Renderer> renderer = make_renderer({"raster", test_device()});
   return *renderer;
 }
 

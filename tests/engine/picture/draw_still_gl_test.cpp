@@ -9,6 +9,8 @@
 namespace isostrata {
 namespace {
 
+using testing::test_device;
+
 class DrawStill : public ::testing::Test {
  protected:
   DrawStill() : dataset_(make_analytic("torus:12", {}, Task{})) {
@@ -51,7 +53,7 @@ class DrawStill : public ::testing::Test {
 
 TEST_F(DrawStill, APartOfAPictureIsThatPartOfTheWholeWhateverDrawsIt) {
   for (const char* name : {"raster", "native", "compute"}) {
-    const auto renderer = make_renderer({name, std::string(name) == "native" ? "native" : "surfaceless"});
+    const auto renderer = make_renderer({name, std::string(name) == "native" ? "native" : test_device()});
     for (const bool constant : {false, true})
       for (const bool orthographic : {false, true}) {
         DrawInput input = still(70, 50).input;

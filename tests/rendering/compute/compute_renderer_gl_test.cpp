@@ -26,7 +26,7 @@ using namespace testing;
 using ::testing::HasSubstr;
 
 Renderer& compute() {
-  static const std::unique_ptr<Renderer> renderer = make_renderer({"compute", "surfaceless"});
+  static const std::unique_ptr<Renderer> renderer = make_renderer({"compute", test_device()});
   return *renderer;
 }
 
@@ -85,7 +85,7 @@ Camera random_camera(const Box3d& bounds, std::mt19937& random, double distance)
 }
 
 TEST(Compute, TheFramesUniformBlockIsTheSameInBothLanguages) {
-  const auto context = open_context("surfaceless");
+  const auto context = open_context(test_device());
   context->make_current();
   const GlFunctions& gl = context->gl();
   std::ifstream file(isostrata::places::source() + "/server/rendering/compute/tile_layout.h");
@@ -357,7 +357,7 @@ TEST(Compute, AWindowOfALargerPictureIsThatPartOfIt) {
 
 TEST(Compute, RoomForPairsGrowsWithThePictures) {
   DrawInput small = extracted_input("torus:6"), large = extracted_input("torus:10");
-  const auto renderer = make_renderer({"compute", "surfaceless"});  // knows no need yet
+  const auto renderer = make_renderer({"compute", test_device()});  // knows no need yet
   draw_bytes(small, *renderer);
   large.width = 400;
   large.height = 300;  // many tiles a tetrahedron
@@ -405,9 +405,9 @@ TEST(Compute, SliversAndFlatTetrahedraGiveNoMoreThanTheirLength) {
 
 // As a driver does after it has reset a device: llvmpipe never does, so its function is replaced.
 TEST(Compute, ALostContextIsAClearErrorAndTheNextPictureWorks) {
-  auto context = open_context("surfaceless");
+  auto context = open_context(test_device());
   auto& functions = const_cast<GlFunctions&>(context->gl());
-  const auto renderer = make_compute_renderer(std::move(context), "surfaceless");
+  const auto renderer = make_compute_renderer(std::move(context), test_device());
   const DrawInput input = extracted_input("torus:6");
   const Image before = draw_bytes(input, *renderer);
   functions.GetGraphicsResetStatus = [] { return static_cast<GLenum>(GL_INNOCENT_CONTEXT_RESET); };
@@ -423,14 +423,14 @@ TEST(Compute, ALostContextIsAClearErrorAndTheNextPictureWorks) {
 
 // On a software device only where it is asked for.
 TEST(RendererTrial, TheFasterOfRasterAndComputeIsKept) {
-  const auto renderer = make_renderer({"auto", "surfaceless", true});
+  const auto renderer = make_renderer({"auto", test_device(), true});
   const std::string report = renderer_trial_report();
   const std::string kept = renderer->draw(extracted_input("torus:6")).facts.renderer;
   EXPECT_TRUE(kept == "raster" || kept == "compute") << kept;
   EXPECT_TRUE(report.starts_with(kept + ": ")) << report;
   EXPECT_THAT(report, HasSubstr(" ms a frame in the trial; " + std::string(kept == "raster" ? "compute " : "raster ")));
   EXPECT_THAT(report, HasSubstr(renderer->device()));
-  const auto again = make_renderer({"auto", "surfaceless", true});
+  const auto again = make_renderer({"auto", test_device(), true});
   EXPECT_EQ(renderer_trial_report(), report);  // remembered: a second trial would have other times
   EXPECT_EQ(again->draw(extracted_input("torus:6")).facts.renderer, kept);
 }

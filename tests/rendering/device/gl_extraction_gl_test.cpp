@@ -16,14 +16,16 @@
 #include "extraction/cells/iso_rules.h"
 #include "extraction/small_grids.h"
 #include "rendering/device/gl_extraction_mesh.h"
+#include "support/test_device.h"
 
 namespace isostrata {
 namespace {
 
+using testing::test_device;
 using ::testing::HasSubstr;
 
 GlExtraction& device() {
-  static GlExtraction extraction("surfaceless");
+  static GlExtraction extraction(test_device());
   return extraction;
 }
 
@@ -445,7 +447,7 @@ TEST(GlExtraction, RefusesWhatItCannotDoAndGoesOn) {
   const std::array<std::int64_t, 3> dims{16, 16, 16};
   std::mt19937_64 random(71);
   const Case c{"after an error", uniform_grid(dims), typed_array(waves(dims, 0.3, random)), {{0.2, 0.6}}};
-  GlExtraction fresh("surfaceless");
+  GlExtraction fresh(test_device());
   refused(ErrorCode::invalid_argument, "no field is loaded", [&] { fresh.extract(c.intervals, GlExtent::records, task); });
   refused(ErrorCode::invalid_argument, "nothing has been extracted", [&] { fresh.read_records(task); });
   refused(ErrorCode::unsupported, "unstructured", [&] { device().load(unstructured_grid(as_parts(c.grid)), c.array, task); });
@@ -524,7 +526,7 @@ TEST(GlExtraction, GivesTheMeshOfTheCpu) {
   }
 }
 
-TEST(GlExtraction, ChecksItself) { EXPECT_EQ(check_gl_extraction("surfaceless"), ""); }
+TEST(GlExtraction, ChecksItself) { EXPECT_EQ(check_gl_extraction(test_device()), ""); }
 
 TEST(GlExtraction, NamesTheDeviceThatIsNotThere) {
   EXPECT_THROW(GlExtraction("egl:77"), Error);

@@ -8,13 +8,15 @@
 
 #include "base/error.h"
 #include "rendering/gl/layout.h"
+#include "support/test_device.h"
 
 namespace isostrata {
 namespace {
 
+using testing::test_device;
 using ::testing::HasSubstr;
 
-ComputeDevice open_device() { return ComputeDevice(open_context("surfaceless")); }
+ComputeDevice open_device() { return ComputeDevice(open_context(test_device())); }
 
 struct Member {
   const char* name;  // as the driver calls it
@@ -176,7 +178,7 @@ TEST(ComputeDevice, RefusesABufferAboveTheBudgetOrTheDevicesLimitWithTheNumbers)
 
 // As a driver does after it has reset a device: llvmpipe never does, so its function is replaced.
 TEST(ComputeDevice, SaysThatTheDeviceWasLost) {
-  auto context = open_context("surfaceless");
+  auto context = open_context(test_device());
   auto& functions = const_cast<GlFunctions&>(context->gl());
   ComputeDevice device(std::move(context));
   EXPECT_NO_THROW(device.finish(Task()));

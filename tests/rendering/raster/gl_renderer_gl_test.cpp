@@ -197,7 +197,7 @@ TEST(GlRenderer, RenderersLiveOnTheirOwnThreads) {
   std::vector<Image> images(3);
   for (Image& image : images)
     threads.emplace_back([&image] {
-      const std::unique_ptr<Renderer> renderer = make_renderer({"raster", "surfaceless"});
+      const std::unique_ptr<Renderer> renderer = make_renderer({"raster", test_device()});
       for (int i = 0; i < 3; ++i) image = draw_bytes(cube(), *renderer);
     });
   for (std::thread& thread : threads) thread.join();
