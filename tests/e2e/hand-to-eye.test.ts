@@ -28,6 +28,7 @@ function listen(): void {
   const heard: Heard = { inputs: [], shown: [] };
   (window as unknown as { heard: Heard }).heard = heard;
   let handMs: number | null = null;
+  window.addEventListener('pointerdown', () => (handMs = null), true);
   window.addEventListener('pointermove', (event) => (handMs ??= event.timeStamp), true);
   const number = (bytes: Uint8Array, at: number): [value: number, next: number] => {
     let value = 0;
@@ -64,7 +65,7 @@ test('everything that a hand does is seen, and how soon is told', async () => {
   const { page } = viewer;
   await viewer.until('layers', (state) => state.intervals.length > 0, 60_000);
   const picture = await page.getByRole('application').boundingBox();
-  const gesture = async (name: string, x: number, y: number, place: (i: number) => [number, number]) => {
+  const gesture = async (name: string, x: number, y: number, place: (i: number) => [number, number], restEvery = Infinity) => {
     await viewer.exactPicture();
     await page.waitForTimeout(500);
     await page.evaluate(() => ((window as unknown as { heard: Heard }).heard.inputs = []));
@@ -73,7 +74,7 @@ test('everything that a hand does is seen, and how soon is told', async () => {
     await page.mouse.down();
     for (let i = 1; i <= 120; i++) {
       await page.mouse.move(...place(i));
-      await page.waitForTimeout(16);
+      await page.waitForTimeout(i % restEvery === 0 ? 160 + 2 * i : 16); // some end in the middle of the picture at rest
     }
     await page.mouse.up();
     await viewer.exactPicture();
@@ -98,9 +99,14 @@ test('everything that a hand does is seen, and how soon is told', async () => {
   if (!picture) throw new Error('there is no picture');
   const [x, y] = [picture.x + picture.width / 2, picture.y + picture.height / 2];
   await gesture('turning', x, y, (i) => [x + 120 * Math.sin(i / 20), y + 40 * Math.sin(i / 9)]);
-  const thumb = await viewer.thumb(viewer.state.intervals[0] as Interval, 'upper').boundingBox();
-  if (!thumb) throw new Error('there is no thumb');
-  const [tx, ty] = [thumb.x + thumb.width / 2, thumb.y + thumb.height / 2];
-  await gesture('dragging an end', tx, ty, (i) => [tx - 15 + 15 * Math.cos(i / 18), ty]);
+  const drag = async (name: string, restEvery?: number) => {
+    const thumb = await viewer.thumb(viewer.state.intervals[0] as Interval, 'upper').boundingBox();
+    if (!thumb) throw new Error('there is no thumb');
+    const [tx, ty] = [thumb.x + thumb.width / 2, thumb.y + thumb.height / 2];
+    // Out of reach of the end that it touches, where a hand moves and nothing changes; and a pixel at least with each move.
+    await gesture(name, tx, ty, (i) => [tx - 10 - Math.abs(((i + 30) % 60) - 30), ty], restEvery);
+  };
+  await drag('dragging an end');
+  await drag('dragging an end, with rests', 15);
   expect(viewer.problems).toEqual([]);
 });

@@ -102,6 +102,23 @@ describe('the store', () => {
     expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 2 });
   });
 
+  test('sends nothing while a hand that drags is at a stop, and what it says after', () => {
+    const { session, says, frame, sent } = harness();
+    says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));
+    const before = sent.length;
+    const drag = (upper: number) => (session.patchInterval(1, { upper }), frame());
+    drag(1);
+    expect(sent.length).toBe(before);
+    drag(0.5);
+    drag(0.5);
+    expect(sent.length).toBe(before + 1);
+    drag(1); // back to what the server still says
+    expect(sent.length).toBe(before + 2);
+    session.patchInterval(1, { upper: 1, opacity: 0.25 });
+    frame();
+    expect(sent.length).toBe(before + 3);
+  });
+
   test('sends what waits before a command that must come after it', () => {
     const { session, says, cases } = harness();
     says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));

@@ -256,7 +256,9 @@ export class Session {
   }
 
   patchInterval(id: number, change: IntervalPatch): void {
-    if (!this.view.intervals.some((interval) => interval.id === id)) return; // somebody has deleted it under the hand
+    const shown = this.view.intervals.find((interval) => interval.id === id);
+    if (!shown) return; // somebody has deleted it under the hand
+    if (Object.entries(change).every(([field, value]) => shown[field as keyof IntervalPatch] === value)) return; // a hand at a stop
     const patch = this.withTransfer(id, change);
     this.optimistic.patch(id, patch, this.doors.now());
     this.refresh();
