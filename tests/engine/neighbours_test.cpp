@@ -144,19 +144,24 @@ TEST_F(Neighbours, ASessionsFramesAreDrawnBesideItsStill) {
   engine_->post(ForgetFrame{kPolite, 1});
 }
 
-TEST_F(Neighbours, ANewerSceneEndsALosslessFrameInTheMiddle) {
-  engine_->post(SceneUpdate{kHeavy, heavy_scene(1)});
-  FrameRequest wanted = frame(kHeavy, 1, true);
-  wanted.width = wanted.height = 2048;
-  wanted.band_bytes = 64 << 10;
-  engine_->post(wanted);
-  wait_until_drawn(1);
-  Scene turned = heavy_scene(2);
-  turned.camera->eye.x += 1;
-  engine_->post(SceneUpdate{kHeavy, turned});
-  EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
-  engine_->post(frame(kHeavy, 2));
-  EXPECT_EQ(frame_of(2).revision, 2u);
+TEST_F(Neighbours, ANewerSceneEndsAFrameAtRestInTheMiddle) {
+  std::uint64_t revision = 0;
+  RequestId request = 0;
+  engine_->post(SceneUpdate{kHeavy, heavy_scene(++revision)});
+  for (const bool lossless : {true, false}) {
+    FrameRequest wanted = frame(kHeavy, ++request, lossless);
+    wanted.width = wanted.height = 2048;
+    if (lossless) wanted.band_bytes = 64 << 10;
+    wanted.until_newer = true;
+    engine_->post(wanted);
+    wait_until_drawn(request);
+    Scene turned = heavy_scene(++revision);
+    turned.camera->eye.x += 1;
+    engine_->post(SceneUpdate{kHeavy, turned});
+    EXPECT_EQ(failure_of(request).code, ErrorCode::cancelled);
+    engine_->post(frame(kHeavy, ++request));
+    EXPECT_EQ(frame_of(request).revision, revision);
+  }
 }
 
 TEST_F(Neighbours, ManySessionsDrawAtOnceAndEachGetsItsOwn) {

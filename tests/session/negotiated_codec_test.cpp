@@ -342,6 +342,38 @@ TEST_F(BandsAtRest, APictureThatIsAskedForByNameComesInOnePiece) {
   const auto asked = take<FrameRequest>();
   ASSERT_TRUE(asked && asked->lossless);
   EXPECT_EQ(asked->band_bytes, 0u);
+  EXPECT_TRUE(request.until_newer);
+  EXPECT_FALSE(asked->until_newer) << "whoever asks gets it, whatever others do meanwhile";
+}
+
+TEST_F(NegotiatedCodec, APictureOfAHandThatRestsIsGivenUpWhenItGoesOn) {
+  hello({"jpeg"});
+  v1::ClientMessage grip;
+  grip.mutable_interaction()->set_active(true);
+  receive(grip);
+  const auto moving = take<FrameRequest>();
+  ASSERT_TRUE(moving);
+  EXPECT_FALSE(moving->until_newer) << "of a hand that goes on, each is shown";
+  start(*moving);
+  finish(*moving, true);
+  acknowledge();
+  now_ += std::chrono::seconds(1);
+  sessions_->tick(now_);
+  const auto settled = take<FrameRequest>();
+  ASSERT_TRUE(settled && !settled->lossless);
+  EXPECT_EQ(settled->width, 64);
+  EXPECT_TRUE(settled->until_newer);
+  start(*settled);
+  v1::ClientMessage move;
+  move.mutable_set_camera()->mutable_camera()->mutable_eye()->set_z(3);
+  move.mutable_set_camera()->mutable_camera()->mutable_up()->set_y(1);
+  move.mutable_set_camera()->mutable_camera()->mutable_at();
+  move.mutable_set_camera()->mutable_camera()->set_fov_deg(30);
+  receive(move);
+  sessions_->on_event(RequestFailed{settled->session, settled->request, 0, ErrorCode::cancelled, "a newer scene came first"}, now_);
+  const auto next = take<FrameRequest>();
+  ASSERT_TRUE(next) << "and the one in motion comes at once";
+  EXPECT_FALSE(next->until_newer);
 }
 
 TEST_F(NegotiatedCodec, WhoDoesNotNameBandsGetsTheLosslessPictureInOnePiece) {

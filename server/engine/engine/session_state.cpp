@@ -58,7 +58,7 @@ std::optional<PictureOrder> SessionState::next_order(const std::function<bool(co
     auto order = order_of(*request);
     if (!order) continue;
     waiting.erase(request);
-    pictures[order->request.request] = {order->task, order->scene.revision, order->request.band_bytes > 0};
+    pictures[order->request.request] = {order->task, order->scene.revision, order->request.until_newer};
     return order;
   }
   return std::nullopt;

@@ -65,8 +65,8 @@ struct FrameRequest {
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
   std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
-  std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one. Given up, as `cancelled`, once
-                               // the session has a newer scene
+  std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one
+  bool until_newer = false;    // given up, as `cancelled`, once the session has a newer scene: a picture at rest, in the way of a hand that moves again
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
   std::optional<Annotations> annotations;  // in place of the scene's
   bool coarse = false;  // a moving frame of every n-th point, if that is at hand (FrameReady::coarse_at_hand); moved layers are made so for it

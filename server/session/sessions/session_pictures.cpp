@@ -19,7 +19,7 @@ bool same_picture(const FrameRequest& a, const FrameRequest& b) {
   // Whoever needs a key frame cannot do with an ordinary one; the other way round is no loss.
   if (a.video && (a.video->stream != b.video->stream || (b.video->key && !a.video->key))) return false;
   return a.width == b.width && a.height == b.height && a.lossless == b.lossless && a.jpeg == b.jpeg &&
-         a.coarse == b.coarse && a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes;
+         a.coarse == b.coarse && a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes && a.until_newer == b.until_newer;
 }
 
 /// Whether who ordered `wanted` can do with the picture that is made for another's order. Moving pictures that are less than the
@@ -108,6 +108,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
       order->codec = Codec::jpeg;
   }
   request.coarse = order->phase == FramePhase::moving && coarse(viewer);
+  request.until_newer = order->phase != FramePhase::moving && !order->whole;
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)
     if (made.ready.revision == state_.scene.revision && does_for(made.request, made.order, request, *order)) {

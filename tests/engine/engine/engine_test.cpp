@@ -128,6 +128,7 @@ TEST_F(EngineTest, ALosslessFrameInBandsIsWholeAndIsGivenUpForANewerScene) {
   FrameRequest wanted = frame(1, 1, true);
   wanted.width = wanted.height = 200;
   wanted.band_bytes = 4096;
+  wanted.until_newer = true;
   control_->noise = true;
   engine_->post(wanted);
   const FrameReady ready = frame_of(1);
