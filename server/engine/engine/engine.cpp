@@ -404,8 +404,7 @@ class Engine::Impl {
 
   /// With mutex_ held.
   void hold_coarse(SessionKey key, SessionState& session, std::shared_ptr<const ExtractedScene> coarse, const Scene& scene) {
-    session.coarse = {std::move(coarse), scene};
-    session.coarse_arrays = color_arrays(scene);
+    session.take_coarse(std::move(coarse), scene);
     hold(key, session);
   }
 

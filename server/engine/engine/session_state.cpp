@@ -1,6 +1,7 @@
 #include "engine/engine/session_state.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/picture/coarse_scene.h"
 
@@ -39,6 +40,12 @@ std::shared_ptr<const ExtractedScene> SessionState::ready_for(const Scene& of) c
 
 std::shared_ptr<const ExtractedScene> SessionState::coarse_for(const Scene& of) const {
   return coarse.extracted && same_extraction(coarse.scene, of) && coarse_arrays == color_arrays(of) ? coarse.extracted : nullptr;
+}
+
+void SessionState::take_coarse(std::shared_ptr<const ExtractedScene> extracted, const Scene& of) {
+  if (coarse.extracted && coarse.scene.revision > of.revision) return;
+  coarse = {std::move(extracted), of};
+  coarse_arrays = color_arrays(of);
 }
 
 bool SessionState::coarse_suffices() const {

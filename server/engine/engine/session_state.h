@@ -53,6 +53,8 @@ struct SessionState {
   std::shared_ptr<const ExtractedScene> ready_for(const Scene& of) const;
   /// The same of every n-th point.
   std::shared_ptr<const ExtractedScene> coarse_for(const Scene& of) const;
+  /// Of every n-th point of `of`. What is there of a newer scene stays: what was made in advance may come after what a hand has cut since.
+  void take_coarse(std::shared_ptr<const ExtractedScene> extracted, const Scene& of);
   /// Whether nobody waits for more than every n-th point of the newest scene, which can be made of what is ready: the same grid and step.
   bool coarse_suffices() const;
   /// No scene is held any more.

@@ -104,6 +104,23 @@ TEST_F(SessionStateTest, OfTwoThatAreOldTheNewerIsShown) {
   EXPECT_EQ(order->extracted->point_stride, 2);
 }
 
+TEST_F(SessionStateTest, WhatWasMadeInAdvanceDoesNotReplaceWhatAHandHasCutSince) {
+  state_.scene = scene(3, 0.3);
+  state_.ready = prepared(scene(1, 0.5), 1, 7);
+  const auto cut = prepared(scene(3, 0.3), 2, 1).extracted, made_in_advance = prepared(scene(1, 0.5), 2, 1).extracted;
+  state_.take_coarse(cut, scene(3, 0.3));
+  state_.take_coarse(made_in_advance, scene(1, 0.5));
+  wait(true);
+  const auto order = next();
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->extracted, cut);
+  EXPECT_EQ(order->scene.revision, 3u);
+  const auto next_cut = prepared(scene(4, 0.2), 2, 1).extracted;
+  state_.scene = scene(4, 0.2);
+  state_.take_coarse(next_cut, scene(4, 0.2));
+  EXPECT_EQ(state_.coarse_for(*state_.scene), next_cut);
+}
+
 TEST_F(SessionStateTest, AFirstLookContainsNoSceneWholly) {
   state_.scene = scene(5, 0.5);
   state_.ready = prepared(scene(5, 0.5), 4, 3);
