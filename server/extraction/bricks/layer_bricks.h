@@ -1,4 +1,5 @@
-// The bricks that layers of a structured grid lie in, in place of a mesh of tetrahedra: all that drawing constant colours needs.
+// The bricks that layers of a structured grid lie in, in place of a mesh of tetrahedra: all that drawing constant colours needs, and all that a
+// renderer that makes the mesh on its device asks for.
 //
 // A large mesh costs its memory: each megabyte that is written for the first time takes about a millisecond. So what bounds the layers is made
 // slab by slab, from the cells' cases, by whoever looks at it, and whoever looks keeps what he sees of it.
@@ -38,8 +39,10 @@ class LayerBricks {
   LayerBricks(const LayerBricks&) = delete;
   LayerBricks& operator=(const LayerBricks&) = delete;
 
+  const std::shared_ptr<const Dataset>& dataset() const { return dataset_; }
   const Grid& grid() const { return dataset_->grid; }
   const PointArray& array() const { return array_; }
+  const IsoRules& rules() const { return rules_; }
   const ActiveBricks& active() const { return *active_; }
   std::int64_t slabs() const { return active_->layout().bricks[2]; }
   /// The facets that structured_facets gives for the slab's bricks, in its order, on the very same positions. `wanted`: bricks for which it says no

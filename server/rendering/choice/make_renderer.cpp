@@ -25,6 +25,7 @@ class AreasOnTheCpu final : public Renderer {
   }
   const std::string& device() const override { return device_->device(); }
   bool cuts_intervals() const override { return device_->cuts_intervals(); }
+  bool extracts() const override { return device_->extracts(); }
 
  private:
   std::unique_ptr<Renderer> device_, native_;

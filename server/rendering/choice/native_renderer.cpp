@@ -29,6 +29,7 @@ class NativeRenderer final : public Renderer {
                                         [](const IntervalStyle& style) { return !style.visible || style.constant(); });
       const bool lit = std::any_of(input.styles.begin(), input.styles.end(),
                                    [](const IntervalStyle& style) { return style.visible && style.surface.drawn(); });
+      if (input.bricks && !constant) throw Error(ErrorCode::invalid_argument, "picture: the CPU draws layers without a mesh in constant colours only");
       if (constant && !input.cut_intervals.empty() && (lit || !input.count_fragments))
         draw_surfaces(input, lit, sink, result.facts);
       else if (constant && input.cut_intervals.empty())

@@ -53,6 +53,7 @@ DrawResult ComputeState::draw(const DrawInput& input) {
 
   Stopwatch watch;
   mesh_.set(input);
+  const double mesh_ms = watch.lap_ms();
   const TileStyles styles = tile_styles(input, mesh_.scale());
   for (std::size_t i = 0; i < styles.drawn.size(); ++i)
     if (styles.drawn[i]) facts.tetrahedra += mesh_.tetrahedra_of(i);
@@ -89,9 +90,10 @@ DrawResult ComputeState::draw(const DrawInput& input) {
   }
 
   facts.stages = pipeline_.stages();
-  facts.order_ms = cpu_order_ms;
+  facts.stages.insert(facts.stages.begin(), {"mesh", mesh_ms});
+  facts.order_ms = mesh_ms + cpu_order_ms;
   for (const StageTime& stage : facts.stages)
-    (stage.name == "blend" || stage.name == "merge" ? facts.draw_ms : facts.order_ms) += stage.ms;
+    if (stage.name != "mesh") (stage.name == "blend" || stage.name == "merge" ? facts.draw_ms : facts.order_ms) += stage.ms;
   facts.readback_ms = pipeline_.readback_ms();
   facts.order = order.method;
   facts.order_exact = order.kind == TILE_ORDER_NONE || (order.kind == TILE_ORDER_LIST ? order.list_exact : late == 0);
@@ -115,6 +117,7 @@ class ComputeRenderer final : public Renderer {
   }
 
   const std::string& device() const override { return device_; }
+  bool extracts() const override { return true; }
 
  private:
   std::string wanted_, device_;

@@ -77,6 +77,9 @@
 #define TILE_UNIFORM_ELEMENTS 1 // uint: of a scan; 0: the digits of all blocks of the sort
 #define TILE_UNIFORM_TOTAL 2    // uint: of a scan: the counter that the total goes to, or TILE_COUNTER_WORDS
 #define TILE_UNIFORM_PLAN 3     // uint: 0 plans the sort, 1 blending
+// Of adopt_layers.comp, which is an extraction program as well (gl/layout.h): beside its UNIFORM_...
+#define TILE_UNIFORM_TETRAHEDRA 5
+#define TILE_UNIFORM_PLACE 6
 
 #ifdef __cplusplus
 namespace isostrata::shaders {

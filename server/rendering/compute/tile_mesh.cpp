@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "rendering/compute/tile_layout.h"
+#include "rendering/shader_sources.h"
 
 namespace isostrata {
 namespace {
@@ -29,11 +30,16 @@ bool set_array(ComputeDevice& device, const std::shared_ptr<const std::vector<T>
 
 }  // namespace
 
-void TileMesh::set_mesh(const DrawInput& input) {
-  const IntervalMesh& mesh = *input.mesh;
+void TileMesh::set_place(const DrawInput& input) {
   mesh_.reset();
+  layers_.reset();
   middle_ = input.bounds.empty() ? Vec3d{} : input.bounds.center();
   scale_ = input.bounds.diagonal() > 0 ? input.bounds.diagonal() : 1.0;
+}
+
+void TileMesh::set_mesh(const DrawInput& input) {
+  const IntervalMesh& mesh = *input.mesh;
+  set_place(input);
   if (mesh.tetrahedra.size() >= std::numeric_limits<std::uint32_t>::max() / 2)
     throw Error(ErrorCode::too_large,
                 std::to_string(mesh.tetrahedra.size()) + " tetrahedra are more than renderer compute counts");
@@ -106,10 +112,72 @@ void TileMesh::set_runs(const Grid* grid, const IntervalMesh& mesh) {
   grid_ = grid;
 }
 
+void TileMesh::set_layers(const DrawInput& input) {
+  const LayerBricks& layers = *input.bricks;
+  set_place(input);
+  const Task task;
+  if (!extractor_) extractor_.emplace(device_);
+  if (field_of_.lock() != layers.dataset() || field_ != &layers.array()) {
+    field_of_.reset();
+    extractor_->load(layers.grid(), layers.array(), 0, task);
+    field_of_ = layers.dataset();
+    field_ = &layers.array();
+  }
+  std::vector<Interval> intervals;
+  for (const IsoRule& rule : layers.rules().rules()) intervals.push_back({rule.lower, rule.upper});
+  const GlCounts counts = extractor_->extract(intervals, GlExtent::tetrahedra, task);
+  tetrahedra_ = static_cast<std::uint32_t>(counts.tetrahedra);
+  of_interval_.clear();
+  for (const GlIntervalCount& of : counts.intervals) of_interval_.push_back(of.tetrahedra);
+  adopt(*extractor_);
+  values_source_.reset();
+  has_values_ = true;
+  has_normals_ = has_texture_ = false;
+  layers_ = input.bricks;
+}
+
+void TileMesh::adopt(const GlExtractor& made) {
+  const GlCounts& counts = made.counts();
+  device_.reserve(positions_, static_cast<std::uint64_t>(counts.points) * sizeof(Vec3f), "the mesh's points");
+  device_.reserve(values_, static_cast<std::uint64_t>(counts.points) * 4, "the color-by array");
+  device_.reserve(infos_, tetrahedra_ * 4ull, "what is known of the tetrahedra");
+  device_.reserve(runs_, (tetrahedra_ + 2 * static_cast<std::uint64_t>(counts.records)) * 4, "the tetrahedra's cells");
+  const Vec3d away = middle_ - made.field()->anchor;
+  const auto run = [&](const char* defines, std::int64_t items) {
+    const GLuint program =
+        device_.program(shaders::adopt_layers_comp, "#define BYTES_PER_VALUE 4\n" + std::string(shaders::tile_layout_h) + defines);
+    device_.gl().ProgramUniform1ui(program, UNIFORM_COUNT, static_cast<std::uint32_t>(items));
+    device_.gl().ProgramUniform1ui(program, TILE_UNIFORM_TETRAHEDRA, tetrahedra_);
+    device_.gl().ProgramUniform4f(program, TILE_UNIFORM_PLACE, static_cast<float>(away.x), static_cast<float>(away.y), static_cast<float>(away.z),
+                                  static_cast<float>(1 / scale_));
+    const auto groups = static_cast<std::uint32_t>((items + TILE_GROUP - 1) / TILE_GROUP);
+    for (std::uint32_t first = 0; first < groups; first += std::min(device_.groups_a_dispatch(), groups - first)) {
+      device_.gl().ProgramUniform1ui(program, UNIFORM_FIRST, first);
+      device_.dispatch(program, std::min(device_.groups_a_dispatch(), groups - first), Task());
+    }
+    device_.barrier();
+  };
+  device_.bind(BUFFER_POSITIONS, made.positions());
+  device_.bind(TILE_POSITIONS, positions_);
+  device_.bind(TILE_VALUES, values_);
+  run("#define POINTS\n", counts.points);
+  device_.bind(BUFFER_RECORDS, made.records());
+  device_.bind(BUFFER_FIRST, made.first_tetrahedron());
+  device_.bind(TILE_TETRAHEDRA, made.tetrahedra());
+  device_.bind(TILE_INFO, infos_);
+  device_.bind(TILE_RUNS, runs_);
+  run("", counts.records);
+}
+
 void TileMesh::set(const DrawInput& input) {
   const double scale = input.bounds.diagonal() > 0 ? input.bounds.diagonal() : 1.0;
   const Vec3d middle = input.bounds.empty() ? Vec3d{} : input.bounds.center();
-  const bool known = mesh_.lock() == input.mesh && scale == scale_ && middle == middle_;
+  const bool placed = scale == scale_ && middle == middle_;
+  if (input.bricks) {
+    if (layers_.lock() != input.bricks || !placed) set_layers(input);
+    return;
+  }
+  const bool known = mesh_.lock() == input.mesh && placed;
   if (!known) set_mesh(input);
   if (!known || grid_ != input.grid) set_runs(input.grid, *input.mesh);
   has_values_ = set_array(device_, input.color_values, values_source_, values_, "the color-by array");
@@ -119,7 +187,7 @@ void TileMesh::set(const DrawInput& input) {
 
 void TileMesh::bind() const {
   device_.bind(TILE_POSITIONS, positions_);
-  device_.bind(TILE_TETRAHEDRA, corners_);
+  device_.bind(TILE_TETRAHEDRA, layers_.expired() ? corners_ : extractor_->tetrahedra());
   device_.bind(TILE_INFO, infos_);
   device_.bind(TILE_RUNS, runs_);
 }

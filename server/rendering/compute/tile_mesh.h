@@ -1,10 +1,13 @@
-// An interval mesh and its point arrays on the device, kept from frame to frame.
+// An interval mesh and its point arrays on the device, kept from frame to frame: the CPU's, or made on the device from the layers' field.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "extraction/bricks/layer_bricks.h"
+#include "rendering/device/gl_extractor.h"
 #include "rendering/gl/gl_compute.h"
 #include "rendering/picture/renderer.h"
 
@@ -14,7 +17,8 @@ class TileMesh {
  public:
   explicit TileMesh(ComputeDevice& device) : device_(device) {}
 
-  /// Uploads what has changed since the last call, by the pointers' identity. Throws too_large.
+  /// Uploads what has changed since the last call, by the pointers' identity; of layers without a mesh (DrawInput::bricks) the field, once, whose
+  /// mesh is then made there. Throws too_large.
   void set(const DrawInput& input);
 
   Vec3d middle() const { return middle_; }
@@ -33,12 +37,19 @@ class TileMesh {
  private:
   void set_mesh(const DrawInput& input);
   void set_runs(const Grid* grid, const IntervalMesh& mesh);
+  void set_place(const DrawInput& input);
+  void set_layers(const DrawInput& input);
+  void adopt(const GlExtractor& made);
 
   ComputeDevice& device_;
   std::weak_ptr<const IntervalMesh> mesh_;
   std::weak_ptr<const std::vector<float>> values_source_, texture_source_;
   std::weak_ptr<const std::vector<Vec3f>> normals_source_;
   const Grid* grid_ = nullptr;
+  std::optional<GlExtractor> extractor_;  // once layers came without a mesh
+  std::weak_ptr<const Dataset> field_of_;  // what extractor_ has loaded: an array of that
+  const PointArray* field_ = nullptr;
+  std::weak_ptr<const LayerBricks> layers_;  // what the buffers were made of, in place of mesh_
   Vec3d middle_;
   double scale_ = 0;
   std::uint32_t tetrahedra_ = 0;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "base/error.h"
 #include "rendering/compute/tile_layout.h"
 #include "rendering/order/draw_groups.h"
 
@@ -54,7 +55,7 @@ TileOrder tile_order(const DrawInput& input, const TileStyles& styles, std::uint
     order.method = groups.empty() ? "none needed" : "priority (none needed)";
     return order;
   }
-  if (input.grid && input.grid->rectilinear() && !input.mesh->cell_runs.empty()) {
+  if (input.grid && input.grid->rectilinear() && (input.bricks || !input.mesh->cell_runs.empty())) {
     std::int64_t longest = 0;
     bool counted = true;  // in 16 bits
     for (const std::int64_t points : input.grid->dims()) {
@@ -70,6 +71,8 @@ TileOrder tile_order(const DrawInput& input, const TileStyles& styles, std::uint
       return order;
     }
   }
+  if (input.bricks)
+    throw Error(ErrorCode::too_large, "picture: the order of its cells is longer than the device's keys: extract on the CPU");
   VisibilityOrder sorted = order_groups(input);
   order.kind = TILE_ORDER_LIST;
   std::reverse(sorted.tetrahedra.begin(), sorted.tetrahedra.end());

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "extraction/intervals/extract_intervals.h"
 #include "rendering/device/gl_extraction.h"
 
 namespace isostrata {

@@ -63,7 +63,7 @@
 #define PROJECTED_VERTICES 12   // the most of a tetrahedron: four back faces
 #define FACET_VERTICES 12       // the most of its facets
 
-// ---- extraction (gl_extraction.h says what each dispatch reads and writes) ----------------------------------------------------------
+// ---- extraction (gl_extractor.h says what each dispatch reads and writes) ----------------------------------------------------------
 
 #define BRICK_GROUP 64          // invocations for a brick of 8^3 cells: one for each of its 64 rows of 8
 #define SCAN_GROUP 256          // invocations of a scan's work group

@@ -64,7 +64,7 @@ void check(const DrawInput& input) {
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
   const bool all_constant = std::all_of(input.styles.begin(), input.styles.end(),
                                         [](const IntervalStyle& style) { return !style.visible || style.constant(); });
-  if (input.bricks && (!all_constant || !input.cut_intervals.empty())) fail("layers without a mesh are drawn in constant colours only");
+  if (input.bricks && !input.cut_intervals.empty()) fail("layers without a mesh are not cut by the renderer");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalStyle& style = input.styles[i];
     const std::string which = "interval " + std::to_string(i) + ": ";
@@ -80,6 +80,7 @@ void check(const DrawInput& input) {
     if (!style.color_map.empty()) color_map(style.color_map);  // throws where there is no such map
     if (!std::isfinite(style.color_lower) || !std::isfinite(style.color_upper))
       fail(which + "the range of colour and opacity is not finite");
+    if (input.bricks) continue;  // its own values
     if (!input.color_values || input.color_values->size() != input.mesh->positions.size())
       fail(which + "a colour map or an upper opacity needs one value for each of the mesh's " +
            std::to_string(input.mesh->positions.size()) + " points");

@@ -43,7 +43,8 @@ struct DrawInput {
   // Then other ends need no other mesh. Surfaces among constant colours, without textures; only renderers that cuts_intervals().
   std::vector<Interval> cut_intervals;
   std::shared_ptr<const BaseTetrahedra> base;  // null without cut_intervals
-  // Not null: the mesh has summaries and no points; what is seen of its layers is made of these. Only renderers that draws_bricks(), and all styles constant().
+  // Not null: the mesh has summaries and no points; what is seen of its layers is made of these. In constant colours by renderers that draws_bricks();
+  // colours and opacities that run with the layers' own array, and no surfaces, by those that extracts().
   std::shared_ptr<const LayerBricks> bricks;
   RenderMode mode = RenderMode::sorted;
   Integral integral = Integral::exact;
@@ -94,6 +95,8 @@ class Renderer {
   /// Whether DrawInput::cut_intervals can be drawn, and DrawInput::bricks. The same as long as it lives.
   virtual bool cuts_intervals() const { return false; }
   virtual bool draws_bricks() const { return cuts_intervals(); }
+  /// Whether the mesh of DrawInput::bricks is made where it is drawn: of grids of boxes.
+  virtual bool extracts() const { return false; }
 };
 
 /// One attempt at a device, for `isostrata doctor`.

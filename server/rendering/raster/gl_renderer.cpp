@@ -309,6 +309,7 @@ class GlRenderer : public Renderer {
   }
 
   DrawResult draw(const DrawInput& input) override {
+    if (input.bricks) throw Error(ErrorCode::invalid_argument, "picture: renderer raster cannot draw layers without a mesh");
     return draw_with_state(
         state_, [&] { return std::make_unique<GlState>(open_context(wanted_), project_on_); }, input);
   }

@@ -313,8 +313,8 @@ TEST(Compute, CountsTheFragmentsThatRasterCounts) {
   const DrawFacts facts = compute().draw(input).facts;
   EXPECT_NEAR(static_cast<double>(facts.fragments), by_raster, 0.01 * by_raster);
   EXPECT_EQ(facts.renderer, "compute");
-  ASSERT_EQ(facts.stages.size(), 5u);
-  EXPECT_EQ(facts.stages[1].name, "sort");
+  ASSERT_EQ(facts.stages.size(), 6u);
+  EXPECT_EQ(facts.stages[2].name, "sort");
 }
 
 TEST(Compute, EightBitsAreTheFloatsOverTheBackground) {

@@ -136,7 +136,7 @@ void expect_equal_meshes(const Case& c, const IntervalMesh& mesh, const Task& ta
   ASSERT_EQ(sorted_keys(tetrahedra, intervals, origins), sorted_keys(mesh.tetrahedra, mesh.tetrahedron_interval, expected))
       << c.name << ": tetrahedra";
 
-  const Vec3d anchor = device().buffers().anchor;
+  const Vec3d anchor = device().anchor();
   const double size = c.grid.bounds().diagonal(), tolerance = 1e-6 * size;
   std::map<Origin, std::size_t> number;
   for (std::size_t i = 0; i < expected.size(); ++i) number[expected[i]] = i;
