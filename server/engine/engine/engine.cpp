@@ -314,6 +314,7 @@ class Engine::Impl {
       aids.bases = &bases_;
       aids.tetrahedra = cuts_intervals_ ? TetrahedraWay::automatic : TetrahedraWay::split;
       if (draws_bricks_) aids.least_in_bricks = kLeastInBricksOfFrames;
+      aids.extracts_there = extracts_there_;
       aids.max_bytes = room_for(key, false);
       const bool shows_it = is_whole(previous) && before.scene.dataset == scene.dataset && before.scene.array == scene.array;  // with other intervals, or at another step
       if (!options_.ranks && !shows_it)
@@ -729,10 +730,11 @@ class Engine::Impl {
     const std::lock_guard lock(mutex_);
     cuts_intervals_ = renderer.cuts_intervals();
     draws_bricks_ = renderer.draws_bricks();
+    extracts_there_ = renderer.extracts();
     in_lanes_ = needs_no_device(renderer);
     for (auto& [key, session] : sessions_) {
       const ExtractedScene* ready = session.ready.extracted.get();
-      if (ready && ((!cuts_intervals_ && ready->base) || (!draws_bricks_ && ready->bricks))) {
+      if (ready && ((!cuts_intervals_ && ready->base) || (!(draws_bricks_ && draws_from_bricks(session.ready.scene)) && ready->bricks))) {
         session.give_back();
         scenes_.hold(key, 0);
         advance(key, session);
@@ -887,7 +889,7 @@ class Engine::Impl {
   const EngineOptions options_;
   const Sink sink_;
   std::string device_;
-  std::atomic<bool> cuts_intervals_{false}, draws_bricks_{false};  // the renderer of now
+  std::atomic<bool> cuts_intervals_{false}, draws_bricks_{false}, extracts_there_{false};  // the renderer of now
   static constexpr std::uint64_t kLeastExport = 32ull << 20;  // that an export is given
   static constexpr int kStills = 4;          // sessions whose stills are drawn at once: each holds a picture
 

@@ -35,6 +35,12 @@ bool uses_texture(const Scene& scene) {
                      [](const SceneInterval& of) { return of.surface.drawn() && !of.surface.texture.empty(); });
 }
 
+/// The layers are ranges of one array at one step, and what the table makes of them.
+bool of_plain_ranges(const Scene& scene) {
+  return !scene.intervals.empty() && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear && scene.values == FieldValues::interpolated &&
+         scene.triangulation == Triangulation::table;
+}
+
 bool brings_in(const SceneTerm& term) {
   return term.term.op == RangeOperator::unite || term.term.op == RangeOperator::exclusive_or;
 }
@@ -275,13 +281,24 @@ bool cut_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& r
   return true;
 }
 
-/// Fills `made` with the bricks that the layers lie in, where pictures need no more and a mesh would be large.
-bool bricks_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& request, const StepSource& steps, const SceneAids& aids,
-                    const Task& task) {
-  if (!aids.bricks || aids.least_in_bricks == std::numeric_limits<std::int64_t>::max() || !draws_from_bricks(scene)) return false;
+/// From how many tetrahedra on the scene's layers are left to the renderer as bricks; nothing if they never are.
+std::optional<std::int64_t> least_in_bricks(const Scene& scene, const std::string& array, const Grid& grid, const SceneAids& aids) {
+  if (!aids.bricks) return std::nullopt;
+  if (aids.extracts_there && grid.rectilinear() && draws_where_extracted(scene, array)) return kLeastExtractedThere;
+  if (aids.least_in_bricks == std::numeric_limits<std::int64_t>::max() || !draws_from_bricks(scene)) return std::nullopt;
+  return aids.least_in_bricks;
+}
+
+/// Fills `made` with the bricks that the layers lie in, where the renderer needs no more and a mesh would be large.
+bool bricks_instead(ExtractedScene& made, const Scene& scene, const LayerRequest& request, const ExtractedScene* last, const StepSource& steps,
+                    const SceneAids& aids, const Task& task) {
   const auto dataset = steps(request.step, task);
-  auto found = find_layer_bricks(dataset, dataset->array(request.array), request.intervals, *aids.bricks, aids.least_in_bricks,
-                                 std::min(request.max_bytes, aids.max_bytes), task);
+  const PointArray& array = dataset->array(request.array);
+  const auto least = least_in_bricks(scene, request.array, dataset->grid, aids);
+  if (!least) return false;
+  const std::uint64_t bytes = std::visit([](auto values) { return values.size_bytes(); }, array.values);
+  if (!draws_from_bricks(scene) && bytes > kMostSentAtOnce && !ends_moved(last, request)) return false;
+  auto found = find_layer_bricks(dataset, array, request.intervals, *aids.bricks, *least, std::min(request.max_bytes, aids.max_bytes), task);
   if (!found) return false;
   made.dataset = dataset;
   made.time.first = made.time.second = request.step;
@@ -458,9 +475,12 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
   return sums;
 }
 
-bool draws_from_bricks(const Scene& scene) {
-  return !scene.intervals.empty() && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear && scene.values == FieldValues::interpolated &&
-         scene.triangulation == Triangulation::table && !uses_color_values(scene) && !uses_texture(scene);
+bool draws_from_bricks(const Scene& scene) { return of_plain_ranges(scene) && !uses_color_values(scene) && !uses_texture(scene); }
+
+bool draws_where_extracted(const Scene& scene, const std::string& array) {
+  constexpr std::size_t kMostIntervals = 10;  // of 20 ends: a device numbers the points of 21
+  return of_plain_ranges(scene) && scene.intervals.size() <= kMostIntervals && uses_color_values(scene) && names_of(scene, array).color_by == array &&
+         !draws_surfaces(scene);
 }
 
 std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task) {
@@ -559,8 +579,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
       keep && last->color_by == color_by && last->texture == texture && has_values && (last->normals_wanted || !lit);
   const bool same_cut = last && last->base && aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, request.array) &&
                         last->color_by == color_by && same_mesh(*last, plain, source, task);
-  const bool same_bricks = last && last->bricks && aids.least_in_bricks <= tetrahedra_of(*last) && draws_from_bricks(scene) &&
-                           same_mesh(*last, plain, source, task);
+  const auto least = last && last->bricks ? least_in_bricks(scene, request.array, last->dataset->grid, aids) : std::nullopt;
+  const bool same_bricks = least && *least <= tetrahedra_of(*last) && same_mesh(*last, plain, source, task);
   if (same_split || same_cut || (same_bricks && last->color_by == color_by && last->texture == texture)) {
     if (last->extract_ms == 0) return last;
     *made = *last;
@@ -574,7 +594,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     made->extract_ms = watch.elapsed_ms();
     return made;
   }
-  if (!keep && bricks_instead(*made, scene, plain, steps, aids, task)) {
+  if (!keep && bricks_instead(*made, scene, plain, last.get(), steps, aids, task)) {
     made->extract_ms = watch.elapsed_ms();
     return made;
   }

@@ -69,6 +69,9 @@ struct SceneAids : LayerAids {
   // Layers on a structured grid that would have this many tetrahedra are drawn from their bricks (ExtractedScene::bricks) where the scene draws
   // draws_from_bricks(); needs `bricks`, and a renderer that draws_bricks(). A smaller mesh is drawn sooner the second time.
   std::int64_t least_in_bricks = std::numeric_limits<std::int64_t>::max();
+  // Layers on grids of boxes whose colours run with their own array are left to the renderer as bricks, too (draws_where_extracted()); needs `bricks`,
+  // and a renderer that extracts().
+  bool extracts_there = false;
   std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, where the scene would need more
 };
 
@@ -114,6 +117,12 @@ bool cuts_exactly(const Scene& scene, const std::string& array);
 /// Whether a renderer needs no mesh for the layers of a structured grid: constant colours of plain ranges at one step, by the table, without
 /// textures.
 bool draws_from_bricks(const Scene& scene);
+/// Whether a renderer that extracts() needs no mesh for layers of `array` on a grid of boxes: plain ranges at one step, by the table, whose colours or
+/// opacities run with that array, without surfaces and textures, of few enough ends.
+bool draws_where_extracted(const Scene& scene, const std::string& array);
+inline constexpr std::int64_t kLeastExtractedThere = 100'000;  // tetrahedra; a smaller mesh is sent sooner
+/// Of a field that is sent for the first picture; a larger one is sent when ends are moved.
+inline constexpr std::uint64_t kMostSentAtOnce = std::uint64_t{256} << 20;
 inline constexpr std::int64_t kLeastInBricks = 4'000'000;  // for one picture
 /// For frame after frame: a frame from bricks takes some 2.7 times one from a mesh, whose 100 bytes a tetrahedron must then have room.
 inline constexpr std::int64_t kLeastInBricksOfFrames = 64'000'000;
