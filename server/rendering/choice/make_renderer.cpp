@@ -1,4 +1,5 @@
 #include "base/error.h"
+#include "rendering/choice/device_or_native.h"
 #include "rendering/choice/native_renderer.h"
 #include "rendering/choice/renderer_trial.h"
 #include "rendering/compute/compute_renderer.h"
@@ -13,23 +14,6 @@ bool hardware_at_hand() {
     if (attempt.ok && !attempt.software) return true;
   return false;
 }
-
-/// The OpenGL renderers draw a surface with the tetrahedron that it bounds. A flat grid's areas bound none, so the CPU draws those.
-class AreasOnTheCpu final : public Renderer {
- public:
-  explicit AreasOnTheCpu(std::unique_ptr<Renderer> device) : device_(std::move(device)) {}
-  DrawResult draw(const DrawInput& input) override {
-    if (!input.mesh || !input.mesh->tetrahedra.empty() || input.mesh->facets.empty()) return device_->draw(input);
-    if (!native_) native_ = make_native_renderer();
-    return native_->draw(input);
-  }
-  const std::string& device() const override { return device_->device(); }
-  bool cuts_intervals() const override { return device_->cuts_intervals(); }
-  bool extracts() const override { return device_->extracts(); }
-
- private:
-  std::unique_ptr<Renderer> device_, native_;
-};
 
 std::unique_ptr<Renderer> make_volume_renderer(const RendererChoice& choice) {
   if (choice.renderer != "auto" && choice.renderer != "native" && choice.renderer != "raster" && choice.renderer != "compute")
@@ -54,7 +38,7 @@ std::unique_ptr<Renderer> make_volume_renderer(const RendererChoice& choice) {
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice) {
   auto renderer = make_volume_renderer(choice);
   if (renderer->cuts_intervals()) return renderer;  // the native one
-  return std::make_unique<AreasOnTheCpu>(std::move(renderer));
+  return make_device_or_native(std::move(renderer));
 }
 
 }  // namespace isostrata

@@ -6,12 +6,26 @@
 #include <string>
 
 #include "base/error.h"
+#include "rendering/gl/gl_context.h"
 #include "rendering/picture/check_draw_input.h"
 
 namespace isostrata {
 
-/// Draws input by state->draw, after checking it; `open` makes the state where there is none. Whatever state the context is in
-/// after a failure, the next draw starts from a fresh one. Throws as Renderer::draw does.
+/// Whether the state can draw again: its meshes and pictures are gone, and no error of theirs is left for the next one to be blamed for.
+template <class State>
+bool give_back(State& state) {
+  if constexpr (requires { state.give_back(); })
+    state.give_back();
+  else
+    return false;
+  for (int i = 0; i < 8; ++i)  // a context has a few flags; one that is lost says so again and again
+    if (state.context().gl().GetError() == GL_NO_ERROR) return true;
+  return false;
+}
+
+/// Draws input by state->draw, after checking it; `open` makes the state if there is none. What is too large for the device leaves the context and
+/// its programs, and nothing else (state->give_back). After any other failure, whatever state the context is in, the next draw starts from a fresh
+/// one. Throws as Renderer::draw does.
 template <class State, class Open>
 DrawResult draw_with_state(std::unique_ptr<State>& state, const Open& open, const DrawInput& input) {
   check(input);
@@ -20,6 +34,9 @@ DrawResult draw_with_state(std::unique_ptr<State>& state, const Open& open, cons
   try {
     if (!state) state = open();
     return state->draw(input);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::too_large || !state || !give_back(*state)) state.reset();
+    throw;
   } catch (const std::bad_alloc&) {
     state.reset();
     throw Error(ErrorCode::too_large,

@@ -76,13 +76,20 @@ void DeviceMesh::set_facets(const DrawInput& input, double scale) {
   if (!put(corners_, sizeof(shaders::FacetCorner) * corners.size(), corners.data()) ||
       !put(facet_of_, 4 * facets_.first_of.size(), facets_.first_of.data()) || !put(facet_cells_, 4 * cells.size(), cells.data()))
     throw Error(ErrorCode::too_large, "the device has no room for " + std::to_string(facets_.facets.size()) +
-                                          " boundary facets: narrow the intervals or leave the surfaces out");
+                                          " boundary facets: narrow the intervals, leave the surfaces out or draw with native");
   facets_mesh_.set(input.mesh);
   facets_colors_.set(input.color_values);
   facets_textures_.set(input.texture_values);
   facets_normals_.set(input.normals);
   facets_center_ = center;
   facets_scale_ = scale;
+}
+
+void DeviceMesh::give_back() {
+  mesh_.forget();
+  facets_mesh_.forget();
+  facets_ = {};
+  for (GlObject* of : {&points_, &cells_, &intervals_, &corners_, &facet_of_, &facet_cells_}) *of = GlObject{};
 }
 
 void DeviceMesh::bind() const {

@@ -41,6 +41,8 @@ class DeviceMesh {
   bool set_mesh(const DrawInput& input, double scale);
   /// Puts the facets there, or keeps them. Throws too_large.
   void set_facets(const DrawInput& input, double scale);
+  /// As if nothing had been set.
+  void give_back();
 
   /// To the storage buffers' bindings that drawing and projection use, whichever of the two was set.
   void bind() const;

@@ -15,9 +15,13 @@ DrawTarget::DrawTarget(const GlFunctions& gl)
       resolve_program_(make_program(gl, shaders::resolve_vert, shaders::resolve_frag, "")),
       vertex_array_(make_vertex_array(gl)) {}
 
-void DrawTarget::make(int width, int height, bool nearest) {
-  width_ = height_ = 0;  // nothing, until all of it is made
+void DrawTarget::give_back() {
+  width_ = height_ = 0;
   for (GlObject* old : {&color_, &nearest_, &bytes_, &accumulate_, &resolve_}) *old = GlObject{};
+}
+
+void DrawTarget::make(int width, int height, bool nearest) {
+  give_back();  // until all of it is made
   color_ = make_texture_2d(gl_, GL_RGBA32F, width, height);
   bytes_ = make_texture_2d(gl_, GL_RGBA8, width, height);
   accumulate_ = make_framebuffer(gl_);

@@ -24,6 +24,8 @@ class DrawTarget {
   /// Makes it ready for a tile, black and clear, and binds it; nearest: with the second attachment for depth. Throws too_large,
   /// unavailable.
   void begin(const Tile& tile, bool nearest);
+  /// What is drawn into is not kept any longer.
+  void give_back();
   /// To 8 bits, on the device: over the background, or straight colours with their alpha.
   void resolve(const Rgb& background, bool transparent);
   /// After resolve(): the tile's pixels of the picture.

@@ -44,6 +44,10 @@ class GlState {
   }
 
   DrawResult draw(const DrawInput& input);
+  void give_back() {
+    mesh_.give_back();
+    target_.give_back();
+  }
   const GlContext& context() const { return *context_; }
 
  private:
@@ -200,7 +204,6 @@ void GlState::prepare(Frame& frame) {
 
 void GlState::draw_tile(const Tile& tile, const Frame& frame) {
   const DrawInput& input = frame.input;
-  target_.begin(tile, frame.variant.nearest);
   styles_.bind();
   mesh_.bind();
   // The viewport is the guard's square about the middle of the picture; the framebuffer cuts the tile out of it.
@@ -238,7 +241,7 @@ void GlState::check_device() {
     throw Error(ErrorCode::unavailable, context_->device() + ": the driver has reset the device");
   const GLenum error = gl_.GetError();
   if (error == GL_CONTEXT_LOST) throw Error(ErrorCode::unavailable, context_->device() + ": the context was lost");
-  if (error == GL_OUT_OF_MEMORY) throw Error(ErrorCode::too_large, context_->device() + ": out of memory");
+  if (error == GL_OUT_OF_MEMORY) throw Error(ErrorCode::too_large, context_->device() + ": out of memory: narrow the intervals or draw with native");
   if (error != GL_NO_ERROR) throw Error(ErrorCode::unavailable, context_->device() + ": OpenGL error " + std::to_string(error));
 }
 
@@ -270,6 +273,8 @@ DrawResult GlState::draw(const DrawInput& input) {
                         input.float_image};
   Frame frame{input, variant, projection, {}, std::move(order.tetrahedra), drawn_parts(input.styles)};
   prepare(frame);
+  if (project_here_ && !frame.variant.wide)
+    result.facts.device += ", its tetrahedra projected by the CPU: the device has no room for the mesh";
   const GlObject query = input.count_fragments ? make_query(gl_, GL_SAMPLES_PASSED) : GlObject{};
 
   result.image = blank_picture(input);
@@ -278,6 +283,7 @@ DrawResult GlState::draw(const DrawInput& input) {
   for (int y = 0; y < input.height; y += largest_tile_)
     for (int x = 0; x < input.width; x += largest_tile_) {
       const Tile tile{x, y, std::min(largest_tile_, input.width - x), std::min(largest_tile_, input.height - y)};
+      target_.begin(tile, frame.variant.nearest);
       if (query) gl_.BeginQuery(GL_SAMPLES_PASSED, query.name());
       draw_tile(tile, frame);
       if (query) {
