@@ -19,6 +19,7 @@
 #include "main/egl_drivers.h"
 #include "main/worker_probe.h"
 #include "rendering/device/gl_extraction_mesh.h"
+#include "rendering/gl/gl_probe.h"
 #include "rendering/picture/renderer.h"
 
 namespace isostrata {
@@ -61,12 +62,18 @@ std::int64_t control_group_limit() {
   return 0;
 }
 
+/// Throws unavailable if it cannot draw; another process tries it, since its driver may end that.
+void check_device(const std::string& device) {
+  if (const DeviceAttempt attempt = probe_device(device); !attempt.ok) throw Error(ErrorCode::unavailable, attempt.name + ": " + attempt.detail);
+}
+
 Findings examine(const std::string& device, bool trial) {
   Findings findings;
   findings.attempts = probe_devices();
   findings.c_library = c_library();
   findings.egl = egl_libraries();
   try {
+    if (device != "auto" && device != "native") check_device(device);
     const std::unique_ptr<Renderer> renderer = make_renderer({"auto", device, trial});
     findings.device = renderer->device();
     findings.trial = renderer_trial_report();

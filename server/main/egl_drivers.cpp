@@ -6,16 +6,21 @@
 
 #include <algorithm>
 #include <boost/json.hpp>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 
+#include "base/run_in_child.h"
+
 namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kLimit{30};
 
 /// Its path, or why it cannot be loaded.
 LoadedLibrary load(const std::string& name, const std::string& shown) {
@@ -72,10 +77,32 @@ LoadedLibrary driver_of(const fs::path& file) {
 
 LoadedLibrary c_library() { return load("libc.so.6", std::string("C library ") + gnu_get_libc_version()); }
 
+// What the child says of each is three words that end with a zero byte: name, "ok" or nothing, detail.
 std::vector<LoadedLibrary> egl_libraries() {
-  std::vector<LoadedLibrary> libraries{load("libEGL.so.1", "libEGL.so.1")};
-  if (libraries.front().ok)
-    for (const fs::path& file : driver_files()) libraries.push_back(driver_of(file));
+  std::vector<LoadedLibrary> libraries;
+  std::vector<fs::path> files = driver_files();
+  files.insert(files.begin(), "libEGL.so.1");
+  while (libraries.size() < files.size() && (libraries.empty() || libraries.front().ok)) {
+    const ChildRun run = run_in_child(
+        [&](const Say& say) {
+          for (std::size_t i = libraries.size(); i < files.size(); ++i) {
+            const LoadedLibrary of = i == 0 ? load(files[0], files[0]) : driver_of(files[i]);
+            say(of.name + '\0' + (of.ok ? "ok" : "") + '\0' + of.detail + '\0');
+            if (i == 0 && !of.ok) return;
+          }
+        },
+        kLimit);
+    std::istringstream said(run.said);
+    for (LoadedLibrary of; std::getline(said, of.name, '\0');) {
+      std::string ok;
+      std::getline(said, ok, '\0');
+      std::getline(said, of.detail, '\0');
+      of.ok = !ok.empty();
+      libraries.push_back(of);
+    }
+    if (!run.ended.empty() && libraries.size() < files.size())
+      libraries.push_back({files[libraries.size()].filename().string(), false, "loading it ended the process that tried it: " + run.ended});
+  }
   return libraries;
 }
 

@@ -1,4 +1,4 @@
-// Which EGL this process loads, and from where.
+// Which EGL this program loads, and from where.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ LoadedLibrary c_library();
 
 /// libEGL.so.1, then the drivers that it asks in turn: those that the files in $__EGL_VENDOR_LIBRARY_FILENAMES name, else those in the
 /// folders of $__EGL_VENDOR_LIBRARY_DIRS, else in those where GLVND looks by itself ("EGL ICD enumeration" in GLVND's documentation). They
-/// stay loaded. Any thread.
+/// are loaded by another process, which one of them may end. Any thread.
 std::vector<LoadedLibrary> egl_libraries();
 
 }  // namespace isostrata

@@ -19,14 +19,15 @@ TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
   const auto document = boost::json::parse(result.out);
   EXPECT_TRUE(document.at("can_draw").as_bool());
   EXPECT_FALSE(document.at("device").as_string().empty());
-  bool surfaceless = false, osmesa = false;
+  bool surfaceless = false, osmesa = false, egl = false;
   for (const auto& device : document.at("devices").as_array()) {
     surfaceless = surfaceless || device.at("name").as_string() == "EGL surfaceless";
     osmesa = osmesa || device.at("name").as_string() == "OSMesa";
+    egl = egl || (!osmesa && device.at("ok").as_bool());
     EXPECT_FALSE(device.at("detail").as_string().empty());
   }
   EXPECT_TRUE(surfaceless);
-  EXPECT_TRUE(osmesa);
+  EXPECT_NE(osmesa, egl) << "OSMesa is tried if EGL gave nothing";
   const auto& worker = document.at("worker");
   EXPECT_TRUE(worker.at("ok").as_bool()) << worker;
   EXPECT_THAT(std::string(worker.at("detail").as_string()), HasSubstr("was replaced by process"));
@@ -74,6 +75,51 @@ TEST(DoctorCommand, IsLoudAboutSoftware) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("*** SOFTWARE rendering"));
   EXPECT_THAT(result.out, HasSubstr("process that draws"));
+}
+
+/// As EGL's only driver, the one that ends every process that loads it.
+std::string crashing_driver(const TemporaryFolder& folder) {
+  std::ofstream(folder / "10_crash.json") << R"({"file_format_version": "1.0.0", "ICD": {"library_path": ")" << isostrata::places::binaries()
+                                          << R"(/libisostrata-crashing-driver.so"}})";
+  return "__EGL_VENDOR_LIBRARY_DIRS='" + folder.path().string() + "'";
+}
+
+TEST(DoctorCommand, ADriverThatEndsItsProcessIsNamedAndTheCpuDraws) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_isostrata("doctor --json", crashing_driver(folder));
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto document = boost::json::parse(result.out);
+  EXPECT_THAT(std::string(document.at("device").as_string()), HasSubstr("CPU"));
+  EXPECT_TRUE(document.at("worker").at("ok").as_bool()) << document.at("worker");
+  const auto& devices = document.at("devices").as_array();
+  ASSERT_EQ(devices.size(), 3u) << document.at("devices");
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(devices[i].at("name").as_string(), i == 0 ? "EGL devices" : "EGL surfaceless");
+    EXPECT_FALSE(devices[i].at("ok").as_bool());
+    EXPECT_THAT(std::string(devices[i].at("detail").as_string()), HasSubstr("signal 11"));
+  }
+  EXPECT_EQ(devices[2].at("name").as_string(), "OSMesa");
+  EXPECT_EQ(devices[2].at("ok").as_bool(), osmesa_is_installed());
+  EXPECT_THAT(std::string(document.at("egl").as_array().at(1).at("detail").as_string()), HasSubstr("signal 11"));
+}
+
+TEST(DoctorCommand, CommandsGoOnWhereADriverEndsItsProcess) {
+  const TemporaryFolder folder;
+  const std::string out = " --out '" + (folder / "a.png").string() + "'", driver = crashing_driver(folder);
+  const CommandResult picture = run_isostrata("render torus:8 --json" + out, driver);
+  ASSERT_EQ(picture.status, 0) << picture.err;
+  EXPECT_THAT(std::string(boost::json::parse(picture.out).at("device").as_string()), HasSubstr("CPU"));
+  EXPECT_EQ(run_isostrata("doctor --device surfaceless", driver).status, 1);
+  EXPECT_EQ(run_isostrata("extract torus:8 --interval 0:0.2 --device auto --out '" + (folder / "a.vtu").string() + "'", driver).status, 0);
+}
+
+// zink draws by Vulkan; without a Vulkan driver Mesa's EGL says so, and its OSMesa ends the process.
+TEST(DoctorCommand, ZinkEndsNoCommand) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_isostrata("doctor --json", "GALLIUM_DRIVER=zink");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(boost::json::parse(result.out).at("worker").at("ok").as_bool());
+  EXPECT_EQ(run_isostrata("render torus:8 --renderer auto --out '" + (folder / "a.png").string() + "'", "GALLIUM_DRIVER=zink").status, 0);
 }
 
 // With EGL's vendor list empty and a driver that does not exist, neither EGL nor OSMesa makes a context.

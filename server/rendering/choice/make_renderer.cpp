@@ -3,6 +3,7 @@
 #include "rendering/choice/native_renderer.h"
 #include "rendering/choice/renderer_trial.h"
 #include "rendering/compute/compute_renderer.h"
+#include "rendering/gl/gl_probe.h"
 #include "rendering/picture/renderer.h"
 #include "rendering/raster/gl_renderer.h"
 
@@ -10,9 +11,8 @@ namespace isostrata {
 namespace {
 
 bool hardware_at_hand() {
-  for (const DeviceAttempt& attempt : probe_devices())
-    if (attempt.ok && !attempt.software) return true;
-  return false;
+  const DeviceAttempt* taken = automatic_device();
+  return taken && !taken->software;
 }
 
 std::unique_ptr<Renderer> make_volume_renderer(const RendererChoice& choice) {

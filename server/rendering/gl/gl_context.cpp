@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <functional>
 
 #include "base/error.h"
+#include "rendering/gl/gl_probe.h"
 #include "rendering/gl/gl_ways.h"
 
 namespace isostrata {
@@ -44,38 +44,30 @@ std::string digits_only(std::string_view uuid) {
   return digits;
 }
 
-/// Runs `open` and writes down how it went.
-std::unique_ptr<GlContext> attempt(std::vector<DeviceAttempt>& attempts, const std::string& name,
-                                   const std::function<std::unique_ptr<GlContext>()>& open) {
-  DeviceAttempt record{name, false, "", false};
-  std::unique_ptr<GlContext> context;
-  try {
-    context = open();
-    record.ok = true;
-    record.software = context->software();
-    record.detail = context->device();
-    if (!context->uuid().empty()) record.detail += ", UUID " + context->uuid();
-  } catch (const Error& error) {
-    record.detail = error.what();
-  }
-  attempts.push_back(record);
-  return context;
-}
-
 [[noreturn]] void nothing_opened(std::string_view device, const std::vector<DeviceAttempt>& attempts) {
   std::string text = "no OpenGL 4.5 device for '" + std::string(device) + "'";
   for (const DeviceAttempt& a : attempts) text += "; " + a.name + ": " + (a.ok ? "works: " : "") + a.detail;
   throw Error(ErrorCode::unavailable, text);
 }
 
-std::unique_ptr<GlContext> open_egl_device(std::string_view device, std::string_view which,
-                                           std::vector<DeviceAttempt>& attempts) {
+/// Null: it does not work, and that is written down.
+std::unique_ptr<GlContext> attempt(std::vector<DeviceAttempt>& attempts, const EglDevice& device) {
+  try {
+    return open_egl(device);
+  } catch (const Error& error) {
+    attempts.push_back({device.name, false, error.what(), false, ""});
+    return nullptr;
+  }
+}
+
+std::unique_ptr<GlContext> open_egl_device(std::string_view device, std::string_view which) {
+  std::vector<DeviceAttempt> attempts;
   const std::vector<EglDevice> devices = egl_devices(attempts);
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), index);
   if (error == std::errc{} && end == which.data() + which.size() && which.size() < 10) {
     if (index < devices.size())
-      if (auto context = attempt(attempts, devices[index].name, [&] { return open_egl(devices[index]); })) return context;
+      if (auto context = attempt(attempts, devices[index])) return context;
     throw Error(ErrorCode::unavailable,
                 "device '" + std::string(device) + "': " +
                     (attempts.empty() ? "no such EGL device; there are " + std::to_string(devices.size()) +
@@ -88,8 +80,9 @@ std::unique_ptr<GlContext> open_egl_device(std::string_view device, std::string_
                 "device '" + std::string(device) + "': expected egl:INDEX or egl:UUID (32 hexadecimal digits)");
   for (const EglDevice& candidate : devices) {
     if (!candidate.uuid.empty() && digits_only(candidate.uuid) != wanted) continue;
-    auto context = attempt(attempts, candidate.name, [&] { return open_egl(candidate); });
+    auto context = attempt(attempts, candidate);
     if (context && (digits_only(candidate.uuid) == wanted || digits_only(context->uuid()) == wanted)) return context;
+    if (context) attempts.push_back({candidate.name, true, context->device() + ", UUID " + context->uuid(), false, ""});
   }
   nothing_opened(device, attempts);
 }
@@ -137,35 +130,21 @@ void GlContext::load(void* (*get_function)(const char* name), std::string_view w
 }
 
 std::unique_ptr<GlContext> open_context(std::string_view device) {
-  std::vector<DeviceAttempt> attempts;
-  if (device == "surfaceless") {
-    if (auto context = attempt(attempts, "EGL surfaceless", open_surfaceless)) return context;
-    nothing_opened(device, attempts);
+  if (device == "auto") {
+    const DeviceAttempt* taken = automatic_device();
+    if (!taken) nothing_opened(device, automatic_attempts());
+    return open_context(taken->device);
   }
-  if (device == "osmesa") {
-    if (auto context = attempt(attempts, "OSMesa", open_osmesa)) return context;
-    nothing_opened(device, attempts);
-  }
-  if (device.starts_with("egl:")) return open_egl_device(device, device.substr(4), attempts);
-  if (device != "auto")
+  if (device.starts_with("egl:")) return open_egl_device(device, device.substr(4));
+  if (device != "surfaceless" && device != "osmesa")
     throw Error(ErrorCode::invalid_argument,
                 "device '" + std::string(device) + "' is not known; expected auto, egl:INDEX, egl:UUID, surfaceless or osmesa");
-  for (const EglDevice& candidate : egl_devices(attempts)) {
-    if (candidate.software) continue;
-    auto context = attempt(attempts, candidate.name, [&] { return open_egl(candidate); });
-    if (context && !context->software()) return context;
+  const bool surfaceless = device == "surfaceless";
+  try {
+    return surfaceless ? open_surfaceless() : open_osmesa();
+  } catch (const Error& error) {
+    nothing_opened(device, {{surfaceless ? "EGL surfaceless" : "OSMesa", false, error.what(), false, ""}});
   }
-  if (auto context = attempt(attempts, "EGL surfaceless", open_surfaceless)) return context;
-  if (auto context = attempt(attempts, "OSMesa", open_osmesa)) return context;
-  nothing_opened(device, attempts);
-}
-
-std::vector<DeviceAttempt> probe_devices() {
-  std::vector<DeviceAttempt> attempts;
-  for (const EglDevice& candidate : egl_devices(attempts)) attempt(attempts, candidate.name, [&] { return open_egl(candidate); });
-  attempt(attempts, "EGL surfaceless", open_surfaceless);
-  attempt(attempts, "OSMesa", open_osmesa);
-  return attempts;
 }
 
 }  // namespace isostrata

@@ -5,6 +5,7 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 
+#include <atomic>
 #include <cstdio>
 #include <string_view>
 
@@ -48,7 +49,10 @@ bool has_word(const char* list, std::string_view word) {
   return false;
 }
 
+std::atomic<bool> loaded{false};
+
 Egl load_egl() {
+  loaded = true;
   Egl egl;
   egl.library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!egl.library) {
@@ -89,8 +93,8 @@ Egl load_egl() {
 }
 
 const Egl& egl() {
-  static const Egl loaded = load_egl();
-  return loaded;
+  static const Egl egl = load_egl();
+  return egl;
 }
 
 std::string error_text() {
@@ -167,6 +171,8 @@ std::unique_ptr<GlContext> open_display(EGLenum platform, void* native, std::str
 
 }  // namespace
 
+bool egl_is_loaded() { return loaded; }
+
 std::string format_uuid(const unsigned char* bytes) {
   std::string text;
   bool zero = true;
@@ -182,7 +188,7 @@ std::string format_uuid(const unsigned char* bytes) {
 
 std::vector<EglDevice> egl_devices(std::vector<DeviceAttempt>& attempts) {
   const auto give_up = [&](const std::string& why) {
-    attempts.push_back({"EGL devices", false, why, false});
+    attempts.push_back({"EGL devices", false, why, false, ""});
     return std::vector<EglDevice>{};
   };
   if (!egl().failure.empty()) return give_up(egl().failure);

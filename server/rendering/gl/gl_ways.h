@@ -20,6 +20,9 @@ struct EglDevice {
 /// In the driver's order. Where they cannot be listed, adds an attempt that says why and returns none.
 std::vector<EglDevice> egl_devices(std::vector<DeviceAttempt>& attempts);
 
+/// Whether this process has begun to use EGL. Any thread.
+bool egl_is_loaded();
+
 // Each throws unavailable with the reason.
 std::unique_ptr<GlContext> open_egl(const EglDevice& device);
 std::unique_ptr<GlContext> open_surfaceless();

@@ -105,6 +105,7 @@ struct DeviceAttempt {
   bool ok = false;
   std::string detail;  // the GL renderer and version, or why it failed
   bool software = false;
+  std::string device = "";  // as make_renderer takes it: "egl:0", "surfaceless", "osmesa"
 };
 
 /// What draws, as it is asked for.
@@ -120,6 +121,7 @@ struct RendererChoice {
 /// a process; raster on a named software device. What a device has no room for is drawn by native (choice/device_or_native.h). The renderer must be used and destroyed on the thread that made it. Throws
 /// unavailable saying what was tried and why each failed, invalid_argument for words that are none of these.
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
+/// All devices, tried in a process of its own, which a driver may end: those of EGL, EGL surfaceless, and OSMesa if EGL gave nothing.
 std::vector<DeviceAttempt> probe_devices();
 /// How the last trial of this process went, for the log; empty where there was none. Any thread.
 std::string renderer_trial_report();
