@@ -18,6 +18,7 @@ namespace {
 constexpr std::uint32_t kBatch = 1024;  // pairs of a batch, where there is room for that many batches
 constexpr std::uint32_t kLargestBatch = 1 << 16;
 constexpr double kNearest = 1e-6;  // depth, in units of the bounds' diagonal
+constexpr double kSliceMs = 25;
 constexpr int kWindow = 8;         // fragments that a pixel keeps to put late ones in order
 
 std::uint32_t groups_of(std::uint64_t items, std::uint64_t each) { return static_cast<std::uint32_t>((items + each - 1) / each); }
@@ -42,7 +43,7 @@ TilePipeline::TilePipeline(ComputeDevice& device) : device_(device), gl_(device.
   largest_part_ = largest >= (std::uint64_t{4096} * 4096 * 16) ? 4096 : 2048;
   device_.reserve(frame_, sizeof(shaders::TileFrame), "a frame");
   device_.reserve(counters_, TILE_COUNTER_WORDS * 4, "counters");
-  device_.reserve(groups_, 3 * 16, "work groups");
+  device_.reserve(groups_, (TILE_GROUPS_BLEND + TILE_MOST_SLICES) * 16, "work groups");
 }
 
 GLuint TilePipeline::program(const char* source, const std::string& defines) {
@@ -67,6 +68,22 @@ void TilePipeline::dispatch_indirect(GLuint program, std::uint32_t row) {
   gl_.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups_.name());
   gl_.DispatchComputeIndirect(static_cast<GLintptr>(row * 16));
   device_.barrier();
+}
+
+/// A GPU that others share, or that a system watches, is not held longer than a slice takes.
+void TilePipeline::blend(GLuint program) {
+  gl_.ProgramUniform1ui(program, TILE_UNIFORM_SLICES, slices_);
+  for (std::uint32_t slice = 0; slice < slices_; ++slice) {
+    gl_.ProgramUniform1ui(program, TILE_UNIFORM_SLICE, slice);
+    dispatch_indirect(program, TILE_GROUPS_BLEND + slice);
+    if (slices_ > 1) gl_.Flush();
+  }
+}
+
+/// From what blending took last.
+void TilePipeline::plan_slices() {
+  const auto blended = std::find_if(stages_.begin(), stages_.end(), [](const StageTime& of) { return of.name == "blend"; });
+  if (blended != stages_.end()) slices_ = static_cast<std::uint32_t>(std::clamp(std::ceil(blended->ms / kSliceMs), 1.0, double{TILE_MOST_SLICES}));
 }
 
 // count 0: the digits of all blocks of the sort.
@@ -163,6 +180,7 @@ std::string TilePipeline::blend_defines(const TilePicture& picture) const {
 void TilePipeline::begin(const TilePicture& picture) {
   const DrawInput& input = *picture.input;
   const Task task;
+  plan_slices();
   stages_.clear();
   readback_ms_ = 0;
   device_.reserve(styles_, picture.styles->rows.size() * 16, "the styles");
@@ -179,6 +197,7 @@ void TilePipeline::begin(const TilePicture& picture) {
   }
   device_.reserve(clip_planes_, planes.size() * 16, "the clip planes");
   device_.upload(clip_planes_, 0, bytes_of(planes), task);
+  device_.reserve(order_, 16, "the order");  // something is bound where there is none
   if (picture.order->kind == TILE_ORDER_LIST) {
     device_.reserve(order_, picture.order->list.size() * 4, "the order");
     device_.upload(order_, 0, bytes_of(picture.order->list), task);
@@ -194,7 +213,7 @@ void TilePipeline::run(const TilePicture& picture, std::uint32_t key_bits) {
   device_.bind(TILE_STYLES, styles_);
   device_.bind(TILE_COUNTERS, counters_);
   device_.bind(TILE_CLIP_PLANES, clip_planes_);
-  if (order_.object) device_.bind(TILE_ORDER, order_);
+  device_.bind(TILE_ORDER, order_);
   device_.bind(TILE_GROUPS, groups_);
   device_.bind(TILE_RANGES, ranges_);
 
@@ -215,6 +234,7 @@ void TilePipeline::run(const TilePicture& picture, std::uint32_t key_bits) {
   dispatch(program(shaders::tile_ranges_comp, ""), groups_of(tiles + 1, TILE_GROUP));
   scan(batches_, tiles + 1, TILE_COUNT_BATCHES);
   gl_.ProgramUniform1ui(plan, TILE_UNIFORM_PLAN, 1);
+  gl_.ProgramUniform1ui(plan, TILE_UNIFORM_SLICES, slices_);
   dispatch(plan, 1);
   mark("batches");
 
@@ -222,7 +242,7 @@ void TilePipeline::run(const TilePicture& picture, std::uint32_t key_bits) {
   device_.bind(TILE_LIGHT, light_);
   if (depth) device_.bind(TILE_NEAREST, nearest_);
   picture.mesh->bind_arrays();
-  dispatch_indirect(program(shaders::tile_blend_comp, defines + nearest), TILE_GROUPS_BLEND);
+  blend(program(shaders::tile_blend_comp, defines + nearest));
   mark("blend");
 
   device_.bind(TILE_PICTURE, picture_);
@@ -237,7 +257,7 @@ TileDrawn TilePipeline::draw(const TilePicture& picture, const TilePart& part, I
   for (int attempt = 0;; ++attempt) {
     current_ = frame_of(picture, part);
     const std::uint32_t tiles = current_.part.z * current_.part.w;
-    const std::uint32_t key_bits = current_.keys.z + static_cast<std::uint32_t>(std::bit_width(tiles - 1));
+    const std::uint32_t key_bits = current_.keys.z + static_cast<std::uint32_t>(std::bit_width(tiles));  // one number more than tiles
     const std::uint64_t blocks = groups_of(pair_room_, TILE_SORT_TILE);
     const std::uint64_t elements = std::max<std::uint64_t>(std::uint64_t{current_.room.x} + 1, blocks * TILE_SORT_DIGITS);
     device_.reserve(sums_, elements * 4, "counts of tetrahedra");

@@ -6,7 +6,7 @@
 //   tile_cover FILL    -> pairs of key (tile, group, place in the order) and tetrahedron
 //   tile_sort          COUNT, tile_scan, SCATTER for each 4 bits of the keys: a stable radix sort
 //   tile_ranges        -> each tile's pairs and how many batches they make; tile_scan
-//   tile_blend         batches -> (colour, what is let through) of each pixel; tile_blend.comp has the method
+//   tile_blend         in slices: batches -> (colour, what is let through) of each pixel; tile_blend.comp has the method
 //   tile_merge         -> each tile's batches over one another, to 8 bits or floats
 // Counts stay on the device: what follows them is dispatched indirectly. Buffers have room for what the last part needed and a
 // quarter more; a part that needs more counts it, draws nothing, and is drawn again.
@@ -74,6 +74,8 @@ class TilePipeline {
   std::string blend_defines(const TilePicture& picture) const;
   void dispatch(GLuint program, std::uint64_t groups);
   void dispatch_indirect(GLuint program, std::uint32_t row);
+  void blend(GLuint program);
+  void plan_slices();
   void scan(const ComputeBuffer& elements, std::uint32_t count, std::uint32_t total);
   void sort(std::uint32_t bits);
   void run(const TilePicture& picture, std::uint32_t key_bits);
@@ -86,7 +88,7 @@ class TilePipeline {
   ComputeDevice& device_;
   const GlFunctions& gl_;
   int largest_part_ = 0;
-  std::uint32_t most_pairs_ = 0, pair_room_ = 0, batch_room_ = 0, batch_size_ = 0;
+  std::uint32_t most_pairs_ = 0, pair_room_ = 0, batch_room_ = 0, batch_size_ = 0, slices_ = 1;
   std::map<std::pair<const char*, std::string>, GlObject> programs_;
   ComputeBuffer frame_, counters_, styles_, clip_planes_, order_, sums_, partials_, pairs_, sorted_, groups_, ranges_, batches_,
       light_, nearest_, picture_, depth_;

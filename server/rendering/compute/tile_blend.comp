@@ -10,6 +10,8 @@
 // pixels alike, also where it reaches behind the eye. All u are counted from the tetrahedron's farthest point, and pixels too, so that
 // what is small stays exact however far the eye is.
 layout(local_size_x = TILE_GROUP) in;
+layout(location = TILE_UNIFORM_SLICES) uniform uint slices;
+layout(location = TILE_UNIFORM_SLICE) uniform uint slice;
 layout(std430, binding = TILE_PAIRS) readonly restrict buffer PairBuffer { uvec2 pairs[]; };
 layout(std430, binding = TILE_RANGES) readonly restrict buffer RangeBuffer { uvec2 ranges[]; };
 layout(std430, binding = TILE_BATCHES) readonly restrict buffer BatchBuffer { uint batches[]; };
@@ -43,7 +45,8 @@ shared vec2 scalar_range[TILE_GROUP];
 shared uint id_of[TILE_GROUP];
 #endif
 shared uint masks[8 * TILE_GROUP];  // [tetrahedron / 32][pixel]
-shared uvec4 batch;                 // tile, first pair, end, whether some pixel is not yet full
+shared uvec3 batch;                 // tile, first pair, end
+shared uint unfilled;               // whether some pixel is not yet full
 shared uint fragments, late;
 
 vec3 ray_of(vec2 at) { return perspective() ? vec3(at * frame.lens.y, 1.0) : vec3(0.0, 0.0, 1.0); }
@@ -358,10 +361,11 @@ uint end_of_cell(uint at, uvec2 range) {
 }
 
 void main() {
-  uint t = gl_LocalInvocationIndex, index = work_group();
+  uint t = gl_LocalInvocationIndex, all = batches[frame.part.z * frame.part.w], each = (all + slices - 1u) / slices;
+  uint index = slice * each + work_group();
+  bool any = work_group() < each && index < all;
   if (t == 0u) {
     uint low = 0u, high = frame.part.z * frame.part.w;  // the last tile whose batches begin at or before this one
-    bool any = index < batches[high];
     while (high - low > 1u) {
       uint middle = (low + high) / 2u;
       if (batches[middle] <= index)
@@ -375,7 +379,8 @@ void main() {
       first = end_of_cell(first, range);
       end = end_of_cell(end, range);
     }
-    batch = any ? uvec4(low, first, end, 1u) : uvec4(0u);
+    batch = any ? uvec3(low, first, end) : uvec3(0u);
+    unfilled = any ? 1u : 0u;
     fragments = late = 0u;
   }
   barrier();
@@ -393,12 +398,12 @@ void main() {
   }
 #endif
 
-  for (uint chunk = begin; chunk < end && batch.w != 0u; chunk += TILE_GROUP) {
+  for (uint chunk = begin; chunk < end && unfilled != 0u; chunk += TILE_GROUP) {
     for (uint w = 0u; w < 8u; ++w) masks[w * TILE_GROUP + t] = 0u;
     ivec4 box = ivec4(0, 0, -1, -1);
     if (chunk + t < end && !load(t, pairs[chunk + t].y, box)) box = ivec4(0, 0, -1, -1);
     barrier();
-    if (t == 0u) batch.w = 0u;
+    if (t == 0u) unfilled = 0u;
     box = ivec4(max(box.xy - corner, ivec2(0)), min(box.zw - corner, ivec2(15)));
     for (int y = box.y; y <= box.w; ++y)
       for (int x = box.x; x <= box.z; ++x) {
@@ -466,7 +471,7 @@ void main() {
 #endif
       }
     }
-    if (inside && through > frame.limits.y) atomicOr(batch.w, 1u);
+    if (inside && through > frame.limits.y) atomicOr(unfilled, 1u);
     barrier();
   }
 
@@ -478,7 +483,7 @@ void main() {
 #else
   flush();
 #endif
-  if (index < batches[frame.part.z * frame.part.w]) {
+  if (any) {
     light[index * TILE_GROUP + t] = vec4(sum, through);
 #ifdef NEAREST_DEPTH
     nearest[index * TILE_GROUP + t] = nearest_u;

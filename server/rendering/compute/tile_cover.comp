@@ -1,5 +1,5 @@
 // One tetrahedron an invocation: which tiles it may cover. COUNT writes how many; FILL, once these are summed up, the pairs of (tile, group,
-// place in the order) and tetrahedron.
+// place in the order) and tetrahedron: as many as were counted, whatever this program makes of its own sums, the last ones of no tile.
 layout(local_size_x = TILE_GROUP) in;
 layout(std430, binding = TILE_ORDER) readonly restrict buffer OrderBuffer { uint order[]; };
 layout(std430, binding = TILE_SUMS) restrict buffer SumBuffer { uint sums[]; };
@@ -20,8 +20,8 @@ void main() {
   uint slot = work_group() * TILE_GROUP + gl_LocalInvocationIndex;
 #ifdef FILL
   if (slot >= frame.room.x || pairs_at_hand() == 0u) return;
-  uint at = sums[slot];
-  if (sums[slot + 1u] == at) return;
+  uint at = sums[slot], end = sums[slot + 1u];
+  if (end == at) return;
 #else
   if (slot > frame.room.x) return;
   sums[slot] = 0u;
@@ -35,15 +35,21 @@ void main() {
   vec3 p[4] = vec3[4](turned(points.x), turned(points.y), turned(points.z), turned(points.w));
   for (int v = 0; v < 4; ++v) p[v] += view_origin();
   ivec4 box;
+#ifdef FILL
+  if (!covered_box(p, box)) box = ivec4(0, 0, -1, -1);
+  ivec4 tiles = box >> TILE_SIDE_SHIFT;
+#else
   if (!covered_box(p, box) || clipped_away(p)) return;
-  uvec4 tiles = uvec4(box) >> TILE_SIDE_SHIFT;
+  ivec4 tiles = box >> TILE_SIDE_SHIFT;
+#endif
 #ifdef FILL
   uint group = uint(style_row(interval, TILE_STYLE_LIGHT).w);
   uint low = kind == 1.0 ? depth_key(id) : 0u;
   if (frame.keys.x != TILE_ORDER_LIST) low |= group << frame.keys.y;
-  for (uint y = tiles.y; y <= tiles.w; ++y)
-    for (uint x = tiles.x; x <= tiles.z; ++x) pairs[at++] = uvec2(((y * frame.part.z + x) << frame.keys.z) | low, id);
+  for (int y = tiles.y; y <= tiles.w; ++y)
+    for (int x = tiles.x; x <= tiles.z && at < end; ++x) pairs[at++] = uvec2(((uint(y) * frame.part.z + uint(x)) << frame.keys.z) | low, id);
+  while (at < end) pairs[at++] = uvec2((frame.part.z * frame.part.w) << frame.keys.z, id);
 #else
-  sums[slot] = (tiles.z - tiles.x + 1u) * (tiles.w - tiles.y + 1u);
+  sums[slot] = uint((tiles.z - tiles.x + 1) * (tiles.w - tiles.y + 1));
 #endif
 }

@@ -70,16 +70,19 @@
 // Rows of the indirect dispatches.
 #define TILE_GROUPS_SORT 0
 #define TILE_GROUPS_SORT_SCAN 1
-#define TILE_GROUPS_BLEND 2
+#define TILE_GROUPS_BLEND 2     // and one a slice
+#define TILE_MOST_SLICES 64     // of blending: another program may draw between two of them
 
 // Uniforms beside the block.
 #define TILE_UNIFORM_SHIFT 0    // uint: of a sort: where the digit is
 #define TILE_UNIFORM_ELEMENTS 1 // uint: of a scan; 0: the digits of all blocks of the sort
 #define TILE_UNIFORM_TOTAL 2    // uint: of a scan: the counter that the total goes to, or TILE_COUNTER_WORDS
 #define TILE_UNIFORM_PLAN 3     // uint: 0 plans the sort, 1 blending
+#define TILE_UNIFORM_SLICES 4   // uint: of blending and its plan
+#define TILE_UNIFORM_SLICE 5    // uint: of blending: which
 // Of adopt_layers.comp, which is an extraction program as well (gl/layout.h): beside its UNIFORM_...
-#define TILE_UNIFORM_TETRAHEDRA 5
-#define TILE_UNIFORM_PLACE 6
+#define TILE_UNIFORM_TETRAHEDRA 6
+#define TILE_UNIFORM_PLACE 7
 
 #ifdef __cplusplus
 namespace isostrata::shaders {

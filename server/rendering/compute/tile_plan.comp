@@ -1,6 +1,7 @@
 // The work groups of the indirect dispatches, from the counters.
 layout(local_size_x = 1) in;
 layout(location = TILE_UNIFORM_PLAN) uniform uint what;
+layout(location = TILE_UNIFORM_SLICES) uniform uint slices;
 layout(std430, binding = TILE_GROUPS) writeonly restrict buffer GroupBuffer { uvec4 groups[]; };
 
 uvec4 rows_of(uint count) {
@@ -15,6 +16,8 @@ void main() {
     groups[TILE_GROUPS_SORT_SCAN] = rows_of((blocks * TILE_SORT_DIGITS + TILE_SCAN_TILE - 1u) / TILE_SCAN_TILE);
   } else {
     uint batches = counters[TILE_COUNT_BATCHES];
-    groups[TILE_GROUPS_BLEND] = rows_of(batches <= frame.room.z ? batches : 0u);
+    if (batches > frame.room.z) batches = 0u;
+    uint each = (batches + slices - 1u) / slices;
+    for (uint s = 0u; s < slices; ++s) groups[TILE_GROUPS_BLEND + s] = rows_of(min(each, batches - min(s * each, batches)));
   }
 }

@@ -21,10 +21,11 @@ layout(std430, binding = TILE_RUNS) readonly restrict buffer RunBuffer { uint ru
 vec4 style_row(uint interval, uint row) { return styles[interval * TILE_STYLE_ROWS + row]; }
 bool perspective() { return frame.limits.z > 0.5; }
 
-// View space but for the translation, so that differences of neighbours keep their digits.
+// View space but for the translation, so that differences of neighbours keep their digits. The same in all programs.
 vec3 turned(uint point) {
   vec3 p = vec3(positions[3u * point], positions[3u * point + 1u], positions[3u * point + 2u]);
-  return vec3(dot(frame.right.xyz, p), dot(frame.down.xyz, p), dot(frame.forward.xyz, p));
+  precise vec3 at = vec3(dot(frame.right.xyz, p), dot(frame.down.xyz, p), dot(frame.forward.xyz, p));
+  return at;
 }
 vec3 view_origin() { return vec3(frame.right.w, frame.down.w, frame.forward.w); }
 
@@ -34,7 +35,10 @@ const vec2 kBesideMiddle = vec2(1.0 / 8192.0, 1.0 / 12288.0);
 // Of the part's pixel, counted from the middle of the picture.
 vec2 sample_of(ivec2 pixel) { return vec2(pixel) + 0.5 + kBesideMiddle - frame.lens.zw; }
 
-vec2 on_screen(vec3 p) { return perspective() ? p.xy * (frame.lens.x / p.z) : p.xy * frame.lens.x; }
+vec2 on_screen(vec3 p) {
+  precise vec2 at = perspective() ? p.xy * (frame.lens.x / p.z) : p.xy * frame.lens.x;
+  return at;
+}
 
 // The part's pixels that the tetrahedron may cover, first and last; false where there are none.
 bool covered_box(vec3 p[4], out ivec4 box) {

@@ -45,6 +45,7 @@
   X(PFNGLENDQUERYPROC, EndQuery)                                       \
   X(PFNGLFENCESYNCPROC, FenceSync)                                     \
   X(PFNGLFINISHPROC, Finish)                                           \
+  X(PFNGLFLUSHPROC, Flush)                                             \
   X(PFNGLGETERRORPROC, GetError)                                       \
   X(PFNGLGETINTEGER64VPROC, GetInteger64v)                             \
   X(PFNGLGETINTEGERI_VPROC, GetIntegeri_v)                             \

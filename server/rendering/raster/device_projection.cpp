@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "rendering/gl/layout.h"
 #include "rendering/shader_sources.h"
@@ -56,7 +57,8 @@ bool DeviceProjection::prepare(const Variant& variant, std::span<const std::uint
     if (!reserve(batch.vertices, batch.bytes, groups * PROJECT_GROUP * vertices * words * 4, 0)) return false;
     if (batch.commands) continue;
     batch.commands = make_buffer(gl_);
-    gl_.NamedBufferStorage(batch.commands.name(), kMostGroups * sizeof(shaders::DrawCommand), nullptr, 0);
+    const std::vector<shaders::DrawCommand> none(kMostGroups, shaders::DrawCommand{});  // drawn if a dispatch never ran
+    gl_.NamedBufferStorage(batch.commands.name(), static_cast<GLsizeiptr>(none.size() * sizeof(shaders::DrawCommand)), none.data(), 0);
   }
   GlObject& program = programs_[variant];
   if (!program) {

@@ -76,7 +76,7 @@ bool covers_pixel(vec2 a, vec2 b, vec2 c) {
          holds_center(low.x, high.x, frame.picture.z) && holds_center(low.y, high.y, frame.picture.w);
 }
 
-uint next_word;
+uint next_word = 0u;
 
 void put(vec2 xy, float z, uvec3 tent, float q_min, uint style_kind, vec2 scalar) {
   vertices[next_word] = floatBitsToUint(xy.x);
