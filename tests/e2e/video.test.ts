@@ -31,6 +31,7 @@ async function open(before?: () => void, codec = 'vp9-444'): Promise<void> {
   await viewer.exactPicture();
 }
 const moving = (): Frame[] => viewer.events.flatMap((event) => (event.kind === 'frame' && event.frame.phase === 'moving' ? [event.frame] : []));
+const isVideo = (frame: Frame): boolean => frame.format === 'vp9-444';
 const offered = (): string[] => viewer.events.flatMap((event) => (event.kind === 'welcome' ? event.welcome.movingFormats : []));
 
 /** Keeps what the page draws last from a VideoFrame, or of JPEG: in the page, before its own scripts. */
@@ -88,10 +89,13 @@ describe('video', () => {
     expect(offered()).toContain('vp9-444');
     const { inMotion, exact } = await turnAndCompare();
     const frames = moving();
-    expect(frames.length).toBeGreaterThan(3);
-    expect(new Set(frames.map((frame) => frame.format))).toEqual(new Set(['vp9-444']));
-    for (const [i, frame] of frames.entries())  // a key frame where the size changes, and nowhere else
-      expect(frame.key, `frame ${i}`).toBe(frame.width !== frames[i - 1]?.width);
+    const video = frames.filter(isVideo);
+    expect(video.length).toBeGreaterThan(3);
+    for (const [i, frame] of frames.entries()) {
+      // Pictures by themselves come while an encoder is opened; then, as where the size changes, a key frame, and nowhere else.
+      const before = frames[i - 1];
+      if (isVideo(frame)) expect(frame.key, `frame ${i}`).toBe(!before || !isVideo(before) || before.width !== frame.width);
+    }
     expect(drawnPixels(exact)).toBeGreaterThan(1000);
     expect(difference(inMotion, exact)).toBeLessThan(3);
     expect(viewer.problems).toEqual([]);
@@ -159,7 +163,7 @@ describe('video', () => {
     await viewer.exactPicture();
     const { inMotion, exact } = await turnAndCompare();
     expect(difference(inMotion, exact)).toBeLessThan(3);
-    expect(new Set(moving().map((frame) => frame.streamId)).size).toBe(1);
+    expect(new Set(moving().filter(isVideo).map((frame) => frame.streamId)).size).toBe(1);
     expect(moving().filter((frame) => frame.key).length).toBeGreaterThan(1); // a key frame of each size
     expect(viewer.problems).toEqual([]);
   });
@@ -225,7 +229,7 @@ describe('video', () => {
     for (let i = 0; i < 3; i++) await turn();
     expect(drawnPixels(await turn())).toBeGreaterThan(1000);
     const formats = moving().map((frame) => frame.format);
-    expect(formats[0]).toBe('vp9-444');
+    expect(formats).toContain('vp9-444');
     expect(formats[formats.length - 1]).toBe('jpeg');
     expect(viewer.problems).toEqual([]);
   });
@@ -244,6 +248,7 @@ describe('video', () => {
         takeAway: () => made[made.length - 1]?.error(new DOMException('reclaimed', 'QuotaExceededError')),
       });
     });
+    await turnAndCompare(); // so that the last decoder is the stream's
     await viewer.page.evaluate(() => (globalThis as unknown as { takeAway(): void }).takeAway());
     const { inMotion, exact } = await turnAndCompare();
     const last = moving().pop();

@@ -1,6 +1,8 @@
 #include "engine/engine/make_picture.h"
 
+#include <algorithm>
 #include <exception>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -13,14 +15,21 @@ namespace {
 
 constexpr std::uint64_t kFrameBytes = 64ull << 20;  // of a picture that is not counted
 
+constexpr int kMeanwhileQuality = 40;  // of a JPEG in place of a video's frame: about the bytes of a key frame
+
+/// As JPEG while the stream's encoder is being opened.
 void encode_video(StreamEncoders& streams, const Image& image, const FrameRequest& request, FrameReady& frame) {
   EncodeOrder order{request.jpeg_quality};
   order.bitrate_kbps = request.video->bitrate_kbps;
   order.key = request.video->key;
   try {
-    EncodedFrame encoded = streams.encoder(frame.video->stream, frame.video->codec).encode(image, order);
-    frame.bytes = std::make_shared<const Bytes>(std::move(encoded.bytes));
-    frame.video->key = encoded.key;
+    std::optional<EncodedFrame> encoded = streams.encode(frame.video->stream, frame.video->codec, image, order);
+    frame.jpeg = !encoded;
+    if (encoded)
+      frame.video->key = encoded->key;
+    else
+      frame.video.reset();
+    frame.bytes = std::make_shared<const Bytes>(encoded ? std::move(encoded->bytes) : encode_jpeg(image, std::min(request.jpeg_quality, kMeanwhileQuality)));
   } catch (...) {
     const Error error = as_error(std::current_exception());
     throw EncoderFailed(error.code(), error.what());

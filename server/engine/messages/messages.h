@@ -46,7 +46,8 @@ struct SceneUpdate {
 };
 
 /// A frame as the next one of a video stream. The stream begins with its first order; that frame, and the first of another size,
-/// is a key frame. Every frame of a stream must reach its viewer, in order.
+/// is a key frame. Every frame of a stream must reach its viewer, in order. Until its encoder is open, pictures by themselves come in place of it: JPEG,
+/// without FrameReady::video.
 struct VideoOrder {
   Codec codec = Codec::vp9_444;
   StreamId stream = 0;

@@ -163,7 +163,7 @@ void Session::give(Viewer& viewer, FrameOrder order, const FrameReady& ready, Ti
     }
   }
   if (order.phase == FramePhase::settled) frame.set_phase(v1::FRAME_PHASE_SETTLED);
-  order.key = ready.video && ready.video->key;
+  order.key = is_video(order.codec) && (!ready.video || ready.video->key);  // a picture in place of the first frame stands by itself, too
   frame.set_frame_id(viewer.frames.sent(order, ready.revision, payload->size(), now));
   if (order.phase == FramePhase::moving) {
     note_sent(viewer, order, ready, frame.frame_id());
@@ -214,7 +214,7 @@ void Session::on_picture_event(RequestId request, const EngineEvent& event, Time
   if (!picture.started) each_taker(picture, [](Viewer& viewer, const FrameOrder&) { viewer.ordered_request = 0; });
   if (const auto* ready = std::get_if<FrameReady>(&event)) {
     note_made(picture, *ready, now);
-    if (!ready->video && ready->revision == state_.scene.revision) {
+    if (!ready->video && !picture.request.video && ready->revision == state_.scene.revision) {
       made_.push_front({picture.request, picture.order, *ready});
       if (made_.size() > kMostMade) made_.pop_back();
     }
