@@ -116,7 +116,7 @@ TEST_P(TooLarge, IsDrawnByTheCpuAsLongAsThatMeshIsShown) {
   EXPECT_EQ(*draw(7, "torus-48").bytes, *large.bytes);
 }
 
-INSTANTIATE_TEST_SUITE_P(Renderers, TooLarge, ::testing::Values("raster"), [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Renderers, TooLarge, ::testing::Values("compute", "raster"), [](const auto& info) { return std::string(info.param); });
 
 }  // namespace
 }  // namespace isostrata

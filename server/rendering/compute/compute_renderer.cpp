@@ -17,7 +17,7 @@ namespace {
 /// Everything that lives in one context.
 class ComputeState {
  public:
-  explicit ComputeState(std::unique_ptr<GlContext> context) : device_(std::move(context)), mesh_(device_), pipeline_(device_) {
+  explicit ComputeState(std::unique_ptr<GlContext> context) : device_(std::move(context), "draw with native"), mesh_(device_), pipeline_(device_) {
     device_.gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
   ~ComputeState() {
@@ -29,6 +29,10 @@ class ComputeState {
   }
 
   DrawResult draw(const DrawInput& input);
+  void give_back() {
+    mesh_.give_back();
+    pipeline_.give_back();
+  }
   const GlContext& context() const { return device_.context(); }
 
  private:
@@ -81,7 +85,7 @@ DrawResult ComputeState::draw(const DrawInput& input) {
     if (!drawn.too_many) continue;
     if (part.width <= 16 && part.height <= 16)
       throw Error(ErrorCode::too_large,
-                  device_.context().device() + ": more tetrahedra in 16x16 pixels than renderer compute has room for");
+                  device_.context().device() + ": more tetrahedra in 16x16 pixels than renderer compute has room for: draw with native");
     const int half_width = part.width > 16 ? (part.width / 2 + 15) / 16 * 16 : part.width;
     const int half_height = part.height > 16 ? (part.height / 2 + 15) / 16 * 16 : part.height;
     for (int y = 0; y < part.height; y += half_height)

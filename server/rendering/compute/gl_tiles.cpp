@@ -203,7 +203,14 @@ void TilePipeline::begin(const TilePicture& picture) {
     device_.upload(order_, 0, bytes_of(picture.order->list), task);
   }
   if (pair_room_ == 0) pair_room_ = with_slack(2ull * picture.mesh->tetrahedra(), std::min<std::uint64_t>(most_pairs_, 1 << 22));
-  if (batch_room_ == 0) batch_room_ = 1024;
+  if (batch_room_ == 0) batch_room_ = std::min<std::uint32_t>(1024, most_batches());
+}
+
+void TilePipeline::give_back() {
+  for (ComputeBuffer* of : {&styles_, &clip_planes_, &order_, &sums_, &partials_, &pairs_, &sorted_, &ranges_, &batches_, &light_, &nearest_, &picture_, &depth_})
+    device_.free(*of);
+  pair_room_ = batch_room_ = 0;
+  batch_size_ = kBatch;
 }
 
 void TilePipeline::run(const TilePicture& picture, std::uint32_t key_bits) {
@@ -287,9 +294,8 @@ TileDrawn TilePipeline::draw(const TilePicture& picture, const TilePart& part, I
       if (pairs > most_pairs_) return {.too_many = true};
       pair_room_ = with_slack(pairs, most_pairs_);
     } else if (batches > batch_room_) {
-      const auto most = static_cast<std::uint32_t>(device_.largest_buffer() / (TILE_GROUP * 16));
-      if (batches <= most)
-        batch_room_ = with_slack(batches, most);
+      if (batches <= most_batches())
+        batch_room_ = with_slack(batches, most_batches());
       else if (batch_size_ < kLargestBatch)
         batch_size_ *= 2;
       else

@@ -60,6 +60,8 @@ class TilePipeline {
   void begin(const TilePicture& picture);
   /// Draws a part and reads it back into the picture. Throws too_large, unavailable.
   TileDrawn draw(const TilePicture& picture, const TilePart& part, Image* bytes, FloatImage* floats);
+  /// Nothing but the programs is kept, and nothing is known of what pictures need.
+  void give_back();
   /// The longest side of a part.
   int largest_part() const { return largest_part_; }
 
@@ -69,6 +71,7 @@ class TilePipeline {
 
  private:
   struct Programs;
+  std::uint32_t most_batches() const { return static_cast<std::uint32_t>(device_.largest_buffer() / (TILE_GROUP * 16)); }
   GLuint program(const char* source, const std::string& defines);
   shaders::TileFrame frame_of(const TilePicture& picture, const TilePart& part) const;
   std::string blend_defines(const TilePicture& picture) const;

@@ -42,7 +42,7 @@ void TileMesh::set_mesh(const DrawInput& input) {
   set_place(input);
   if (mesh.tetrahedra.size() >= std::numeric_limits<std::uint32_t>::max() / 2)
     throw Error(ErrorCode::too_large,
-                std::to_string(mesh.tetrahedra.size()) + " tetrahedra are more than renderer compute counts");
+                std::to_string(mesh.tetrahedra.size()) + " tetrahedra are more than renderer compute counts: draw with native");
   tetrahedra_ = static_cast<std::uint32_t>(mesh.tetrahedra.size());
   grid_ = nullptr;
 
@@ -183,6 +183,17 @@ void TileMesh::set(const DrawInput& input) {
   has_values_ = set_array(device_, input.color_values, values_source_, values_, "the color-by array");
   has_normals_ = set_array(device_, input.normals, normals_source_, normals_, "the normals");
   has_texture_ = set_array(device_, input.texture_values, texture_source_, texture_, "the texture's array");
+}
+
+void TileMesh::give_back() {
+  mesh_.reset();
+  layers_.reset();
+  field_of_.reset();
+  extractor_.reset();
+  values_source_.reset();
+  normals_source_.reset();
+  texture_source_.reset();
+  for (ComputeBuffer* of : {&positions_, &corners_, &infos_, &runs_, &values_, &normals_, &texture_}) device_.free(*of);
 }
 
 void TileMesh::bind() const {

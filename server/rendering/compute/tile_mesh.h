@@ -20,6 +20,8 @@ class TileMesh {
   /// Uploads what has changed since the last call, by the pointers' identity; of layers without a mesh (DrawInput::bricks) the field, once, whose
   /// mesh is then made there. Throws too_large.
   void set(const DrawInput& input);
+  /// As if nothing had been set.
+  void give_back();
 
   Vec3d middle() const { return middle_; }
   double scale() const { return scale_; }  // world units of a length of 1 on the device

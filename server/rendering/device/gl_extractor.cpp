@@ -22,6 +22,11 @@ std::uint32_t pieces(std::uint64_t items, std::uint64_t each) { return static_ca
 
 }  // namespace
 
+GlExtractor::~GlExtractor() {
+  free_all();
+  device_.free(tables_);
+}
+
 /// All but the tables.
 void GlExtractor::free_all() {
   if (field_) field_->free(device_);

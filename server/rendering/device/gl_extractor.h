@@ -71,6 +71,7 @@ struct GlCounts {
 class GlExtractor {
  public:
   explicit GlExtractor(ComputeDevice& device) : device_(device) {}
+  ~GlExtractor();
   GlExtractor(const GlExtractor&) = delete;
   GlExtractor& operator=(const GlExtractor&) = delete;
 

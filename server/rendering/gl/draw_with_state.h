@@ -14,10 +14,7 @@ namespace isostrata {
 /// Whether the state can draw again: its meshes and pictures are gone, and no error of theirs is left for the next one to be blamed for.
 template <class State>
 bool give_back(State& state) {
-  if constexpr (requires { state.give_back(); })
-    state.give_back();
-  else
-    return false;
+  state.give_back();
   for (int i = 0; i < 8; ++i)  // a context has a few flags; one that is lost says so again and again
     if (state.context().gl().GetError() == GL_NO_ERROR) return true;
   return false;

@@ -42,7 +42,8 @@ std::int64_t now_ns() {
 
 }  // namespace
 
-ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context) : context_(std::move(context)), gl_(context_->gl()) {
+ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context, std::string otherwise)
+    : context_(std::move(context)), otherwise_(std::move(otherwise)), gl_(context_->gl()) {
   make_current();
   GLint64 allowed = 0;
   gl_.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &allowed);
@@ -59,9 +60,9 @@ ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context) : context_(std:
   if (blocks < STORAGE_BUFFERS || bindings < STORAGE_BUFFERS || shared < 32768)
     throw Error(ErrorCode::unavailable, context_->device() + ": " + std::to_string(blocks) +
                                             " storage buffers in a compute program, " + std::to_string(bindings) + " bindings, " +
-                                            std::to_string(shared) + " bytes of shared memory; extraction needs " +
+                                            std::to_string(shared) + " bytes of shared memory; " +
                                             std::to_string(STORAGE_BUFFERS) + ", " + std::to_string(STORAGE_BUFFERS) +
-                                            " and 32768: extract on the CPU");
+                                            " and 32768 are needed: " + otherwise_);
   set_budget(0);
 }
 
@@ -79,7 +80,7 @@ void ComputeDevice::reserve(ComputeBuffer& buffer, std::uint64_t bytes, const st
   free(buffer);
   const auto refuse = [&](const std::string& limit) {
     throw Error(ErrorCode::too_large, context_->device() + ": " + what + " would need " + std::to_string(bytes) + " bytes; " +
-                                          limit + ": narrow the intervals or extract on the CPU");
+                                          limit + ": narrow the intervals or " + otherwise_);
   };
   if (bytes > largest_buffer_) refuse("a buffer of this device holds " + std::to_string(largest_buffer_));
   if (bytes > budget_ - std::min(budget_, allocated_))
@@ -172,7 +173,7 @@ void ComputeDevice::check() {
   const GLenum error = gl_.GetError();
   if (error == GL_NO_ERROR) return;
   if (error == GL_OUT_OF_MEMORY)
-    throw Error(ErrorCode::too_large, context_->device() + ": out of memory: narrow the intervals or extract on the CPU");
+    throw Error(ErrorCode::too_large, context_->device() + ": out of memory: narrow the intervals or " + otherwise_);
   if (error == kContextLost) throw Error(ErrorCode::unavailable, context_->device() + ": the context was lost");
   throw Error(ErrorCode::unavailable, context_->device() + ": OpenGL error " + std::to_string(error));
 }

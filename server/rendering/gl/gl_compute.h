@@ -26,8 +26,9 @@ struct ComputeBuffer {
 
 class ComputeDevice {
  public:
-  /// Takes a context. Throws unavailable where the device has fewer storage buffers than the programs bind, or no compute at all.
-  explicit ComputeDevice(std::unique_ptr<GlContext> context);
+  /// Takes a context. otherwise: what messages tell people to do without the device. Throws unavailable where the device has fewer storage buffers
+  /// than the programs bind, or no compute at all.
+  explicit ComputeDevice(std::unique_ptr<GlContext> context, std::string otherwise = "extract on the CPU");
 
   const GlContext& context() const { return *context_; }
   const GlFunctions& gl() const { return gl_; }
@@ -68,6 +69,7 @@ class ComputeDevice {
 
  private:
   std::unique_ptr<GlContext> context_;
+  const std::string otherwise_;
   const GlFunctions& gl_;
   std::uint32_t groups_a_dispatch_ = 16;
   std::uint64_t budget_ = 0, allocated_ = 0, largest_buffer_ = 0;
