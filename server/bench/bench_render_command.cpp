@@ -146,6 +146,7 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   aids.bases = &bases;
   BrickMemory bricks;
   aids.bricks = &bricks;
+  aids.extracts_there = renderer.extracts();
   for (SceneInterval& interval : scene.intervals) interval.own_range = true;
   const StepSource steps = [&](int, const Task&) { return dataset; };
   const SceneInterval start = scene.intervals.back();
@@ -168,7 +169,7 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
     const DrawResult result = renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
     frames.add(watch.elapsed_ms(), result.facts);
   }
-  run.way = extracted->base ? "cut" : "split";
+  run.way = extracted->base ? "cut" : extracted->bricks ? "device" : "split";
   run.extract_ms = spread_of(extract).median;
   frames.finish();
   return run;

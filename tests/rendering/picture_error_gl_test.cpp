@@ -7,6 +7,7 @@
 #include "rendering/order/draw_groups.h"
 #include "support/order_errors.h"
 #include "support/picture_cases.h"
+#include "support/test_device.h"
 
 namespace isostrata {
 namespace {
@@ -62,7 +63,7 @@ void expect_near_the_oracle(const char* renderer_name, std::span<const Look> loo
       EXPECT_LT(error.mean, look == Look::surfaces ? 1e-3 : 5e-4) << what;
       EXPECT_LT(error.above_half_step, shot == Shot::inside     ? 0.01
                                        : look == Look::surfaces ? 0.005
-                                                                : 0.002)
+                                                                : for_triangles(0.002, 2))
           << what << ", max " << error.max;
       EXPECT_GT(error.ssim, 0.998) << what;
       EXPECT_LT(error.max_depth, 0.5) << what;

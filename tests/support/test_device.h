@@ -13,4 +13,7 @@ inline std::string test_device() {
   return named && *named ? named : "surfaceless";
 }
 
+/// A bound of what is drawn by triangles. A GPU places and interpolates them with fewer digits than software does: there it may be `factor` times as much.
+inline double for_triangles(double bound, double factor) { return test_device().starts_with("egl:") ? factor * bound : bound; }
+
 }  // namespace isostrata::testing

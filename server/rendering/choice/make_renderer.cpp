@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "rendering/choice/device_or_native.h"
 #include "rendering/choice/native_renderer.h"
+#include "rendering/choice/quicker_renderer.h"
 #include "rendering/choice/renderer_trial.h"
 #include "rendering/compute/compute_renderer.h"
 #include "rendering/gl/gl_probe.h"
@@ -38,7 +39,8 @@ std::unique_ptr<Renderer> make_volume_renderer(const RendererChoice& choice) {
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice) {
   auto renderer = make_volume_renderer(choice);
   if (renderer->cuts_intervals()) return renderer;  // the native one
-  return make_device_or_native(std::move(renderer));
+  renderer = make_device_or_native(std::move(renderer));
+  return choice.renderer == "auto" && !choice.trial && choice.device == "auto" ? make_quicker_renderer(std::move(renderer)) : std::move(renderer);
 }
 
 }  // namespace isostrata

@@ -118,7 +118,8 @@ struct RendererChoice {
 /// native draws on the CPU's cores and needs no device. raster and compute draw with OpenGL on `device`: auto takes the first
 /// that works of each EGL device that is hardware, EGL surfaceless, OSMesa. renderer auto: native where the device is "native" or
 /// no device is hardware; else the faster of raster and compute in a short trial on that device (renderer_trial.h), held once in
-/// a process; raster on a named software device. What a device has no room for is drawn by native (choice/device_or_native.h). The renderer must be used and destroyed on the thread that made it. Throws
+/// a process, and native beside it (choice/quicker_renderer.h) where the device is "auto", too; raster on a named software device. What a device has no
+/// room for is drawn by native (choice/device_or_native.h). The renderer must be used and destroyed on the thread that made it. Throws
 /// unavailable saying what was tried and why each failed, invalid_argument for words that are none of these.
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
 /// All devices, tried in a process of its own, which a driver may end: those of EGL, EGL surfaceless, and OSMesa if EGL gave nothing.
