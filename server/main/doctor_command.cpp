@@ -1,6 +1,7 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -17,6 +18,7 @@
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/egl_drivers.h"
+#include "main/unused_cards.h"
 #include "main/worker_probe.h"
 #include "rendering/device/gl_extraction_mesh.h"
 #include "rendering/gl/gl_probe.h"
@@ -34,6 +36,8 @@ struct Findings {
   std::vector<DeviceAttempt> attempts;
   LoadedLibrary c_library;
   std::vector<LoadedLibrary> egl;
+  std::vector<GraphicsCard> cards;
+  std::vector<std::string> unused;  // cards that are here and do not draw, with the reason
   std::string device;         // what auto takes; empty where nothing can draw
   std::string device_detail;  // or why nothing can
   bool software = false;
@@ -72,6 +76,10 @@ Findings examine(const std::string& device, bool trial) {
   findings.attempts = probe_devices();
   findings.c_library = c_library();
   findings.egl = egl_libraries();
+  const CardFacts cards = card_facts(findings.egl);
+  findings.cards = cards.cards;
+  const bool hardware = std::any_of(findings.attempts.begin(), findings.attempts.end(), [](const DeviceAttempt& of) { return of.ok && !of.software; });
+  if (!hardware) findings.unused = why_unused(cards);
   try {
     if (device != "auto" && device != "native") check_device(device);
     const std::unique_ptr<Renderer> renderer = make_renderer({"auto", device, trial});
@@ -100,6 +108,12 @@ boost::json::object to_json(const LoadedLibrary& library) {
   return {{"name", library.name}, {"ok", library.ok}, {"detail", library.detail}};
 }
 
+boost::json::object to_json(const GraphicsCard& card) {
+  boost::json::array nodes;
+  for (const CardNode& node : card.nodes) nodes.push_back(boost::json::object{{"path", node.path}, {"opens", node.opens}, {"group", node.group_name}});
+  return {{"address", card.address}, {"ids", card.ids}, {"driver", card.driver}, {"model", card.model}, {"nodes", std::move(nodes)}};
+}
+
 boost::json::object to_json(const Findings& findings) {
   boost::json::array devices, codecs;
   for (const DeviceAttempt& a : findings.attempts)
@@ -112,6 +126,11 @@ boost::json::object to_json(const Findings& findings) {
   boost::json::array egl;
   for (const LoadedLibrary& library : findings.egl) egl.push_back(to_json(library));
   out["egl"] = std::move(egl);
+  boost::json::array cards, unused;
+  for (const GraphicsCard& card : findings.cards) cards.push_back(to_json(card));
+  for (const std::string& reason : findings.unused) unused.push_back(boost::json::string(reason));
+  out["cards"] = std::move(cards);
+  out["unused_cards"] = std::move(unused);
   if (findings.device.empty()) {
     out["device"] = nullptr;
     out["reason"] = findings.device_detail;
@@ -176,6 +195,7 @@ void print_text(const Findings& findings) {
   else
     std::printf("  used: %s\n", findings.device.c_str());
   if (!findings.trial.empty()) std::printf("  renderer %s\n", findings.trial.c_str());
+  for (const std::string& reason : findings.unused) std::printf("  a graphics card is here and does not draw: %s\n", reason.c_str());
   if (findings.software) std::printf("  *** SOFTWARE rendering: pictures are right, but slow; no GPU is used ***\n");
   print_libraries(findings);
   std::printf("\nextraction in OpenGL compute (extract --device)\n  %-5s %s\n", findings.compute.empty() ? "ok" : "no",

@@ -19,15 +19,17 @@ TEST(DoctorCommand, SaysWhatItTriedAndWhatWillBeUsed) {
   const auto document = boost::json::parse(result.out);
   EXPECT_TRUE(document.at("can_draw").as_bool());
   EXPECT_FALSE(document.at("device").as_string().empty());
-  bool surfaceless = false, osmesa = false, egl = false;
+  bool surfaceless = false, osmesa = false, egl = false, hardware = false;
   for (const auto& device : document.at("devices").as_array()) {
     surfaceless = surfaceless || device.at("name").as_string() == "EGL surfaceless";
     osmesa = osmesa || device.at("name").as_string() == "OSMesa";
+    hardware = hardware || (device.at("ok").as_bool() && !device.at("software").as_bool());
     egl = egl || (!osmesa && device.at("ok").as_bool());
     EXPECT_FALSE(device.at("detail").as_string().empty());
   }
   EXPECT_TRUE(surfaceless);
   EXPECT_NE(osmesa, egl) << "OSMesa is tried if EGL gave nothing";
+  EXPECT_EQ(document.at("unused_cards").as_array().empty(), hardware || document.at("cards").as_array().empty()) << document.at("unused_cards");
   const auto& worker = document.at("worker");
   EXPECT_TRUE(worker.at("ok").as_bool()) << worker;
   EXPECT_THAT(std::string(worker.at("detail").as_string()), HasSubstr("was replaced by process"));

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "rendering/gl/gl_ways.h"
+#include "rendering/gl/graphics_cards.h"
 
 namespace isostrata {
 namespace {
@@ -169,6 +170,13 @@ std::unique_ptr<GlContext> open_display(EGLenum platform, void* native, std::str
   return std::make_unique<EglContext>(display, egl().QueryString(display, EGL_EXTENSIONS), way);
 }
 
+/// " (/dev/dri/renderD128, 0000:65:00.0, 1002:73bf, driver amdgpu)"
+std::string name_in_brackets(const std::vector<GraphicsCard>& cards, const std::string& file, const EglDevice& device) {
+  std::string words = device.software ? "software" : file;
+  if (const GraphicsCard* card = device.software ? nullptr : card_of(cards, file, device.uuid)) words += (words.empty() ? "" : ", ") + description(*card);
+  return words.empty() ? "" : " (" + words + ")";
+}
+
 }  // namespace
 
 bool egl_is_loaded() { return loaded; }
@@ -198,6 +206,7 @@ std::vector<EglDevice> egl_devices(std::vector<DeviceAttempt>& attempts) {
   EGLint count = 0;
   if (!egl().QueryDevicesEXT(64, handles, &count)) return give_up("they cannot be listed: " + error_text());
   if (count == 0) return give_up("none");
+  const std::vector<GraphicsCard> cards = graphics_cards();
   std::vector<EglDevice> devices;
   for (EGLint i = 0; i < count; ++i) {
     EglDevice device;
@@ -208,14 +217,13 @@ std::vector<EglDevice> egl_devices(std::vector<DeviceAttempt>& attempts) {
     device.software = has_word(extensions, "EGL_MESA_device_software");
     const char* file = nullptr;
     if (has_word(extensions, "EGL_EXT_device_drm")) file = egl().QueryDeviceStringEXT(handles[i], EGL_DRM_DEVICE_FILE_EXT);
-    if (file) device.name += " (" + std::string(file) + ")";
-    if (device.software) device.name += " (software)";
     if (has_word(extensions, "EGL_EXT_device_persistent_id") && egl().QueryDeviceBinaryEXT) {
       unsigned char bytes[16] = {};
       EGLint size = 0;
       if (egl().QueryDeviceBinaryEXT(handles[i], kDeviceUuidExt, sizeof bytes, bytes, &size) && size == 16)
         device.uuid = format_uuid(bytes);
     }
+    device.name += name_in_brackets(cards, file ? file : "", device);
     devices.push_back(device);
   }
   return devices;
