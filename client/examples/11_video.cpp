@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     client.set_interaction(true);
     int shown = 0;
     std::string format;
-    for (int step = 1; step <= 20; ++step) {
+    for (int step = 1; step <= 20 || (format != "vp9-444" && step <= 400); ++step) {  // the first ones are JPEG, until the encoder is open
       client.set_camera(turned(start, 3 * step, 0));
       if (const auto next = client.next_picture(decoder, 1s)) {
         ++shown;
