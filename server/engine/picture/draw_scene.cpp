@@ -7,6 +7,7 @@
 
 #include "base/stopwatch.h"
 #include "extraction/bricks/layer_bricks.h"
+#include "extraction/cells/structured_points.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/laws/volume_error.h"
 #include "extraction/layers/extract_at_time.h"
@@ -478,8 +479,7 @@ std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted,
 bool draws_from_bricks(const Scene& scene) { return of_plain_ranges(scene) && !uses_color_values(scene) && !uses_texture(scene); }
 
 bool draws_where_extracted(const Scene& scene, const std::string& array) {
-  constexpr std::size_t kMostIntervals = 10;  // of 20 ends: a device numbers the points of 21
-  return of_plain_ranges(scene) && scene.intervals.size() <= kMostIntervals && uses_color_values(scene) && names_of(scene, array).color_by == array &&
+  return of_plain_ranges(scene) && 2 * scene.intervals.size() <= StructuredPoints::kMaxIsovalues && uses_color_values(scene) && names_of(scene, array).color_by == array &&
          !draws_surfaces(scene);
 }
 

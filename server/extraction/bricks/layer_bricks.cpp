@@ -23,6 +23,12 @@ LayerBricks::LayerBricks(std::shared_ptr<const Dataset> dataset, const PointArra
   for (std::size_t b = 0; b < active_->bricks().size(); ++b) any_absent_ = any_absent_ || active_->near_absent(b);
 }
 
+std::vector<Interval> LayerBricks::intervals() const {
+  std::vector<Interval> intervals;
+  for (const IsoRule& rule : rules_.rules()) intervals.push_back({rule.lower, rule.upper});
+  return intervals;
+}
+
 bool LayerBricks::is_wanted(const ActiveBrick& brick, const Wanted& wanted) const {
   if (!wanted || !grid().rectilinear()) return true;
   const BrickLayout& layout = active_->layout();

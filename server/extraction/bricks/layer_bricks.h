@@ -42,7 +42,7 @@ class LayerBricks {
   const std::shared_ptr<const Dataset>& dataset() const { return dataset_; }
   const Grid& grid() const { return dataset_->grid; }
   const PointArray& array() const { return array_; }
-  const IsoRules& rules() const { return rules_; }
+  std::vector<Interval> intervals() const;  // with ends that are finite
   const ActiveBricks& active() const { return *active_; }
   std::int64_t slabs() const { return active_->layout().bricks[2]; }
   /// The facets that structured_facets gives for the slab's bricks, in its order, on the very same positions. `wanted`: bricks for which it says no

@@ -10,6 +10,7 @@
 #include "extraction/bricks/layer_bricks.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/choice/native_renderer.h"
+#include "rendering/picture/check_draw_input.h"
 
 namespace isostrata {
 namespace {
@@ -73,16 +74,13 @@ class DeviceOrNative final : public Renderer {
   }
   /// Layers whose mesh was to be made on the device get it here, where the native renderer needs one.
   DrawInput with_mesh(const DrawInput& input) {
-    if (!input.bricks || std::all_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& of) { return !of.visible || of.constant(); }))
-      return input;
+    if (!input.bricks || all_constant(input)) return input;
     if (mesh_of_.lock() != input.bricks) {
       const LayerBricks& layers = *input.bricks;
-      std::vector<Interval> intervals;
-      for (const IsoRule& rule : layers.rules().rules()) intervals.push_back({rule.lower, rule.upper});
       ExtractOptions options;
       options.values = true;
       options.measure = false;
-      IntervalMesh mesh = extract_intervals(layers.grid(), layers.array(), intervals, options, Task{});
+      IntervalMesh mesh = extract_intervals(layers.grid(), layers.array(), layers.intervals(), options, Task{});
       values_ = std::make_shared<const std::vector<float>>(mesh.values.begin(), mesh.values.end());
       mesh_ = std::make_shared<const IntervalMesh>(std::move(mesh));
       mesh_of_ = input.bricks;

@@ -1,11 +1,11 @@
 #include "rendering/choice/quicker_renderer.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "base/stopwatch.h"
 #include "rendering/choice/frame_judge.h"
 #include "rendering/choice/native_renderer.h"
+#include "rendering/picture/check_draw_input.h"
 
 namespace isostrata {
 namespace {
@@ -15,7 +15,7 @@ class QuickerRenderer final : public Renderer {
   explicit QuickerRenderer(std::unique_ptr<Renderer> device) : device_(std::move(device)) {}
 
   DrawResult draw(const DrawInput& input) override {
-    const bool constant = std::all_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& of) { return !of.visible || of.constant(); });
+    const bool constant = all_constant(input);
     if (!input.mesh || !input.cut_intervals.empty() || (input.bricks && constant)) return native_->draw(input);
     if (input.bricks) return device_->draw(input);
     FrameJudge& judge = constant ? of_constant_ : of_running_;

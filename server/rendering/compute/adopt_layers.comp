@@ -30,7 +30,7 @@ uint shape_of(uvec4 corners) {
     longest = max(longest, dot(across, across));
   }
   uint shape = volumes < 0.0 ? TILE_INFO_TURNED : 0u;
-  return abs(volumes) > 1e-12 * longest * sqrt(longest) ? shape : shape | TILE_INFO_FLAT;
+  return abs(volumes) > TILE_FLAT * longest * sqrt(longest) ? shape : shape | TILE_INFO_FLAT;
 }
 #endif
 

@@ -94,10 +94,10 @@ DrawResult ComputeState::draw(const DrawInput& input) {
   }
 
   facts.stages = pipeline_.stages();
-  facts.stages.insert(facts.stages.begin(), {"mesh", mesh_ms});
   facts.order_ms = mesh_ms + cpu_order_ms;
   for (const StageTime& stage : facts.stages)
-    if (stage.name != "mesh") (stage.name == "blend" || stage.name == "merge" ? facts.draw_ms : facts.order_ms) += stage.ms;
+    (stage.name == "blend" || stage.name == "merge" ? facts.draw_ms : facts.order_ms) += stage.ms;
+  facts.stages.insert(facts.stages.begin(), {"mesh", mesh_ms});
   facts.readback_ms = pipeline_.readback_ms();
   facts.order = order.method;
   facts.order_exact = order.kind == TILE_ORDER_NONE || (order.kind == TILE_ORDER_LIST ? order.list_exact : late == 0);

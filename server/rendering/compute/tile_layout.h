@@ -44,6 +44,7 @@
 #define TILE_INFO_INTERVAL 0xffffu
 #define TILE_INFO_TURNED 0x10000u // left-handed
 #define TILE_INFO_FLAT 0x20000u   // of no volume: never drawn
+#define TILE_FLAT 1e-12           // that is: six volumes over the longest edge's cube; below, single precision knows no normal
 #define TILE_INFO_LABELS 18       // two bits for the facet opposite each point: 0 inside, 1 lower, 2 upper, 3 domain
 
 // Rows of a style.

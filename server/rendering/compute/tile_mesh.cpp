@@ -12,7 +12,6 @@
 namespace isostrata {
 namespace {
 
-constexpr double kFlat = 1e-12;  // six volumes over the longest edge's cube; below, single precision knows no normal
 constexpr std::int64_t kGrain = 16384;
 
 /// A float array that comes with some inputs only. Returns whether it is there.
@@ -67,7 +66,7 @@ void TileMesh::set_mesh(const DrawInput& input) {
       const double volumes = orient3d(p[0], p[1], p[2], p[3]);
       infos[t] = mesh.tetrahedron_interval[t];
       if (volumes < 0) infos[t] |= TILE_INFO_TURNED;
-      if (!(std::abs(volumes) > kFlat * longest * std::sqrt(longest))) infos[t] |= TILE_INFO_FLAT;
+      if (!(std::abs(volumes) > TILE_FLAT * longest * std::sqrt(longest))) infos[t] |= TILE_INFO_FLAT;
     }
   });
   for (const BoundaryFacet& facet : mesh.facets) {
@@ -123,9 +122,7 @@ void TileMesh::set_layers(const DrawInput& input) {
     field_of_ = layers.dataset();
     field_ = &layers.array();
   }
-  std::vector<Interval> intervals;
-  for (const IsoRule& rule : layers.rules().rules()) intervals.push_back({rule.lower, rule.upper});
-  const GlCounts counts = extractor_->extract(intervals, GlExtent::tetrahedra, task);
+  const GlCounts counts = extractor_->extract(layers.intervals(), GlExtent::tetrahedra, task);
   tetrahedra_ = static_cast<std::uint32_t>(counts.tetrahedra);
   of_interval_.clear();
   for (const GlIntervalCount& of : counts.intervals) of_interval_.push_back(of.tetrahedra);

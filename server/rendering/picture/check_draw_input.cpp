@@ -37,6 +37,10 @@ void check_surface(const DrawInput& input, const SurfaceStyle& surface, const st
 
 }  // namespace
 
+bool all_constant(const DrawInput& input) {
+  return std::all_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) { return !style.visible || style.constant(); });
+}
+
 void check(const DrawInput& input) {
   const auto fail = [](const std::string& why) { throw Error(ErrorCode::invalid_argument, "picture: " + why); };
   if (input.width < 1 || input.width > kMaxImageSize || input.height < 1 || input.height > kMaxImageSize)
@@ -62,8 +66,7 @@ void check(const DrawInput& input) {
     fail("intervals that the renderer cuts need a grid's tetrahedra and the field's values on their points");
   for (const Interval& interval : input.cut_intervals)
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
-  const bool all_constant = std::all_of(input.styles.begin(), input.styles.end(),
-                                        [](const IntervalStyle& style) { return !style.visible || style.constant(); });
+  const bool constant = all_constant(input);
   if (input.bricks && !input.cut_intervals.empty()) fail("layers without a mesh are not cut by the renderer");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
     const IntervalStyle& style = input.styles[i];
@@ -73,7 +76,7 @@ void check(const DrawInput& input) {
     if (style.opacity_upper && !(*style.opacity_upper >= 0 && *style.opacity_upper <= 1))
       fail(which + "the upper opacity must be in [0, 1]");
     if (style.visible && style.surface.drawn() && (!input.cut_intervals.empty() || input.bricks) &&
-        (!all_constant || !style.surface.texture.empty()))
+        (!constant || !style.surface.texture.empty()))
       fail(which + "if the renderer cuts intervals, surfaces are drawn without textures and among constant colours only");
     if (style.surface.drawn()) check_surface(input, style.surface, which);
     if (style.constant()) continue;

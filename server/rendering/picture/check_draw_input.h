@@ -11,4 +11,7 @@ inline constexpr int kMaxWholeSize = 4 * kMaxImageSize;  // of a picture that is
 /// Throws invalid_argument, naming what is wrong.
 void check(const DrawInput& input);
 
+/// Whether nothing that is drawn has a colour or an opacity that runs.
+bool all_constant(const DrawInput& input);
+
 }  // namespace isostrata
