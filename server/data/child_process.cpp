@@ -42,11 +42,10 @@ struct Pipe {
   }
 };
 
-/// Ends the child's whole group when it goes out of scope before the child was waited for.
-class Child {
+class SpawnedChild final : public Child {
  public:
-  explicit Child(pid_t id) : id_(id) {}
-  ~Child() {
+  explicit SpawnedChild(pid_t id) : id_(id) {}
+  ~SpawnedChild() override {
     if (id_ <= 0) return;
     kill(-id_, SIGKILL);
     kill(id_, SIGKILL);
@@ -54,10 +53,10 @@ class Child {
     while (waitpid(id_, &status, 0) < 0 && errno == EINTR) {
     }
   }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
+  SpawnedChild(const SpawnedChild&) = delete;
+  SpawnedChild& operator=(const SpawnedChild&) = delete;
 
-  bool ended(int& status) {
+  bool ended(int& status) override {
     const pid_t done = waitpid(id_, &status, WNOHANG);
     if (done != id_) return false;
     kill(-id_, SIGKILL);  // what it may have left in its group
@@ -103,9 +102,13 @@ class Lines {
 
 ChildResult run_child(const ChildProgram& program, double timeout_s, const Task& task,
                       const std::function<void(std::string_view line)>& on_line) {
+  return follow_child([&](int out, int err) { return std::make_unique<SpawnedChild>(start(program, out, err)); }, timeout_s, task, on_line);
+}
+
+ChildResult follow_child(const StartChild& start, double timeout_s, const Task& task, const std::function<void(std::string_view line)>& on_line) {
   const Stopwatch clock;
   Pipe out, err;
-  Child child(start(program, out.write, err.write));
+  const std::unique_ptr<Child> child = start(out.write, err.write);
   Pipe::close_end(out.write);
   Pipe::close_end(err.write);
 
@@ -134,7 +137,7 @@ ChildResult run_child(const ChildProgram& program, double timeout_s, const Task&
     if (waits[0].revents) drain(out.read, [&](std::string_view text) { lines.add(text); });
     if (waits[1].revents) drain(err.read, keep_errors);
     if (ended && (ready <= 0 || !open)) break;  // everything that it wrote has been read
-    if (!ended) ended = child.ended(status);
+    if (!ended) ended = child->ended(status);
   }
   if (WIFSIGNALED(status))
     result.signal = WTERMSIG(status);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,5 +31,17 @@ struct ChildResult {
 /// thread.
 ChildResult run_child(const ChildProgram& child, double timeout_s, const Task& task,
                       const std::function<void(std::string_view line)>& on_line);
+
+/// A process that was started. With its object its whole group ends, and is gone then.
+class Child {
+ public:
+  virtual ~Child() = default;
+  /// Whether it is over; `status` is then as of waitpid. Throws unavailable if nobody can say.
+  virtual bool ended(int& status) = 0;
+};
+
+/// As run_child, of a process that `start` makes: with `out` as its standard output and `err` as its standard error.
+using StartChild = std::function<std::unique_ptr<Child>(int out, int err)>;
+ChildResult follow_child(const StartChild& start, double timeout_s, const Task& task, const std::function<void(std::string_view line)>& on_line);
 
 }  // namespace isostrata

@@ -23,6 +23,7 @@
 #include "data/beneath.h"
 #include "data/child_process.h"
 #include "data/file_series.h"
+#include "data/loaded_importer.h"
 #include "data/sandbox.h"
 
 namespace isostrata {
@@ -78,18 +79,6 @@ struct Kept {
   std::optional<TemporaryDirectory> files;
 };
 
-/// All that the child is told of ours: no token, no name, no path of programs.
-std::vector<std::string> environment() {
-  std::vector<std::string> out{"HDF5_USE_FILE_LOCKING=FALSE", "MALLOC_ARENA_MAX=1"};  // an arena is 64 MiB of address space a thread
-  for (const char* name : {"TMPDIR", "LD_LIBRARY_PATH", "ISOSTRATA_SIMD"})
-    if (const char* value = std::getenv(name)) out.push_back(std::string(name) + "=" + value);
-#ifdef ISOSTRATA_SANITIZED
-  for (const char* name : {"ASAN_OPTIONS", "UBSAN_OPTIONS", "TSAN_OPTIONS"})
-    if (const char* value = std::getenv(name)) out.push_back(std::string(name) + "=" + value);
-#endif
-  return out;
-}
-
 /// What the kept directory of this step of this file is called, and what is written into it, so that no other is taken for it.
 std::pair<std::string, std::string> kept_name(const fs::path& file, int step) {
   const SourceStamp stamp = stamp_of(file);
@@ -128,16 +117,20 @@ void import_into(const fs::path& directory, const fs::path& file, const OpenOpti
   const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
   ChildResult result;
   try {
-    result = run_child({options.importer.empty() ? default_importer() : options.importer,
-                        {fs::absolute(file).string(), directory.string(), std::to_string(options.step),
-                         std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())},
-                        environment()},
-                       options.timeout_s, task, [&](std::string_view line) {
-                         if (!line.starts_with("progress ")) return;
-                         double fraction = 0;
-                         std::from_chars(line.data() + 9, line.data() + line.size(), fraction);
-                         if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
-                       });
+    const std::vector<std::string> words{fs::absolute(file).string(), directory.string(), std::to_string(options.step),
+                                         std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())};
+    const auto on_line = [&](std::string_view line) {
+      if (!line.starts_with("progress ")) return;
+      double fraction = 0;
+      std::from_chars(line.data() + 9, line.data() + line.size(), fraction);
+      if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
+    };
+    if (options.importer.empty()) {
+      const auto start = [&](int out, int err) { return start_loaded_importer(default_importer(), words, out, err); };
+      result = follow_child(start, options.timeout_s, task, on_line);
+    } else {
+      result = run_child({options.importer, words, importer_environment()}, options.timeout_s, task, on_line);
+    }
   } catch (const Error& failure) {
     if (failure.code() != ErrorCode::bad_data) throw;
     throw Error(ErrorCode::bad_data, name + ": " + failure.what());

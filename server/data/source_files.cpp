@@ -1,5 +1,7 @@
 #include "data/source_files.h"
 
+#include <algorithm>
+#include <array>
 #include <set>
 #include <vector>
 
@@ -37,13 +39,20 @@ bool says_what_it_reads(FileKind kind) {
   }
 }
 
+/// Files of this name need no look to know that they lead to no other: a series of thousands is told by names and times.
+bool reads_itself_alone(const fs::path& file) {
+  const std::string ending = file.extension().string();
+  return std::ranges::any_of(std::array{".vtk", ".vti", ".vtr", ".vts", ".vtu", ".npy"}, [&](const char* one) { return ending == one; });
+}
+
 class Files {
  public:
   void add(const fs::path& file, int depth) {
     if (full() || !seen_.insert(file).second) return;
     std::error_code error;
     if (is_series_pattern(file)) {
-      for (const SeriesFile& member : series_files(file)) add(member.path, depth);
+      const bool alone = reads_itself_alone(file);
+      for (const SeriesFile& member : series_files(file)) alone ? note(member.path) : add(member.path, depth);
       return;
     }
     note(file);
@@ -59,7 +68,7 @@ class Files {
         add_below(referred.parent_path());  // a pattern, or what is not there yet
     }
   }
-  bool full() const { return seen_.size() > kMost; }
+  bool full() const { return std::max(seen_.size(), noted_) > kMost; }
   const std::string& lines() const { return lines_; }
 
  private:
@@ -78,11 +87,13 @@ class Files {
     }
   }
   void note(const fs::path& file) {
+    ++noted_;
     const FileStamp stamp = file_stamp(file).value_or(FileStamp{});
     lines_ += fs::absolute(file).string() + ' ' + std::to_string(stamp.bytes) + ' ' + std::to_string(stamp.changed_ns) + '\n';
   }
 
   std::set<fs::path> seen_;
+  std::size_t noted_ = 0;
   std::string lines_;
 };
 

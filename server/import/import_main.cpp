@@ -1,23 +1,26 @@
-// isostrata-import: reads one time step of one foreign file and writes plain arrays. Started by data/import_door.h only; what it
-// says:
+// isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that shall be read. Started by
+// data/import_door.h only; what a reader says:
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
 #include <sys/prctl.h>
 
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "data/importer_request.h"
 #include "import/confine.h"
+#include "import/fork_for_files.h"
 #include "import/memory_limit.h"
 #include "import/read_file.h"
 #include "import/vtk_messages.h"
@@ -27,6 +30,9 @@ namespace {
 
 using isostrata::Error;
 using isostrata::ErrorCode;
+
+constexpr const char* kUsage =
+    "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS require|try|off, or --fork-for-files (started by isostrata, not by people)\n";
 
 /// Readers that met damage were seen to crash in their destructors, so nothing is destroyed at the end: everything is on disk, or
 /// said.
@@ -43,21 +49,21 @@ using isostrata::ErrorCode;
   end(1);
 }
 
-std::uint64_t number(const char* text) {
+std::uint64_t number(const std::string& text) {
   std::uint64_t value = 0;
-  const char* end = text + std::strlen(text);
-  const auto [at, error] = std::from_chars(text, end, value);
-  if (error != std::errc{} || at != end) throw Error(ErrorCode::invalid_argument, std::string("'") + text + "' is not a number");
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || at != end) throw Error(ErrorCode::invalid_argument, "'" + text + "' is not a number");
   return value;
 }
 
-void run(char** argv) {
+void run(const std::vector<std::string>& words) {
   isostrata::ReadRequest request;
-  request.file = std::filesystem::absolute(argv[1]);
-  const std::filesystem::path output = argv[2];
+  request.file = std::filesystem::absolute(words[0]);
+  const std::filesystem::path output = words[1];
   request.scratch = output;
-  request.step = static_cast<int>(number(argv[3]));
-  request.max_bytes = number(argv[4]);
+  request.step = static_cast<int>(number(words[2]));
+  request.max_bytes = number(words[3]);
   double reported = -1;
   request.progress = [reported](double fraction) mutable {
     if (fraction < reported + 0.01) return;
@@ -73,24 +79,21 @@ void run(char** argv) {
                       .file = request.file,
                       .output = output,
                       .memory_bytes = isostrata::memory_limit(request.file, request.max_bytes),
-                      .cpu_seconds = isostrata::cpu_limit(request.file, number(argv[5])),
-                      .sandbox = isostrata::sandbox_of(argv[6])});
+                      .cpu_seconds = isostrata::cpu_limit(request.file, number(words[4])),
+                      .sandbox = isostrata::sandbox_of(words[5])});
   write_dataset(read_file(request), request, output);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// words: those of the usage.
+[[noreturn]] void read_one(const std::vector<std::string>& words) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what a dead worker has asked for
-  if (argc != 7) {
-    std::fprintf(stderr,
-                 "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS require|try|off (started by isostrata, not by "
-                 "people)\n");
-    return 2;
+  if (words.size() != 6) {
+    std::fprintf(stderr, "%s", kUsage);
+    end(2);
   }
-  const std::string name = std::filesystem::path(argv[1]).filename().string();
+  const std::string name = std::filesystem::path(words[0]).filename().string();
   try {
-    run(argv);
+    run(words);
   } catch (const Error& error) {
     fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
@@ -101,4 +104,12 @@ int main(int argc, char** argv) {
     fail(ErrorCode::bad_data, name + ": " + error.what());
   }
   end(0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (words.size() == 1 && words[0] == isostrata::kForkForFiles) isostrata::fork_for_files(read_one);
+  read_one(words);
 }

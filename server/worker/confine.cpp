@@ -21,11 +21,11 @@
 
 #include "base/error.h"
 #include "base/landlock.h"
+#include "base/pass_descriptors.h"
 #include "base/program_file.h"
 #include "data/analytic.h"
 #include "data/file_series.h"
 #include "data/sandbox.h"
-#include "worker/pass_descriptors.h"
 #include "worker/refused_calls.h"
 
 namespace isostrata {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/pass_descriptors.h"
 #include "base/spawn.h"
 #include "worker/confine.h"
-#include "worker/pass_descriptors.h"
 
 namespace isostrata {
 

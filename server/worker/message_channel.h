@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/pass_descriptors.h"
 #include "worker/message_bytes.h"
-#include "worker/pass_descriptors.h"
 
 namespace isostrata {
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "data/loaded_importer.h"
 #include "engine/engine/engine.h"
 #include "worker/worker_process.h"
 
@@ -72,6 +73,7 @@ int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<R
     EngineOptions options = options_of(std::move(*setup), board.get());
     options.renderer = std::move(renderer);
     if (ranks) use_ranks_of(*ranks, threads, options);
+    load_importer();
     std::unique_ptr<Engine> engine;
     try {
       engine = std::make_unique<Engine>(std::move(options), [&channel](EngineEvent event) { send(channel, event); });

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "base/pass_descriptors.h"
 #include "base/temporary_directory.h"
-#include "worker/pass_descriptors.h"
 
 namespace isostrata {
 

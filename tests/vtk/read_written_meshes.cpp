@@ -51,7 +51,9 @@ TEST(ReadWrittenMeshes, VtuAndVtkhdfGiveTheSameTetrahedraValuesAndVolumes) {
     write_mesh(path, mesh, "distance", std::vector<MeshArray>{{"x - y <&>", other}}, options, Task());
     vtkNew<vtkXMLUnstructuredGridReader> xml;
     vtkNew<vtkHDFReader> reader;
-    if (hdf) ASSERT_TRUE(reader->CanReadFile(path.c_str()));
+    if (hdf) {
+      ASSERT_TRUE(reader->CanReadFile(path.c_str()));
+    }
     hdf ? reader->SetFileName(path.c_str()) : xml->SetFileName(path.c_str());
     hdf ? reader->Update() : xml->Update();
     vtkUnstructuredGrid* grid = hdf ? vtkUnstructuredGrid::SafeDownCast(reader->GetOutputDataObject(0)) : xml->GetOutput();

@@ -1,4 +1,4 @@
-#include "worker/pass_descriptors.h"
+#include "base/pass_descriptors.h"
 
 #include <sys/socket.h>
 

@@ -11,7 +11,7 @@
 
 namespace isostrata {
 
-inline constexpr std::size_t kMostPassed = 2;  // with one message
+inline constexpr std::size_t kMostPassed = 3;  // with one message
 
 /// sendmsg without SIGPIPE, with copies of at most kMostPassed descriptors; those that are -1 are left out. Tries again after a signal. Returns what
 /// sendmsg returns, and sets errno.
