@@ -32,12 +32,13 @@ class LoadedImporter {
  public:
   explicit LoadedImporter(const fs::path& program) {
     auto [here, there] = line_of_packets();
-    // All symbols at once: what is found late is found again in each copy.
+    // All symbols at once: what is found late is found again in each copy. Huge pages for what malloc gives: to touch the memory of 5 million
+    // tetrahedra page by page took three quarters of the time that they are read in.
     Spawn spawn{.program = program,
                 .words = {program.string(), kForkForFiles},
                 .environment = importer_environment(),
                 .descriptors = {there.get(), -1, STDERR_FILENO}};
-    spawn.environment.emplace_back("LD_BIND_NOW=1");
+    spawn.environment.insert(spawn.environment.end(), {"LD_BIND_NOW=1", "GLIBC_TUNABLES=glibc.malloc.hugetlb=1"});
     if (const int error = spawn_in_group(id_, spawn); error != 0) throw_system_error(program.string() + ": cannot be started", error);
     line_ = std::move(here);
   }

@@ -1,5 +1,6 @@
 #include "import/vtk_cells.h"
 
+#include <vtkAOSDataArrayTemplate.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
@@ -106,6 +107,7 @@ class CellKeeper {
     if (vtkCellArray* faces = grid_->GetPolyhedronFaces()) check_offsets(faces, "face");
     if (vtkCellArray* of_cells = grid_->GetPolyhedronFaceLocations()) check_offsets(of_cells, "polyhedron");
 #endif
+    if (keep_whole(types, count)) return std::move(kept_);
     kept_.types.reserve(static_cast<std::size_t>(count));
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
     flat_ = true;
@@ -154,6 +156,33 @@ class CellKeeper {
     if (or_more ? given < wanted : given != wanted)
       broken("cell " + std::to_string(cell) + " has " + std::to_string(given) + " points; " + vtk_name(vtk_type) + " needs " +
              std::to_string(wanted));
+  }
+
+  /// Of tetrahedra, hexahedra, wedges and pyramids alone, as most files are, all arrays at once. False: there are others, or other arrays.
+  bool keep_whole(vtkUnsignedCharArray* types, vtkIdType count) {
+    vtkDataArray *const offsets = cells_->GetOffsetsArray(), *const ids = cells_->GetConnectivityArray();
+    if (auto* const of_64 = vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(offsets))
+      return keep_whole(types->GetPointer(0), count, of_64, vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(ids));
+    using Of32 = vtkAOSDataArrayTemplate<vtkTypeInt32>;
+    return keep_whole(types->GetPointer(0), count, Of32::FastDownCast(offsets), Of32::FastDownCast(ids));
+  }
+  template <class Array>
+  bool keep_whole(const unsigned char* types, vtkIdType count, Array* offsets, Array* ids) {
+    if (!offsets || !ids) return false;
+    std::array<Kept, 256> as{};
+    for (const int type : {VTK_TETRA, VTK_HEXAHEDRON, VTK_WEDGE, VTK_PYRAMID}) as[static_cast<std::size_t>(type)] = kept_as(type);
+    for (vtkIdType c = 0; c < count; ++c) {
+      const int corners = as[types[c]].corners;
+      if (corners == 0 || offsets->GetValue(c + 1) - offsets->GetValue(c) != corners) return false;
+    }
+    const vtkIdType entries = count > 0 ? static_cast<vtkIdType>(offsets->GetValue(count)) : 0;
+    const bool good = std::all_of(ids->GetPointer(0), ids->GetPointer(0) + entries, [&](auto id) { return id >= 0 && id < points_; });
+    if (!good) return false;  // the other way says which
+    kept_.types.resize(static_cast<std::size_t>(count));
+    std::transform(types, types + count, kept_.types.begin(), [&](unsigned char type) { return static_cast<std::uint8_t>(as[type].type); });
+    if (count > 0) kept_.offsets.assign(offsets->GetPointer(0), offsets->GetPointer(0) + count + 1);
+    kept_.connectivity.assign(ids->GetPointer(0), ids->GetPointer(0) + entries);
+    return true;
   }
 
   void find_edge_points(vtkIdType c, int vtk_type) {
