@@ -1,11 +1,14 @@
 #include "import/vtk_messages.h"
 
+#include <unistd.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstring>
+#include <string_view>
 
 #include "base/error.h"
 
@@ -13,6 +16,19 @@ namespace isostrata {
 namespace {
 
 constexpr std::size_t kMostMessages = 20;
+
+/// What VTK writes before it ends the process for want of memory (9.4 and newer, as distributions build it).
+constexpr const char* kNoMemory = "Unable to allocate";
+volatile std::sig_atomic_t out_of_memory = 0;
+
+/// abort after that says the same as every other want of memory; any other is a crash.
+void on_abort(int) {
+  constexpr std::string_view kSaid = "error too_large the reader needs more memory than the import is allowed\n";
+  std::signal(SIGABRT, SIG_DFL);
+  if (!out_of_memory) return;  // abort goes on
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kSaid.data(), kSaid.size());
+  _exit(1);
+}
 
 /// "ERROR: In FILE, line N\nvtkXMLDataReader (0x55): What happened.\n\n" -> "What happened."
 std::string plain(std::string text) {
@@ -46,6 +62,7 @@ class Messages : public vtkOutputWindow {
     keep(lost_data ? errors : warnings, text);
   }
   static void keep(std::vector<std::string>& messages, const char* text) {
+    if (text && std::strstr(text, kNoMemory)) out_of_memory = 1;
     if (!text || messages.size() >= kMostMessages) return;
     std::string line = plain(text);
     if (std::find(messages.begin(), messages.end(), line) == messages.end()) messages.push_back(std::move(line));
@@ -61,6 +78,7 @@ vtkSmartPointer<Messages> messages;
 void collect_vtk_messages() {
   messages = vtkSmartPointer<Messages>::New();
   vtkOutputWindow::SetInstance(messages);
+  std::signal(SIGABRT, on_abort);
 }
 
 void throw_on_vtk_error(const std::string& name) {

@@ -221,7 +221,7 @@ const std::map<std::string_view, Act>& acts() {
       {"signal-by-owner", [] { return signal_by_owner(); }},
       {"ptrace", [] { return ptrace(PTRACE_TRACEME, 0, nullptr, nullptr); }},
       {"read-process-memory", [] { return syscall(SYS_process_vm_readv, parent, nullptr, 0, nullptr, 0, 0); }},
-      {"priority", [] { return setpriority(PRIO_PROCESS, 0, 5); }},
+      {"priority", [] { return setpriority(PRIO_PROCESS, 0, 19); }},
       {"shared-memory", [] { return shmget(IPC_PRIVATE, 4096, IPC_CREAT | 0600); }},
       // its own bounds
       {"setrlimit", [] { return new_limit(); }},
