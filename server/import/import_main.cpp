@@ -72,7 +72,7 @@ void run(const std::vector<std::string>& words) {
     std::fflush(stdout);
   };
   isostrata::set_thread_count(1);
-  isostrata::collect_vtk_messages();
+  isostrata::collect_vtk_messages(request.file.filename().string());
   std::error_code error;
   const bool folder = std::filesystem::is_directory(request.file, error);
   isostrata::confine({.directory = folder ? request.file : request.file.parent_path(),

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstring>
-#include <string_view>
 
 #include "base/error.h"
 
@@ -20,13 +19,13 @@ constexpr std::size_t kMostMessages = 20;
 /// What VTK writes before it ends the process for want of memory (9.4 and newer, as distributions build it).
 constexpr const char* kNoMemory = "Unable to allocate";
 volatile std::sig_atomic_t out_of_memory = 0;
+std::string said_then;
 
 /// abort after that says the same as every other want of memory; any other is a crash.
 void on_abort(int) {
-  constexpr std::string_view kSaid = "error too_large the reader needs more memory than the import is allowed\n";
   std::signal(SIGABRT, SIG_DFL);
   if (!out_of_memory) return;  // abort goes on
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kSaid.data(), kSaid.size());
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, said_then.data(), said_then.size());
   _exit(1);
 }
 
@@ -75,7 +74,8 @@ vtkSmartPointer<Messages> messages;
 
 }  // namespace
 
-void collect_vtk_messages() {
+void collect_vtk_messages(const std::string& name) {
+  said_then = "error too_large " + name + ": needs more memory than the import is allowed\n";
   messages = vtkSmartPointer<Messages>::New();
   vtkOutputWindow::SetInstance(messages);
   std::signal(SIGABRT, on_abort);
