@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <mutex>
 #include <numeric>
+#include <utility>
 #include <variant>
 
 #include "base/parallel.h"
@@ -128,6 +130,7 @@ void find_ranges(BaseTetrahedra& base) {
   ranges.most.resize(blocks * kBlock);
   ranges.block_least.resize(blocks);
   ranges.block_most.resize(blocks);
+  base.volume.resize(blocks * kBlock);
   base.block_volume.resize(blocks);
   parallel_for(static_cast<std::int64_t>(blocks), 256, [&](std::int64_t begin, std::int64_t end) {
     for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
@@ -140,8 +143,9 @@ void find_ranges(BaseTetrahedra& base) {
             least = std::min(least, values[point]);
             most = std::max(most, values[point]);
           }
-          volume += std::abs(volume_of(mesh, t));
         }
+        base.volume[t] = t < count ? std::abs(volume_of(mesh, t)) : 0;
+        volume += base.volume[t];
         ranges.least[t] = least;
         ranges.most[t] = most;
         block_least = std::min(block_least, least);
@@ -172,7 +176,7 @@ std::uint64_t BaseTetrahedra::bytes() const {
   return mesh->positions.size() * sizeof(Vec3d) + mesh->tetrahedra.size() * sizeof(mesh->tetrahedra[0]) +
          mesh->facets.size() * sizeof(BoundaryFacet) + values->size() * sizeof(float) +
          (ranges.least.size() + ranges.most.size() + ranges.block_least.size() + ranges.block_most.size()) * sizeof(float) +
-         block_volume.size() * sizeof(double);
+         (volume.size() + block_volume.size()) * sizeof(double);
 }
 
 bool only_tetrahedra(const Dataset& dataset) {
@@ -187,7 +191,7 @@ std::uint64_t base_tetrahedra_bytes(const Dataset& dataset) {
   const std::uint64_t extracted = points * (sizeof(Vec3d) + sizeof(PointOrigin) + sizeof(double)) +
                                   cells * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + sizeof(CellRun));
   const std::uint64_t made = points * (sizeof(Vec3d) + sizeof(double) + sizeof(float)) +
-                             cells * (sizeof(std::array<std::uint32_t, 4>) + 2 * sizeof(float));
+                             cells * (sizeof(std::array<std::uint32_t, 4>) + 2 * sizeof(float) + sizeof(double));
   return extracted + made + points * sizeof(std::uint32_t) + cells * (2 * sizeof(std::uint32_t) + 20);
 }
 
@@ -240,6 +244,7 @@ double share_below(const double (&f)[4], double value) {
 std::vector<IntervalSummary> measure_intervals(const BaseTetrahedra& base, std::span<const Interval> intervals) {
   const std::vector<ValueBounds> bounds = value_bounds(intervals);
   const std::size_t count = base.mesh->tetrahedra.size(), blocks = base.block_volume.size();
+  const std::vector<float>& values = *base.values;
   std::vector<IntervalSummary> sums(intervals.size());
   constexpr std::size_t kChunk = 256;  // blocks; sums are added in their order, so that they do not depend on the threads
   const std::size_t chunks = (blocks + kChunk - 1) / kChunk;
@@ -253,18 +258,30 @@ std::vector<IntervalSummary> measure_intervals(const BaseTetrahedra& base, std::
       active += static_cast<std::int64_t>(last - first);
       return;
     }
-    for (std::size_t t = first; t < last; ++t) {
-      if (!ranges.reaches(t, bounds[i])) continue;
-      ++active;
-      double share = 1;
-      if (ranges.least[t] < bounds[i].begin || ranges.most[t] >= bounds[i].end) {
-        double f[4];
-        for (std::size_t v = 0; v < 4; ++v) f[v] = double{(*base.values)[base.mesh->tetrahedra[t][v]]};
-        std::sort(std::begin(f), std::end(f));
-        share = (ranges.most[t] >= bounds[i].end ? share_below(f, intervals[i].upper) : 1) -
-                (ranges.least[t] < bounds[i].begin ? share_below(f, intervals[i].lower) : 0);
+    // Which are reached, and which of these lie across an end: without a branch, since neighbours differ.
+    std::uint64_t reached = 0, across = 0;
+    for (std::size_t k = 0; k < TetrahedronRanges::kBlock; ++k) {
+      const float least = ranges.least[first + k], most = ranges.most[first + k];
+      const bool reach = (most >= bounds[i].begin) & (least < bounds[i].end), whole = (least >= bounds[i].begin) & (most < bounds[i].end);
+      reached |= std::uint64_t{reach} << k;
+      across |= std::uint64_t{reach > whole} << k;
+    }
+    active += std::popcount(reached);
+    std::array<double, 4> whole{};
+    for (std::size_t k = 0; k < TetrahedronRanges::kBlock; ++k) whole[k % 4] += (reached & ~across) >> k & 1 ? base.volume[first + k] : 0;
+    volume += (whole[0] + whole[1]) + (whole[2] + whole[3]);
+    for (; across; across &= across - 1) {
+      const std::size_t t = first + static_cast<std::size_t>(std::countr_zero(across));
+      double f[4];
+      for (std::size_t v = 0; v < 4; ++v) f[v] = double{values[base.mesh->tetrahedra[t][v]]};
+      for (const auto& [low, high] : {std::pair{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}}) {  // a network: four numbers are sorted without a branch
+        const double least = std::min(f[low], f[high]);
+        f[high] = std::max(f[low], f[high]);
+        f[low] = least;
       }
-      volume += share * std::abs(volume_of(*base.mesh, t));
+      const double share = (ranges.most[t] >= bounds[i].end ? share_below(f, intervals[i].upper) : 1) -
+                           (ranges.least[t] < bounds[i].begin ? share_below(f, intervals[i].lower) : 0);
+      volume += share * base.volume[t];
     }
   };
   parallel_for(static_cast<std::int64_t>(chunks), 1, [&](std::int64_t begin, std::int64_t end) {

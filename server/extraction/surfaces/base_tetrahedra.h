@@ -45,7 +45,7 @@ struct BaseTetrahedra {
   std::shared_ptr<const IntervalMesh> mesh;
   std::shared_ptr<const std::vector<float>> values;  // [np]
   TetrahedronRanges ranges;
-  Buffer<double> block_volume;  // [blocks]
+  Buffer<double> volume, block_volume;  // [nt, padded with zeros], [blocks]
 
   std::uint64_t bytes() const;
 };
