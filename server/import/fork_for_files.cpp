@@ -11,7 +11,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include "base/descriptor.h"
 #include "base/pass_descriptors.h"
@@ -29,8 +31,11 @@ struct Reader {
 };
 
 /// The copy's side: nothing of the others is left to it.
-[[noreturn]] void become_reader(const ImporterRequest& request, int out, int err, const std::function<void(const std::vector<std::string>&)>& read_one) {
+[[noreturn]] void become_reader(const ImporterRequest& request, int out, int err, pid_t parent,
+                                const std::function<void(const std::vector<std::string>&)>& read_one) {
   setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);  // it died before
   prctl(PR_SET_NAME, "isostrata-import");
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGCHLD}) std::signal(signal, SIG_DFL);
   sigset_t none;
@@ -61,9 +66,13 @@ class Readers {
     if (got <= 0) return false;
     packet.resize(static_cast<std::size_t>(got));
     if (passed.size() != 3) return true;  // its control is closed unanswered
-    const pid_t id = fork();
-    if (id == 0) become_reader(from_packet(packet), passed[0].get(), passed[1].get(), read_one_);
-    if (id < 0) return true;
+    const pid_t parent = getpid(), id = fork();
+    if (id == 0) become_reader(from_packet(packet), passed[0].get(), passed[1].get(), parent, read_one_);
+    if (id < 0) {
+      dprintf(passed[1].get(), "error unavailable no process to read the file with can be made: %s\n", std::strerror(errno));
+      say(passed[2].get(), W_EXITCODE(1, 0));
+      return true;
+    }
     setpgid(id, id);  // whoever comes first
     all_.push_back({id, std::move(passed[2])});
     return true;
@@ -81,7 +90,7 @@ class Readers {
       int status = 0;
       if (waitpid(reader.id, &status, WNOHANG) != reader.id) return false;
       kill(-reader.id, SIGKILL);  // what it may have left in its group
-      send(reader.control.get(), &status, sizeof status, MSG_NOSIGNAL | MSG_DONTWAIT);
+      say(reader.control.get(), status);
       return true;
     });
   }
@@ -98,6 +107,8 @@ class Readers {
   }
 
  private:
+  static void say(int control, int status) { send(control, &status, sizeof status, MSG_NOSIGNAL | MSG_DONTWAIT); }
+
   const std::function<void(const std::vector<std::string>&)>& read_one_;
   std::vector<Reader> all_;
 };
