@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdlib>
 #include <mutex>
 #include <new>
 
@@ -26,8 +27,6 @@ std::size_t rounded(std::size_t bytes) {
   return (bytes + step - 1) / step * step;
 }
 
-void free_block(void* at) noexcept { ::operator delete(at, std::align_val_t(kHugePage)); }
-
 class KeptBlocks {
  public:
   void* take(std::size_t size) {
@@ -37,15 +36,15 @@ class KeptBlocks {
     return nullptr;
   }
   void give(void* at, std::size_t size) noexcept {
-    if (size > kMostKept) return free_block(at);
+    if (size > kMostKept) return std::free(at);
     const std::lock_guard lock(mutex_);
-    while (count_ == blocks_.size() || bytes_ + size > kMostKept) free_block(remove(0));
+    while (count_ == blocks_.size() || bytes_ + size > kMostKept) std::free(remove(0));
     blocks_[count_++] = {at, size};
     bytes_ += size;
   }
   void clear() noexcept {
     const std::lock_guard lock(mutex_);
-    while (count_ > 0) free_block(remove(count_ - 1));
+    while (count_ > 0) std::free(remove(count_ - 1));
   }
   std::size_t bytes() {
     const std::lock_guard lock(mutex_);
@@ -79,20 +78,26 @@ KeptBlocks& kept() {
 
 }  // namespace
 
+void* in_huge_pages(std::size_t bytes) noexcept {
+  const std::size_t whole = (bytes + kHugePage - 1) / kHugePage * kHugePage;
+  if (whole < bytes) return nullptr;
+  void* const at = std::aligned_alloc(kHugePage, whole);
+#if defined(__linux__)
+  if (at) ::madvise(at, whole, MADV_HUGEPAGE);  // advice: where it is not taken, pages are small
+#endif
+  return at;
+}
+
 void* take_block(std::size_t bytes) {
   const std::size_t size = rounded(bytes);
   if constexpr (kKeeps)
     if (void* const at = kept().take(size)) return at;
-  void* at = nullptr;
-  try {
-    at = ::operator new(size, std::align_val_t(kHugePage));
-  } catch (const std::bad_alloc&) {
+  void* at = in_huge_pages(size);
+  if (!at) {
     free_kept_blocks();
-    at = ::operator new(size, std::align_val_t(kHugePage));
+    at = in_huge_pages(size);
   }
-#if defined(__linux__)
-  ::madvise(at, size, MADV_HUGEPAGE);  // advice: where it is not taken, pages are small
-#endif
+  if (!at) throw std::bad_alloc();
   return at;
 }
 
@@ -100,7 +105,7 @@ void give_block(void* at, std::size_t bytes) noexcept {
   if constexpr (kKeeps)
     kept().give(at, rounded(bytes));
   else
-    free_block(at);
+    std::free(at);
 }
 
 std::size_t kept_bytes() { return kept().bytes(); }

@@ -12,7 +12,10 @@ inline constexpr std::size_t kHugePage = std::size_t{2} << 20;
 /// No more is kept than this, the newest.
 inline constexpr std::size_t kMostKept = std::size_t{256} << 20;
 
-/// At least so many bytes, aligned to huge pages, for which the kernel is asked. What is in them is anything. Throws std::bad_alloc.
+/// At least so many bytes, aligned to huge pages, for which the kernel is asked; freed by std::free. Null if there are none. Any thread.
+void* in_huge_pages(std::size_t bytes) noexcept;
+
+/// As in_huge_pages, or what was given back. What is in them is anything. Throws std::bad_alloc.
 /// bytes >= kHugePage. Any thread.
 void* take_block(std::size_t bytes);
 /// bytes: as it was taken. Any thread.

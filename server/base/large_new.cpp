@@ -4,30 +4,16 @@
 // Everything else is as the library has it: what is small goes to malloc, and all is freed by free. Linked into every program of ours by whoever uses new.
 #ifndef ISOSTRATA_SANITIZED  // sanitizers bring their own
 
-#include <sys/mman.h>
-
 #include <cstdlib>
 #include <new>
 
 #include "base/kept_blocks.h"
 
-namespace {
-
-constexpr std::size_t kLarge = 2 * isostrata::kHugePage;
-
-void* large(std::size_t size) noexcept {
-  const std::size_t whole = (size + isostrata::kHugePage - 1) / isostrata::kHugePage * isostrata::kHugePage;
-  if (whole < size) return nullptr;
-  void* const at = std::aligned_alloc(isostrata::kHugePage, whole);
-  if (at) ::madvise(at, whole, MADV_HUGEPAGE);  // advice: where it is not taken, pages are small
-  return at;
-}
-
-}  // namespace
+static constexpr std::size_t kLarge = 2 * isostrata::kHugePage;
 
 void* operator new(std::size_t size) {
   for (;;) {
-    if (void* const at = size >= kLarge ? large(size) : std::malloc(size > 0 ? size : 1)) return at;
+    if (void* const at = size >= kLarge ? isostrata::in_huge_pages(size) : std::malloc(size > 0 ? size : 1)) return at;
     const std::new_handler handler = std::get_new_handler();
     if (!handler) throw std::bad_alloc();
     handler();

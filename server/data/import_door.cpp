@@ -126,7 +126,7 @@ void import_into(const fs::path& directory, const fs::path& file, const OpenOpti
       if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
     };
     if (options.importer.empty()) {
-      const auto start = [&](int out, int err) { return start_loaded_importer(default_importer(), words, out, err); };
+      const auto start = [&](int out, int err) { return start_loaded_importer(words, out, err); };
       result = follow_child(start, options.timeout_s, task, on_line);
     } else {
       result = run_child({options.importer, words, importer_environment()}, options.timeout_s, task, on_line);

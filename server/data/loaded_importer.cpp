@@ -7,8 +7,8 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <map>
 #include <mutex>
+#include <optional>
 
 #include "base/descriptor.h"
 #include "base/pass_descriptors.h"
@@ -59,36 +59,34 @@ class LoadedImporter {
   pid_t id_ = 0;
 };
 
-/// All of this process, by their programs. One that has died is started again.
-class LoadedImporters {
+/// That of this process. One that has died is started again.
+class OneImporter {
  public:
-  /// Begins one, or asks it once more if it has died since.
-  void ask(const fs::path& program, const std::string& request, int out, int err, int control) {
+  void ask(const std::string& request, int out, int err, int control) {
     const std::lock_guard lock(mutex_);
-    if (of(program).ask(request, out, err, control)) return;
-    importers_.erase(program);
-    if (!of(program).ask(request, out, err, control))
-      throw Error(ErrorCode::unavailable, program.string() + ": ended as soon as it was started");
+    if (loaded().ask(request, out, err, control)) return;
+    importer_.reset();
+    if (!loaded().ask(request, out, err, control))
+      throw Error(ErrorCode::unavailable, default_importer().string() + ": ended as soon as it was started");
   }
-  void load(const fs::path& program) {
+  void load() {
     const std::lock_guard lock(mutex_);
-    of(program);
+    loaded();
   }
 
  private:
-  const LoadedImporter& of(const fs::path& program) {
-    auto& importer = importers_[program];
-    if (!importer) importer = std::make_unique<LoadedImporter>(program);
-    return *importer;
+  const LoadedImporter& loaded() {
+    if (!importer_) importer_.emplace(default_importer());
+    return *importer_;
   }
 
   std::mutex mutex_;
-  std::map<fs::path, std::unique_ptr<LoadedImporter>> importers_;
+  std::optional<LoadedImporter> importer_;
 };
 
-LoadedImporters& loaded_importers() {
-  static LoadedImporters all;
-  return all;
+OneImporter& importer() {
+  static OneImporter one;
+  return one;
 }
 
 /// Known by its control: closed here it ends the reader, closed there the reader is gone.
@@ -132,15 +130,15 @@ std::vector<std::string> importer_environment() {
   return out;
 }
 
-std::unique_ptr<Child> start_loaded_importer(const fs::path& importer, const std::vector<std::string>& words, int out, int err) {
+std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, int out, int err) {
   auto [here, there] = line_of_packets();
-  loaded_importers().ask(importer, to_packet({words, importer_environment()}), out, err, there.get());
+  importer().ask(to_packet({words, importer_environment()}), out, err, there.get());
   return std::make_unique<ForkedChild>(std::move(here));
 }
 
 void load_importer() {
   try {
-    loaded_importers().load(default_importer());
+    importer().load();
   } catch (const Error&) {  // the first file says it
   }
 }

@@ -52,7 +52,11 @@ class Files {
     std::error_code error;
     if (is_series_pattern(file)) {
       const bool alone = reads_itself_alone(file);
-      for (const SeriesFile& member : series_files(file)) alone ? note(member.path) : add(member.path, depth);
+      for (const SeriesFile& member : series_files(file))
+        if (!alone)
+          add(member.path, depth);
+        else if (!full() && seen_.insert(member.path).second)
+          note(member.path);
       return;
     }
     note(file);
@@ -68,7 +72,7 @@ class Files {
         add_below(referred.parent_path());  // a pattern, or what is not there yet
     }
   }
-  bool full() const { return std::max(seen_.size(), noted_) > kMost; }
+  bool full() const { return seen_.size() > kMost; }
   const std::string& lines() const { return lines_; }
 
  private:
@@ -87,13 +91,11 @@ class Files {
     }
   }
   void note(const fs::path& file) {
-    ++noted_;
     const FileStamp stamp = file_stamp(file).value_or(FileStamp{});
     lines_ += fs::absolute(file).string() + ' ' + std::to_string(stamp.bytes) + ' ' + std::to_string(stamp.changed_ns) + '\n';
   }
 
   std::set<fs::path> seen_;
-  std::size_t noted_ = 0;
   std::string lines_;
 };
 

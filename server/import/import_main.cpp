@@ -86,7 +86,6 @@ void run(const std::vector<std::string>& words) {
 
 /// words: those of the usage.
 [[noreturn]] void read_one(const std::vector<std::string>& words) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what a dead worker has asked for
   if (words.size() != 6) {
     std::fprintf(stderr, "%s", kUsage);
     end(2);
@@ -111,5 +110,6 @@ void run(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (words.size() == 1 && words[0] == isostrata::kForkForFiles) isostrata::fork_for_files(read_one);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what a dead worker has asked for; a copy has seen to it
   read_one(words);
 }

@@ -72,7 +72,7 @@ struct Busy {
     said = std::async(std::launch::async, [this, file] {
       try {
         std::vector<std::string> words{file.string(), scratch.path().string(), "0", "8000000000", "100", "off"};
-        const auto result = follow_child([&](int out, int err) { return start_loaded_importer(program(), words, out, err); }, 100, task,
+        const auto result = follow_child([&](int out, int err) { return start_loaded_importer(words, out, err); }, 100, task,
                                          [](std::string_view) {});
         return "status " + std::to_string(result.exit_status) + " signal " + std::to_string(result.signal);
       } catch (const Error& error) {

@@ -261,8 +261,8 @@ std::vector<IntervalSummary> measure_intervals(const BaseTetrahedra& base, std::
     // Which are reached, and which of these lie across an end: without a branch, since neighbours differ.
     std::uint64_t reached = 0, across = 0;
     for (std::size_t k = 0; k < TetrahedronRanges::kBlock; ++k) {
-      const float least = ranges.least[first + k], most = ranges.most[first + k];
-      const bool reach = (most >= bounds[i].begin) & (least < bounds[i].end), whole = (least >= bounds[i].begin) & (most < bounds[i].end);
+      const bool reach = ranges.reaches(first + k, bounds[i]);
+      const bool whole = (ranges.least[first + k] >= bounds[i].begin) & (ranges.most[first + k] < bounds[i].end);
       reached |= std::uint64_t{reach} << k;
       across |= std::uint64_t{reach > whole} << k;
     }
