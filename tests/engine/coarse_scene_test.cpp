@@ -13,6 +13,7 @@
 #include "data/analytic.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
+#include "engine/messages/coarse_levels.h"
 #include "support/plain_renderer.h"
 
 namespace isostrata {
@@ -42,6 +43,28 @@ Scene torus_scene() {
   scene.intervals.push_back({1, 0.1, 0.4, {1, 0, 0}, "", 0.5, 0, true});
   scene.intervals.push_back({2, 0.6, 0.7, {0, 1, 0}, "", 0.5, 0, true});
   return scene;
+}
+
+TEST(CoarseStride, EachLevelOfWhatMovesHasFewerPointsAndNoAxisHasFew) {
+  const auto points = [](const Grid& grid, const Stride& stride) {
+    std::int64_t n = 1;
+    for (std::size_t a = 0; a < 3; ++a) n *= (grid.dims()[a] - 1) / stride[a] + 1;
+    return n;
+  };
+  for (const Grid& grid : {boxes(256, 256, 256), boxes(1024, 512, 300), boxes(400, 400, 100)}) {
+    std::int64_t before = grid.point_count();
+    for (int level = 1; level <= kCoarseLevels; ++level) {
+      const Stride stride = moving_stride(grid, level);
+      EXPECT_LT(points(grid, stride), before) << "level " << level;
+      before = points(grid, stride);
+      for (std::size_t a = 0; a < 3; ++a) EXPECT_GE(grid.dims()[a] / stride[a], 32) << "level " << level;
+    }
+  }
+  EXPECT_EQ(moving_stride(boxes(256, 256, 256), 1), (Stride{2, 2, 2}));
+  EXPECT_EQ(moving_stride(boxes(256, 256, 256), 2), (Stride{3, 3, 3}));
+  EXPECT_EQ(moving_stride(boxes(1024, 1024, 1024), 2), (Stride{11, 11, 11}));
+  EXPECT_EQ(moving_stride(boxes(70, 70, 70), 3), (Stride{2, 2, 2})) << "35 points are few enough";
+  EXPECT_EQ(moving_stride(boxes(40, 40, 40), 3), (Stride{1, 1, 1})) << "small grids are moved as they are";
 }
 
 TEST(CoarseScenes, AreTheScenesOfEveryNthPoint) {
@@ -172,7 +195,7 @@ class InMotion : public ::testing::Test, protected HeardEvents {
   }
   ~InMotion() override { engine_.reset(); }
 
-  FrameReady ask(bool coarse, bool lossless = false) {
+  FrameReady ask(int coarse, bool lossless = false) {
     FrameRequest wanted = frame(1, ++request_, lossless);
     wanted.coarse = coarse;
     engine_->post(wanted);
@@ -192,12 +215,12 @@ class InMotion : public ::testing::Test, protected HeardEvents {
 
 TEST_F(InMotion, WhatIsHeavyTurnsAsEveryNthPointOnceThatIsThereAndRestsAsAllPoints) {
   turn();
-  const FrameReady exact = ask(false, true);
+  const FrameReady exact = ask(0, true);
   EXPECT_EQ(exact.point_stride, 1);
   FrameReady moved;
   for (int tries = 0; tries < 2000 && moved.point_stride == 1; ++tries) {
     turn();
-    moved = ask(true);
+    moved = ask(1);
     EXPECT_EQ(moved.revision, revision_) << "what a hand did is in each picture";
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -206,8 +229,8 @@ TEST_F(InMotion, WhatIsHeavyTurnsAsEveryNthPointOnceThatIsThereAndRestsAsAllPoin
   EXPECT_LT(4 * moved.tetrahedra, exact.tetrahedra);
   EXPECT_NEAR(moved.intervals[0].volume, exact.intervals[0].volume, 0.02 * exact.intervals[0].volume);
   turn();
-  EXPECT_EQ(ask(false).point_stride, 1) << "who does not ask for it does not get it";
-  const FrameReady rest = ask(false, true);
+  EXPECT_EQ(ask(0).point_stride, 1) << "who does not ask for it does not get it";
+  const FrameReady rest = ask(0, true);
   EXPECT_EQ(rest.point_stride, 1);
   EXPECT_EQ(rest.tetrahedra, exact.tetrahedra);
   EXPECT_EQ(rest.revision, revision_);
@@ -215,27 +238,27 @@ TEST_F(InMotion, WhatIsHeavyTurnsAsEveryNthPointOnceThatIsThereAndRestsAsAllPoin
   // Other layers are cut out of all points, and the old coarse ones are not shown for them.
   Scene cut = scene(++revision_, 0.45, "torus-96");
   engine_->post(SceneUpdate{1, cut});
-  const FrameReady other = ask(false, true);
+  const FrameReady other = ask(0, true);
   EXPECT_LT(other.intervals[0].volume, exact.intervals[0].volume);
 }
 
 TEST_F(InMotion, ADraggedEndIsOfEveryNthPointForWhoAsksAndOfAllPointsForTheOthersAndAtRest) {
   engine_->post(SceneUpdate{1, scene(++revision_, 0.5, "torus-96")});
-  const FrameReady exact = ask(false, true);
+  const FrameReady exact = ask(0, true);
   const auto drag = [&] { engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.002 * static_cast<double>(revision_), "torus-96")}); };
   FrameReady moved;
   for (int i = 0; i < 4; ++i) {
     drag();
-    moved = ask(true);
+    moved = ask(1);
     EXPECT_EQ(moved.revision, revision_) << "what a hand did is in each picture";
     EXPECT_TRUE(i == 0 || moved.point_stride == 2) << i << ": the first was cut before anybody asked";
   }
   drag();
-  const FrameReady other = ask(false);
+  const FrameReady other = ask(0);
   EXPECT_EQ(other.point_stride, 1) << "who does not ask for it does not get it";
   EXPECT_EQ(other.revision, revision_);
   drag();
-  const FrameReady last = ask(true), rest = ask(false, true);
+  const FrameReady last = ask(1), rest = ask(0, true);
   EXPECT_EQ(last.point_stride, 2);
   EXPECT_EQ(rest.point_stride, 1);
   EXPECT_EQ(rest.revision, revision_);
@@ -249,18 +272,18 @@ TEST_F(InMotion, TheRestOfEveryDragIsExactHoweverItsRequestsMeet) {
   std::mt19937 random(seed);
   const auto pause = [&] { std::this_thread::sleep_for(std::chrono::microseconds(random() % 6000)); };
   engine_->post(SceneUpdate{1, scene(++revision_, 0.5, "torus-96")});
-  ask(false, true);
+  ask(0, true);
   for (int i = 0; i < 30; ++i) {
     engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.002 * (1 + i % 40), "torus-96")});
     pause();
-    for (const bool coarse : {false, true}) {  // the gesture's first frame is forecast anew while the layers are found
+    for (const int coarse : {0, 1}) {  // the gesture's first frame is forecast anew while the layers are found
       FrameRequest moving = frame(1, ++request_);
       moving.coarse = coarse;
       engine_->post(moving);
-      if (!coarse) engine_->post(ForgetFrame{1, request_});
+      if (coarse == 0) engine_->post(ForgetFrame{1, request_});
     }
     pause();
-    const FrameReady rest = ask(false, true);
+    const FrameReady rest = ask(0, true);
     ASSERT_EQ(rest.revision, revision_) << "seed " << seed << ", drag " << i;
     ASSERT_EQ(rest.point_stride, 1);
   }
@@ -268,10 +291,10 @@ TEST_F(InMotion, TheRestOfEveryDragIsExactHoweverItsRequestsMeet) {
 
 TEST_F(InMotion, AnEndOfASmallGridIsDraggedAsAllPoints) {
   turn("torus-12");
-  ask(false, true);
+  ask(0, true);
   for (int i = 0; i < 3; ++i) {
     engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.01 * i, "torus-12")});
-    const FrameReady moved = ask(true);
+    const FrameReady moved = ask(1);
     EXPECT_EQ(moved.point_stride, 1);
     EXPECT_EQ(moved.revision, revision_);
   }
@@ -279,10 +302,10 @@ TEST_F(InMotion, AnEndOfASmallGridIsDraggedAsAllPoints) {
 
 TEST_F(InMotion, WhatIsLightTurnsAsAllPoints) {
   turn("torus-12");
-  ask(false, true);
+  ask(0, true);
   for (int i = 0; i < 5; ++i) {
     turn("torus-12");
-    const FrameReady moved = ask(true);
+    const FrameReady moved = ask(1);
     EXPECT_EQ(moved.point_stride, 1);
     EXPECT_FALSE(moved.coarse_at_hand);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

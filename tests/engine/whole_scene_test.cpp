@@ -123,12 +123,12 @@ TEST(WholeScene, HasNoCoarserPictureOfCellsAndOneOfPoints) {
   const auto dataset = make_analytic("torus:80", {}, Task());
   CoarseScenes coarse(0);
   Scene scene = scene_of("distance", {{0.1, 0.3}});
-  const auto moving = coarse.extract_for_motion(dataset, scene, Task());
+  const auto moving = coarse.extract_for_motion(dataset, scene, 1, Task());
   ASSERT_TRUE(moving);
   EXPECT_GT(moving->point_stride, 1);
   auto cells = std::make_shared<Dataset>(*dataset);
   cells->arrays.front().association = Association::cell_averaged;
-  EXPECT_FALSE(coarse.extract_for_motion(cells, scene, Task()));
+  EXPECT_FALSE(coarse.extract_for_motion(cells, scene, 1, Task()));
 }
 
 }  // namespace

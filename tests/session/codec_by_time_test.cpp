@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "engine/messages/coarse_levels.h"
 #include "session/fake_engine.h"
 
 namespace isostrata {
@@ -21,6 +22,7 @@ struct World {
   std::function<double(double)> bits_per_second = [](double) { return 1e9; };
   std::function<double(double)> load = [](double) { return 1.0; };  // what the machine's times are multiplied with
   double draw_ms = 4, drawn_part = 0.7;  // of a whole picture, of which that is in proportion to pixels
+  double extract_ms = 0;  // of all points of the grid, of which the first coarse level takes an eighth; 0: the hand turns, else it moves layers
   double jpeg_ms = 2.5, video_ms = 10;   // of encoding
   double jpeg_decode_ms = 2, video_decode_ms = 3;
   double jpeg_bytes = 33000, video_bytes = 6500;
@@ -30,6 +32,7 @@ struct Shown {
   double at_ms;
   std::string format;
   int width;
+  int point_stride = 1;
 };
 
 struct Watched {
@@ -57,7 +60,15 @@ struct Watched {
   }
 };
 
-/// A hand that turns for so long. format: of Hello; empty: by time.
+v1::ClientMessage dragged(int to) {
+  v1::ClientMessage message;
+  v1::Interval& interval = *message.mutable_set_intervals()->add_intervals();
+  interval.set_lower(1);
+  interval.set_upper(2 + 0.001 * to);
+  return message;
+}
+
+/// A hand that turns, or moves layers, for so long. format: of Hello; empty: by time.
 Watched watch(const World& world, double seconds, const std::string& format = "") {
   SessionsOptions options;
   options.moving_codecs = {Codec::vp9_444, Codec::jpeg};
@@ -88,7 +99,7 @@ Watched watch(const World& world, double seconds, const std::string& format = ""
     const double begun = now;
     decoder_free = std::max(decoder_free, now) + decoding;
     at(decoder_free, [&, frame, begun] {
-      run.frames.push_back({now, frame.format(), static_cast<int>(frame.width())});
+      run.frames.push_back({now, frame.format(), static_cast<int>(frame.width()), static_cast<int>(frame.facts().point_stride())});
       for (auto it = inputs.begin(); it != inputs.end() && it->first <= frame.input_seq(); it = inputs.erase(it))
         run.latency.emplace_back(it->second, now - it->second);
       v1::ClientMessage ack;
@@ -101,17 +112,19 @@ Watched watch(const World& world, double seconds, const std::string& format = ""
     for (const FrameRequest& request : s.take<FrameRequest>()) {
       const double begin = std::max(now, renderer_free), load = world.load(now);
       const double size = static_cast<double>(request.width) * request.height / (kWidth * kHeight);
-      const double draw = world.draw_ms * load * (1 - world.drawn_part + world.drawn_part * size);
+      const double coarser = request.coarse > 0 ? 2 * kCoarser.at(static_cast<std::size_t>(request.coarse - 1)) : 1;
+      const double extract = world.extract_ms * load / std::pow(coarser, 3);
+      const double draw = world.draw_ms * load * (1 - world.drawn_part + world.drawn_part * size) / coarser;
       const bool key = request.video && width_of[request.video->stream] != request.width;
       if (request.video) width_of[request.video->stream] = request.width;
       const double encode = (request.video ? world.video_ms : world.jpeg_ms) * load * size * (key ? 3 : 1);
-      renderer_free = begin + draw;
+      renderer_free = begin + extract + draw;
       encoder_free = std::max(encoder_free, renderer_free) + encode;
       const double made = encoder_free, total = made - begin;
-      at(begin, [&, request, draw, encode, made, total, key, size] {
+      at(begin, [&, request, coarser, extract, draw, encode, made, total, key, size] {
         s.start(request);
         const std::uint64_t revision = s.sessions->list().front()->scene().revision;
-        at(made, [&, request, draw, encode, total, key, size, revision] {
+        at(made, [&, request, coarser, extract, draw, encode, total, key, size, revision] {
           FrameReady ready;
           ready.session = request.session;
           ready.request = request.request;
@@ -120,7 +133,9 @@ Watched watch(const World& world, double seconds, const std::string& format = ""
           ready.jpeg = request.jpeg;
           ready.width = request.width;
           ready.height = request.height;
-          ready.stages = {0, 0.3, draw - 0.3, 0, encode, total};
+          ready.point_stride = static_cast<int>(coarser);
+          ready.coarse_at_hand = request.coarse > 0;
+          ready.stages = {extract, 0.3, draw - 0.3, 0, encode, total};
           if (request.video) ready.video = VideoFacts{request.video->codec, request.video->stream, key};
           double bytes = 130000;
           if (request.video)
@@ -149,7 +164,7 @@ Watched watch(const World& world, double seconds, const std::string& format = ""
       const double sent = now;
       next_input += 1000.0 / 60;
       at(now + world.round_trip_ms / 2, [&, sent, x = i++] {
-        s.say(*client, SessionsOnAClock::camera(x));
+        s.say(*client, world.extract_ms > 0 ? dragged(x) : SessionsOnAClock::camera(x));
         inputs[client->seq] = sent;
       });
     }
@@ -274,6 +289,19 @@ TEST(CodecByTime, IsNowhereMuchLaterWhereALineBecomesTenTimesSlower) {
   const double mine = watch(world, 9).p95(3000);
   const double jpeg = watch(world, 9, "jpeg").p95(3000), video = watch(world, 9, "vp9-444").p95(3000);
   EXPECT_LE(mine, 1.12 * std::min(jpeg, video) + 1) << "jpeg " << jpeg << ", video " << video;
+}
+
+TEST(CodecByTime, LayersThatTakeLongToBeCutAreMovedAsCoarselyAsIsInTime) {
+  World world;
+  world.draw_ms = 50;
+  for (const auto& [extract_ms, stride] : std::vector<std::pair<double, int>>{{5, 1}, {100, 2}, {350, 3}, {1000, 4}}) {
+    world.extract_ms = extract_ms;
+    const Watched run = watch(world, 7);
+    ASSERT_FALSE(run.frames.empty());
+    for (const Shown& of : run.frames)
+      if (of.at_ms > 4000) EXPECT_EQ(of.point_stride, stride) << extract_ms << " ms, shown at " << of.at_ms;
+    EXPECT_LE(run.p95(4000), 80) << extract_ms << " ms";
+  }
 }
 
 }  // namespace

@@ -271,9 +271,9 @@ class Engine::Impl {
     session.extraction = begin(key, 0);
     session.extraction_scene = scene;
     session.extraction_is_coarse = coarse;
-    extractors_.post(key, [this, key, operation = session.extraction, scene, before = session.ready, coarse] {
+    extractors_.post(key, [this, key, operation = session.extraction, scene, before = session.ready, coarse, level = session.asks_coarse] {
       if (coarse)
-        extract_coarse(key, operation, scene, before.extracted->dataset);
+        extract_coarse(key, operation, scene, before.extracted->dataset, level);
       else
         extract(key, operation, scene, before);
     });
@@ -339,10 +339,10 @@ class Engine::Impl {
   }
 
   /// Of every n-th point, from a dataset of the scene's step that is at hand.
-  void extract_coarse(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const Dataset>& whole) {
+  void extract_coarse(SessionKey key, const std::shared_ptr<Operation>& operation, const Scene& scene, const std::shared_ptr<const Dataset>& whole, int level) {
     std::shared_ptr<const ExtractedScene> extracted;
     const std::exception_ptr failure =
-        run_extraction(key, *operation, [&] { extracted = coarse_.extract_for_motion(whole, scene, operation->task()); });
+        run_extraction(key, *operation, [&] { extracted = coarse_.extract_for_motion(whole, scene, level, operation->task()); });
     finish_extraction(key, operation, scene, failure, [&](SessionState& session) { hold_coarse(key, session, extracted, scene); });
   }
 
@@ -392,7 +392,7 @@ class Engine::Impl {
       try {
         const Doing extracting(options_.board, Stage::extracting, 0, 0);
         const Work work(key, WorkClass::still, {&base_task_, true, extracting.waiting()});
-        coarse = coarse_.extract_for_motion(extracted->dataset, scene, base_task_);
+        coarse = coarse_.extract_for_motion(extracted->dataset, scene, 1, base_task_);
       } catch (const std::exception& error) {  // a hand turns all points then
         return;
       }
@@ -617,7 +617,7 @@ class Engine::Impl {
       } else {
         it->second.waiting.push_back(request);
         scenes_.see(request.session);
-        if (!is_still(request)) it->second.asks_coarse = request.coarse && !options_.ranks;
+        if (!is_still(request)) it->second.asks_coarse = options_.ranks ? 0 : request.coarse;
         advance(request.session, it->second);  // what was given back, or is wanted of all points now
         if (request.video) it->second.streams.insert(request.video->stream);
         draw_soon(request.session, it->second);

@@ -49,7 +49,7 @@ void SessionState::take_coarse(std::shared_ptr<const ExtractedScene> extracted, 
 }
 
 bool SessionState::coarse_suffices() const {
-  return asks_coarse && std::all_of(waiting.begin(), waiting.end(), [](const FrameRequest& f) { return f.coarse; }) && is_whole(ready.extracted) &&
+  return asks_coarse > 0 && std::all_of(waiting.begin(), waiting.end(), [](const FrameRequest& f) { return f.coarse > 0; }) && is_whole(ready.extracted) &&
          ready.scene.dataset == scene->dataset && ready.scene.step == scene->step && can_be_coarse(*ready.extracted, *scene);
 }
 
@@ -73,7 +73,7 @@ std::optional<PictureOrder> SessionState::next_order(const std::function<bool(co
 
 std::optional<PictureOrder> SessionState::order_of(const FrameRequest& request) {
   const bool whole = is_whole(ready.extracted), coarse_at_hand = coarse_for(*scene) != nullptr;
-  Prepared* of = request.coarse && coarse_at_hand ? &coarse : &ready;
+  Prepared* of = request.coarse > 0 && coarse_at_hand ? &coarse : &ready;
   PictureOrder order;
   if (of == &coarse || ready_for(*scene)) {
     order.scene = *scene;
@@ -82,7 +82,7 @@ std::optional<PictureOrder> SessionState::order_of(const FrameRequest& request) 
   } else {
     // The intervals of the newest scene are still being extracted. The camera need not wait for them.
     if (request.lossless || (!whole && is_still(request))) return std::nullopt;
-    if (request.coarse && coarse.extracted && coarse.scene.revision > ready.scene.revision) of = &coarse;
+    if (request.coarse > 0 && coarse.extracted && coarse.scene.revision > ready.scene.revision) of = &coarse;
     if (of->scene.dataset != scene->dataset) return std::nullopt;
     order.scene = of->scene;
     take_view(order.scene, *scene);
@@ -92,7 +92,7 @@ std::optional<PictureOrder> SessionState::order_of(const FrameRequest& request) 
   }
   order.request = request;
   order.task = std::make_shared<Task>();
-  order.coarse_at_hand = coarse_at_hand;
+  order.coarse_at_hand = coarse_at_hand || of == &coarse;
   order.extracted = of->extracted;
   order.extract_ms = of->drawn ? 0 : of->extracted->extract_ms;
   of->drawn = true;

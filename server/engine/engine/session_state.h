@@ -41,7 +41,7 @@ struct SessionState {
   std::shared_ptr<Operation> extraction;     // running or queued
   Scene extraction_scene;
   bool extraction_is_coarse = false, last_was_cut_short = false;
-  bool asks_coarse = false;                         // the last frame that was asked for
+  int asks_coarse = 0;                              // the last frame that was asked for: its level
   std::optional<RequestFailed> extraction_failure;  // of exactly the newest scene
   std::optional<Scene> drawn_meanwhile;             // the last picture of older intervals
   std::deque<FrameRequest> waiting;

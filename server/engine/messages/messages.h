@@ -70,7 +70,7 @@ struct FrameRequest {
   bool until_newer = false;    // given up, as `cancelled`, once the session has a newer scene: a picture at rest, in the way of a hand that moves again
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
   std::optional<Annotations> annotations;  // in place of the scene's
-  bool coarse = false;  // a moving frame of every n-th point, if that is at hand (FrameReady::coarse_at_hand); moved layers are made so for it
+  int coarse = 0;  // level of a moving frame of every n-th point (coarse_levels.h), if that is at hand; moved layers are made so for it. 0: all points
 };
 
 struct HistogramRequest {
@@ -236,7 +236,7 @@ struct FrameReady {
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
   int point_stride = 1;  // more: of every n-th point along each axis: a first picture of a large grid, or a moving frame; one of all points follows
-  bool coarse_at_hand = false;  // moving frames of every n-th point can be had
+  bool coarse_at_hand = false;  // moving frames of every n-th point can be had, as this one is if point_stride says so
   std::vector<IntervalFacts> intervals;
   std::shared_ptr<const Bytes> bytes;                 // null where there are bands
   std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top

@@ -1,9 +1,11 @@
 #include "engine/picture/coarse_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/stopwatch.h"
 #include "data/region.h"
+#include "engine/messages/coarse_levels.h"
 
 namespace isostrata {
 namespace {
@@ -22,6 +24,8 @@ std::vector<std::string> arrays_of(const Scene& scene, const Dataset& dataset) {
   return names;
 }
 
+bool leaves_enough(std::int64_t points, std::int64_t stride) { return points / stride >= kFewPoints; }
+
 bool of_one_step(const Scene& scene) { return !scene.time && smear_moments(scene).empty() && !scene.intervals.empty(); }
 
 }  // namespace
@@ -34,16 +38,26 @@ std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_c
     std::int64_t points = 1;
     bool coarser = false;
     for (std::size_t a = 0; a < 3; ++a) {
-      if (dims[a] / n >= kFewPoints) stride[a] = n, coarser = true;
+      if (leaves_enough(dims[a], n)) stride[a] = n, coarser = true;
       points *= (dims[a] - 1) / stride[a] + 1;
     }
     if (points <= most_points || !coarser) return stride;
   }
 }
 
+std::array<std::int64_t, 3> moving_stride(const Grid& grid, int level) {
+  auto stride = coarse_stride(grid, 0, kMostMovingPoints);
+  if (stride == kAllPoints) return stride;
+  const auto dims = grid.dims();
+  const double coarser = kCoarser.at(static_cast<std::size_t>(level - 1));
+  for (std::size_t a = 0; a < 3; ++a)
+    if (const auto n = static_cast<std::int64_t>(std::ceil(coarser * static_cast<double>(stride[a]))); stride[a] > 1 && leaves_enough(dims[a], n)) stride[a] = n;
+  return stride;
+}
+
 bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene) {
   return of_one_step(scene) && extracted.dataset && !extracted.dataset->arrays.empty() &&
-         coarse_stride(extracted.dataset->grid, 0, kMostMovingPoints) != kAllPoints;
+         moving_stride(extracted.dataset->grid, 1) != kAllPoints;
 }
 
 std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<const Dataset>& whole, const std::array<std::int64_t, 3>& stride,
@@ -81,9 +95,10 @@ std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& st
   return extract_every(coarse_stride(whole->grid, least_cells_, kMostPoints), whole, scene, task);
 }
 
-std::shared_ptr<const ExtractedScene> CoarseScenes::extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task) {
+std::shared_ptr<const ExtractedScene> CoarseScenes::extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level,
+                                                                       const Task& task) {
   if (!of_one_step(scene)) return nullptr;
-  return extract_every(coarse_stride(whole->grid, 0, kMostMovingPoints), whole, scene, task);
+  return extract_every(moving_stride(whole->grid, level), whole, scene, task);
 }
 
 }  // namespace isostrata

@@ -16,6 +16,9 @@ namespace isostrata {
 /// `least_cells`, or is not structured.
 std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells, std::int64_t most_points);
 
+/// The strides of a level from 1 on (coarse_levels.h); 1, 1, 1 where the grid is too small, or not structured.
+std::array<std::int64_t, 3> moving_stride(const Grid& grid, int level);
+
 /// Whether extract_for_motion of the scene has something to make, on the grid of `extracted`, which is of all points.
 bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene);
 
@@ -30,8 +33,8 @@ class CoarseScenes {
   /// extract_scene throws.
   std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task);
 
-  /// The same of any structured grid that is not small, for moving frames: every second point at least, some 4 million at most.
-  std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task);
+  /// The same of any structured grid that is not small, for moving frames, at moving_stride.
+  std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task);
 
  private:
   std::shared_ptr<const ExtractedScene> extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,

@@ -54,7 +54,7 @@ struct Viewer {
   std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first
   bool chooses = false;                    // between JPEG and the first of these, by measured times; else the first is in use
   CodecChoice choice;
-  CoarseChoice turned_coarse, moved_coarse;  // whether its frames are of every n-th point while layers are turned, and while they are moved
+  CoarseChoice turned_coarse, moved_coarse;  // of which points its frames are while layers are turned, and while they are moved
   TimePoint chosen_at{};
   CodecCosts decoding{kUsualDecoding};        // ms a megapixel
   std::vector<v1::FormatForecast> forecasts;  // of the last choice

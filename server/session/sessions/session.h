@@ -183,11 +183,11 @@ class Session {
 
   /// What moving frames cost here, ms: of drawing, and of encoding by weight().
   struct MakingCosts {
-    DrawingForecast drawing, coarse_drawing;
+    DrawingForecast drawing, coarse_drawing;  // the latter of the first coarse level
     CodecCosts encoding{kUsualEncoding};
     double coarse_part = 0.4;  // of drawing, that drawing every n-th point takes
     bool coarse_at_hand = false;
-    double extraction = 0, coarse_extraction = 0;  // the last ones
+    double extraction = 0, coarse_extraction = 0;  // ms, the last ones; likewise. 0: none yet
     bool extracts = false;                         // since the last rest: a hand moves layers, and does not only turn them
   };
   static constexpr double kUsualEncoding = 2.5;  // of video by that of JPEG
@@ -260,7 +260,7 @@ class Session {
   void end_streams();
   void step_down(Viewer& viewer, TimePoint now);
   /// Whether a viewer's moving frames may be of every n-th point.
-  bool coarse(const Viewer& viewer) const;
+  int coarse_level(const Viewer& viewer) const;
   void note_made(const Picture& picture, const FrameReady& ready, TimePoint now);
   void note_sent(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, std::uint64_t frame);
   void note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimePoint now);

@@ -1,6 +1,8 @@
 // Of a session: what its moving frames cost in each codec, and which codec and size each viewer gets them in.
 #include <algorithm>
+#include <cmath>
 
+#include "engine/messages/coarse_levels.h"
 #include "session/sessions/session.h"
 
 namespace isostrata {
@@ -17,13 +19,18 @@ constexpr double kFirstEncodingMs = 5, kFirstDecodingMs = 5;
 
 constexpr double kLeastCoarsePart = 0.1;
 
+/// Of what the first coarse level takes, what another one does: of finding its layers, which goes by cells, and of drawing them, by facets and by pixels.
+double part_of_cells(int level) { return 1 / std::pow(kCoarser.at(static_cast<std::size_t>(level - 1)), 3); }
+double part_of_drawing(int level) { return 0.5 + 0.5 / std::pow(kCoarser.at(static_cast<std::size_t>(level - 1)), 2); }
+constexpr double kFirstPartOfCells = 0.125;  // of all points, that the first level has
+
 double megapixels(double width, double height) { return width * height / kMegapixel; }
 /// What encoding and decoding are in proportion to: pixels, and as much as a small picture has whatever its size.
 double weight(double megapixels) { return 0.08 + megapixels; }
 
 }  // namespace
 
-bool Session::coarse(const Viewer& viewer) const { return (costs_.extracts ? viewer.moved_coarse : viewer.turned_coarse).wanted(); }
+int Session::coarse_level(const Viewer& viewer) const { return (costs_.extracts ? viewer.moved_coarse : viewer.turned_coarse).level(); }
 
 void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoint now) {
   const StageTimes& ms = ready.stages;
@@ -31,7 +38,12 @@ void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoi
   const double size = megapixels(ready.width, ready.height);
   if (picture.request.still) return;
   costs_.coarse_at_hand = ready.coarse_at_hand;
-  if (ms.extract_ms > 0) (ready.point_stride > 1 ? costs_.coarse_extraction : costs_.extraction) = ms.extract_ms;
+  const bool coarse = ready.point_stride > 1;
+  const int level = std::max(1, picture.request.coarse);
+  if (ms.extract_ms > 0 && coarse)
+    costs_.coarse_extraction = ms.extract_ms / part_of_cells(level);
+  else if (ms.extract_ms > 0)
+    costs_.extraction = ms.extract_ms;
   if (picture.order.phase != FramePhase::moving || picture.request.lossless) {
     costs_.extracts = false;
     // What every n-th point took by what this takes holds for the next gesture, too.
@@ -43,7 +55,10 @@ void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoi
     return;
   }
   const Codec codec = ready.video ? ready.video->codec : Codec::jpeg;
-  (ready.point_stride > 1 ? costs_.coarse_drawing : costs_.drawing).moved(codec, drawing, size, now);
+  if (coarse)
+    costs_.coarse_drawing.moved(codec, drawing / part_of_drawing(level), size, now);
+  else
+    costs_.drawing.moved(codec, drawing, size, now);
   if (ready.video && ready.video->key) return;  // the first of a stream: an encoder had to be made, too
   costs_.encoding.measured(codec, ms.encode_ms / weight(size), now);
 }
@@ -84,19 +99,29 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
 
   const double per_jpeg = jpeg_ms > 0 ? jpeg_ms : kFirstEncodingMs, decoded = viewer.decoding.expected(Codec::jpeg, now);
   const double least = whole * CoarseChoice::kLeastScale * CoarseChoice::kLeastScale;
-  const double turning = costs_.drawing.ms(Codec::jpeg, least, now) + weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs));
-  viewer.turned_coarse.choose(turning, !viewer.frames.moving(), now);
-  viewer.moved_coarse.choose(turning + costs_.extraction, !viewer.frames.moving(), now);
-  const bool coarse_at_hand = coarse(viewer) && costs_.coarse_at_hand;
-  const DrawingForecast& drawn = coarse_at_hand ? costs_.coarse_drawing : costs_.drawing;
-  const double extraction = !costs_.extracts ? 0 : coarse_at_hand ? costs_.coarse_extraction : costs_.extraction;
+  const auto drawing_at = [&](int level, Codec codec, double pixels) {
+    return level == 0 ? costs_.drawing.ms(codec, pixels, now) : part_of_drawing(level) * costs_.coarse_drawing.ms(codec, pixels, now);
+  };
+  const double first_extraction = costs_.coarse_extraction > 0 ? costs_.coarse_extraction : kFirstPartOfCells * costs_.extraction;
+  const auto extraction_at = [&](int level) { return level == 0 ? costs_.extraction : part_of_cells(level) * first_extraction; };
+  std::array<double, 1 + kCoarseLevels> turning{}, moving{};
+  for (int level = 0; level <= kCoarseLevels; ++level) {
+    const auto at = static_cast<std::size_t>(level);
+    turning[at] = drawing_at(level, Codec::jpeg, least) + weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs));
+    moving[at] = turning[at] + extraction_at(level);
+  }
+  const bool rests = !viewer.frames.moving();
+  viewer.turned_coarse.choose(std::span(turning).first<2>(), rests, now);  // what is made in advance is of the first level
+  viewer.moved_coarse.choose(moving, rests, now);
+  const int level = costs_.coarse_at_hand ? coarse_level(viewer) : 0;
+  const double extraction = costs_.extracts ? extraction_at(level) : 0;
 
   std::vector<CodecCandidate> candidates;
   for (const Codec codec : codecs)
     for (const double scale : kScales) {
       const FrameScheduler::Passing passing = viewer.frames.passing(codec, scale, now);
       const double pixels = whole * passing.scale * passing.scale;
-      const double drawing = drawn.ms(codec, pixels, now);
+      const double drawing = drawing_at(level, codec, pixels);
       const double per_encoding = jpeg_ms > 0 ? costs_.encoding.expected(codec, now) : per_jpeg;
       const double per_decoding = viewer.decoding.expected(codec, now);
       const double encoding = weight(pixels) * per_encoding,
@@ -107,7 +132,7 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
       candidate.making_ms = extraction + drawing + encoding + decoding;
       if (others > 0 && with[is_video(codec)] == 0) candidate.making_ms += drawing;
       // A change waits for the frame under way: as long as the slowest of the places takes that hold one frame at a time.
-      const double wait = std::max({drawing + encoding, passing.line_ms, decoding});
+      const double wait = std::max({extraction, drawing + encoding, passing.line_ms, decoding});
       candidate.passing_ms = wait + passing.round_trip_ms + passing.line_ms;
       candidate.line_ms = passing.line_ms;
       candidate.likeness = passing.scale * passing.scale * passing.quality / 90;

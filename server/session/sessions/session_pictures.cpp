@@ -107,7 +107,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
     else
       order->codec = Codec::jpeg;
   }
-  request.coarse = order->phase == FramePhase::moving && coarse(viewer);
+  if (order->phase == FramePhase::moving) request.coarse = coarse_level(viewer);
   request.until_newer = order->phase != FramePhase::moving && !order->whole;
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)

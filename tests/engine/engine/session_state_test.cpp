@@ -22,7 +22,7 @@ class SessionStateTest : public ::testing::Test {
     extracted->extract_ms = ms;
     return {extracted, of};
   }
-  FrameRequest wait(bool coarse, bool lossless = false) {
+  FrameRequest wait(int coarse, bool lossless = false) {
     FrameRequest request;
     request.session = 1;
     request.request = ++request_;
@@ -41,7 +41,7 @@ class SessionStateTest : public ::testing::Test {
 
 TEST_F(SessionStateTest, NothingIsDrawnBeforeAnythingIsReady) {
   state_.scene = scene(1, 0.5);
-  wait(false);
+  wait(0);
   EXPECT_FALSE(next());
   EXPECT_EQ(state_.waiting.size(), 1u);
 }
@@ -49,8 +49,8 @@ TEST_F(SessionStateTest, NothingIsDrawnBeforeAnythingIsReady) {
 TEST_F(SessionStateTest, WhatIsReadyIsDrawnAsTheNewestSceneAndItsExtractionIsToldOnce) {
   state_.scene = scene(2, 0.5);
   state_.ready = prepared(scene(1, 0.5), 1, 7);
-  wait(false);
-  wait(false, true);
+  wait(0);
+  wait(0, true);
   const auto first = next(), second = next();
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->scene.revision, 2u);
@@ -63,13 +63,13 @@ TEST_F(SessionStateTest, WhatIsReadyIsDrawnAsTheNewestSceneAndItsExtractionIsTol
 TEST_F(SessionStateTest, OlderLayersAreShownOnceForEachViewAndNeverAsExact) {
   state_.scene = scene(2, 0.4);
   state_.ready = prepared(scene(1, 0.5), 1, 7);
-  wait(false, true);
-  wait(false);
+  wait(0, true);
+  wait(0);
   const auto meanwhile = next();
   ASSERT_TRUE(meanwhile) << "the second request need not wait for the first";
   EXPECT_FALSE(meanwhile->request.lossless);
   EXPECT_EQ(meanwhile->scene.revision, 1u);
-  wait(false);
+  wait(0);
   EXPECT_FALSE(next()) << "the same view again";
   state_.scene->background = {1, 0, 0};
   EXPECT_TRUE(next()) << "another one";
@@ -81,8 +81,8 @@ TEST_F(SessionStateTest, EveryNthPointIsForWhoAsksForItAndCountsAsTheNewestScene
   state_.ready = prepared(scene(1, 0.5), 1, 7);
   state_.ready.drawn = true;
   state_.coarse = prepared(scene(3, 0.4), 2, 1);
-  wait(false);
-  const FrameRequest moving = wait(true);
+  wait(0);
+  const FrameRequest moving = wait(1);
   const auto order = next();
   ASSERT_TRUE(order);
   EXPECT_EQ(order->request.request, moving.request);
@@ -97,7 +97,7 @@ TEST_F(SessionStateTest, OfTwoThatAreOldTheNewerIsShown) {
   state_.scene = scene(4, 0.3);
   state_.ready = prepared(scene(1, 0.5), 1, 7);
   state_.coarse = prepared(scene(3, 0.4), 2, 1);
-  wait(true);
+  wait(1);
   const auto order = next();
   ASSERT_TRUE(order);
   EXPECT_EQ(order->scene.revision, 3u);
@@ -110,7 +110,7 @@ TEST_F(SessionStateTest, WhatWasMadeInAdvanceDoesNotReplaceWhatAHandHasCutSince)
   const auto cut = prepared(scene(3, 0.3), 2, 1).extracted, made_in_advance = prepared(scene(1, 0.5), 2, 1).extracted;
   state_.take_coarse(cut, scene(3, 0.3));
   state_.take_coarse(made_in_advance, scene(1, 0.5));
-  wait(true);
+  wait(1);
   const auto order = next();
   ASSERT_TRUE(order);
   EXPECT_EQ(order->extracted, cut);
@@ -125,7 +125,7 @@ TEST_F(SessionStateTest, AFirstLookContainsNoSceneWholly) {
   state_.scene = scene(5, 0.5);
   state_.ready = prepared(scene(5, 0.5), 4, 3);
   EXPECT_EQ(state_.ready_for(*state_.scene), nullptr);
-  wait(false);
+  wait(0);
   const auto order = next();
   ASSERT_TRUE(order);
   EXPECT_EQ(order->scene.revision, 4u);
