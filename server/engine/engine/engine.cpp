@@ -80,8 +80,9 @@ class Engine::Impl {
         if (const auto living = operation.lock()) living->task().cancel();
       for (auto& [key, session] : sessions_)
         for (auto& [request, picture] : session.pictures) picture.task->cancel();
+      if (preparation_.task) preparation_.task->cancel();
     }
-    base_task_.cancel();
+    ahead_task_.cancel();
     changed_.notify_all();
     render_thread_.join();
   }
@@ -391,8 +392,8 @@ class Engine::Impl {
       std::shared_ptr<const ExtractedScene> coarse;
       try {
         const Doing extracting(options_.board, Stage::extracting, 0, 0);
-        const Work work(key, WorkClass::still, {&base_task_, true, extracting.waiting()});
-        coarse = coarse_.extract_for_motion(extracted->dataset, scene, 1, base_task_);
+        const Work work(key, WorkClass::still, {&ahead_task_, true, extracting.waiting()});
+        coarse = coarse_.extract_for_motion(extracted->dataset, scene, 1, ahead_task_);
       } catch (const std::exception& error) {  // a hand turns all points then
         return;
       }
@@ -557,8 +558,8 @@ class Engine::Impl {
     ahead_.post(std::hash<std::string>()(scene.dataset), [this, dataset = scene.dataset, next] {
       const Doing opening(options_.board, Stage::opening, 0, 0);
       try {
-        const Work work(0, WorkClass::background, {&base_task_, true, opening.waiting()});
-        datasets_.acquire(datasets_.entry(dataset), next, base_task_);
+        const Work work(0, WorkClass::background, {&ahead_task_, true, opening.waiting()});
+        datasets_.acquire(datasets_.entry(dataset), next, ahead_task_);
       } catch (const std::exception&) {  // who asks for it is told why
       }
     });
@@ -577,20 +578,31 @@ class Engine::Impl {
     const LayerRequest& request = extracted.request;
     const bool lay_out = request.terms.empty() && !request.time && !ordered_.knows(extracted.dataset->grid);
     if (cut ? same_steps && previous->request.intervals == request.intervals : !lay_out) return;
-    if (base_in_making_.exchange(true)) return;
-    // A hand that moves waits for it.
-    (same_steps ? movers_ : preparers_).post(same_steps ? key : 0, [this, key, cut, same_steps, dataset = extracted.dataset, array = extracted.array] {
+    const std::shared_ptr<Task> task = begin_preparation(same_steps);
+    if (!task) return;
+    (same_steps ? movers_ : preparers_).post(same_steps ? key : 0, [this, key, cut, same_steps, dataset = extracted.dataset, array = extracted.array, task] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
-        const Work work(same_steps ? key : 0, same_steps ? WorkClass::scene : WorkClass::background, {&base_task_, true, extracting.waiting()});
+        const Work work(same_steps ? key : 0, same_steps ? WorkClass::scene : WorkClass::background, {task.get(), true, extracting.waiting()});
         if (cut)
-          bases_.make(dataset, array, base_task_);
+          bases_.make(dataset, array, *task);
         else
-          ordered_.make(dataset->grid, base_task_);
+          ordered_.make(dataset->grid, *task);
       } catch (const std::exception&) {  // extraction goes on without it
       }
-      base_in_making_ = false;
+      const std::lock_guard lock(mutex_);
+      if (preparation_.task == task) preparation_ = {};
     });
+  }
+
+  /// One at a time. A hand that moves waits for it, and does not wait for what was begun for later and yields to everything: that is begun anew.
+  /// Null: not now.
+  std::shared_ptr<Task> begin_preparation(bool for_hand) {
+    const std::lock_guard lock(mutex_);
+    if (stopping_ || (preparation_.task && (preparation_.for_hand || !for_hand))) return nullptr;
+    if (preparation_.task) preparation_.task->cancel();
+    preparation_ = {std::make_shared<Task>(), for_hand};
+    return preparation_.task;
   }
 
   static void fail_waiting(SessionState& session, std::vector<EngineEvent>& events) {
@@ -902,6 +914,10 @@ class Engine::Impl {
   std::map<SessionKey, SessionState> sessions_;
   SceneLedger scenes_;
   SessionKey last_drawn_ = 0;
+  struct {
+    std::shared_ptr<Task> task;  // null: none
+    bool for_hand = false;
+  } preparation_;  // of tetrahedra
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
   std::uint64_t next_operation_ = 1;
 
@@ -911,8 +927,7 @@ class Engine::Impl {
   BrickMemory bricks_;                       // likewise
   BaseMeshes bases_;                         // likewise
   OrderedMemory ordered_;                    // likewise
-  Task base_task_;                           // of making those that nobody waits for
-  std::atomic<bool> base_in_making_{false};  // one at a time
+  Task ahead_task_;                          // of making what nobody waits for
   KeptRenderers renderers_;
   EncoderThreads encoders_;
   Lanes openers_;                 // by session
