@@ -58,6 +58,26 @@ describe('the page', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('a picture that nobody touches becomes smooth, and again after it was turned', async () => {
+    await open();
+    const plain = await viewer.exactPicture();
+    await viewer.close();
+    await open({ refines: true });
+    const smooth = async () => {
+      await expect.poll(() => viewer.page.locator('canvas').getAttribute('data-samples'), { timeout: 20_000 }).toBe('4');
+      return viewer.exactPicture();
+    };
+    const first = await smooth();
+    const changed = difference(plain, first);
+    expect(changed).toBeGreaterThan(0.01);
+    expect(changed).toBeLessThan(3); // edges alone
+    await viewer.photograph('smooth.png');
+    await viewer.drag(viewer.page.getByRole('application'), 60, 20);
+    expect(await viewer.page.locator('canvas').getAttribute('data-samples')).toBe('1');
+    expect(difference(first, await smooth())).toBeGreaterThan(0.1);
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('turns by dragging: box and axes at once, then the picture', async () => {
     await open();
     const before = await viewer.exactPicture();

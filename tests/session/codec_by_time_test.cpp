@@ -299,7 +299,7 @@ TEST(CodecByTime, LayersThatTakeLongToBeCutAreMovedAsCoarselyAsIsInTime) {
     const Watched run = watch(world, 7);
     ASSERT_FALSE(run.frames.empty());
     for (const Shown& of : run.frames)
-      if (of.at_ms > 4000) EXPECT_EQ(of.point_stride, stride) << extract_ms << " ms, shown at " << of.at_ms;
+      EXPECT_TRUE(of.at_ms < 4000 || of.point_stride == stride) << extract_ms << " ms: " << of.point_stride << ", shown at " << of.at_ms;
     EXPECT_LE(run.p95(4000), 80) << extract_ms << " ms";
   }
 }

@@ -43,8 +43,9 @@ async function askWhy(): Promise<NotOpened> {
 // Some tens of milliseconds, before Hello says what came of it.
 const movingFormats = await probeDecoders(browserProbe());
 
-// For trying one out: ?codec=vp9-444 in the page's address.
-const wantedFormat = new URL(location.href).searchParams.get('codec') ?? '';
+// For trying one out: ?codec=vp9-444 in the page's address. For comparing pictures: ?samples=1 holds on to one sample a pixel.
+const wanted = new URL(location.href).searchParams;
+const wantedFormat = wanted.get('codec') ?? '';
 
 const session = new Session({
   connection: (handlers) =>
@@ -63,6 +64,7 @@ const session = new Session({
   movingFormats,
   calm,
   movingFormat: movingFormats.includes(wantedFormat) ? wantedFormat : '',
+  refines: wanted.get('samples') !== '1',
 });
 
 mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });

@@ -84,6 +84,9 @@ test('the badge says exact only of the newest state, losslessly, where there is 
   expect(word({ phase: 'settled', pointStride: 4 }, 6)).toBe('first look');
   expect(word({ phase: 'moving', pointStride: 2 }, 6)).toBe('moving, coarse');
   expect(word({ pointStride: 1 })).toBe('exact');
+  const title = (samples: number) => badgeOf({ ...frame, samples }, { revision: 5, waits: false }, false, 600).title;
+  expect(title(1)).not.toContain('mean');
+  expect(title(4)).toContain('4 x 4');
 });
 
 test('a first look at some of the points says nothing of what is not in it', () => {

@@ -70,6 +70,7 @@ struct FrameRequest {
   bool until_newer = false;    // given up, as `cancelled`, once the session has a newer scene: a picture at rest, in the way of a hand that moves again
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
   std::optional<Annotations> annotations;  // in place of the scene's
+  int samples = 1;  // each way, of a lossless frame: a pixel is the mean of samples x samples rays
   int coarse = 0;  // level of a moving frame of every n-th point (coarse_levels.h), if that is at hand; moved layers are made so for it. 0: all points
 };
 
@@ -235,6 +236,7 @@ struct FrameReady {
   std::string order;
   bool order_exact = false;
   std::int64_t tetrahedra = 0;
+  int samples = 1;       // each way, as they were asked for
   int point_stride = 1;  // more: of every n-th point along each axis: a first picture of a large grid, or a moving frame; one of all points follows
   bool coarse_at_hand = false;  // moving frames of every n-th point can be had, as this one is if point_stride says so
   std::vector<IntervalFacts> intervals;

@@ -10,8 +10,6 @@
 namespace isostrata {
 namespace {
 
-// A part is drawn as floats with depth (20 bytes a sample), which the renderer may hold twice, and is averaged into a band.
-constexpr std::int64_t kPartSamples = std::int64_t{16} << 20;
 static_assert(kPartSamples * 20 * 3 <= static_cast<std::int64_t>(kStillBytes));
 
 /// The mean of samples x samples pixels of `part` each, put into `band` from column x on.
@@ -89,7 +87,7 @@ DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, c
                                           std::to_string(kMaxWholeSize) + " samples across");
   const std::int64_t row_samples = static_cast<std::int64_t>(input.width) * samples * samples;
   const bool plain = samples == 1 && still.annotations.empty();
-  if (plain && row_samples * input.height <= kPartSamples) {
+  if (plain && row_samples * input.height <= still.part_samples) {
     task.check();
     DrawResult result = renderer.draw(part);
     put(result.image);
@@ -98,7 +96,7 @@ DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, c
 
   // Whole rows, as many as may be; a row that is too wide or too large is drawn in pieces.
   const int rows_per_band =
-      static_cast<int>(std::clamp<std::int64_t>(kPartSamples / row_samples, 1, std::min(input.height, kMaxImageSize / samples)));
+      static_cast<int>(std::clamp<std::int64_t>(still.part_samples / row_samples, 1, std::min(input.height, kMaxImageSize / samples)));
   const int columns_per_part = std::min(input.width, kMaxImageSize / samples);
   part.float_image = input.float_image || !plain;
   part.window.width = input.width * samples;

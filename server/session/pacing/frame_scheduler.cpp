@@ -25,6 +25,7 @@ void FrameScheduler::scene_changed(std::uint64_t revision, bool drawable, TimePo
   drawable_ = drawable;
   dirty_ = wants_lossless_ = drawable;
   reduced_ = false;
+  samples_ = 0;
   if (!drawable) still_.reset();
   last_change_ = now;
 }
@@ -38,6 +39,7 @@ void FrameScheduler::set_viewport(int width, int height, bool hidden, TimePoint 
   if (shown_again || resized) {
     dirty_ = wants_lossless_ = drawable_;
     reduced_ = false;
+    samples_ = 0;
     last_change_ = now;
   }
 }
@@ -110,7 +112,7 @@ Duration FrameScheduler::lossless_time(TimePoint now) const {
 
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   if (!may_order(now)) return std::nullopt;
-  wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, allowance_, allowed_at_};
+  wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_};
   const bool rests = now - last_change_ >= kSettle;
   FrameOrder order;
   if (still_) {
@@ -118,7 +120,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
     if (still_->width > 0) order.width = still_->width, order.height = still_->height;
     order.whole = true;
     // A still of another size is not the viewport's lossless frame.
-    if (order.width == width_ && order.height == height_) dirty_ = wants_lossless_ = reduced_ = false;
+    if (order.width == width_ && order.height == height_) dirty_ = wants_lossless_ = reduced_ = false, samples_ = order.samples;
     still_.reset();
   } else if (rests && (reduced_ || dirty_) && (interacting_ || lossless_time(now) > kNoticed)) {
     order = order_of(FramePhase::settled);
@@ -126,6 +128,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   } else if (rests && wants_lossless_ && !interacting_) {
     order = order_of(FramePhase::lossless);
     dirty_ = wants_lossless_ = reduced_ = false;
+    samples_ = order.samples;
   } else if (dirty_) {
     const double allowed = allowance(now);
     if (allowed < 1 - 1e-6) return std::nullopt;
@@ -143,6 +146,23 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   return order;
 }
 
+bool FrameScheduler::may_refine(TimePoint now) const {
+  return drawable_ && !hidden_ && !ordered_ && !interacting_ && !dirty_ && !reduced_ && !wants_lossless_ && !still_ && in_flight() == 0 && samples_ > 0 &&
+         samples_ < most_samples_ && lossless_time(now) <= kRefineWithin;
+}
+
+std::optional<FrameOrder> FrameScheduler::refined(TimePoint now) {
+  if (!may_refine(now) || now - last_change_ < kRefine) return std::nullopt;
+  wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_};
+  samples_ *= 2;
+  FrameOrder order = order_of(FramePhase::lossless);
+  order.samples = samples_;
+  moving_ = false;
+  ordered_ = order;
+  ordered_at_ = now;
+  return order;
+}
+
 std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {
   if (!drawable_ || hidden_ || ordered_ || width_ <= 0 || in_flight() >= window() || stalled(now)) return std::nullopt;
   std::optional<TimePoint> at;
@@ -152,6 +172,8 @@ std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {
     at = now + duration(std::max(0.0, 1 - allowance(now)) / kMostFps);
   else if (reduced_ || (wants_lossless_ && !interacting_))
     at = last_change_ + kSettle;
+  else if (may_refine(now))
+    at = last_change_ + kRefine;
   if (!at || in_flight() == 0) return at;
   if (link_.bytes_per_second(now) <= 0) return std::nullopt;  // an acknowledgement comes first
   return std::max(*at, link_free_at(now) - production_ - kQueue);
@@ -170,6 +192,7 @@ void FrameScheduler::put_back() {
   wants_lossless_ = wanted_.lossless;
   reduced_ = wanted_.reduced;
   moving_ = wanted_.moving;
+  samples_ = wanted_.samples;
   still_ = wanted_.still;
   allowance_ = wanted_.allowance;
   allowed_at_ = wanted_.allowed_at;

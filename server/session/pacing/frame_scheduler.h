@@ -31,6 +31,7 @@ struct FrameOrder {
   Codec codec = Codec::jpeg;  // of moving frames
   bool key = false;           // a video's frame that is large because it stands by itself
   bool whole = false;         // asked for by name: in one piece
+  int samples = 1;            // each way, of a lossless one
   int viewport_width = 0, viewport_height = 0;
 };
 
@@ -55,6 +56,10 @@ class FrameScheduler {
   static constexpr Duration kNoticed =
       std::chrono::milliseconds(250);  // a lossless frame that takes longer is preceded by a settled one
 
+  static constexpr Duration kRefine = std::chrono::milliseconds(500);  // of rest before a picture of more samples
+  static constexpr Duration kRefineWithin = std::chrono::seconds(1);   // on the line; one that takes longer is not worth it
+  static constexpr int kMostSamples = 4;                               // each way
+
   explicit FrameScheduler(Duration stall = kStall) : stall_(stall) { video_.set_video(true); }
 
   /// Whether there is something to draw at all, and its newest revision.
@@ -68,7 +73,11 @@ class FrameScheduler {
 
   /// What to ask of the engine now, if anything; call after every event and at wake_at().
   std::optional<FrameOrder> next(TimePoint now);
-  /// When time alone may make next() answer.
+  /// If next() has nothing to ask for, and all pieces of the last picture have been sent: that picture again with twice the samples each way, as long as
+  /// nothing moves and set_most_samples() allows it.
+  std::optional<FrameOrder> refined(TimePoint now);
+  void set_most_samples(int samples) { most_samples_ = samples; }
+  /// When time alone may make next() or refined() answer.
   std::optional<TimePoint> wake_at(TimePoint now) const;
   /// Whether the order that has not started should be withdrawn because a moving frame must come first; it is then as if never
   /// given.
@@ -119,6 +128,7 @@ class FrameScheduler {
 
  private:
   FrameOrder order_of(FramePhase phase) const;
+  bool may_refine(TimePoint now) const;
   bool may_order(TimePoint now) const;
   double allowance(TimePoint now) const;
   Duration lossless_time(TimePoint now) const;
@@ -137,10 +147,13 @@ class FrameScheduler {
   bool reduced_ = false;         // the newest state was ordered, as less than the viewport deserves
   std::optional<FrameOrder> still_;
   bool moving_ = false;
+  int samples_ = 0;       // of the last lossless frame of the newest state; 0: none was ordered
+  int most_samples_ = 1;
 
   struct Wanted {
     bool dirty = false, lossless = false, reduced = false, moving = false;
     std::optional<FrameOrder> still;
+    int samples = 0;
     double allowance = 0;
     TimePoint allowed_at{};
   };

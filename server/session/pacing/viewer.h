@@ -65,6 +65,7 @@ struct Viewer {
   };
   std::deque<Sent> sent;          // moving frames, whose decoding times may still be told
   bool takes_bands = false;       // lossless pictures in pieces
+  bool refines = false;           // wants pictures of more samples after them
   std::deque<Band> bands;         // of the newest one, that have not been sent
   StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
   RequestId ordered_request = 0;  // not started

@@ -187,6 +187,7 @@ class Session {
     CodecCosts encoding{kUsualEncoding};
     double coarse_part = 0.4;  // of drawing, that drawing every n-th point takes
     bool coarse_at_hand = false;
+    double at_rest = 0;  // ms, of drawing the last picture that did not move
     double extraction = 0, coarse_extraction = 0;  // ms, the last ones; likewise. 0: none yet
     bool extracts = false;                         // since the last rest: a hand moves layers, and does not only turn them
   };
@@ -261,6 +262,8 @@ class Session {
   void step_down(Viewer& viewer, TimePoint now);
   /// Whether a viewer's moving frames may be of every n-th point.
   int coarse_level(const Viewer& viewer) const;
+  /// Each way, of pictures at rest.
+  int most_samples(const Viewer& viewer) const;
   void note_made(const Picture& picture, const FrameReady& ready, TimePoint now);
   void note_sent(Viewer& viewer, const FrameOrder& order, const FrameReady& ready, std::uint64_t frame);
   void note_decoded(Viewer& viewer, std::uint64_t frame, double ms, TimePoint now);

@@ -18,6 +18,7 @@ constexpr double kMostDecodingMs = 10000;
 constexpr double kFirstEncodingMs = 5, kFirstDecodingMs = 5;
 
 constexpr double kLeastCoarsePart = 0.1;
+constexpr double kMostRefiningMs = 2000;  // of drawing a picture that is there already once more, with more samples
 
 /// Of what the first coarse level takes, what another one does: of finding its layers, which goes by cells, and of drawing them, by facets and by pixels.
 double part_of_cells(int level) { return 1 / std::pow(kCoarser.at(static_cast<std::size_t>(level - 1)), 3); }
@@ -36,7 +37,7 @@ void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoi
   const StageTimes& ms = ready.stages;
   const double drawing = ms.order_ms + ms.draw_ms + ms.readback_ms;
   const double size = megapixels(ready.width, ready.height);
-  if (picture.request.still) return;
+  if (picture.request.still || picture.request.samples > 1) return;
   costs_.coarse_at_hand = ready.coarse_at_hand;
   const bool coarse = ready.point_stride > 1;
   const int level = std::max(1, picture.request.coarse);
@@ -46,6 +47,7 @@ void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoi
     costs_.extraction = ms.extract_ms;
   if (picture.order.phase != FramePhase::moving || picture.request.lossless) {
     costs_.extracts = false;
+    costs_.at_rest = drawing;
     // What every n-th point took by what this takes holds for the next gesture, too.
     const double whole = costs_.drawing.ms(Codec::jpeg, size, now), coarse = costs_.coarse_drawing.ms(Codec::jpeg, size, now);
     if (costs_.coarse_drawing.pictures() >= CodecCosts::kEnough && whole > 0)
@@ -156,6 +158,13 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
     viewer.stream = 0;
     end_streams();
   }
+}
+
+int Session::most_samples(const Viewer& viewer) const {
+  int samples = 1;
+  if (viewer.refines)
+    while (samples < FrameScheduler::kMostSamples && 4 * samples * samples * costs_.at_rest <= kMostRefiningMs) samples *= 2;
+  return samples;
 }
 
 void Session::use_codec(Viewer& viewer, TimePoint now) {

@@ -19,7 +19,7 @@ bool same_picture(const FrameRequest& a, const FrameRequest& b) {
   // Whoever needs a key frame cannot do with an ordinary one; the other way round is no loss.
   if (a.video && (a.video->stream != b.video->stream || (b.video->key && !a.video->key))) return false;
   return a.width == b.width && a.height == b.height && a.lossless == b.lossless && a.jpeg == b.jpeg &&
-         a.coarse == b.coarse && a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes && a.until_newer == b.until_newer;
+         a.coarse == b.coarse && a.samples == b.samples && a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes && a.until_newer == b.until_newer;
 }
 
 /// Whether who ordered `wanted` can do with the picture that is made for another's order. Moving pictures that are less than the
@@ -92,8 +92,10 @@ void Session::pump(Viewer& viewer, TimePoint now) {
   if (viewer.frames.withdraw_order()) leave_picture(viewer);
   if (viewer.stream != 0 && (!viewer.frames.visible() || viewer.frames.stalled(now))) leave_stream(viewer, now);
   use_codec(viewer, now);
+  viewer.frames.set_most_samples(most_samples(viewer));
   if (crowded()) return;
   auto order = viewer.frames.next(now);
+  if (!order && viewer.bands.empty()) order = viewer.frames.refined(now);
   if (!order) return;
   announce(now);
   FrameRequest request{key_, 0, order->width, order->height, order->lossless, !order->lossless, order->quality};
@@ -108,6 +110,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
       order->codec = Codec::jpeg;
   }
   if (order->phase == FramePhase::moving) request.coarse = coarse_level(viewer);
+  request.samples = order->samples;
   request.until_newer = order->phase != FramePhase::moving && !order->whole;
   if (order->lossless && !order->whole && viewer.takes_bands) request.band_bytes = viewer.frames.band_bytes(now);
   for (const Made& made : made_)
@@ -133,7 +136,7 @@ void Session::pump(Viewer& viewer, TimePoint now) {
       viewer.pays_at = now + wait;
       return viewer.frames.put_back();
     }
-    budget.take(static_cast<double>(order->width) * order->height);
+    budget.take(static_cast<double>(order->width) * order->height * order->samples * order->samples);
   }
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
@@ -171,7 +174,7 @@ void Session::give(Viewer& viewer, FrameOrder order, const FrameReady& ready, Ti
   }
   frame.set_input_seq(viewer.input_of(ready.revision));
   viewer.outbox->send_frame(std::move(frame), std::move(payload));
-  if (order.phase == FramePhase::lossless && ready.revision == state_.scene.revision) tell_layers(viewer);
+  if (order.phase == FramePhase::lossless && order.samples == 1 && ready.revision == state_.scene.revision) tell_layers(viewer);
 }
 
 /// At rest, so that no picture waits for it, and once for as long as the layers stay what they are.

@@ -239,6 +239,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   viewer.chooses = wanted == viewer.ladder.end();
   if (!viewer.chooses) viewer.ladder.erase(viewer.ladder.begin(), wanted);
   viewer.takes_bands = hello.still_formats_size() > 0 && offers(hello.still_formats(), "png-bands");
+  viewer.refines = hello.refines();
   viewer.name = hello.name();
   viewer.client = hello.client();
   viewer.client_id = hello.client_id();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace isostrata {
 namespace {
 
@@ -80,6 +82,43 @@ TEST_F(Scheduler, AChangeGivesAMovingFrameAndRestALosslessOneOfTheSameState) {
   tick(seconds(10));
   EXPECT_FALSE(frames_.next(now_));
   EXPECT_FALSE(frames_.wake_at(now_));
+}
+
+TEST_F(Scheduler, RestBringsMoreSamplesIfTheyAreWantedAndASlowLineDoesNot) {
+  const auto rest = [&] {
+    change();
+    deliver_and_acknowledge(*frames_.next(now_));
+    tick(FrameScheduler::kSettle);
+    deliver_and_acknowledge(*frames_.next(now_));
+  };
+  rest();
+  EXPECT_FALSE(frames_.wake_at(now_)) << "nobody wants it";
+  frames_.set_most_samples(4);
+  for (const int samples : {2, 4}) {
+    const auto wake = frames_.wake_at(now_);
+    ASSERT_TRUE(wake) << samples;
+    now_ = std::max(now_, *wake);
+    EXPECT_FALSE(frames_.next(now_));
+    const auto order = frames_.refined(now_);
+    ASSERT_TRUE(order) << samples;
+    EXPECT_EQ(order->samples, samples);
+    EXPECT_TRUE(order->lossless);
+    frames_.put_back();
+    EXPECT_EQ(frames_.refined(now_)->samples, samples) << "what was put back is as if never given";
+    deliver_and_acknowledge(*order);
+  }
+  EXPECT_FALSE(frames_.wake_at(now_));
+  EXPECT_FALSE(frames_.refined(now_ + seconds(10)));
+
+  rest();
+  frames_.set_interaction(true, now_);
+  EXPECT_FALSE(frames_.refined(now_ + seconds(10))) << "a hand holds it";
+  frames_.set_interaction(false, now_);
+  tick(seconds(1));
+  ASSERT_TRUE(frames_.refined(now_));
+  change();
+  EXPECT_TRUE(frames_.withdraw_order()) << "a change comes first";
+  EXPECT_FALSE(frames_.next(now_)->lossless);
 }
 
 TEST_F(Scheduler, NothingIsLosslessWhileSomeoneInteracts) {

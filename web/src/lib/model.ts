@@ -330,6 +330,7 @@ export interface Frame {
   orderExact: boolean;
   tetrahedra: number;
   pointStride: number; // above 1: a first picture, of every n-th point of the grid along each axis
+  samples: number; // each way, of a pixel
   intervals: IntervalFacts[];
   camera: Camera | null;
   streamId: number; // of video; 0: a picture by itself

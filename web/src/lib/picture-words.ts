@@ -2,7 +2,7 @@
 import { formatNumber } from './ticks';
 import type { DatasetInfo, Frame, SceneState } from './model';
 
-type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride'>>;
+type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride' | 'samples'>>;
 
 type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'> & Partial<Pick<Frame, 'pointStride'>>;
 
@@ -66,7 +66,9 @@ export function badgeOf(frame: Shown, state: { revision: number; waits: boolean 
   if (frame.revision < state.revision)
     return { word: 'older', kind: 'older', title: 'The picture shows an earlier state than the controls. Any change draws the newest one.' };
   if (empty) return { word: 'nothing to show', kind: 'empty', title: 'The words on the picture say why.' };
-  return { word: 'exact', kind: 'exact', title: 'Lossless: the colours are exact.' };
+  const samples = frame.samples ?? 1;
+  const smooth = samples > 1 ? ` Each pixel is the mean of ${samples} x ${samples} samples.` : '';
+  return { word: 'exact', kind: 'exact', title: `Lossless: the colours are exact.${smooth}` };
 }
 
 /** Of a layer's volume. Tetrahedra are cut exactly, other cells straight. */

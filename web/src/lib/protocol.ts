@@ -148,6 +148,7 @@ export const command = {
     movingFormats: readonly string[] = ['jpeg'],
     clientId = '',
     movingFormat = '', // always this one of them; empty: the server chooses by measured times
+    refines = false, // pictures of more samples follow the one at rest
   ): Command => ({
     case: 'hello',
     value: {
@@ -160,6 +161,7 @@ export const command = {
       resumeToken,
       clientId,
       movingFormat,
+      refines,
     },
   }),
   openDataset: (id: string): Command => ({ case: 'openDataset', value: { id } }),
@@ -531,6 +533,7 @@ function frameOf(f: WireFrame): Frame {
     orderExact: f.facts?.orderExact ?? false,
     tetrahedra: Number(f.facts?.tetrahedra ?? 0n),
     pointStride: f.facts?.pointStride || 1,
+    samples: f.facts?.samples || 1,
     intervals: (f.facts?.intervals ?? []).map(({ id, activeCells, tetrahedra, volume, area }) => ({
       id,
       activeCells: Number(activeCells),

@@ -53,6 +53,8 @@ export interface SessionDoors {
   calm(): boolean;
   /** Always this one of them; none: the server chooses by measured times. */
   movingFormat?: string;
+  /** Whether a picture that nobody touches becomes smooth. */
+  refines?: boolean;
 }
 
 const histogramBins = 256;
@@ -127,7 +129,7 @@ export class Session {
 
   constructor(private readonly doors: SessionDoors) {
     this.connection = doors.connection({
-      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats, this.clientId, doors.movingFormat),
+      hello: () => command.hello(this.viewport, doors.saved.session.resumeToken, doors.movingFormats, this.clientId, doors.movingFormat, doors.refines),
       onStatus: (status) => this.onStatus(status),
       onEvent: (event) => this.onEvent(event),
     });
