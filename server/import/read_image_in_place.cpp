@@ -167,7 +167,8 @@ std::optional<Imported> meta_image_in_place(const ReadRequest& request, const Me
   const auto type = header.type();
   const std::string_view channels = header.field("ElementNumberOfChannels");
   const bool swapped = says_yes(header.field("BinaryDataByteOrderMSB")) || says_yes(header.field("ElementByteOrderMSB"));
-  if (!type || !says_yes(header.field("BinaryData")) || says_yes(header.field("CompressedData")) || (swapped && size_of(*type) > 1) ||
+  const std::string_view binary = header.field("BinaryData");  // as MetaIO has it, yes if nothing is said
+  if (!type || !(binary.empty() || says_yes(binary)) || says_yes(header.field("CompressedData")) || (swapped && size_of(*type) > 1) ||
       header.field("NDims") != "3" || !(channels.empty() || channels == "1") || header.data.starts_with("LIST") ||
       header.data.find_first_of("% ") != std::string::npos)
     return std::nullopt;

@@ -162,6 +162,14 @@ TEST_F(InPlace, MetaImagesAreMappedUnlessTheirBytesAreSwapped) {
   data.write("bytes.mhd", head + std::to_string(kLayers) + "\nElementType = MET_CHAR\nElementDataFile = bytes.raw\n");
   expect_facts(data / "bytes.mhd", true, -3, 9);
   EXPECT_EQ(open_import(data / "bytes.mhd", options, Task())->bounds.upper.z, 2.0 * (kLayers - 1));
+  // Few people write the line BinaryData: without it the values are binary, for VTK's reader (of small files) as well.
+  const std::string least = "ObjectType = Image\nNDims = 3\nDimSize = ", values = "\nElementType = MET_CHAR\nElementDataFile = bytes.raw\n";
+  data.write("least.mhd", least + "1024 512 " + std::to_string(kLayers) + values);
+  expect_facts(data / "least.mhd", true, -3, 9);
+  data.write("small.mhd", least + "4 4 4" + values);
+  const auto small = open_import(data / "small.mhd", options, Task()), whole = open_import(data / "least.mhd", options, Task());
+  EXPECT_FALSE(is_in_place(*small));
+  for (std::size_t p = 0; p < 64; ++p) EXPECT_EQ(small->arrays[0].at(p), whole->arrays[0].at(p));
   const auto swapped = [](std::int16_t value) { return static_cast<std::int16_t>(__builtin_bswap16(static_cast<std::uint16_t>(value))); };
   write<std::int16_t>("words.raw", "", -300, 900, 66);
   data.write("words.mhd", head + "66\nElementType = MET_SHORT\nElementDataFile = words.raw\n");
