@@ -207,12 +207,28 @@ class Engine::Impl {
       run(WorkClass::still, request.session, request.request, *operation, [&] {
         const CatalogueEntry source = datasets_.entry(request.scene.dataset);
         const StepSource steps = datasets_.steps(source);
-        // How far a volume may be off is asked of the cells, which are not kept where pictures are made of bricks.
-        const auto extracted = ready && !ready->bricks ? ready : extract_from(source, steps, request.scene, nullptr, operation->task(), {});
-        send(LayersMeasured{request.session, request.request, request.scene.revision,
-                            interval_facts(*extracted, request.scene, true, operation->task())});
+        send(LayersMeasured{request.session, request.request, request.scene.revision, measured(request, source, steps, ready, operation->task())});
       });
     });
+  }
+
+  /// How far a volume may be off is asked of the cells, which are not kept where pictures are made of bricks. If they need more than a quarter of the memory
+  /// that is free, that is left open.
+  std::vector<IntervalFacts> measured(const MeasureRequest& request, const CatalogueEntry& source, const StepSource& steps,
+                                      const std::shared_ptr<const ExtractedScene>& ready, const Task& task) {
+    if (ready && !ready->bricks) return interval_facts(*ready, request.scene, true, task);
+    try {
+      SceneAids aids;
+      {
+        const std::lock_guard lock(mutex_);
+        aids.max_bytes = quarter_of_free();
+      }
+      const auto room = room_for_work(request.session, aids.max_bytes, "measuring layers");
+      return interval_facts(*extract_from(source, steps, request.scene, nullptr, task, aids), request.scene, true, task);
+    } catch (const Error& error) {
+      if (!ready || error.code() != ErrorCode::too_large) throw;
+      return interval_facts(*ready, request.scene, false, task);
+    }
   }
 
   template <class Job>
@@ -477,12 +493,17 @@ class Engine::Impl {
   std::uint64_t export_bytes(const ExportRequest& request) {
     const std::lock_guard lock(mutex_);
     const auto it = sessions_.find(request.session);
-    const std::uint64_t most = max_scene_bytes(), free = most - std::min(most, scenes_.bytes());
     if (it != sessions_.end() && it->second.ready_for(request.scene)) {
       // Its facets and values come on top, and it needs some room to be told by numbers that it has too little.
-      return std::max(2 * scenes_.bytes_of(request.session), kLeastExport);
+      return std::max(2 * scenes_.bytes_of(request.session), kLeastWork);
     }
-    return std::max(free / 4, kLeastExport);
+    return quarter_of_free();
+  }
+
+  /// For a work of which nobody knows what it takes. With mutex_ held.
+  std::uint64_t quarter_of_free() const {
+    const std::uint64_t most = max_scene_bytes();
+    return std::max((most - std::min(most, scenes_.bytes())) / 4, kLeastWork);
   }
 
   /// An order for the session's next still and, where it is large, its room; nothing where that has to wait for others that work. With mutex_ held.
@@ -902,7 +923,7 @@ class Engine::Impl {
   const Sink sink_;
   std::string device_;
   std::atomic<bool> cuts_intervals_{false}, draws_bricks_{false}, extracts_there_{false};  // the renderer of now
-  static constexpr std::uint64_t kLeastExport = 32ull << 20;  // that an export is given
+  static constexpr std::uint64_t kLeastWork = 32ull << 20;  // that an export or a measure is given
   static constexpr int kStills = 4;          // sessions whose stills are drawn at once: each holds a picture
 
   std::mutex mutex_;  // guards the block below
