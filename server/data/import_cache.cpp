@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <boost/json.hpp>
 #include <cerrno>
 #include <ctime>
@@ -240,10 +239,7 @@ const std::optional<ImportCache>& import_cache() { return of_this_process(); }
 
 bool can_be_cached(const ImportCache& cache, const fs::path& file) {
   // What is mapped in place takes next to nothing in the cache.
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const bool may_be_in_place = ending == ".nrrd" || ending == ".vti" || ending == ".mha";
-  return may_be_in_place || stamp_of(file).bytes <= cache.max_bytes / 2;
+  return may_lie_in_place(file) || stamp_of(file).bytes <= cache.max_bytes / 2;
 }
 
 std::shared_ptr<const Dataset> find_import_cached(const fs::path& file, const OpenOptions& options, const ImportCache& cache) {

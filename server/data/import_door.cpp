@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -24,6 +25,7 @@
 #include "data/child_process.h"
 #include "data/file_series.h"
 #include "data/loaded_importer.h"
+#include "data/recognise.h"
 #include "data/sandbox.h"
 
 namespace isostrata {
@@ -94,6 +96,12 @@ bool is_kept(const fs::path& directory, const std::string& origin) {
 }
 
 }  // namespace
+
+bool may_lie_in_place(const fs::path& file) {
+  const std::string ending = small_letters(file.extension().string());
+  static constexpr std::array<std::string_view, 6> kEndings{".nrrd", ".nhdr", ".mha", ".mhd", ".vti", ".npy"};
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
 
 void check_source(const fs::path& file, const OpenOptions& options) {
   std::error_code error;

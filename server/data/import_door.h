@@ -39,6 +39,8 @@ namespace isostrata {
 
 /// Arrays of this many bytes are mapped in place where they can be: below, a copy is cheap, and does not change under those who look at it.
 inline constexpr std::uint64_t kLeastInPlace = std::uint64_t{64} << 20;
+/// Whether a file of this name may hold such arrays.
+bool may_lie_in_place(const std::filesystem::path& file);
 
 /// In a folder that is kept: which files it was read from, and when. It is written last, so a folder without it is not finished.
 inline constexpr const char* kOriginFile = "origin.txt";

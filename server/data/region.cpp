@@ -1,7 +1,6 @@
 #include "data/region.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <optional>
 #include <tuple>
@@ -100,11 +99,6 @@ PointArray kept_array_of(const PointArray& whole, const StructuredPart& part, co
   PointArray array = array_of(whole, part, task);
   std::visit([&](auto values) { keep_fact(whole, name, std::as_bytes(values)); }, array.values);
   return array;
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 /// The whole as the import child leaves it, without a look at its values.
@@ -211,9 +205,7 @@ std::shared_ptr<const Dataset> coarser(const Dataset& whole, const std::array<st
 }
 
 std::shared_ptr<const Dataset> open_unread(std::string_view name, const OpenOptions& options, const Task& task) {
-  const std::string ending = lower_case(std::filesystem::path(name).extension().string());
-  const bool may_be_in_place = ending == ".nrrd" || ending == ".nhdr" || ending == ".mha" || ending == ".mhd" || ending == ".vti";
-  if (is_analytic(name) || !may_be_in_place) return open_dataset(name, options, task);
+  if (is_analytic(name) || !may_lie_in_place(name)) return open_dataset(name, options, task);
   if (import_cache())
     if (auto kept = find_import_cached(name, options, *import_cache())) return kept;
   const std::shared_ptr<Dataset> whole = import_unmeasured(name, options, task);

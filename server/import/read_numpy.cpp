@@ -46,6 +46,15 @@ std::vector<std::int64_t> shape_of(std::string_view text, const std::string& nam
   }
 }
 
+/// From the order of Fortran: the file's first axis, our last, runs fastest.
+void turn_axes(std::span<const std::byte> from, const std::array<std::int64_t, 3>& dims, std::size_t width, std::span<std::byte> to) {
+  std::size_t at = 0;
+  for (std::int64_t i = 0; i < dims[0]; ++i)
+    for (std::int64_t j = 0; j < dims[1]; ++j)
+      for (std::int64_t k = 0; k < dims[2]; ++k, at += width)
+        std::memcpy(to.data() + static_cast<std::size_t>(i + dims[0] * (j + dims[1] * k)) * width, from.data() + at, width);
+}
+
 }  // namespace
 
 // NumPy's format, versions 1 to 3 (NEP 1): magic, version, length of the header, header, numbers. The last axis is x, as arrays of pictures have it; a
@@ -53,8 +62,8 @@ std::vector<std::int64_t> shape_of(std::string_view text, const std::string& nam
 Imported read_numpy(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_step(request, 1);
-  const MappedFile file(request.file);
-  const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+  const auto file = std::make_shared<const MappedFile>(request.file);
+  const std::string_view bytes(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
   if (bytes.size() < 12) throw Error(ErrorCode::bad_data, name + ": ends within its header");
   const bool wide = bytes[6] >= 2;
   std::uint32_t length = 0;
@@ -82,31 +91,32 @@ Imported read_numpy(const ReadRequest& request) {
   const std::size_t present = bytes.size() - begin - length;
   if (static_cast<std::uint64_t>(size) > present)
     throw Error(ErrorCode::bad_data, name + ": " + std::to_string(size) + " bytes of numbers declared, " + std::to_string(present) + " present");
-  check_bytes(request, static_cast<std::uint64_t>(size), name);
 
   Imported imported;
   Block block;
   place_image(block, dims, {0, 0, 0}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, name);
-  auto [storage, to] = allocate<std::byte>(static_cast<std::size_t>(size));
-  const std::byte* from = file.bytes().data() + begin + length;
-  const std::size_t width = size_of(type);
-  if (!fortran || shape.size() == 1) {
-    std::memcpy(to.data(), from, to.size());
-  } else {  // the file's first axis, our last, runs fastest
-    std::size_t at = 0;
-    for (std::int64_t i = 0; i < dims[0]; ++i)
-      for (std::int64_t j = 0; j < dims[1]; ++j)
-        for (std::int64_t k = 0; k < dims[2]; ++k, at += width)
-          std::memcpy(to.data() + static_cast<std::size_t>(i + dims[0] * (j + dims[1] * k)) * width, from + at, width);
-  }
-  if (swap)
-    for (std::size_t at = 0; at < to.size(); at += width) std::reverse(to.begin() + static_cast<std::ptrdiff_t>(at), to.begin() + static_cast<std::ptrdiff_t>(at + width));
   FileArray array;
   array.name = request.file.stem().string();
   array.type = type;
   array.components = components;
-  array.values = to;
-  array.storage = storage;
+  const std::size_t width = size_of(type), first = begin + length;
+  const std::span<const std::byte> from = file->bytes().subspan(first, static_cast<std::size_t>(size));
+  const bool in_our_order = !fortran || shape.size() == 1;
+  if (in_our_order && !swap && components == 1 && first % width == 0) {
+    array.values = from;
+    array.storage = file;
+  } else {
+    check_bytes(request, from.size(), name);
+    auto [storage, to] = allocate<std::byte>(from.size());
+    if (in_our_order)
+      std::memcpy(to.data(), from.data(), to.size());
+    else
+      turn_axes(from, dims, width, to);
+    if (swap)
+      for (std::size_t at = 0; at < to.size(); at += width) std::reverse(to.begin() + static_cast<std::ptrdiff_t>(at), to.begin() + static_cast<std::ptrdiff_t>(at + width));
+    array.values = to;
+    array.storage = storage;
+  }
   block.arrays.push_back(std::move(array));
   imported.blocks.push_back(std::move(block));
   imported.notes.push_back("axes: the array's last is x; points 1 apart");

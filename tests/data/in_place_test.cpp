@@ -182,6 +182,22 @@ TEST_F(InPlace, MetaImagesAreMappedUnlessTheirBytesAreSwapped) {
   EXPECT_EQ(open_import(data / "words.mhd", options, Task())->arrays[0].name, open_import(data / "swapped.mhd", options, Task())->arrays[0].name);
 }
 
+TEST_F(InPlace, NumpyArraysAreMappedIfTheirOrderAndTheirBytesAreOurs) {
+  const auto npy = [](const std::string& descr, const std::string& fortran, const std::string& shape) {
+    std::string header = "{'descr': '" + descr + "', 'fortran_order': " + fortran + ", 'shape': (" + shape + "), }";
+    header.resize(117, ' ');
+    header += '\n';  // the numbers begin at 128
+    return std::string("\x93NUMPY\1\0", 8) + static_cast<char>(header.size()) + std::string(1, 0) + header;
+  };
+  const std::string layers = std::to_string(kLayers) + ", 512, 1024";
+  expect_facts(write<std::int8_t>("bytes.npy", npy("|i1", "False", layers), -3, 9), true, -3, 9);
+  expect_facts(write<float>("floats.npy", npy("<f4", "False", "34, 512, 1024"), -3, 9, 34), true, -3, 9, 34);
+  const auto swapped = [](std::int16_t value) { return static_cast<std::int16_t>(__builtin_bswap16(static_cast<std::uint16_t>(value))); };
+  expect_facts(write<std::int16_t>("swapped.npy", npy(">i2", "False", "66, 512, 1024"), swapped(-300), swapped(900), 66), false, -300, 900, 66);
+  EXPECT_FALSE(is_in_place(*open_import(write<std::int8_t>("fortran.npy", npy("|i1", "True", "1024, 512, " + std::to_string(kLayers)), -3, 9), options, Task())));
+  EXPECT_FALSE(is_in_place(*open_import(write<std::int8_t>("vectors.npy", npy("|i1", "False", std::to_string(kLayers) + ", 512, 512, 2"), -3, 9), options, Task())));
+}
+
 TEST_F(InPlace, AFileThatIsCutShortEndsWhoReadsItWithItsName) {
   const fs::path file = write<std::uint8_t>("cut.nrrd", nrrd("uint8"), 1, 9);
   int says[2];
