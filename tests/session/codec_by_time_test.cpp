@@ -47,6 +47,12 @@ struct Watched {
     std::sort(values.begin(), values.end());
     return values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1))];
   }
+  double longest(double from_ms, double to_ms) const {
+    double ms = 0;
+    for (const auto& [at, of] : latency)
+      if (at >= from_ms && at < to_ms) ms = std::max(ms, of);
+    return ms;
+  }
   double part(const std::string& format, double from_ms, double to_ms = 1e9) const {
     double all = 0, with = 0;
     for (const Shown& of : frames)
@@ -301,6 +307,16 @@ TEST(CodecByTime, LayersThatTakeLongToBeCutAreMovedAsCoarselyAsIsInTime) {
     for (const Shown& of : run.frames)
       EXPECT_TRUE(of.at_ms < 4000 || of.point_stride == stride) << extract_ms << " ms: " << of.point_stride << ", shown at " << of.at_ms;
     EXPECT_LE(run.p95(4000), 80) << extract_ms << " ms";
+  }
+}
+
+TEST(CodecByTime, AHandThatBeginsToMoveLayersFindsASizeThatIsInTime) {
+  World world;
+  world.draw_ms = 25;
+  world.rest_ms = 3000;
+  for (const double extract_ms : {5.0, 20.0, 100.0}) {
+    world.extract_ms = extract_ms;
+    EXPECT_LE(watch(world, 5).longest(3000, 3500), 70) << extract_ms << " ms";
   }
 }
 

@@ -159,7 +159,10 @@ void Session::announce(TimePoint now) {
   unannounced_ = false;
   announced_ = now;
   Scene scene = drawn();
-  if (!same_extraction(told_, scene)) costs_.extracts = true;
+  if (!costs_.extracts && !same_extraction(told_, scene)) {
+    costs_.extracts = true;
+    for (auto& [key, viewer] : viewers_) viewer->chosen_at = {};  // the gesture begins with a size that is in time with cutting layers
+  }
   told_ = scene;
   engine_.post(SceneUpdate{key_, std::move(scene)});
   const v1::State state = wire_state();
