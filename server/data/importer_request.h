@@ -17,6 +17,7 @@ inline constexpr std::size_t kMostRequest = 64 << 10;  // bytes
 struct ImporterRequest {
   std::vector<std::string> words;        // the arguments
   std::vector<std::string> environment;  // "NAME=VALUE", all there are
+  int nice = 0;                          // of the reader; less than that of the process that makes it is none
 };
 
 /// Throws invalid_argument if it is too long.

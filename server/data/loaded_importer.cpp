@@ -1,6 +1,7 @@
 #include "data/loaded_importer.h"
 
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -132,7 +133,8 @@ std::vector<std::string> importer_environment() {
 
 std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, int out, int err) {
   auto [here, there] = line_of_packets();
-  importer().ask(to_packet({words, importer_environment()}), out, err, there.get());
+  const int nice = getpriority(PRIO_PROCESS, 0);  // of this thread
+  importer().ask(to_packet({words, importer_environment(), nice}), out, err, there.get());
   return std::make_unique<ForkedChild>(std::move(here));
 }
 

@@ -15,7 +15,7 @@ namespace isostrata {
 std::vector<std::string> importer_environment();
 
 /// Starts a reader by the process that is there already, or that is started now, of default_importer(): `words` are the arguments that the program
-/// would be started with. The process ends when this one does. Throws unavailable. Any thread.
+/// would be started with. It is as nice as the thread that asks. The process ends when this one does. Throws unavailable. Any thread.
 std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, int out, int err);
 
 /// Begins to load isostrata-import, so that the first file does not wait; that it cannot be started is said with that file.

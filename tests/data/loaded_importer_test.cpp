@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <thread>
@@ -64,13 +66,14 @@ struct Busy {
   Task task;
   std::future<std::string> said;
 
-  Busy() {
+  explicit Busy(int nice = 0) {
     std::string numbers;
     for (int i = 0; i < 250 * 250 * 250; ++i) numbers += "0\n";
     const fs::path file = scratch.write("long.vtk", "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 250 250 250\nORIGIN 0 0 0\n"
                                                     "SPACING 1 1 1\nPOINT_DATA 15625000\nSCALARS f float 1\nLOOKUP_TABLE default\n" + numbers);
-    said = std::async(std::launch::async, [this, file] {
+    said = std::async(std::launch::async, [this, file, nice] {
       try {
+        if (nice > 0) setpriority(PRIO_PROCESS, 0, nice);  // of this thread
         std::vector<std::string> words{file.string(), scratch.path().string(), "0", "8000000000", "100", "off"};
         const auto result = follow_child([&](int out, int err) { return start_loaded_importer(words, out, err); }, 100, task,
                                          [](std::string_view) {});
@@ -85,9 +88,10 @@ struct Busy {
 };
 
 TEST(ImporterRequest, ComesOutAsItWentIn) {
-  const ImporterRequest request{{"a b", "c\nd", "0"}, {"ONE=1", "TWO=", "THREE=a=b"}};
+  const ImporterRequest request{{"a b", "c\nd", "0"}, {"ONE=1", "TWO=", "THREE=a=b"}, 10};
   const ImporterRequest got = from_packet(to_packet(request));
   EXPECT_EQ(got.words, request.words);
+  EXPECT_EQ(got.nice, 10);
   EXPECT_EQ(got.environment, request.environment);
   EXPECT_EQ(from_packet(to_packet({{"a"}, {}})).words, std::vector<std::string>{"a"});
   EXPECT_THROW(to_packet({{std::string(kMostRequest, 'x')}, {}}), Error);
@@ -125,6 +129,19 @@ TEST(LoadedImporter, ACancelledReaderIsGoneWhenItsTaskIs) {
   busy.task.cancel();
   EXPECT_EQ(busy.said.get(), "cancelled");
   EXPECT_THAT(busy.readers(), IsEmpty());
+}
+
+TEST(LoadedImporter, AReaderIsAsNiceAsTheThreadThatAsks) {
+  ASSERT_NE(forking(), 0);
+  const int here = getpriority(PRIO_PROCESS, 0), nicer = std::min(here + 5, 19);
+  for (const int nice : {0, nicer}) {
+    Busy busy(nice);
+    ASSERT_TRUE(in_time([&] { return busy.readers().size() == 1; }));
+    const pid_t reader = busy.readers().at(0);
+    EXPECT_TRUE(in_time([&] { return getpriority(PRIO_PROCESS, static_cast<id_t>(reader)) == (nice ? nice : here); }));
+    busy.task.cancel();
+    busy.said.get();
+  }
 }
 
 TEST(LoadedImporter, AKilledReaderIsSaidAndCostsNobodyElse) {
