@@ -31,6 +31,7 @@ namespace fs = std::filesystem;
 namespace json = boost::json;
 
 constexpr const char* kMeasures = "measures.json";
+constexpr const char* kWork = "work.bin";
 constexpr const char* kEntry = "read-";
 constexpr const char* kNew = "new-";
 constexpr int kVersion = 3;  // of what an entry looks like, and of what is made of a file
@@ -282,6 +283,45 @@ std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const Op
   }
   task.report(1, "reading");
   return dataset;
+}
+
+KeptWork::KeptWork(const fs::path& file, std::string what, const ImportCache& cache) : file_(file), what_(std::move(what)), cache_(cache) {
+  origin_ = origin();
+}
+
+/// Empty where it cannot be told, or what lies in the cache is not to be believed.
+std::string KeptWork::origin() const {
+  if (!is_shut_in()) return {};
+  check_source(file_, {});
+  const auto files = source_files(file_);
+  return files ? "work " + what_ + '\n' + fs::absolute(file_).string() + '\n' + *files : std::string();
+}
+
+std::optional<std::vector<std::byte>> KeptWork::find() const {
+  if (origin_.empty() || !prepare(cache_.folder)) return std::nullopt;
+  const fs::path entry = place_of(cache_, origin_);
+  if (text_of(entry / kOriginFile) != origin_) return std::nullopt;
+  auto work = read_checked(entry / kWork);
+  std::error_code ignored;
+  if (work)
+    fs::last_write_time(entry / kOriginFile, fs::file_time_type::clock::now(), ignored);
+  else
+    remove_entry(entry);
+  return work;
+}
+
+void KeptWork::keep(std::span<const std::byte> bytes) const {
+  if (origin_.empty() || !prepare(cache_.folder)) return;
+  sweep(cache_);
+  try {
+    if (origin() != origin_) return;
+    NewFolder folder(cache_);
+    if (!write_checked(folder.path() / kWork, bytes)) return;
+    std::ofstream(folder.path() / kOriginFile, std::ios::binary) << origin_;
+    make_room(cache_, bytes_in(folder.path()));
+    folder.become(place_of(cache_, origin_));
+  } catch (const Error&) {  // the file is gone, or there is no room
+  }
 }
 
 ImportCacheUse use_of(const ImportCache& cache) {

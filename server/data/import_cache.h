@@ -6,10 +6,14 @@
 // was written shortly before it stopped may not be on the disk; and each time on a machine that cannot keep the import child out of the cache.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "data/dataset.h"
 
@@ -35,6 +39,24 @@ std::shared_ptr<const Dataset> open_import_cached(const std::filesystem::path& f
 
 /// Only where there is an entry of the files as they are now; else null.
 std::shared_ptr<const Dataset> find_import_cached(const std::filesystem::path& file, const OpenOptions& options, const ImportCache& cache);
+
+/// Something small that was made of a file, kept between the imports and as they are. Any thread, any process. Throws not_found where there is no such file.
+class KeptWork {
+ public:
+  /// Of the file as it is now. `what` says what was made, and by whom.
+  KeptWork(const std::filesystem::path& file, std::string what, const ImportCache& cache);
+  /// Nothing where it is not there, or is damaged.
+  std::optional<std::vector<std::byte>> find() const;
+  /// Does nothing where the file has changed since the constructor, and where the machine cannot keep the import child out of the cache.
+  void keep(std::span<const std::byte> bytes) const;
+
+ private:
+  std::string origin() const;
+  const std::filesystem::path file_;
+  const std::string what_;
+  const ImportCache cache_;
+  std::string origin_;
+};
 
 struct ImportCacheUse {
   int entries = 0;

@@ -55,14 +55,12 @@ void set_place_of_facts(const std::shared_ptr<const void>& storage, fs::path fol
   places()[storage.get()] = {storage, std::move(folder), std::move(prefix)};
 }
 
-std::optional<std::vector<std::byte>> kept_fact(const PointArray& array, const std::string& name) {
-  const auto file = file_of(array, name);
-  if (!file) return std::nullopt;
+std::optional<std::vector<std::byte>> read_checked(const fs::path& file) {
   std::error_code error;
-  const auto size = fs::file_size(*file, error);
+  const auto size = fs::file_size(file, error);
   std::uint64_t sum = 0;
   if (error || size < sizeof sum) return std::nullopt;
-  std::ifstream in(*file, std::ios::binary);
+  std::ifstream in(file, std::ios::binary);
   std::vector<std::byte> bytes(size - sizeof sum);
   in.read(reinterpret_cast<char*>(&sum), sizeof sum);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -70,19 +68,26 @@ std::optional<std::vector<std::byte>> kept_fact(const PointArray& array, const s
   return bytes;
 }
 
+bool write_checked(const fs::path& file, std::span<const std::byte> bytes) {
+  const std::uint64_t sum = checksum(bytes);
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(&sum), sizeof sum);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.flush();
+  return bool(out);
+}
+
+std::optional<std::vector<std::byte>> kept_fact(const PointArray& array, const std::string& name) {
+  const auto file = file_of(array, name);
+  return file ? read_checked(*file) : std::nullopt;
+}
+
 void keep_fact(const PointArray& array, const std::string& name, std::span<const std::byte> bytes) {
   const auto file = file_of(array, name);
   std::error_code error;
   if (!file || fs::space(file->parent_path(), error).available < 2 * bytes.size() || error) return;
   const fs::path part = file->string() + ".part-" + std::to_string(getpid()) + '-' + std::to_string(reinterpret_cast<std::uintptr_t>(bytes.data()));
-  const std::uint64_t sum = checksum(bytes);
-  {
-    std::ofstream out(part, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(&sum), sizeof sum);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.flush();
-    if (!out) error = std::make_error_code(std::errc::io_error);
-  }
+  if (!write_checked(part, bytes)) error = std::make_error_code(std::errc::io_error);
   if (!error) fs::rename(part, *file, error);
   if (error) fs::remove(part, error);
 }

@@ -7,10 +7,12 @@
 
 #include <chrono>
 #include <fstream>
+#include <span>
 #include <sstream>
 
 #include "data/files.h"
 #include "data/import_door.h"
+#include "data/sandbox.h"
 #include "data/source_files.h"
 #include "support/places.h"
 
@@ -193,6 +195,53 @@ TEST_F(CachedImport, FailuresAreThoseOfTheReaderAndLeaveNothing) {
   EXPECT_TRUE(entries().empty());
   file = data / "nothing.nrrd";
   EXPECT_THROW(open(), Error);
+}
+
+struct KeptWorks : CachedImport {
+  static std::vector<std::byte> bytes(const std::string& text) {
+    const auto of = std::as_bytes(std::span(text));
+    return {of.begin(), of.end()};
+  }
+  KeptWork work(const std::string& what = "picture 1") const { return KeptWork(file, what, cache); }
+  void SetUp() override {
+    if (sandbox_support().landlock <= 0) GTEST_SKIP() << "this machine cannot keep a reader out of the cache: nothing is kept";
+  }
+};
+
+TEST_F(KeptWorks, AreFoundByTheFileAsItIsAndByWhatTheyAre) {
+  EXPECT_EQ(work().find(), std::nullopt);
+  work().keep(bytes("a picture"));
+  EXPECT_EQ(work().find(), bytes("a picture"));
+  EXPECT_EQ(work("picture 2").find(), std::nullopt);
+  work("picture 2").keep(bytes(""));
+  EXPECT_EQ(work("picture 2").find(), bytes(""));
+  EXPECT_EQ(use_of(cache).entries, 2);
+  const auto time = fs::last_write_time(data / "a.raw");
+  fs::last_write_time(data / "a.raw", time + std::chrono::seconds(1));
+  EXPECT_EQ(work().find(), std::nullopt) << "a file beside it that it is read from is another";
+}
+
+TEST_F(KeptWorks, OfAFileThatChangesMeanwhileAreNotKept) {
+  const KeptWork begun = work();
+  std::ofstream(data / "a.raw") << "other bytes";
+  begun.keep(bytes("of what was there"));
+  EXPECT_EQ(work().find(), std::nullopt);
+  EXPECT_EQ(begun.find(), std::nullopt);
+  EXPECT_EQ(use_of(cache).entries, 0);
+}
+
+TEST_F(KeptWorks, AreGoneWhereTheyAreDamagedAndMakeRoomAsImportsDo) {
+  work().keep(bytes("a picture"));
+  std::ofstream(entries().at(0) / "work.bin", std::ios::binary) << "12345678a pictura";
+  EXPECT_EQ(work().find(), std::nullopt);
+  EXPECT_TRUE(entries().empty());
+  work().keep(bytes("a picture"));
+  cache.max_bytes = use_of(cache).bytes + 100;
+  work("picture 2").keep(bytes("another"));
+  EXPECT_EQ(use_of(cache).entries, 1);
+  EXPECT_EQ(work("picture 2").find(), bytes("another"));
+  file = data / "nothing.nrrd";
+  EXPECT_THROW(work(), Error);
 }
 
 TEST(SourceFiles, AreAllThatAReaderMayOpen) {
