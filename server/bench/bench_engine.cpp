@@ -71,12 +71,7 @@ FrameReady BenchEngine::picture(Scene scene, int width, int height, const std::f
 
 Scene BenchEngine::first_scene(const DatasetFacts& facts, double aspect) const {
   if (facts.first_view.array.empty()) throw Error(ErrorCode::not_found, facts.name + ": nothing to show: " + facts.first_view.array_reason);
-  Scene scene;
-  scene.array = facts.first_view.array;
-  scene.step = facts.first_view.step;
-  scene.intervals = first_intervals(facts.first_view);
-  scene.camera = facts.first_view.camera(aspect);
-  return scene;
+  return isostrata::first_scene(facts.first_view, aspect);
 }
 
 ScratchCache::ScratchCache() : folder_(fs::temp_directory_path() / ("isostrata-bench-" + random_token(64))), before_(import_cache()) {

@@ -52,6 +52,11 @@ test('the list, the time slider and the marks follow the files', async () => {
     await files.getByRole('button', { name: /^many\// }).waitFor();
     expect(await files.getByRole('button', { name: /run_\*\.nrrd/ }).textContent()).toMatch(/NRRD · 2 steps · 111 KB/);
     await files.getByRole('button', { name: '2 files were passed over' }).click();
+
+    // A row has a small picture, as wide before it is there.
+    const pictureOf = (name: RegExp) => files.getByRole('button', { name }).getByRole('img', { name: 'Its first view' });
+    await pictureOf(/run_\*\.nrrd/).waitFor();
+    expect(await pictureOf(/run_\*\.nrrd/).evaluate((img: HTMLImageElement) => [img.naturalWidth, img.naturalHeight, img.width, img.height])).toEqual([192, 144, 64, 48]);
     expect(await files.textContent()).toMatch(/a program or its settings.*reader\.ts/s);
 
     // A step comes: the list, the slider and a notice say so, and the picture stays.
@@ -72,11 +77,14 @@ test('the list, the time slider and the marks follow the files', async () => {
     await files.getByLabel('Search names').press('Enter');
     await viewer.until('the late file', (state) => state.dataset.startsWith('late') || state.dataset.startsWith('many-late'), 60_000);
 
-    // It is rewritten: nothing moves until Reload, and then the layers are those that were there.
+    // It is rewritten: nothing moves until Reload, and then the layers are those that were there. Its small picture is of what is on the disk.
+    await pictureOf(/many\/late\.nrrd/).waitFor();
+    const pictured = await pictureOf(/many\/late\.nrrd/).getAttribute('src');
     const layers = JSON.stringify(viewer.state.intervals);
     const camera = JSON.stringify(viewer.state.camera);
-    put('many/late.nrrd', field(3, 1.5));
+    put('many/late.nrrd', field(20, 1.5));
     await page.getByText('This file has changed on the disk').waitFor();
+    await expect.poll(() => pictureOf(/many\/late\.nrrd/).getAttribute('src')).not.toBe(pictured);
     const upper = infoOf(viewer)?.arrays[0]?.upper ?? NaN;
     await page.getByRole('button', { name: 'Reload' }).click();
     await page.getByText('This file has changed on the disk').waitFor({ state: 'hidden' });

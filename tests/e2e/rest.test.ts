@@ -112,6 +112,8 @@ test('every operation of the document can be called, and answers what the docume
   const dataset = 'torus-64';
   for (const id of ['getDescription', 'getVersion', 'getHealth', 'listColorMaps', 'listDatasets']) await answers.call(id);
   for (const id of ['getDataset', 'listArrays', 'getDatasetHistogram', 'getDatasetStatistics']) await answers.call(id, { dataset });
+  const picture = (await answers.call('getThumbnail', { dataset })).response.headers.get('etag') as string;
+  expect((await answers.call('getThumbnail', { dataset }, undefined, '', { 'If-None-Match': picture })).response.status).toBe(304);
   const session = (await answers.call('createSession', {}, { dataset })).json.id as string;
   const at = { session };
   const happened = answers.call('watchSession', at);

@@ -58,6 +58,12 @@ class FakeEngine {
                         std::vector<std::uint64_t>(static_cast<std::size_t>(r.bins))});
   }
   void answer(const StatisticsRequest& r) { send(StatisticsReady{r.session, r.request, r.dataset, r.step, r.array, {}}); }
+  void answer(const ThumbnailRequest& r) {
+    if (r.dataset == "fin")
+      send(ThumbnailReady{r.session, r.request, std::make_shared<const Bytes>(Bytes{1, 2, 3})});
+    else
+      fail(r);
+  }
   void answer(const MeasureRequest& r) { send(LayersMeasured{r.session, r.request, r.scene.revision, {}}); }
   void answer(const ExportRequest& r) {
     send(OperationProgress{r.session, 1, "writing", 0.5, r.request});

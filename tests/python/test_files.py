@@ -60,6 +60,25 @@ class Files(unittest.TestCase):
         (self.folder / "deep" / "late.nrrd").unlink()
         s.wait(lambda s: "deep/late.nrrd" not in s.datasets, 20)
 
+    def test_a_file_has_a_small_picture_of_its_own_or_none(self) -> None:
+        s = self.session
+        head = "NRRD0004\ntype: float\ndimension: 3\nsizes: 16 16 16\nencoding: raw\nendian: little\n\n"
+        for name, at in (("a", 3), ("b", 12)):
+            numbers = [((i - at) ** 2 + (j - 8) ** 2 + (k - 8) ** 2) ** 0.5 for k in range(16) for j in range(16) for i in range(16)]
+            (self.folder / f"{name}.nrrd").write_bytes(head.encode() + struct.pack("<4096f", *numbers))
+        (self.folder / "broken.nrrd").write_text(head)
+        s.wait(lambda s: {"a.nrrd", "b.nrrd", "broken.nrrd"} <= set(s.datasets), 20)
+        s.open("a.nrrd")  # which waits until it is written
+        a, b = s.thumbnail(), s.thumbnail("b.nrrd")
+        self.assertEqual((a.shape, a.dtype), ((144, 192, 3), "uint8"))
+        self.assertGreater((a != a[0, 0]).any(axis=2).mean(), 0.1)  # it shows something
+        self.assertTrue((a != b).any())
+        s.wait(lambda s: not any(d.writing for d in s.list_datasets(search="broken").datasets), 20)
+        self.assertIsNone(s.thumbnail("broken.nrrd"))
+        with self.assertRaises(isostrata.IsostrataError) as refused:
+            s.thumbnail("nothing")
+        self.assertEqual(refused.exception.code, "not_found")
+
 
 if __name__ == "__main__":
     unittest.main()

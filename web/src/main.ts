@@ -8,6 +8,7 @@ import { browserProbe, probeDecoders } from './lib/probe-decoders';
 import { SavedTab } from './lib/saved';
 import { Session } from './lib/session.svelte';
 import { ThemeChoice } from './lib/theme.svelte';
+import { Thumbnails } from './lib/thumbnails';
 import { socketUrl, takeToken } from './lib/token';
 
 const theme = new ThemeChoice();
@@ -17,12 +18,23 @@ const token = takeToken({
   replaceUrl: (url) => history.replaceState(history.state, '', url),
 });
 
+/** An address of the API, with the token. */
+function apiUrl(path: string): URL {
+  const url = new URL(`api/v1/${path}`, document.baseURI);
+  if (token) url.searchParams.set('token', token);
+  return url;
+}
+
+const thumbnails = new Thumbnails({
+  ask: (dataset, signal) => fetch(apiUrl(`datasets/${encodeURIComponent(dataset)}/thumbnail`), { signal }),
+  urlOf: (picture) => URL.createObjectURL(picture),
+  forget: (url) => URL.revokeObjectURL(url),
+});
+
 /** A refused handshake looks like a dead server to a page; plain HTTP tells the two apart. */
 async function askWhy(): Promise<NotOpened> {
-  const url = new URL('api/v1/datasets', document.baseURI);
-  if (token) url.searchParams.set('token', token);
   try {
-    const response = await fetch(url, { cache: 'no-store', signal: AbortSignal.timeout(5000) });
+    const response = await fetch(apiUrl('datasets'), { cache: 'no-store', signal: AbortSignal.timeout(5000) });
     if (response.status === 401)
       return {
         kind: 'refused',
@@ -67,7 +79,7 @@ const session = new Session({
   refines: wanted.get('samples') !== '1',
 });
 
-mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme } });
+mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails } });
 if (document.hidden) session.setHidden(true); // opened in a background tab
 session.start();
 setInterval(() => session.heartbeat(), 2000);

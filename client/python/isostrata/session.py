@@ -245,8 +245,7 @@ class Session:
 
         Of a structured grid a part can be opened, which is a dataset of its own: its points ``region``, "FIRST:LAST,FIRST:LAST,FIRST:LAST", of which every
         ``stride``-th, "N" or "NX,NY,NZ", is taken."""
-        entries = list(self._connection.datasets.values())
-        wanted = next((e.id for e in entries if e.id == dataset), next((e.id for e in entries if e.name == dataset), dataset))
+        wanted = self._dataset_id(dataset)
         part = bool(region or stride)
         if not part and self.message.dataset == wanted and self.info.id == wanted:
             return
@@ -264,6 +263,17 @@ class Session:
             return is_it(self.info.id) and self.message.dataset == self.info.id and heeded
 
         self._connection.wait(is_open, f"dataset {wanted!r} was not open in time")
+
+    def _dataset_id(self, dataset: str) -> str:
+        entries = list(self._connection.datasets.values())
+        return next((e.id for e in entries if e.id == dataset), next((e.id for e in entries if e.name == dataset), dataset))
+
+    def thumbnail(self, dataset: str = "") -> Optional[np.ndarray]:
+        """A small picture of what is shown of a dataset first, by name or id, else of the open one: uint8 [144, 192, 3]. None if it has none: it cannot be
+        opened, has nothing to show, or is too large to be looked at in passing."""
+        wanted = self._dataset_id(dataset) if dataset else self.message.dataset.partition("@")[0]
+        data = self._patiently(lambda: self.rest.request("GET", f"datasets/{wanted}/thumbnail")[0])
+        return decode_image(data)[:, :, :3] if data else None
 
     def reload(self) -> None:
         """Shows the open dataset's files as they are now, if they were rewritten (``info.on_disk``); layers, camera and colours stay."""

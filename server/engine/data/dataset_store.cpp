@@ -42,6 +42,10 @@ std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& opt
     } catch (const Error& error) {
       if (error.code() != ErrorCode::unsupported) throw;  // an unstructured grid has no parts
     }
+  if (!options.cache && !is_analytic(source)) {
+    auto kept = import_cache() ? find_import_cached(source, open, *import_cache()) : nullptr;
+    return kept ? kept : open_import(source, open, task);
+  }
   if (options.keep.empty() || is_analytic(source) || (import_cache() && can_be_cached(*import_cache(), source))) return open_dataset(source, open, task);
   return open_import_keeping(source, open, options.keep, task);
 }
@@ -134,11 +138,14 @@ std::shared_ptr<const Dataset> DatasetStore::acquire(const std::string& source, 
 }
 
 std::shared_ptr<const Dataset> DatasetStore::borrow(const std::string& source, int step, const Task& task) {
-  {
-    std::lock_guard lock(mutex_);
-    if (const auto it = held_.find({source, step}); it != held_.end()) return it->second.dataset;
-  }
-  return loader_(source, step, task);
+  auto dataset = held(source, step);
+  return dataset ? dataset : loader_(source, step, task);
+}
+
+std::shared_ptr<const Dataset> DatasetStore::held(const std::string& source, int step) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = held_.find({source, step});
+  return it == held_.end() ? nullptr : it->second.dataset;
 }
 
 void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional<std::uint64_t> session) {

@@ -25,6 +25,7 @@ struct DatasetStoreOptions {
   std::filesystem::path importer;        // as OpenOptions
   double timeout_s = 600;                // as OpenOptions
   std::filesystem::path keep;            // as open_import_keeping; empty: nothing is kept
+  bool cache = true;                     // what took long to read is kept in the import cache, if there is one
   Region part;                           // of each structured grid that is opened whole
 };
 
@@ -50,6 +51,9 @@ class DatasetStore {
 
   /// As acquire, but what is not held is loaded for the caller alone and takes nobody's place.
   std::shared_ptr<const Dataset> borrow(const std::string& source, int step, const Task& task);
+
+  /// What is held; else null.
+  std::shared_ptr<const Dataset> held(const std::string& source, int step) const;
 
   /// Reads it anew the next time, for whoever asks then.
   void drop(const std::string& source, int step);

@@ -23,6 +23,7 @@
 #include "engine/engine/open_datasets.h"
 #include "engine/engine/scene_ledger.h"
 #include "engine/engine/session_state.h"
+#include "engine/engine/thumbnail.h"
 #include "engine/picture/coarse_scene.h"
 #include "engine/picture/export_mesh.h"
 #include "extraction/bricks/brick_memory.h"
@@ -229,6 +230,18 @@ class Engine::Impl {
       if (!ready || error.code() != ErrorCode::too_large) throw;
       return interval_facts(*ready, request.scene, false, task);
     }
+  }
+
+  void take(ThumbnailRequest& request) {
+    std::lock_guard lock(mutex_);
+    if (stopping_) return;
+    thumbnails_.post(lane_of(0, request.dataset), [this, request, operation = begin(request.session, request.request)] {
+      run(WorkClass::background, request.session, request.request, *operation, [&] {
+        const auto room = [this](std::uint64_t bytes) { return room_that_is_free(bytes); };
+        send(ThumbnailReady{request.session, request.request,
+                            make_thumbnail(datasets_, request.dataset, options_.store.max_bytes, room, operation->task())});
+      });
+    });
   }
 
   template <class Job>
@@ -487,6 +500,15 @@ class Engine::Impl {
     if (bytes <= left) return until_it_ends(bytes);
     throw Error(ErrorCode::too_large, what + " needs about " + std::to_string(bytes / 1'000'000) + " MB; " + std::to_string(left / 1'000'000) + " of the " +
                                           std::to_string(options_.store.max_bytes / 1'000'000) + " MB that this server may take are free (--max-memory)");
+  }
+
+  /// The same of what is free as it is: nothing is given back for it.
+  std::shared_ptr<void> room_that_is_free(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t most = max_scene_bytes(), left = most - std::min(most, scenes_.bytes());
+    if (bytes > left) throw Error(ErrorCode::unavailable, "no memory is free for a small picture at the moment");
+    scenes_.begin_work(bytes);
+    return until_it_ends(bytes);
   }
 
   /// What an export may take: as much as the session's own scene of the same layers does, where that is known, else a quarter of what is free.
@@ -958,6 +980,7 @@ class Engine::Impl {
   Lanes preparers_{{1, 10}};      // of what it may need
   Lanes movers_{{1, 0}};          // of what a hand that moves needs, by session
   Lanes ahead_{{1, 0}};           // of steps that will be asked for, by dataset
+  Lanes thumbnails_{{1, 10}};     // by dataset
   Lanes extractors_;              // by session
   Lanes stills_{{kStills, 0}};    // by session
   Lanes frames_;                  // by session

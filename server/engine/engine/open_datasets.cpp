@@ -1,6 +1,9 @@
 #include "engine/engine/open_datasets.h"
 
+#include <algorithm>
+
 #include "base/error.h"
+#include "data/analytic.h"
 #include "data/beneath.h"
 #include "data/histogram.h"
 #include "data/look_at_folder.h"
@@ -92,6 +95,33 @@ std::shared_ptr<const Dataset> OpenDatasets::all_of(const CatalogueEntry& of, st
 
 StepSource OpenDatasets::whole_steps(const CatalogueEntry& of) {
   return [this, &of](int step, const Task& task) { return all_of(of, acquire(of, step, task), task); };
+}
+
+std::shared_ptr<const Dataset> OpenDatasets::glance(const CatalogueEntry& of, int step, const Region& part, const Glance& limits, const Task& task) const {
+  if (auto held = store_.held(of.id, step); held && !held->whole) return held;
+  DatasetStoreOptions options = options_;
+  options.max_bytes = std::min(options.max_bytes, limits.max_bytes);
+  options.timeout_s = std::min(options.timeout_s, limits.timeout_s);
+  options.keep.clear();
+  options.cache = false;
+  check_unchanged(of);
+  try {
+    auto dataset = DatasetStore::open(options, of.source, step, task, part);
+    check_unchanged(of);
+    return dataset;
+  } catch (const Error& error) {
+    throw Error(error.code(), without_place(error.what(), of));
+  }
+}
+
+std::optional<KeptWork> OpenDatasets::kept_work(const CatalogueEntry& of, const std::string& what) {
+  if (!import_cache() || is_analytic(of.source)) return std::nullopt;
+  check_unchanged(of);
+  try {
+    return KeptWork(of.source, what, *import_cache());
+  } catch (const Error& error) {
+    throw Error(error.code(), without_place(error.what(), of));
+  }
 }
 
 DatasetFacts OpenDatasets::describe(const std::string& id, const Task& task) {

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "data/import_cache.h"
+#include "data/region.h"
 #include "data/statistics.h"
 #include "engine/data/catalogue.h"
 #include "engine/data/dataset_facts.h"
@@ -41,6 +43,15 @@ class OpenDatasets {
   /// Whether a step that nobody has asked for may be read ahead.
   bool has_room_for(const std::string& id, int step) const { return store_.has_room_for(id, step); }
   std::uint64_t held_bytes() const { return store_.held_bytes(); }
+
+  struct Glance {
+    std::uint64_t max_bytes = 0;
+    double timeout_s = 0;
+  };
+  /// A step for a moment, read by this process alone within these limits, if nobody has it, and kept by nobody. `part`: as DatasetStore::open.
+  std::shared_ptr<const Dataset> glance(const CatalogueEntry& of, int step, const Region& part, const Glance& limits, const Task& task) const;
+  /// The place for what is made of it in the import cache; nothing where there is none. Reads the beginnings of files.
+  static std::optional<KeptWork> kept_work(const CatalogueEntry& of, const std::string& what);
 
   /// What a client is told of a dataset that it opens: of its first step, and of all steps as far as they are known.
   DatasetFacts describe(const std::string& id, const Task& task);

@@ -19,4 +19,14 @@ std::vector<SceneInterval> first_intervals(const FirstView& view) {
   return intervals;
 }
 
+Scene first_scene(const FirstView& view, double aspect) {
+  Scene scene;
+  scene.array = view.array;
+  scene.values = view.values;
+  scene.step = view.step;
+  scene.intervals = first_intervals(view);
+  scene.camera = view.camera(aspect);
+  return scene;
+}
+
 }  // namespace isostrata

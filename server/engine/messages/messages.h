@@ -104,6 +104,14 @@ struct ExportRequest {
   WriteOptions options;
 };
 
+/// A small picture of what is shown of the dataset first (engine/thumbnail.h), made behind all other work, one after the other. Answered by ThumbnailReady or
+/// RequestFailed.
+struct ThumbnailRequest {
+  SessionKey session = 0;  // of none
+  RequestId request = 0;
+  std::string dataset;
+};
+
 /// What the scene's layers hold, and how sure that is. Answered by LayersMeasured or RequestFailed.
 struct MeasureRequest {
   SessionKey session = 0;
@@ -142,7 +150,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate>;
+                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -251,6 +259,12 @@ struct LayersMeasured {
   std::vector<IntervalFacts> intervals;
 };
 
+struct ThumbnailReady {
+  SessionKey session = 0;
+  RequestId request = 0;
+  std::shared_ptr<const Bytes> png;
+};
+
 /// Answers any request that could not be met. A scene whose extraction failed answers the frame requests that waited for it.
 struct RequestFailed {
   SessionKey session = 0;
@@ -262,7 +276,7 @@ struct RequestFailed {
 };
 
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
-                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured>;
+                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady>;
 
 /// The session that a request or an event is about.
 template <class... Messages>

@@ -69,6 +69,7 @@ struct Route {
   std::vector<Answer> answers;
   bool conditional = false;  // honours If-Match
   bool open = false;         // needs no token
+  bool guests = false;       // an invitation's token suffices
   std::function<void(Call call)> handler;
 };
 

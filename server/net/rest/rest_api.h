@@ -26,6 +26,12 @@ class RestApi {
     handle(request, target, path, std::move(reply), route, true);
   }
 
+  /// Whether an invitation's token suffices.
+  bool is_for_guests(const std::string& method, const std::vector<std::string>& path) const {
+    const Router::Match match = router_.find(method, path);
+    return match.route && match.route->guests;
+  }
+
   const Router& router() const { return router_; }
   const Operations& operations() const { return operations_; }
 

@@ -20,6 +20,7 @@ struct RestContext {
 
 void add_server_routes(std::vector<Route>& routes, RestContext& context);   // version, health, colour maps
 void add_dataset_routes(std::vector<Route>& routes, RestContext& context);  // what can be opened
+void add_thumbnail_routes(std::vector<Route>& routes, RestContext& context);  // small pictures of what can be opened
 void add_session_routes(std::vector<Route>& routes, RestContext& context);  // sessions, and the dataset of one
 void add_state_routes(std::vector<Route>& routes, RestContext& context);    // the state as one document; commands
 void add_scene_routes(std::vector<Route>& routes, RestContext& context);    // camera, clip planes, modes, ...: parts of the state

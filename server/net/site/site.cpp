@@ -215,10 +215,11 @@ void Site::dispatch(const HttpRequest& request, const std::optional<RequestTarge
 
   const bool api = below->size() >= 2 && (*below)[0] == "api" && (*below)[1] == "v1";
   if (!access_.token_accepted(request, *target)) {
-    // An invitation opens the page's files and one session's WebSocket, nothing else.
+    // An invitation opens the page's files, one session's WebSocket, and the pictures in the list of files that it is told there; nothing else.
     const auto guest = invited(request, *target);
     if (!guest) return reply(unauthorized(!api && *below != Path{"metrics"}));
-    if (api || *below == Path{"metrics"})
+    const bool for_guests = api && api_.is_for_guests(request.method, {below->begin() + 2, below->end()});
+    if ((api && !for_guests) || *below == Path{"metrics"})
       return reply(problem(403, "forbidden", "an invitation opens the page of its session; the API needs the server's token"));
   }
   if (api) return api_.handle(request, *target, {below->begin() + 2, below->end()}, reply, route);
