@@ -147,6 +147,13 @@ void Client::set_unit_distance(double world) {
   command(std::move(message));
 }
 
+void Client::set_light(double occlusion, double depth_fade) {
+  v1::ClientMessage message;
+  message.mutable_set_appearance()->set_occlusion(occlusion);
+  message.mutable_set_appearance()->set_depth_fade(depth_fade);
+  command(std::move(message));
+}
+
 void Client::set_color_range(const v1::ColorRange& range) {
   v1::ClientMessage message;
   *message.mutable_set_appearance()->mutable_color_range() = range;

@@ -15,12 +15,14 @@ struct Image {
 };
 
 /// 32-bit float, premultiplied by alpha (as renderers accumulate it). depth is the distance from the eye along the view direction
-/// to the nearest drawn point, infinity where nothing was drawn; empty where it was not asked for.
+/// to the nearest drawn point, infinity where nothing was drawn; mean_depth that of all that is seen, each by how much of it is
+/// seen, times alpha like a colour; each empty where it was not asked for.
 struct FloatImage {
   int width = 0;
   int height = 0;
-  std::vector<float> rgba;   // [height][width][4]
-  std::vector<float> depth;  // [height][width] or empty
+  std::vector<float> rgba;             // [height][width][4]
+  std::vector<float> depth;            // [height][width] or empty
+  std::vector<float> mean_depth = {};  // [height][width] or empty
 };
 
 /// Un-premultiplies, clamps and rounds to nearest.

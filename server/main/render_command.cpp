@@ -147,6 +147,8 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
   if (given("--box")) scene.annotations.box = still.annotations.box;
   if (given("--legend")) scene.annotations.legend = still.annotations.legend;
   if (given("--clip")) scene.clip_planes = still.clip_planes;
+  if (given("--occlusion")) scene.light.occlusion = still.light.occlusion;
+  if (given("--depth-fade")) scene.light.fade = still.light.fade;
 }
 
 boost::json::object to_json(const RenderArguments& arguments, const Scene& scene, const ExtractedScene& extracted,
@@ -295,7 +297,7 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     input = draw_input(*extracted, scene, width, height);
     input.transparent = transparent;
     input.float_image = is_float_format(picture.out);
-    const Still still{input, annotate(annotation_input(*extracted, scene, input)), arguments.still.samples};
+    const Still still{input, annotate(annotation_input(*extracted, scene, input)), arguments.still.samples, kPartSamples, scene.light};
     if (animated) {
       Image frame{width, height, {}};
       add_facts(facts, draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {

@@ -78,9 +78,21 @@ void add_still_options(CLI::App& command, StillArguments& arguments) {
                   "Rays a pixel, each way: N draws N x N as many and takes their mean, for smooth outlines")
       ->check(CLI::Range(1, kMaxSamples))
       ->capture_default_str();
+  command
+      .add_option("--occlusion", arguments.light.occlusion,
+                  "Ambient occlusion, from 0 to 1: how dark hollows are, and what lies close behind an edge, by the depth of what is seen")
+      ->capture_default_str();
+  command
+      .add_option("--depth-fade", arguments.light.fade,
+                  "From 0 to 1: how far what is far away fades into the background, from the nearest corner of the data's bounds to the farthest")
+      ->capture_default_str();
 }
 
 void set_still(Scene& scene, const StillArguments& arguments) {
+  for (const auto& [option, value] : {std::pair{"--occlusion", arguments.light.occlusion}, {"--depth-fade", arguments.light.fade}})
+    if (!(value >= 0 && value <= 1))
+      throw Error(ErrorCode::invalid_argument, std::string(option) + " is " + std::to_string(value) + "; expected a number from 0 to 1");
+  scene.light = arguments.light;
   scene.annotations = arguments.annotations;
   for (const std::string& clip : arguments.clips) scene.clip_planes.push_back(parse_clip(clip));
 }

@@ -13,12 +13,13 @@ struct StillArguments {
   Annotations annotations;
   std::vector<std::string> clips;
   int samples = 1;
+  DepthLight light;
 };
 
-/// Adds --axes, --box, --legend, --clip and --samples. `arguments` must outlive the command.
+/// Adds --axes, --box, --legend, --clip, --samples, --occlusion and --depth-fade. `arguments` must outlive the command.
 void add_still_options(CLI::App& command, StillArguments& arguments);
 
-/// Sets the scene's annotations and clip planes. Throws invalid_argument.
+/// Sets the scene's annotations, clip planes and light. Throws invalid_argument.
 void set_still(Scene& scene, const StillArguments& arguments);
 
 /// "x<0.5", "y>=-1" or "normal=nx,ny,nz;offset=d" (keeps normal . x >= d), world coordinates. Throws invalid_argument.

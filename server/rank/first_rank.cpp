@@ -180,7 +180,8 @@ class FirstRank final : public SceneRanks {
     order.height = input.height;
     order.window = input.window;
     order.unit_distance = input.unit_distance;
-    order.with_depth = input.float_image;
+    order.with_depth = input.float_image && !input.rounded;
+    order.with_mean_depth = input.float_image && input.mean_depth;
     line_.send(order);
     RankedPicture picture = [&] {
       try {
@@ -199,6 +200,7 @@ class FirstRank final : public SceneRanks {
     if (input.float_image) {
       FloatImage floats = *picture.image;
       floats.depth = std::move(picture.depth);
+      floats.mean_depth = std::move(picture.mean_depth);
       result.image = std::move(floats);
     } else {
       result.image = input.transparent ? to_8_bit(*picture.image) : over_background(*picture.image, input.background);

@@ -185,7 +185,9 @@ class OtherRank {
     input.height = order.height;
     input.window = order.window;
     input.unit_distance = order.unit_distance;
-    input.float_image = order.with_depth;
+    input.float_image = order.with_depth || order.with_mean_depth;
+    input.rounded = !order.with_depth;
+    input.mean_depth = order.with_mean_depth;
     return input;
   }
 

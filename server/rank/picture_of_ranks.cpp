@@ -68,6 +68,21 @@ void paint_over(const FloatImage& nearer, FloatImage& picture) {
   }
 }
 
+/// Mean depths, which are over one another like a colour, as the red of one.
+FloatImage depths_as_colors(const FloatImage& picture) {
+  FloatImage depths{picture.width, picture.height, picture.rgba, {}};
+  for (std::size_t i = 0; i < picture.mean_depth.size(); ++i) {
+    depths.rgba[4 * i] = picture.mean_depth[i];
+    depths.rgba[4 * i + 1] = depths.rgba[4 * i + 2] = 0;
+  }
+  return depths;
+}
+
+void paint_over(const FloatImage& nearer, std::vector<float>& mean_depth) {
+  mean_depth.resize(nearer.rgba.size() / 4);
+  for (std::size_t i = 0; i < mean_depth.size(); ++i) mean_depth[i] = nearer.rgba[4 * i] + (1 - nearer.rgba[4 * i + 3]) * mean_depth[i];
+}
+
 /// The styles of each picture that is painted over the one before, all others invisible.
 std::vector<std::vector<IntervalStyle>> painted_styles(const DrawInput& input) {
   if (input.mode == RenderMode::sorted) return {input.styles};
@@ -104,6 +119,9 @@ RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& ow
   add_planes(region, part.clip_planes);
   part.mode = RenderMode::sorted;
   part.transparent = part.float_image = true;
+  part.rounded = false;  // what was added up is rounded
+  const bool with_depth = input.float_image && !input.rounded;
+  part.mean_depth = input.float_image && input.mean_depth;
   const std::array<int, 4> covered = covered_by(region, input);
   const std::vector<int> order = order_of(regions, input.camera);
   RankedPicture picture;
@@ -132,13 +150,14 @@ RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& ow
     picture.facts.order_ms = order_ms, picture.facts.draw_ms = draw_ms, picture.facts.readback_ms = readback_ms;
     picture.facts.order_exact = all == kExact;
     FloatImage& own_picture = std::get<FloatImage>(drawn.image);
-    if (input.float_image) {
+    if (with_depth) {
       if (depth.empty())
         depth = std::move(own_picture.depth);
       else
         for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = std::min(depth[i], own_picture.depth[i]);
     }
     const Stopwatch compositing;
+    if (part.mean_depth) paint_over(compositor.blend(depths_as_colors(own_picture), covered, order), picture.mean_depth);
     const FloatImage& whole = compositor.blend(own_picture, covered, order);
     composite_ms += compositing.elapsed_ms();
     if (groups.size() == 1) {
@@ -152,7 +171,7 @@ RankedPicture draw_by_ranks(RankLine& line, Compositor& compositor, Renderer& ow
     picture.image = &painted;
   }
   const Stopwatch compositing;
-  if (input.float_image) line.least(depth);
+  if (with_depth) line.least(depth);
   if (input.bricks) give_memory_back();  // of what is seen of a large layer, which no mesh holds
   picture.facts.stages = {{"own", picture.facts.order_ms + picture.facts.draw_ms + picture.facts.readback_ms},
                           {"wait", wait_ms},

@@ -17,7 +17,7 @@ void give_memory_back();
 
 struct RankedPicture {
   const FloatImage* image = nullptr;  // on the first rank, until the next picture; premultiplied, without depth
-  std::vector<float> depth;           // on the first rank, where the input asks for floats
+  std::vector<float> depth, mean_depth;  // on the first rank, where the input asks for floats with them (FloatImage)
   DrawFacts facts;   // of this rank's own drawing; as stages also how long it waited for the others, and how long compositing took
 };
 

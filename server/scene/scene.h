@@ -10,6 +10,7 @@
 #include "scene/annotation_choice.h"
 #include "scene/camera.h"
 #include "scene/clip_plane.h"
+#include "scene/depth_light.h"
 #include "scene/field_values.h"
 #include "scene/integral.h"
 #include "scene/interval.h"
@@ -131,6 +132,7 @@ struct Scene {
   std::vector<ClipPlane> clip_planes;  // what is kept by all of them is shown
   Annotations annotations;             // drawn by the server, beside the volume
   ColorRange color_range;
+  DepthLight light;
 
   bool operator==(const Scene&) const = default;
 };

@@ -52,7 +52,7 @@ struct RankDraw {
   int width = 0, height = 0;
   PictureWindow window;
   double unit_distance = 0;
-  bool with_depth = false;
+  bool with_depth = false, with_mean_depth = false;
 };
 
 /// Extracts and writes what the rank owns. Answered by RankReply.

@@ -348,6 +348,20 @@ describe('the rest of the page', () => {
     expect(difference(white, await viewer.exactPicture())).toBeGreaterThan(0.1);
   });
 
+  test('lights the picture by its depth and turns that off again', async () => {
+    await openWithOneLayer();
+    const plain = await viewer.exactPicture();
+    for (const [label, field] of [['Occlusion', 'occlusion'], ['Depth fade', 'depthFade']] as const) {
+      await viewer.page.getByLabel(label, { exact: true }).fill('1');
+      await viewer.until(label, (s) => s[field] === 1);
+      const lit = await viewer.exactPicture();
+      expect(difference(plain, lit)).toBeGreaterThan(0.1);
+      await viewer.page.getByLabel(label, { exact: true }).fill('0');
+      await viewer.until(`no ${label}`, (s) => s[field] === 0);
+      expect(difference(plain, await viewer.exactPicture())).toBe(0);
+    }
+  });
+
   test('steps through time where there is more than one step', async () => {
     await open();
     expect(await viewer.page.getByLabel('Time', { exact: true }).count()).toBe(0);

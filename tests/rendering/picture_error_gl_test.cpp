@@ -86,6 +86,34 @@ TEST(PictureError, ComputeIsNearTheOracleOnEveryGrid) {
   expect_near_the_oracle("compute", std::array{Look::two, Look::linear, Look::surfaces});
 }
 
+/// What the light of a picture is made of (rendering/light). A look takes turns of the cameras, from each of which each grid is seen.
+TEST(PictureError, MeanDepthsAreNearTheOracleWhateverDraws) {
+  for (const char* renderer_name : {"native", "raster", "compute"}) {
+    const std::unique_ptr<Renderer> renderer = make_renderer({renderer_name, "auto"});
+    std::size_t turn = 0;
+    for (const auto& [name, dataset] : datasets())
+      for (const Look look : {Look::constant, Look::two, Look::linear, Look::surfaces, Look::painted}) {
+        const Shot shot = kShots[(turn + turn / 5) % kShots.size()];
+        ++turn;
+        DrawInput input = case_of(*dataset, look, shot);
+        const OracleImage expected = oracle_image(input);
+        input.float_image = input.mean_depth = true;
+        const FloatImage exact = std::get<FloatImage>(renderer->draw(input).image);
+        input.rounded = true;
+        const FloatImage rounded = std::get<FloatImage>(renderer->draw(input).image);
+        const std::string what = name + ", " + look_name(look) + ", camera " + std::to_string(static_cast<int>(shot)) + ", " + renderer_name;
+        EXPECT_EQ(exact.depth.size(), expected.depth.size()) << what;
+        EXPECT_TRUE(rounded.depth.empty()) << what;
+        for (const FloatImage* image : {&exact, &rounded}) {
+          ASSERT_EQ(image->mean_depth.size(), expected.mean_depth.size()) << what;
+          const PictureError error = picture_error(expected, *image, input.bounds.diagonal());
+          EXPECT_LT(error.mean_depth, 2e-3) << what;
+          EXPECT_LT(error.mean, 2e-3) << what;
+        }
+      }
+  }
+}
+
 TEST(PictureError, NativeIsWithinHalfAnEightBitStepOnRectilinearGrids) {
   const std::unique_ptr<Renderer> renderer = make_renderer({"native", "native"});
   for (const auto& [name, dataset] : {datasets().front(), datasets().back()})

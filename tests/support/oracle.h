@@ -8,6 +8,7 @@
 //    one through which the ray leaves its interval is nearer.
 //  * Clip planes cut the ray: what begins at a cut has no surface there.
 //  * The depth is that of the nearest segment with any opacity, where it begins, or of the nearest surface with any.
+//  * The mean depth of a segment's light is that of one extinction all along it.
 #pragma once
 
 #include <map>
@@ -27,11 +28,12 @@ struct OracleImage {
   int width = 0, height = 0;
   std::vector<std::array<double, 4>> rgba;  // [height][width] premultiplied
   std::vector<double> depth;                // [height][width] along the view direction, infinity where nothing is
+  std::vector<double> mean_depth;           // [height][width] premultiplied
 };
 
 struct OraclePixel {
   std::array<double, 4> rgba{};
-  double depth = std::numeric_limits<double>::infinity();
+  double depth = std::numeric_limits<double>::infinity(), mean_depth = 0;
 };
 
 class Oracle {
@@ -56,10 +58,13 @@ class Oracle {
         return std::tie(a.at, a.rank, a.tetrahedron) < std::tie(b.at, b.rank, b.tetrahedron);
       });
       OracleLight group;
+      double depths = 0;
       for (const Met& m : met) {
+        depths += (1 - group.alpha) * m.light.alpha * std::lerp(depth_at(ray, m.begin), depth_at(ray, m.end), middle_of_light(m.light.alpha));
         group.over(m.light);
         if (m.light.alpha > 0) pixel.depth = std::min(pixel.depth, depth_at(ray, m.begin));
       }
+      pixel.mean_depth = depths + (1 - group.alpha) * pixel.mean_depth;
       group.over(sum);  // painted over the lower priorities
       sum = group;
     }
@@ -72,12 +77,18 @@ class Oracle {
     double at;  // a segment's middle, or where a surface is
     int rank;   // at the same place: surfaces that are left through, segments, surfaces that are entered through
     std::uint32_t tetrahedron;
-    double begin;  // where it is first seen
+    double begin, end;  // where it is first seen, and last
     OracleLight light;
   };
 
   int group_of(std::uint16_t interval) const {
     return input_.mode == RenderMode::prioritized ? input_.styles[interval].priority : 0;
+  }
+  /// Where along a segment of this opacity its light comes from on average: the mean of s under exp(-tau s), in [0, 1].
+  static double middle_of_light(double alpha) {
+    if (!(alpha > 1e-3)) return 0.5 - alpha / 12;
+    if (alpha >= 1) return 0;
+    return -1 / std::log1p(-alpha) - (1 - alpha) / alpha;
   }
   double depth_at(const OracleRay& ray, double t) const {
     return dot(forward_, ray.origin + ray.direction * t - input_.camera.eye);
@@ -90,7 +101,7 @@ class Oracle {
       OracleSegment s{};
       if (!input_.styles[interval].visible || !oracle_segment(mesh, input_.color_values.get(), t, ray, s)) continue;
       groups[group_of(interval)].push_back(
-          {(s.enter + s.leave) / 2, 1, t, s.enter,
+          {(s.enter + s.leave) / 2, 1, t, s.enter, s.leave,
            optics_[interval].light(s.leave - s.enter, s.scalar_enter, s.scalar_leave, input_.integral)});
     }
     for (const std::uint32_t f : bin.facets) {
@@ -99,7 +110,7 @@ class Oracle {
       OracleCrossing crossing{};
       if (!style.visible || !oracle_draws(style.surface, facet.label) || !oracle_crossing(mesh, f, ray, crossing)) continue;
       groups[group_of(facet.interval)].push_back(
-          {crossing.at, crossing.entering ? 2 : 0, facet.tetrahedron, crossing.at,
+          {crossing.at, crossing.entering ? 2 : 0, facet.tetrahedron, crossing.at, crossing.at,
            oracle_surface(input_, optics_[facet.interval], materials_[facet.interval], ray, crossing)});
     }
   }
@@ -112,10 +123,11 @@ class Oracle {
 
 /// The whole picture. Parallel over rows.
 inline OracleImage oracle_image(const DrawInput& input) {
-  OracleImage image{input.width, input.height, {}, {}};
+  OracleImage image{input.width, input.height, {}, {}, {}};
   const auto width = static_cast<std::size_t>(input.width), pixels = width * static_cast<std::size_t>(input.height);
   image.rgba.resize(pixels);
   image.depth.resize(pixels);
+  image.mean_depth.resize(pixels);
   const Oracle oracle(input);
   const OracleBins bins(input);
   parallel_for(input.height, 1, [&](std::int64_t begin, std::int64_t end) {
@@ -125,6 +137,7 @@ inline OracleImage oracle_image(const DrawInput& input) {
         const std::size_t at = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
         image.rgba[at] = pixel.rgba;
         image.depth[at] = pixel.depth;
+        image.mean_depth[at] = pixel.mean_depth;
       }
   });
   return image;

@@ -16,6 +16,7 @@ struct PictureError {
   double covered = 0;          // share of pixels with some opacity
   double max_depth = 0;        // of the bounds' diagonal, over pixels where both have a depth
   double depth_missing = 0;    // share of pixels where one has a depth and the other has none
+  double mean_depth = 0;       // of the bounds' diagonal, premultiplied, the mean of all pixels
 };
 
 /// Mean structural similarity of two pictures in [0, 1] over all 8x8 windows (Z. Wang, A. Bovik, H. Sheikh, E. Simoncelli, "Image
@@ -57,6 +58,7 @@ inline PictureError picture_error(const OracleImage& expected, const FloatImage&
     const auto brightness = [](auto r, auto g, auto b) { return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
     luminance[0].push_back(brightness(expected.rgba[i][0], expected.rgba[i][1], expected.rgba[i][2]));
     luminance[1].push_back(brightness(image.rgba[4 * i], image.rgba[4 * i + 1], image.rgba[4 * i + 2]));
+    if (!image.mean_depth.empty()) error.mean_depth += std::abs(double{image.mean_depth[i]} - expected.mean_depth[i]) / diagonal;
     if (image.depth.empty()) continue;
     const bool here = std::isfinite(expected.depth[i]), there = std::isfinite(image.depth[i]);
     error.depth_missing += here != there;
@@ -65,6 +67,7 @@ inline PictureError picture_error(const OracleImage& expected, const FloatImage&
   }
   const auto count = static_cast<double>(pixels);
   error.mean /= 4 * count;
+  error.mean_depth /= count;
   error.above_half_step /= 4 * count;
   error.covered /= count;
   error.depth_missing /= count;

@@ -43,6 +43,12 @@ describe('after the server was restarted', () => {
     expect(last.commands.map((c) => c.case)).toEqual(['selectArrays', 'setTimeStep', 'setIntervals', 'setAppearance', 'setCamera']);
   });
 
+  test('the light by depth stays on', () => {
+    const step = restoreStep({ ...saved, occlusion: 0.5, depthFade: 0.25 }, { ...emptyState, dataset: 'fin' }, info('fin', 'Density'), datasets, false);
+    const look = step.kind === 'send' && step.commands.find((c) => c.case === 'setAppearance');
+    expect(look && look.value).toMatchObject({ occlusion: 0.5, depthFade: 0.25 });
+  });
+
   test('values stay whole, and a part is there as long as what it is of', () => {
     const whole = { ...saved, dataset: 'fin@:9,:,:*2', values: 'whole' as const };
     const first = restoreStep(whole, emptyState, null, datasets, false);

@@ -81,3 +81,14 @@ test('the range of colours goes out as a whole and comes back as it was sent', (
   const none = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'state', value: {} } })));
   expect(none.kind === 'state' && none.state.colorRange).toEqual({ span: 'step', lower: 0, upper: 0, log: false });
 });
+
+test('light by depth goes out by itself and comes back as it was sent', () => {
+  const sent = decode(encodeCommand(1, command.setAppearance({ occlusion: 0.75 }))).body;
+  if (sent.case !== 'setAppearance') throw new Error(`unexpected ${String(sent.case)}`);
+  expect([sent.value.occlusion, sent.value.depthFade]).toEqual([0.75, undefined]);
+  const fade = decode(encodeCommand(1, command.setAppearance({ depthFade: 0 }))).body;
+  expect(fade.case === 'setAppearance' && fade.value.depthFade).toBe(0); // off is something to say
+  const message = create(ServerMessageSchema, { body: { case: 'state', value: { occlusion: 0.75, depthFade: 0.25 } } });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  expect(event.kind === 'state' && [event.state.occlusion, event.state.depthFade]).toEqual([0.75, 0.25]);
+});

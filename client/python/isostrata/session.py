@@ -399,8 +399,10 @@ class Session:
         unit_distance: float | None = None,
         color_range: str | tuple[float, float] | None = None,
         color_log: bool | None = None,
+        occlusion: float | None = None,
+        depth_fade: float | None = None,
     ) -> None:
-        """Changes what is given. ``mode``: "sorted", "prioritized", "cycled", "smear". ``color_range``: over what colour maps run, the values of
+        """Changes what is given. ``occlusion`` and ``depth_fade``, in [0, 1]: how dark hollows are, how far what is far away fades. ``mode``: "sorted", "prioritized", "cycled", "smear". ``color_range``: over what colour maps run, the values of
         "step" or of "all_steps", or two numbers; ``color_log``: by the logarithm."""
         look = v1.SetAppearance()
         if mode is not None:
@@ -409,6 +411,10 @@ class Session:
             look.background.CopyFrom(rgb(background))
         if unit_distance is not None:
             look.unit_distance = unit_distance
+        if occlusion is not None:
+            look.occlusion = occlusion
+        if depth_fade is not None:
+            look.depth_fade = depth_fade
         if color_range is not None or color_log is not None:
             look.color_range.CopyFrom(self.message.color_range)
         if isinstance(color_range, str):

@@ -9,6 +9,7 @@
 
 #include "base/as_error.h"
 #include "encoding/encode_still.h"
+#include "engine/picture/draw_lit.h"
 
 namespace isostrata {
 namespace {
@@ -54,7 +55,7 @@ DrawResult draw_sampled(Renderer& renderer, Still still, const Task& task) {
 std::uint64_t still_bytes(const FrameRequest& request, const Scene& scene) {
   const bool annotated = (request.annotations ? *request.annotations : scene.annotations).any();
   const std::uint64_t as_floats = 50, as_bytes = (annotated ? 26 : 10) + (request.still == StillFormat::webp ? 10 : 0);
-  const std::uint64_t of_pixel = request.still && is_float(*request.still) ? as_floats : as_bytes;
+  const std::uint64_t of_pixel = (request.still && is_float(*request.still)) || scene.light.any() ? as_floats : as_bytes;
   const std::uint64_t bytes = of_pixel * static_cast<std::uint64_t>(request.width) * static_cast<std::uint64_t>(request.height);
   return bytes <= kFrameBytes ? 0 : bytes;
 }
@@ -66,12 +67,16 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   if (request.still && is_float(*request.still)) input.float_image = true;
   if (request.annotations) order.scene.annotations = *request.annotations;
   if (order.scene.annotations.any()) drawn.annotations = annotate(annotation_input(*order.extracted, order.scene, input));
+  const DepthLight& light = order.scene.light;
   DrawResult result;
   if (request.samples > 1) {
-    result = draw_sampled(renderer, {input, std::exchange(drawn.annotations, {}), request.samples}, *order.task);
+    result = draw_sampled(renderer, {input, std::exchange(drawn.annotations, {}), request.samples, kPartSamples, light}, *order.task);
   } else {
-    if (!drawn.annotations.empty()) ask_for_annotated(input, request.lossless);
-    result = renderer.draw(input);
+    if (!drawn.annotations.empty()) {
+      ask_for_annotated(input, request.lossless || light.any());  // what is lit is floats anyway
+      input.rounded = !request.lossless && !(request.still && is_float(*request.still));
+    }
+    result = draw_lit(renderer, input, light);
   }
   FrameReady& frame = drawn.frame;
   frame.session = request.session;

@@ -20,12 +20,13 @@ void take_view(Scene& of, const Scene& from) {
   of.clip_planes = from.clip_planes;
   of.annotations = from.annotations;
   of.color_range = from.color_range;
+  of.light = from.light;
 }
 
 bool same_view(const Scene& a, const Scene& b) {
   return a.camera == b.camera && a.background == b.background && a.mode == b.mode && a.integral == b.integral &&
          a.cycle.phase == b.cycle.phase && a.unit_distance == b.unit_distance && a.clip_planes == b.clip_planes &&
-         a.annotations == b.annotations && a.color_range == b.color_range;
+         a.annotations == b.annotations && a.color_range == b.color_range && a.light == b.light;
 }
 
 }  // namespace

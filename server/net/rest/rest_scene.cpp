@@ -53,6 +53,8 @@ constexpr auto kAppearance = [](const v1::State& state, v1::SetAppearance& body)
   body.set_mode(state.mode());
   *body.mutable_background() = state.background();
   body.set_unit_distance(state.unit_distance());
+  body.set_occlusion(state.occlusion());
+  body.set_depth_fade(state.depth_fade());
   *body.mutable_color_range() = state.color_range();
 };
 constexpr auto kCycle = [](const v1::State& state, v1::SetCycle& body) {
@@ -79,7 +81,7 @@ const ScenePart kParts[] = {
      read_as<v1::SetCombination, kCombination>},
     {"camera", "Camera", "PUT", "set_camera", "camera", "the camera", read_as<v1::Camera, kCamera>},
     {"view", "View", "PUT", "set_view", "", "a camera that shows the whole dataset from a side", nullptr},
-    {"appearance", "Appearance", "PATCH", "set_appearance", "", "mode, background, unit distance and the range of colours (that one as a whole)",
+    {"appearance", "Appearance", "PATCH", "set_appearance", "", "mode, background, unit distance, occlusion, depth fade and the range of colours (that one as a whole)",
      read_as<v1::SetAppearance, kAppearance>},
     {"cycle", "Cycle", "PATCH", "set_cycle", "", "which interval a cycle shows, and how fast it plays",
      read_as<v1::SetCycle, kCycle>},

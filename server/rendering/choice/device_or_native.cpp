@@ -21,13 +21,14 @@ struct Needs {
       : pixels(std::int64_t{input.width} * input.height),
         values(input.color_values != nullptr),
         surfaces(std::any_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) { return style.visible && style.surface.drawn(); })),
-        floats(input.float_image) {}
+        floats(input.float_image),
+        mean_depth(input.mean_depth) {}
   bool no_less_than(const Needs& other) const {
-    return pixels >= other.pixels && values >= other.values && surfaces >= other.surfaces && floats >= other.floats;
+    return pixels >= other.pixels && values >= other.values && surfaces >= other.surfaces && floats >= other.floats && mean_depth >= other.mean_depth;
   }
 
   std::int64_t pixels;
-  bool values, surfaces, floats;
+  bool values, surfaces, floats, mean_depth;
 };
 
 /// What the device has no room for.

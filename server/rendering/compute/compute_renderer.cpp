@@ -104,7 +104,8 @@ DrawResult ComputeState::draw(const DrawInput& input) {
   if (order.kind == TILE_ORDER_INDEX)
     facts.order += late == 0 ? " (exact)" : " (exact but for " + std::to_string(late) + " fragments inside cells)";
   if (auto* floats = std::get_if<FloatImage>(&result.image))
-    for (float& depth : floats->depth) depth *= static_cast<float>(mesh_.scale());
+    for (std::vector<float>* depths : {&floats->depth, &floats->mean_depth})
+      for (float& depth : *depths) depth *= static_cast<float>(mesh_.scale());
   return result;
 }
 

@@ -142,8 +142,8 @@ shaders::TileFrame TilePipeline::frame_of(const TilePicture& picture, const Tile
   const double distance = length(camera.at - camera.eye) / scale;
   f.limits = {static_cast<float>(kNearest * std::min(1.0, distance)),
               input.count_fragments ? -1.0f
-              : input.float_image   ? 1e-7f
-                                    : 1e-4f,
+              : input.float_image && !input.rounded ? 1e-7f
+                                                    : 1e-4f,
               camera.orthographic ? 0.0f : 1.0f, input.count_fragments ? 1.0f : 0.0f};
   f.background = {input.background[0], input.background[1], input.background[2],
                   static_cast<float>(2 * picture.styles->first_drawn + (input.transparent ? 1 : 0))};
@@ -245,7 +245,8 @@ void TilePipeline::run(const TilePicture& picture, std::uint32_t key_bits) {
   dispatch(plan, 1);
   mark("batches");
 
-  const std::string defines = blend_defines(picture), nearest = depth ? "#define NEAREST_DEPTH\n" : "";
+  const std::string defines = blend_defines(picture),
+                    nearest = std::string(depth ? "#define NEAREST_DEPTH\n" : "") + (depth && picture.input->mean_depth ? "#define MEAN_DEPTH\n" : "");
   device_.bind(TILE_LIGHT, light_);
   if (depth) device_.bind(TILE_NEAREST, nearest_);
   picture.mesh->bind_arrays();
@@ -274,9 +275,10 @@ TileDrawn TilePipeline::draw(const TilePicture& picture, const TilePart& part, I
     device_.reserve(ranges_, (tiles + 1) * 8ull, "tiles");
     device_.reserve(batches_, (tiles + 1) * 4ull, "tiles");
     device_.reserve(light_, batch_room_ * (TILE_GROUP * 16ull), "batches of light");
-    if (floats) device_.reserve(nearest_, batch_room_ * (TILE_GROUP * 4ull), "batches of depth");
+    const std::uint64_t depths = floats && !floats->mean_depth.empty() ? 2 : 1;
+    if (floats) device_.reserve(nearest_, depths * batch_room_ * (TILE_GROUP * 4ull), "batches of depth");
     device_.reserve(picture_, pixels * (floats ? 16 : 4), "the picture");
-    if (floats) device_.reserve(depth_, pixels * 4, "the picture's depth");
+    if (floats) device_.reserve(depth_, depths * pixels * 4, "the picture's depth");
 
     device_.clear(counters_, TILE_COUNTER_WORDS * 4);
     device_.upload(frame_, 0, std::as_bytes(std::span(&current_, 1)), task);
@@ -317,13 +319,13 @@ void TilePipeline::read(const TilePart& part, Image* bytes, FloatImage* floats, 
   const auto at = static_cast<std::size_t>(part.y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(part.x);
   const auto part_width = static_cast<std::size_t>(part.width), part_pixels = part_width * static_cast<std::size_t>(part.height);
   // A part as wide as the picture is in one piece; else it comes by way of rows of its own.
-  const auto take = [&]<class T>(const ComputeBuffer& from, std::vector<T>& to, std::size_t each) {
+  const auto take = [&]<class T>(const ComputeBuffer& from, std::vector<T>& to, std::size_t each, std::size_t first = 0) {
     if (part.width == width) {
-      device_.read(from, 0, std::as_writable_bytes(std::span(to).subspan(at * each, part_pixels * each)), task);
+      device_.read(from, first * sizeof(T), std::as_writable_bytes(std::span(to).subspan(at * each, part_pixels * each)), task);
       return;
     }
     std::vector<T> rows(part_pixels * each);
-    device_.read(from, 0, std::as_writable_bytes(std::span(rows)), task);
+    device_.read(from, first * sizeof(T), std::as_writable_bytes(std::span(rows)), task);
     for (std::size_t y = 0; y < static_cast<std::size_t>(part.height); ++y)
       std::copy_n(&rows[y * part_width * each], part_width * each, &to[(at + y * static_cast<std::size_t>(width)) * each]);
   };
@@ -332,7 +334,8 @@ void TilePipeline::read(const TilePart& part, Image* bytes, FloatImage* floats, 
     return;
   }
   take(picture_, floats->rgba, 4);
-  take(depth_, floats->depth, 1);
+  if (!floats->depth.empty()) take(depth_, floats->depth, 1);
+  if (!floats->mean_depth.empty()) take(depth_, floats->mean_depth, 1, part_pixels);
 }
 
 void TilePipeline::start_clock() {

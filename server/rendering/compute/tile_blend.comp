@@ -16,7 +16,9 @@ layout(std430, binding = TILE_PAIRS) readonly restrict buffer PairBuffer { uvec2
 layout(std430, binding = TILE_RANGES) readonly restrict buffer RangeBuffer { uvec2 ranges[]; };
 layout(std430, binding = TILE_BATCHES) readonly restrict buffer BatchBuffer { uint batches[]; };
 layout(std430, binding = TILE_LIGHT) writeonly restrict buffer LightBuffer { vec4 light[]; };
-#ifdef NEAREST_DEPTH
+#ifdef MEAN_DEPTH
+layout(std430, binding = TILE_NEAREST) writeonly restrict buffer NearestBuffer { vec2 nearest[]; };
+#elif defined NEAREST_DEPTH
 layout(std430, binding = TILE_NEAREST) writeonly restrict buffer NearestBuffer { float nearest[]; };
 #endif
 #ifdef LINEAR_COLOR
@@ -305,12 +307,26 @@ vec4 surface_light(uint j, uint face, vec2 at, float u) {
 
 vec3 sum = vec3(0.0);
 float through = 1.0, nearest_u = -kFar;
+#ifdef MEAN_DEPTH
+float depth_sum = 0.0;
+
+// The depth of a segment of this opacity: of 1 / tau - (1 - alpha) / alpha of its length.
+float middle_of_light(float enter, float leave, float alpha) {
+  float share = alpha < 0.05 ? 0.5 - alpha / 12.0 : alpha > 0.999999 ? 0.0 : -1.0 / log(1.0 - alpha) - (1.0 - alpha) / alpha;
+  vec2 depths = perspective() ? 1.0 / max(vec2(enter, leave), vec2(1e-9)) : -vec2(enter, leave);
+  return mix(depths.x, depths.y, share);
+}
+#endif
 #ifdef ONE_COLOR
 float depth = 0.0;  // optical
 #endif
 
-void blend(vec4 color) {
+// depth: where on average it comes from.
+void blend(vec4 color, float depth) {
   sum += through * color.rgb;
+#ifdef MEAN_DEPTH
+  depth_sum += through * color.a * depth;
+#endif
   through *= 1.0 - color.a;
 }
 
@@ -318,38 +334,43 @@ void blend(vec4 color) {
 // The last WINDOW fragments wait here, farthest first, for one that is late and lies before them.
 float waiting_u[WINDOW];
 vec4 waiting[WINDOW];
+float waiting_depth[WINDOW];
 #endif
 float last_u = kFar;
 uint came_late = 0u;
 
-void blend_in_turn(float u, vec4 color) {
+void blend_in_turn(float u, vec4 color, float depth) {
   if (u > last_u + 4e-6 * abs(u)) ++came_late;
   last_u = u;
-  blend(color);
+  blend(color, depth);
 }
 void flush() {
 #if WINDOW > 0
   for (int i = WINDOW - 1; i >= 0; --i) {
-    if (waiting_u[i] < kFar) blend_in_turn(waiting_u[i], waiting[i]);
+    if (waiting_u[i] < kFar) blend_in_turn(waiting_u[i], waiting[i], waiting_depth[i]);
     waiting_u[i] = kFar;
     waiting[i] = vec4(0.0);
+    waiting_depth[i] = 0.0;
   }
 #endif
 }
-void put(float u, vec4 color) {
+void put(float u, vec4 color, float depth) {
 #if WINDOW > 0
   for (int i = 0; i < WINDOW; ++i)
     if (u <= waiting_u[i]) {
       float other_u = waiting_u[i];
       vec4 other = waiting[i];
+      float other_depth = waiting_depth[i];
       waiting_u[i] = u;
       waiting[i] = color;
+      waiting_depth[i] = depth;
       u = other_u;
       color = other;
+      depth = other_depth;
     }
-  if (u < kFar) blend_in_turn(u, color);
+  if (u < kFar) blend_in_turn(u, color, depth);
 #else
-  blend_in_turn(u, color);
+  blend_in_turn(u, color, depth);
 #endif
 }
 
@@ -395,6 +416,7 @@ void main() {
   for (int i = 0; i < WINDOW; ++i) {
     waiting_u[i] = kFar;
     waiting[i] = vec4(0.0);
+    waiting_depth[i] = 0.0;
   }
 #endif
 
@@ -445,6 +467,10 @@ void main() {
         back = place_at(j, at, leave);
 #endif
         vec4 color = segment_light(interval, path, front, back);
+        float middle = 0.0;
+#ifdef MEAN_DEPTH
+        middle = middle_of_light(from + enter, from + leave, color.a);
+#endif
 #ifdef SURFACES
         // The surface that is entered through, the segment, the surface that is left through. Of two surfaces at one place the one through
         // which the ray leaves comes first, however their u are rounded.
@@ -457,13 +483,14 @@ void main() {
         for (int step = drawn.x ? 0 : 1; step < (drawn.y ? 3 : 2); ++step) {
           float place = step == 2 ? leave : enter;
           vec4 shown = step == 1 ? color : surface_light(j, step == 0 ? entered : left, at, place);
-          put(from + (step == 0 ? enter - aside : step == 1 ? 0.5 * (enter + leave) : leave + aside), shown);
+          float depth = step == 1 ? middle : perspective() ? 1.0 / max(from + place, 1e-9) : -(from + place);
+          put(from + (step == 0 ? enter - aside : step == 1 ? 0.5 * (enter + leave) : leave + aside), shown, depth);
 #ifdef NEAREST_DEPTH
           if (shown.a > 0.0) nearest_u = max(nearest_u, from + place);
 #endif
         }
 #else
-        put(from + 0.5 * (enter + leave), color);
+        put(from + 0.5 * (enter + leave), color, middle);
 #ifdef NEAREST_DEPTH
         if (color.a > 0.0) nearest_u = max(nearest_u, from + enter);
 #endif
@@ -485,7 +512,9 @@ void main() {
 #endif
   if (any) {
     light[index * TILE_GROUP + t] = vec4(sum, through);
-#ifdef NEAREST_DEPTH
+#ifdef MEAN_DEPTH
+    nearest[index * TILE_GROUP + t] = vec2(nearest_u, depth_sum);
+#elif defined NEAREST_DEPTH
     nearest[index * TILE_GROUP + t] = nearest_u;
 #endif
   }

@@ -4,7 +4,11 @@ layout(local_size_x = TILE_GROUP) in;
 layout(std430, binding = TILE_BATCHES) readonly restrict buffer BatchBuffer { uint batches[]; };
 layout(std430, binding = TILE_LIGHT) readonly restrict buffer LightBuffer { vec4 light[]; };
 #ifdef NEAREST_DEPTH
+#ifdef MEAN_DEPTH
+layout(std430, binding = TILE_NEAREST) readonly restrict buffer NearestBuffer { vec2 nearest[]; };
+#else
 layout(std430, binding = TILE_NEAREST) readonly restrict buffer NearestBuffer { float nearest[]; };
+#endif
 layout(std430, binding = TILE_PICTURE) writeonly restrict buffer PictureBuffer { vec4 picture[]; };
 layout(std430, binding = TILE_DEPTH) writeonly restrict buffer DepthBuffer { float depths[]; };
 #else
@@ -17,12 +21,16 @@ void main() {
   uvec2 pixel = uvec2(tile % frame.part.z, tile / frame.part.z) * 16u + uvec2(t & 15u, t >> 4);
   if (pixel.x >= frame.part.x || pixel.y >= frame.part.y) return;
   vec3 sum = vec3(0.0);
-  float through = 1.0, u = -1e30;
+  float through = 1.0, u = -1e30, depth_sum = 0.0;
   for (uint b = batches[tile]; b < batches[tile + 1u]; ++b) {
     vec4 own = light[b * TILE_GROUP + t];
     sum += through * own.rgb;
+#ifdef MEAN_DEPTH
+    depth_sum += through * nearest[b * TILE_GROUP + t].y;
+    u = max(u, nearest[b * TILE_GROUP + t].x);
+#endif
     through *= own.a;
-#ifdef NEAREST_DEPTH
+#if defined NEAREST_DEPTH && !defined MEAN_DEPTH
     u = max(u, nearest[b * TILE_GROUP + t]);
 #endif
   }
@@ -31,6 +39,9 @@ void main() {
 #ifdef NEAREST_DEPTH
   picture[at] = vec4(sum, alpha);
   depths[at] = u <= -1e30 ? uintBitsToFloat(0x7f800000u) : frame.limits.z > 0.5 ? 1.0 / u : -u;
+#ifdef MEAN_DEPTH
+  depths[frame.part.x * frame.part.y + at] = depth_sum;
+#endif
 #else
   bool transparent = mod(frame.background.w, 2.0) > 0.5;
   vec4 color = transparent ? vec4(alpha > 0.0 ? sum / alpha : vec3(0.0), alpha) : vec4(sum + through * frame.background.rgb, 1.0);

@@ -51,10 +51,10 @@ struct CrossingFrame {
   float least_through = 0, most_unlit = 0;
 };
 
-/// A tile's pixels, in rows of kTileWidth: premultiplied colour and alpha, and depth in world units.
+/// A tile's pixels, in rows of kTileWidth: premultiplied colour and alpha, and depths in world units.
 struct TilePixels {
   PixelRect rect;
-  std::vector<float> planes[4], depth;
+  std::vector<float> planes[4], depth, mean_depth;  // mean_depth as FloatImage has it; empty where it is not wanted
   // What the near depth and the clip planes leave of each ray, in depths relative to the reference; empty where nothing is cut.
   std::vector<float> nearest, farthest;
 };

@@ -62,6 +62,7 @@ std::int64_t CrossingListTile::draw_part(const CrossingFrame& frame, std::span<c
     }
     for (std::size_t c = 0; c < 4; ++c) row.rgba[c] = &tile.planes[c][at];
     if (wants_depth) row.depth = &tile.depth[at];
+    if (!tile.mean_depth.empty()) row.mean_depth = &tile.mean_depth[at];
     walk_row(row);
   }
   return static_cast<std::int64_t>(records_.count);

@@ -70,8 +70,9 @@ void draw_tile(const CrossingFrame& frame, std::size_t tile, TileScratch& scratc
   pixels.rect = {column * kTileWidth, row * kTileHeight, std::min((column + 1) * kTileWidth, frame.transform.width),
                  std::min((row + 1) * kTileHeight, frame.transform.height)};
   for (std::vector<float>& plane : pixels.planes) plane.assign(kTilePixels + kWalkPadding, 0);
-  const bool wants_depth = sink.wants_depth();
+  const bool wants_depth = sink.wants_depth(), wants_mean_depth = sink.wants_mean_depth();
   if (wants_depth) pixels.depth.assign(kTilePixels, std::numeric_limits<float>::infinity());
+  pixels.mean_depth.assign(wants_mean_depth ? kTilePixels + kWalkPadding : 0, 0);
   const std::span<const TileEntry> entries = frame.bins.tile(tile);
   const bool clipped = !frame.input.clip_planes.empty();
   pixels.nearest.clear();
@@ -90,7 +91,7 @@ void draw_tile(const CrossingFrame& frame, std::size_t tile, TileScratch& scratc
       own = scratch.entries;
     }
     if (own.empty()) continue;
-    if (group.one_color && !(wants_depth && clipped))
+    if (group.one_color && !(wants_depth && clipped) && !wants_mean_depth)
       scratch.sums.draw(frame, group, own, wants_depth, pixels);
     else
       scratch.lists.draw(frame, own, wants_depth, pixels);
@@ -103,6 +104,7 @@ void draw_tile(const CrossingFrame& frame, std::size_t tile, TileScratch& scratc
   finished.stride = kTileWidth;
   for (std::size_t c = 0; c < 4; ++c) finished.rgba[c] = pixels.planes[c].data();
   finished.depth = wants_depth ? pixels.depth.data() : nullptr;
+  finished.mean_depth = wants_mean_depth ? pixels.mean_depth.data() : nullptr;
   sink.put(finished);
 }
 
@@ -165,7 +167,7 @@ void CrossingsRenderer::draw(const DrawInput& input, const Facets& of, TileSink&
                                                                      : std::nullopt);
   }
   frame.tables = make_ray_tables(frame);
-  if (!sink.wants_depth()) {
+  if (sink.rounded()) {
     frame.least_through = kLeastThrough;
     frame.most_unlit = kMostUnlit;
   }

@@ -26,6 +26,15 @@ using VI = hn::Vec<DI>;
 using MF = hn::Mask<DF>;
 constexpr int kLanes = 8;  // at most
 
+/// Where in a segment of this optical depth and opacity the light that leaves it comes from on average, as a share of its length:
+/// 1 / depth - (1 - opacity) / opacity, which is a half where it is thin.
+HWY_INLINE VF middle_of_light(VF depth, VF opacity) {
+  const DF d;
+  const VF one = hn::Set(d, 1.0f), thin = hn::NegMulAdd(depth, hn::Set(d, 1.0f / 12), hn::Set(d, 0.5f));
+  const VF thick = hn::Sub(hn::Div(one, depth), hn::Div(hn::Sub(one, opacity), opacity));
+  return hn::IfThenElse(hn::Gt(depth, hn::Set(d, 0.05f)), thick, thin);
+}
+
 /// 1 - exp(-depth), to 2e-7. Between two crossings of thin layers depths are small.
 HWY_INLINE VF opacity_of(VF depth) {
   const DF d;
@@ -107,6 +116,7 @@ class Walk {
     through_ = one;
     unlit_ = zero;
     color_ = {zero, zero, zero};
+    depth_ = zero;
 
     // What is open: sums over its intervals.
     VF extinction = zero;
@@ -164,9 +174,10 @@ class Walk {
         const VF depth = hn::Mul(hn::Mul(extinction, hn::Sub(to, at)), stretch_);
         const VF alpha = hn::IfThenElseZero(inside_some, opacity_of(depth));
         const VF inverse = hn::IfThenElseZero(hn::Ne(extinction, zero), hn::Div(one, extinction));
-        add(alpha, {held_in_unit(hn::Mul(mixed.red, inverse)), held_in_unit(hn::Mul(mixed.green, inverse)),
+        const VF share = add(alpha, {held_in_unit(hn::Mul(mixed.red, inverse)), held_in_unit(hn::Mul(mixed.green, inverse)),
                     held_in_unit(hn::Mul(mixed.blue, inverse))});
         seen = hn::IfThenElse(hn::Gt(alpha, zero), hn::Min(seen, at), seen);
+        if (row_.mean_depth) add_depth(share, hn::MulAdd(middle_of_light(depth, alpha), hn::Sub(to, at), at));
       }
       at = to;
       if (tables_.any_surface) {
@@ -174,7 +185,8 @@ class Walk {
         const MF met = hn::And(hn::And(rays, hn::RebindMask(d, hn::Ne(drawn, hn::Zero(di)))),
                                hn::And(hn::Ge(z, nearest), hn::Le(z, farthest)));
         if (!hn::AllFalse(d, met)) {
-          const VF alpha = meet_surface(met, facet, interval);
+          const VF before = through_, alpha = meet_surface(met, facet, interval);
+          if (row_.mean_depth) add_depth(hn::Sub(before, through_), z);
           seen = hn::IfThenElse(hn::Gt(alpha, zero), hn::Min(seen, z), seen);
         }
       }
@@ -192,6 +204,10 @@ class Walk {
     put(row_.rgba[1], color_.green);
     put(row_.rgba[2], color_.blue);
     put(row_.rgba[3], hn::Sub(one, through_));
+    // Relative to the reference so far.
+    if (row_.mean_depth)
+      put(row_.mean_depth, hn::Mul(hn::MulAdd(hn::Sub(one, through_), hn::Set(d, static_cast<float>(frame_.transform.reference)), depth_),
+                                   hn::Set(d, static_cast<float>(frame_.transform.scale))));
     if (row_.depth) {
       HWY_ALIGN float depths[kLanes];
       hn::Store(seen, d, depths);
@@ -203,13 +219,17 @@ class Walk {
     }
   }
 
-  /// What has this opacity and, straight, these colours.
-  HWY_INLINE void add(VF alpha, const Colors& colors) {
+  /// How much of a ray's light comes from this depth.
+  HWY_INLINE void add_depth(VF share, VF at) { depth_ = hn::MulAdd(share, hn::IfThenElseZero(hn::Gt(share, hn::Zero(DF())), at), depth_); }
+
+  /// What has this opacity and, straight, these colours. Returns how much of the ray's light it is.
+  HWY_INLINE VF add(VF alpha, const Colors& colors) {
     const VF share = hn::Mul(through_, alpha);
     color_.red = hn::MulAdd(share, colors.red, color_.red);
     color_.green = hn::MulAdd(share, colors.green, color_.green);
     color_.blue = hn::MulAdd(share, colors.blue, color_.blue);
     through_ = hn::Sub(through_, share);
+    return share;
   }
 
   /// Blends the surface where the rays meet it and returns its opacity, 0 elsewhere.
@@ -380,7 +400,7 @@ class Walk {
   int at_pixel_ = 0;                         // the first lane's
   VF along_lanes_, stretch_;                 // stretch_: a ray's length by its depth
   // What the rays have gathered.
-  VF through_, unlit_;
+  VF through_, unlit_, depth_;
   Colors color_;
   HWY_ALIGN ScreenVertex corners_[3][kLanes];
   HWY_ALIGN float normals_[3][4 * kLanes];

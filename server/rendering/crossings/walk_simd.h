@@ -25,6 +25,7 @@ struct WalkRow {
   const float* farthest = nullptr;
   float* rgba[4] = {};     // [count] premultiplied: what is there is seen behind the rays
   float* depth = nullptr;  // [count] becomes the least of itself and the first that is seen, in world units; may be null
+  float* mean_depth = nullptr;  // [count] premultiplied: what is there is seen behind the rays, like rgba; may be null
 };
 void walk_row(const WalkRow& row);
 

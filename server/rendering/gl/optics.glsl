@@ -21,6 +21,11 @@ float opacity_of(float tau) {
   return tau < 0.1 ? tau * (1.0 - tau * (0.5 - tau * (1.0 / 6.0 - tau * (1.0 / 24.0 - tau * (1.0 / 120.0))))) : 1.0 - exp(-tau);
 }
 
+// Where in a segment of this opacity the light that leaves it comes from on average, as a share of its length: 1 / tau - (1 - alpha) / alpha.
+float middle_of_light(float alpha) {
+  return alpha < 0.05 ? 0.5 - alpha / 12.0 : alpha > 0.999999 ? 0.0 : -1.0 / log(1.0 - alpha) - (1.0 - alpha) / alpha;
+}
+
 vec4 constant_light(vec4 rgb_extinction, float path) {
   float alpha = opacity_of(rgb_extinction.a * path);
   return vec4(rgb_extinction.rgb * alpha, alpha);

@@ -16,7 +16,8 @@ inline std::variant<Image, FloatImage> blank_picture(const DrawInput& input) {
   const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
   if (input.float_image)
     return FloatImage{input.width, input.height, std::vector<float>(4 * pixels),
-                      std::vector<float>(pixels, std::numeric_limits<float>::infinity())};
+                      std::vector<float>(input.rounded ? 0 : pixels, std::numeric_limits<float>::infinity()),
+                      std::vector<float>(input.mean_depth ? pixels : 0)};
   return Image{input.width, input.height, std::vector<std::uint8_t>(4 * pixels)};
 }
 

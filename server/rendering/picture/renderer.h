@@ -60,6 +60,8 @@ struct DrawInput {
   Rgb background{0, 0, 0};
   bool transparent = false;      // leave the background out and keep alpha
   bool float_image = false;      // ask for the float target as it is (EXR, tests), never composited over the background
+  bool mean_depth = false;       // of a float_image: fill FloatImage::mean_depth
+  bool rounded = false;          // of a float_image: it will be 8 bits, so that it need be no more exact than these, and has no depth
   bool count_fragments = false;  // fill DrawFacts::fragments (costs a little)
 };
 

@@ -17,21 +17,23 @@ DrawTarget::DrawTarget(const GlFunctions& gl)
 
 void DrawTarget::give_back() {
   width_ = height_ = 0;
-  for (GlObject* old : {&color_, &nearest_, &bytes_, &accumulate_, &resolve_}) *old = GlObject{};
+  for (GlObject* old : {&color_, &nearest_, &mean_, &bytes_, &accumulate_, &resolve_}) *old = GlObject{};
 }
 
-void DrawTarget::make(int width, int height, bool nearest) {
+void DrawTarget::make(int width, int height, bool nearest, bool mean) {
   give_back();  // until all of it is made
   color_ = make_texture_2d(gl_, GL_RGBA32F, width, height);
   bytes_ = make_texture_2d(gl_, GL_RGBA8, width, height);
   accumulate_ = make_framebuffer(gl_);
   gl_.NamedFramebufferTexture(accumulate_.name(), GL_COLOR_ATTACHMENT0, color_.name(), 0);
-  if (nearest) {
-    nearest_ = make_texture_2d(gl_, GL_R32F, width, height);
-    gl_.NamedFramebufferTexture(accumulate_.name(), GL_COLOR_ATTACHMENT1, nearest_.name(), 0);
-  }
-  const GLenum attachments[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  gl_.NamedFramebufferDrawBuffers(accumulate_.name(), nearest ? 2 : 1, attachments);
+  const auto attach = [&](GlObject& to, GLenum attachment) {
+    to = make_texture_2d(gl_, GL_R32F, width, height);
+    gl_.NamedFramebufferTexture(accumulate_.name(), attachment, to.name(), 0);
+  };
+  if (nearest) attach(nearest_, GL_COLOR_ATTACHMENT1);
+  if (mean) attach(mean_, GL_COLOR_ATTACHMENT2);
+  const GLenum attachments[] = {GL_COLOR_ATTACHMENT0, static_cast<GLenum>(nearest ? GL_COLOR_ATTACHMENT1 : GL_NONE), static_cast<GLenum>(mean ? GL_COLOR_ATTACHMENT2 : GL_NONE)};
+  gl_.NamedFramebufferDrawBuffers(accumulate_.name(), 3, attachments);
   resolve_ = make_framebuffer(gl_);
   gl_.NamedFramebufferTexture(resolve_.name(), GL_COLOR_ATTACHMENT0, bytes_.name(), 0);
   for (const GLuint framebuffer : {accumulate_.name(), resolve_.name()})
@@ -42,13 +44,14 @@ void DrawTarget::make(int width, int height, bool nearest) {
   height_ = height;
 }
 
-void DrawTarget::begin(const Tile& tile, bool nearest) {
-  if (width_ != tile.width || height_ != tile.height || static_cast<bool>(nearest_) != nearest)
-    make(tile.width, tile.height, nearest);
+void DrawTarget::begin(const Tile& tile, bool nearest, bool mean) {
+  if (width_ != tile.width || height_ != tile.height || static_cast<bool>(nearest_) != nearest || static_cast<bool>(mean_) != mean)
+    make(tile.width, tile.height, nearest, mean);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, accumulate_.name());
   const float zero[4] = {0, 0, 0, 0};
   gl_.ClearNamedFramebufferfv(accumulate_.name(), GL_COLOR, 0, zero);
   if (nearest) gl_.ClearNamedFramebufferfv(accumulate_.name(), GL_COLOR, 1, zero);
+  if (mean) gl_.ClearNamedFramebufferfv(accumulate_.name(), GL_COLOR, 2, zero);
 }
 
 void DrawTarget::resolve(const Rgb& background, bool transparent) {
@@ -72,7 +75,7 @@ void DrawTarget::read(const Tile& tile, Image& image) const {
   gl_.PixelStorei(GL_PACK_ROW_LENGTH, 0);
 }
 
-void DrawTarget::read(const Tile& tile, const std::function<double(double)>& depth_of, FloatImage& image) const {
+void DrawTarget::read(const Tile& tile, const std::function<double(double)>& depth_of, double scale, FloatImage& image) const {
   const auto width = static_cast<std::size_t>(tile.width);
   std::vector<float> rows(4 * width * static_cast<std::size_t>(tile.height));
   const auto picture_row = [&](int y) {  // GL's rows go up, ours down
@@ -84,14 +87,17 @@ void DrawTarget::read(const Tile& tile, const std::function<double(double)>& dep
   gl_.ReadPixels(0, 0, tile.width, tile.height, GL_RGBA, GL_FLOAT, rows.data());
   for (int y = 0; y < tile.height; ++y)
     std::copy_n(&rows[4 * width * static_cast<std::size_t>(y)], 4 * width, &image.rgba[4 * picture_row(y)]);
-  gl_.NamedFramebufferReadBuffer(accumulate_.name(), GL_COLOR_ATTACHMENT1);
-  gl_.ReadPixels(0, 0, tile.width, tile.height, GL_RED, GL_FLOAT, rows.data());
-  for (int y = 0; y < tile.height; ++y)
-    for (std::size_t x = 0; x < width; ++x) {
-      const float q = rows[width * static_cast<std::size_t>(y) + x];
-      image.depth[picture_row(y) + x] =
-          q > 0 ? static_cast<float>(depth_of(static_cast<double>(q))) : std::numeric_limits<float>::infinity();
-    }
+  const auto read_depths = [&](GLenum attachment, std::vector<float>& to, const auto& depth) {
+    gl_.NamedFramebufferReadBuffer(accumulate_.name(), attachment);
+    gl_.ReadPixels(0, 0, tile.width, tile.height, GL_RED, GL_FLOAT, rows.data());
+    for (int y = 0; y < tile.height; ++y)
+      for (std::size_t x = 0; x < width; ++x) to[picture_row(y) + x] = depth(rows[width * static_cast<std::size_t>(y) + x]);
+  };
+  if (nearest_)
+    read_depths(GL_COLOR_ATTACHMENT1, image.depth, [&](float q) {
+      return q > 0 ? static_cast<float>(depth_of(static_cast<double>(q))) : std::numeric_limits<float>::infinity();
+    });
+  if (mean_) read_depths(GL_COLOR_ATTACHMENT2, image.mean_depth, [&](float depth) { return static_cast<float>(depth * scale); });
 }
 
 }  // namespace isostrata

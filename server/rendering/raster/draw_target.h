@@ -21,24 +21,25 @@ class DrawTarget {
  public:
   explicit DrawTarget(const GlFunctions& gl);
 
-  /// Makes it ready for a tile, black and clear, and binds it; nearest: with the second attachment for depth. Throws too_large,
-  /// unavailable.
-  void begin(const Tile& tile, bool nearest);
+  /// Makes it ready for a tile, black and clear, and binds it; nearest, mean: with the second attachment for depth, the third for
+  /// mean depth. Throws too_large, unavailable.
+  void begin(const Tile& tile, bool nearest, bool mean);
   /// What is drawn into is not kept any longer.
   void give_back();
   /// To 8 bits, on the device: over the background, or straight colours with their alpha.
   void resolve(const Rgb& background, bool transparent);
   /// After resolve(): the tile's pixels of the picture.
   void read(const Tile& tile, Image& image) const;
-  /// Instead of resolve(). depth_of: the depth in world units of what the second attachment holds, where that is above 0.
-  void read(const Tile& tile, const std::function<double(double)>& depth_of, FloatImage& image) const;
+  /// Instead of resolve(). depth_of: the depth in world units of what the second attachment holds, where that is above 0; scale: what
+  /// the third one's is times that.
+  void read(const Tile& tile, const std::function<double(double)>& depth_of, double scale, FloatImage& image) const;
 
  private:
-  void make(int width, int height, bool nearest);
+  void make(int width, int height, bool nearest, bool mean);
 
   const GlFunctions& gl_;
   int width_ = 0, height_ = 0;
-  GlObject color_, nearest_, bytes_;         // RGBA32F, R32F (only where depth is wanted), RGBA8
+  GlObject color_, nearest_, mean_, bytes_;  // RGBA32F, R32F twice (only where such a depth is wanted), RGBA8
   GlObject accumulate_, resolve_;            // framebuffers
   GlObject resolve_program_, vertex_array_;  // the resolve triangle has no attributes
 };

@@ -53,7 +53,7 @@ class GlState {
  private:
   /// What the drawing program must know; each is compiled when first drawn with.
   struct Variant {
-    bool linear, linear_extinction, table, orthographic, planes, surfaces, nearest;
+    bool linear, linear_extinction, table, orthographic, planes, surfaces, nearest, mean;
     bool wide = false;  // has what is projected on the device: KIND_WIDE
     auto operator<=>(const Variant&) const = default;
   };
@@ -147,6 +147,7 @@ GLuint GlState::program(const Variant& variant) {
     define(variant.planes, "CLIP_PLANES");
     define(variant.surfaces, "SURFACES");
     define(variant.nearest, "NEAREST_DEPTH");
+    define(variant.mean, "MEAN_DEPTH");
     define(variant.wide, "WIDE");
     const std::string vertex = std::string(shaders::frame_glsl) + shaders::tetrahedra_vert;
     const std::string fragment =
@@ -222,6 +223,10 @@ void GlState::draw_tile(const Tile& tile, const Frame& frame) {
     gl_.BlendEquationi(1, GL_MAX);
     gl_.BlendFunci(1, GL_ONE, GL_ONE);
   }
+  if (frame.variant.mean) {
+    gl_.BlendEquationi(2, GL_FUNC_ADD);
+    gl_.BlendFunci(2, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  }
   gl_.BindVertexArray(vertex_array_.name());
   if (frame.variant.linear)
     gl_.EnableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
@@ -270,7 +275,8 @@ DrawResult GlState::draw(const DrawInput& input) {
                         input.camera.orthographic,
                         !input.clip_planes.empty(),
                         draws_surfaces(input) && !input.mesh->facets.empty(),
-                        input.float_image};
+                        input.float_image && !input.rounded,
+                        input.float_image && input.mean_depth};
   Frame frame{input, variant, projection, {}, std::move(order.tetrahedra), drawn_parts(input.styles)};
   prepare(frame);
   if (project_here_ && !frame.variant.wide)
@@ -283,7 +289,7 @@ DrawResult GlState::draw(const DrawInput& input) {
   for (int y = 0; y < input.height; y += largest_tile_)
     for (int x = 0; x < input.width; x += largest_tile_) {
       const Tile tile{x, y, std::min(largest_tile_, input.width - x), std::min(largest_tile_, input.height - y)};
-      target_.begin(tile, frame.variant.nearest);
+      target_.begin(tile, frame.variant.nearest, frame.variant.mean);
       if (query) gl_.BeginQuery(GL_SAMPLES_PASSED, query.name());
       draw_tile(tile, frame);
       if (query) {
@@ -297,7 +303,7 @@ DrawResult GlState::draw(const DrawInput& input) {
       result.facts.draw_ms += watch.lap_ms();
       if (floats)
         target_.read(
-            tile, [&](double q) { return projection.depth(q) * projection.scale; }, *floats);
+            tile, [&](double q) { return projection.depth(q) * projection.scale; }, projection.scale, *floats);
       else
         target_.read(tile, std::get<Image>(result.image));
       result.facts.readback_ms += watch.lap_ms();

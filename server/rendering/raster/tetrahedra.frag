@@ -17,6 +17,9 @@ layout(location = 0) out vec4 color;
 #ifdef NEAREST_DEPTH
 layout(location = 1) out float nearest;  // the largest nearness; blended with MAX
 #endif
+#ifdef MEAN_DEPTH
+layout(location = 2) out vec4 seen_at;  // the depth times alpha, 0, 0, alpha; blended like a colour
+#endif
 
 #ifdef WIDE
 layout(std430, binding = BUFFER_MESH_POINTS) readonly restrict buffer PointBuffer { vec4 points[]; };
@@ -174,6 +177,9 @@ void draw_surface(Ray ray, int style, uint facet) {
 #ifdef NEAREST_DEPTH
   nearest = color.a > 0.0 ? nearness(depth) : 0.0;
 #endif
+#ifdef MEAN_DEPTH
+  seen_at = vec4(color.a * depth, 0.0, 0.0, color.a);
+#endif
 }
 #endif
 
@@ -206,5 +212,8 @@ void main() {
   color = met ? light : vec4(0.0);
 #ifdef NEAREST_DEPTH
   nearest = met && light.a > 0.0 ? nearness(segment.front) : 0.0;
+#endif
+#ifdef MEAN_DEPTH
+  seen_at = vec4(met ? light.a * (segment.front + middle_of_light(light.a) * segment.path / ray.depth_per_length) : 0.0, 0.0, 0.0, color.a);
 #endif
 }

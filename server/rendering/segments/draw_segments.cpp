@@ -138,8 +138,8 @@ class TilePainter {
       return;
     }
     if (!entries.empty() || !surfaces.empty()) {
-      if (memory.store.capacity == 0 || (sink_.wants_depth() != (memory.store.q_in != nullptr)))
-        memory.reserve(kFirstCapacity, sink_.wants_depth());
+      const bool any_depth = sink_.wants_depth() || sink_.wants_mean_depth();
+      if (memory.store.capacity == 0 || (any_depth != (memory.store.q_in != nullptr))) memory.reserve(kFirstCapacity, any_depth);
       if (!half_spaces_.empty()) limit_rays(part, memory);
       for (int group = 0; group < optics_.groups; ++group) paint_group(group, entries, surfaces, part, memory);
     }
@@ -180,6 +180,7 @@ class TilePainter {
     crossing_.mirrored = crossable_->mirrored;
     walk_.view = &view_;
     walk_.depth = sink_.wants_depth();
+    walk_.mean_depth = sink_.wants_mean_depth();
     for (std::size_t i = 0; i < optics_.group.size(); ++i) {
       if (optics_.group[i] < 0) continue;
       crossing_.lower[i] = optics_.lower[i];
@@ -325,7 +326,7 @@ class TilePainter {
       surfaces_.add(triangle, part, store);
     }
     fragments_ += static_cast<std::int64_t>(store.count);
-    blend_fragments(store, memory.lists, memory.pixels);
+    blend_fragments(store, memory.lists, memory.pixels, sink_.wants_mean_depth() ? &view_ : nullptr);
   }
 
   void paint_quarters(const CoverInput& part, TileMemory& memory) {
@@ -356,6 +357,10 @@ class TilePainter {
         memory.planes[4][p] = q > -1e29f ? static_cast<float>(view_.depth_of(double{q})) : std::numeric_limits<float>::infinity();
       }
       tile.depth = memory.planes[4];
+    }
+    if (sink_.wants_mean_depth()) {
+      for (float& depth : memory.pixels.mean_depth) depth *= static_cast<float>(view_.scale);
+      tile.mean_depth = memory.pixels.mean_depth;
     }
     sink_.put(tile);
   }

@@ -1,6 +1,8 @@
 #include "rendering/segments/segment_lists.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
@@ -43,7 +45,32 @@ HWY_INLINE void blend_lists(const std::uint64_t* items, std::size_t length, cons
 #endif
 }
 
-void BlendFragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels) {
+/// Where on average the light of a fragment comes from: (begin, end) its depths.
+inline float middle_of_light(float begin, float end, float alpha) {
+  if (alpha < 0.05f) return begin + (end - begin) * (0.5f - alpha * (1.0f / 12));
+  if (alpha > 0.999999f) return begin;
+  return begin + (end - begin) * (-1 / std::log1p(-alpha) - (1 - alpha) / alpha);
+}
+
+/// Before the block's lists are blended into `pixels`.
+inline void add_depths(const SegmentView& view, const FragmentStore& store, const std::uint64_t* items, std::size_t length, SegmentPixels& pixels,
+                       std::size_t block) {
+  const auto depth_of = [&](float q) { return view.orthographic ? static_cast<float>(view.zero_q_depth) - q : 1 / q; };
+  for (std::size_t lane = 0; lane < kListLanes; ++lane) {
+    float through = pixels.light[block + lane][3], sum = 0;
+    for (std::size_t k = 0; k < length; ++k) {
+      const auto fragment = static_cast<std::size_t>(static_cast<std::uint32_t>(items[k * kListLanes + lane]));
+      const float alpha = -store.light[4 * fragment + 3];
+      if (!(alpha > 0)) continue;
+      const float begin = store.q_in[fragment], end = std::bit_cast<float>(~store.far_key[fragment]) - begin;
+      sum += through * alpha * middle_of_light(depth_of(begin), depth_of(end), alpha);
+      through -= through * alpha;
+    }
+    pixels.mean_depth[block + lane] += sum;
+  }
+}
+
+void BlendFragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels, const SegmentView* mean_depth_of) {
   // A fragment of no light fills the shorter lists.
   std::memset(store.light + 4 * store.count, 0, 4 * sizeof(float));
   constexpr std::uint32_t kFarthest = 0x7fefffff;  // beyond, the bits would be no finite number
@@ -78,6 +105,7 @@ void BlendFragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixe
     const std::size_t length = longest[block / kListLanes];
     if (length == 0) continue;
     sort_lists(items, length);
+    if (mean_depth_of) add_depths(*mean_depth_of, store, items, length, pixels, block);
     blend_lists(items, length, store.light, pixels.light + block);
     items += length * kListLanes;
   }
@@ -91,9 +119,9 @@ namespace isostrata {
 
 HWY_EXPORT(BlendFragments);
 
-void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels) {
+void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels, const SegmentView* mean_depth_of) {
   if (store.count == 0) return;
-  HWY_DYNAMIC_DISPATCH(BlendFragments)(store, lists, pixels);
+  HWY_DYNAMIC_DISPATCH(BlendFragments)(store, lists, pixels, mean_depth_of);
 }
 
 void SegmentPixels::clear() {
@@ -101,6 +129,7 @@ void SegmentPixels::clear() {
     light[p][0] = light[p][1] = light[p][2] = 0;
     light[p][3] = 1;
     nearest_q[p] = -1e30f;
+    mean_depth[p] = 0;
   }
 }
 

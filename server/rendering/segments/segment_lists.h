@@ -19,6 +19,7 @@ inline constexpr std::size_t kListLanes = 8;
 struct SegmentPixels {
   alignas(64) float light[kTilePixels][4];
   alignas(64) float nearest_q[kTilePixels];
+  alignas(64) float mean_depth[kTilePixels];  // of what is seen, premultiplied, in SegmentView::scale
   void clear();
 };
 
@@ -29,7 +30,8 @@ struct PixelLists {
   std::vector<std::uint64_t> items;              // key << 32 | fragment
 };
 
-/// Blends the fragments behind what `pixels` holds. The store has room for one fragment more.
-void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels);
+/// Blends the fragments behind what `pixels` holds. The store has room for one fragment more. mean_depth_of: null where nobody asks for
+/// SegmentPixels::mean_depth, which needs the store's q_in.
+void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels, const SegmentView* mean_depth_of);
 
 }  // namespace isostrata

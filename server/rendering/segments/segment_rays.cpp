@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "rendering/segments/segment_rays.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
+#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 #include "rendering/segments/sorted_lists-inl.h"
@@ -28,6 +29,14 @@ HWY_INLINE RV thin_opacity(RV tau) {
   RV sum = hn::Set(d, -1.0f / 720);
   for (const float term : {1.0f / 120, -1.0f / 24, 1.0f / 6, -0.5f, 1.0f}) sum = hn::MulAdd(sum, tau, hn::Set(d, term));
   return hn::Mul(sum, tau);
+}
+
+/// Where in a segment of this optical depth the light that leaves it comes from on average, as a share of its length.
+HWY_INLINE RV middle_of_light(RV tau) {
+  const RF d;
+  const RV one = hn::Set(d, 1.0f), thin = hn::NegMulAdd(tau, hn::Set(d, 1.0f / 12), hn::Set(d, 0.5f));
+  const RV safe = hn::Max(tau, hn::Set(d, 0.05f)), through = hn::Exp(d, hn::Neg(safe));
+  return hn::IfThenElse(hn::Lt(tau, safe), thin, hn::Sub(hn::Div(one, safe), hn::Div(through, hn::Sub(one, through))));
 }
 
 /// What the pixels of one vector have gathered so far.
@@ -98,7 +107,7 @@ inline HWY_NOINLINE void go_deep(const ColorIntegrals& integrals, RV place, RV t
 
 /// The pixels of one vector. `items`: their lists' first elements.
 HWY_INLINE void walk_lists(const RayWalk& walk, const std::uint64_t* items, std::size_t length, RV slant, float (*pixels)[4],
-                           float* nearest_q) {
+                           float* nearest_q, float* mean_depth) {
   const RF d;
   const RI di;
   const hn::RebindToUnsigned<RF> du;
@@ -118,7 +127,7 @@ HWY_INLINE void walk_lists(const RayWalk& walk, const std::uint64_t* items, std:
   hn::Store(hn::Set(di, 8 * ColorIntegrals::kMargin), di, gathered.entry[0]);
   gathered.place = hn::Set(d, ColorIntegrals::kMargin);
   gathered.part = zero;
-  RV through = one, nearest = nowhere, q_before = zero, depth_before = zero, extinction = zero;
+  RV through = one, depth_sum = zero, nearest = nowhere, q_before = zero, depth_before = zero, extinction = zero;
   auto inside = hn::Zero(di), interval = hn::Zero(di);
   for (std::size_t k = 0; k < length; ++k, items += kListLanes) {
     hn::Vec<decltype(du)> low_bits, key_bits;
@@ -130,10 +139,15 @@ HWY_INLINE void walk_lists(const RayWalk& walk, const std::uint64_t* items, std:
     const RV place = hn::MulAdd(hn::ConvertTo(d, steps), per_step, hn::Set(d, ColorIntegrals::kMargin));
     RV tau = hn::Mul(hn::Mul(hn::Sub(depth, depth_before), slant), extinction);
     tau = hn::IfThenElse(hn::Gt(extinction, zero), hn::Min(hn::Max(tau, zero), deepest), zero);
+    const RV through_before = through;
     if (HWY_LIKELY(hn::AllTrue(d, hn::Le(tau, shallow))))
       go_on(integrals, place, tau, through, gathered);
     else
       go_deep(integrals, place, tau, through, gathered);
+    if (mean_depth) {
+      const RV from = hn::MulAdd(middle_of_light(tau), hn::Sub(depth, depth_before), depth_before);
+      depth_sum = hn::MulAdd(hn::Sub(through_before, through), hn::IfThenElseZero(hn::Gt(tau, zero), from), depth_sum);
+    }
     if (nearest_q) nearest = hn::IfThenElse(hn::And(hn::Gt(tau, zero), hn::Eq(nearest, nowhere)), q_before, nearest);
     if (k % 8 == 7 && hn::AllTrue(d, hn::Lt(through, unseen))) break;
 
@@ -153,6 +167,8 @@ HWY_INLINE void walk_lists(const RayWalk& walk, const std::uint64_t* items, std:
   for (std::size_t k = 0; k < hn::Lanes(d); ++k)
     for (std::size_t c = 0; c < 4; ++c) pixels[k][c] += gathered.light[k][2 * c] + gathered.light[k][2 * c + 1];
   if (nearest_q) hn::Store(nearest, d, nearest_q);
+  if (mean_depth)
+    hn::Store(perspective ? depth_sum : hn::MulAdd(hn::Sub(one, through), hn::Set(d, static_cast<float>(walk.view->zero_q_depth)), depth_sum), d, mean_depth);
 }
 
 /// How much longer than its difference of depths a ray is, for the pixels from (x, y) on.
@@ -182,7 +198,7 @@ void WalkRays(const RayWalk& walk, CrossingLists& lists, SegmentPixels& pixels) 
     const int x = walk.tile_x + static_cast<int>(block) % kTileSize, y = walk.tile_y + static_cast<int>(block) / kTileSize;
     for (std::size_t part = 0; part < kListLanes; part += lanes)
       walk_lists(walk, items + part, length, slant_of(*walk.view, x + static_cast<int>(part), y), pixels.light + block + part,
-                 walk.depth ? pixels.nearest_q + block + part : nullptr);
+                 walk.depth ? pixels.nearest_q + block + part : nullptr, walk.mean_depth ? pixels.mean_depth + block + part : nullptr);
   }
 }
 

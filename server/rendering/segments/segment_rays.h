@@ -16,7 +16,8 @@ struct RayWalk {
   const SegmentView* view = nullptr;
   const ColorIntegrals* integrals = nullptr;
   std::array<float, kMostCrossedIntervals> extinction{};
-  bool depth = false;  // nearest_q is wanted
+  bool depth = false;       // nearest_q is wanted
+  bool mean_depth = false;  // and mean_depth
   int tile_x = 0, tile_y = 0;
 };
 

@@ -174,6 +174,8 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
     if (wanted.has_background()) *appearance.mutable_background() = wanted.background();
     if (wanted.has_color_range()) *appearance.mutable_color_range() = wanted.color_range();
     appearance.set_unit_distance(wanted.unit_distance());
+    appearance.set_occlusion(wanted.occlusion());
+    appearance.set_depth_fade(wanted.depth_fade());
     apply(next, appearance, context);
     check_values(next.scene);
   });

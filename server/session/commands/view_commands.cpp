@@ -34,6 +34,12 @@ ColorRange color_range_of(const v1::ColorRange& wanted) {
   return range;
 }
 
+double share_of(double value, const std::string& field) {
+  finite(value, field);
+  if (value < 0 || value > 1) refuse("invalid_argument", field + " is " + number_text(value) + "; expected a number from 0 to 1", field);
+  return value;
+}
+
 }  // namespace
 
 void apply(SceneState& state, const v1::SetCamera& command, const CommandContext& context) {
@@ -124,6 +130,8 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
              "unit_distance");
     scene.unit_distance = command.unit_distance();
   }
+  if (command.has_occlusion()) scene.light.occlusion = share_of(command.occlusion(), "occlusion");
+  if (command.has_depth_fade()) scene.light.fade = share_of(command.depth_fade(), "depth_fade");
 }
 
 }  // namespace isostrata

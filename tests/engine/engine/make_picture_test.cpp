@@ -36,7 +36,7 @@ class MakePicture : public ::testing::Test {
   Image still(int samples) {
     const DrawInput input = draw_input(*order_.extracted, order_.scene, 90, 60);
     Image all{90, 60, {}};
-    draw_still(*renderer_, {input, annotate(annotation_input(*order_.extracted, order_.scene, input)), samples}, Task{}, [&](const AnyImage& rows) {
+    draw_still(*renderer_, {input, annotate(annotation_input(*order_.extracted, order_.scene, input)), samples, kPartSamples, order_.scene.light}, Task{}, [&](const AnyImage& rows) {
       const Image& image = std::get<Image>(rows);
       all.rgba.insert(all.rgba.end(), image.rgba.begin(), image.rgba.end());
     });
@@ -58,6 +58,24 @@ TEST_F(MakePicture, OfSeveralSamplesIsTheStillOfAsManyWithItsAxes) {
       EXPECT_EQ(frame.rgba == plain.rgba, samples == 1 && !annotated) << "more samples change nothing: the test shows nothing";
     }
   }
+}
+
+TEST_F(MakePicture, LitByDepthIsTheStillThatIs) {
+  const Image plain = drawn(1);
+  order_.scene.light = {1, 0.5};
+  for (const bool annotated : {false, true}) {
+    order_.scene.annotations.box = order_.scene.annotations.axes = annotated;
+    for (const int samples : {1, 2}) {
+      const Image frame = drawn(samples);
+      EXPECT_EQ(frame.rgba, still(samples).rgba) << samples << (annotated ? ", annotated" : "");
+      EXPECT_NE(frame.rgba, plain.rgba);
+    }
+  }
+  // In motion to the step of 8 bits.
+  const Image exact = drawn(1);
+  order_.request.lossless = false;
+  const Image moving = drawn(1);
+  for (std::size_t i = 0; i < exact.rgba.size(); ++i) ASSERT_NEAR(moving.rgba[i], exact.rgba[i], 1) << i;
 }
 
 TEST_F(MakePicture, OfSeveralSamplesIsGivenUpWhenItsTaskIs) {

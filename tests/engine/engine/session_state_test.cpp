@@ -73,6 +73,11 @@ TEST_F(SessionStateTest, OlderLayersAreShownOnceForEachViewAndNeverAsExact) {
   EXPECT_FALSE(next()) << "the same view again";
   state_.scene->background = {1, 0, 0};
   EXPECT_TRUE(next()) << "another one";
+  wait(false);
+  state_.scene->light.fade = 0.5;
+  const auto lit = next();
+  ASSERT_TRUE(lit) << "another light";
+  EXPECT_EQ(lit->scene.light, state_.scene->light);
   EXPECT_EQ(state_.waiting.size(), 1u) << "the lossless one waits";
 }
 

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
+#include "engine/picture/draw_lit.h"
 #include "engine/picture/draw_scene.h"
+#include "rendering/light/light_rows.h"
 #include "support/pictures.h"
 
 namespace isostrata {
@@ -101,6 +103,111 @@ TEST_F(DrawStill, SamplesAreTheMeanOfALargerPicture) {
       for (std::size_t c = 0; c < 4; ++c) ASSERT_NEAR(testing::pixel(image, x, y)[c], mean[c], 2e-3) << x << ", " << y;
       ASSERT_EQ(std::isinf(image.depth[static_cast<std::size_t>(24 * y + x)]), std::isinf(nearest));
     }
+}
+
+/// Surfaces in a fog, lit by depth.
+class LitStill : public DrawStill {
+ protected:
+  LitStill() {
+    scene_.intervals[0].surface.upper = true;
+    scene_.intervals[1].color_map.clear();
+    scene_.intervals[1].opacity = 0.05;
+    scene_.light = {1, 0.5};
+    extracted_ = extract_scene(dataset_, scene_, nullptr, task_);
+  }
+  Still lit(int width, int height) const {
+    Still out = still(width, height);
+    out.light = scene_.light;
+    return out;
+  }
+};
+
+TEST_F(LitStill, LooksTheSameWhateverDrawsIt) {
+  const Still of = lit(90, 70);
+  const auto native = make_renderer({"native", "native"});
+  const FloatImage plain = testing::draw_floats(of.input, *native);
+  DrawInput floats = of.input;
+  floats.float_image = true;
+  const FloatImage expected = std::get<FloatImage>(draw_lit(*native, floats, of.light).image);
+  double changed = 0;
+  for (std::size_t i = 0; i < plain.rgba.size(); ++i) changed += std::abs(plain.rgba[i] - expected.rgba[i]);
+  EXPECT_GT(changed / static_cast<double>(plain.rgba.size()), 0.002);
+  for (const char* name : {"raster", "compute"}) {
+    const auto renderer = make_renderer({name, test_device()});
+    const FloatImage other = std::get<FloatImage>(draw_lit(*renderer, floats, of.light).image);
+    double sum = 0;
+    std::size_t far = 0;
+    for (std::size_t i = 0; i < expected.rgba.size(); ++i) {
+      const double off = std::abs(double{other.rgba[i]} - expected.rgba[i]);
+      sum += off;
+      far += off > 1.0 / 255;
+    }
+    EXPECT_LT(sum / static_cast<double>(expected.rgba.size()), 1e-3) << name;
+    EXPECT_LT(static_cast<double>(far) / static_cast<double>(expected.rgba.size()), 0.01) << name;
+  }
+}
+
+TEST_F(LitStill, IsTheUnlitOneToTheLastBitWithoutLight) {
+  DrawInput input = still(60, 50).input;
+  const auto native = make_renderer({"native", "native"});
+  EXPECT_EQ(std::get<Image>(draw_lit(*native, input, {}).image).rgba, testing::draw_bytes(input, *native).rgba);
+  // And what lies nearest by a hundredth of it is hardly another picture.
+  const Image faint = std::get<Image>(draw_lit(*native, input, {0.004, 0.004}).image), plain = testing::draw_bytes(input, *native);
+  for (std::size_t i = 0; i < plain.rgba.size(); ++i) ASSERT_NEAR(faint.rgba[i], plain.rgba[i], 2) << i;
+}
+
+TEST_F(LitStill, IsThatOfTheWholePictureInBandsWithSamplesAndUnderAnnotations) {
+  // Of samples: more than a part holds.
+  Still large = lit(1200, 900);
+  large.samples = 4;
+  large.input.float_image = true;
+  const auto native = make_renderer({"native", "native"});
+  std::vector<float> banded, averaged, mean;
+  int bands = 0;
+  draw_still(*native, large, task_, [&](const AnyImage& rows) {
+    const auto& image = std::get<FloatImage>(rows);
+    banded.insert(banded.end(), image.rgba.begin(), image.rgba.end());
+    ++bands;
+  });
+  EXPECT_GT(bands, 1);
+  ASSERT_EQ(banded.size(), 4u * 1200 * 900);
+  // The same samples without light in the whole, lit at once.
+  DrawInput fine = large.input;
+  fine.mean_depth = true;
+  FloatImage all{1200, 900, std::vector<float>(4u * 1200 * 900), {}, std::vector<float>(1200 * 900)};
+  constexpr int kRows = 100;
+  for (int y = 0; y < 900; y += kRows) {
+    fine.window = {0, 4 * y, 4 * 1200, 4 * 900};
+    fine.width = 4 * 1200;
+    fine.height = 4 * kRows;
+    const FloatImage part = std::get<FloatImage>(native->draw(fine).image);
+    for (int row = 0; row < 4 * kRows; ++row)
+      for (int x = 0; x < 4 * 1200; ++x) {
+        const auto from = static_cast<std::size_t>(row * 4 * 1200 + x), to = static_cast<std::size_t>((y + row / 4) * 1200 + x / 4);
+        for (std::size_t c = 0; c < 4; ++c) all.rgba[4 * to + c] += part.rgba[4 * from + c] / 16;
+        all.mean_depth[to] += part.mean_depth[from] / 16;
+      }
+  }
+  const FloatImage expected = LightRows(large.light, large.input).add(std::move(all));
+  std::size_t off = 0;
+  for (std::size_t i = 0; i < banded.size(); ++i) off += std::abs(banded[i] - expected.rgba[i]) > 1e-3f;
+  EXPECT_LT(off, banded.size() / 20000);
+
+  // Annotations are not lit: a frame's edge is as bright as without light.
+  Still boxed = lit(96, 96);
+  scene_.annotations.box = true;
+  boxed.annotations = annotate(annotation_input(*extracted_, scene_, boxed.input));
+  boxed.light = {0, 1};
+  Still unlit = boxed;
+  unlit.light = {};
+  const auto brightest = [&](const Still& of) {
+    int most = 0;
+    draw_still(*native, of, task_, [&](const AnyImage& rows) {
+      for (const std::uint8_t value : std::get<Image>(rows).rgba) most = std::max<int>(most, value == 255 ? 0 : value);
+    });
+    return most;
+  };
+  EXPECT_NEAR(brightest(boxed), brightest(unlit), 1);
 }
 
 /// Draws nothing but where its pixels lie in the whole picture, in less memory than a picture.

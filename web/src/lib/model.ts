@@ -162,6 +162,8 @@ export interface SceneState {
   clipPlanes?: ClipPlane[];
   annotations?: Annotations;
   colorRange?: ColorRange;
+  occlusion?: number; // in [0, 1]; what the picture's depth adds to its light
+  depthFade?: number;
 }
 
 export interface ArrayInfo extends Range {

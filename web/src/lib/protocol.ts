@@ -218,12 +218,16 @@ export const command = {
     background?: Rgb;
     unitDistance?: number;
     colorRange?: ColorRange;
+    occlusion?: number;
+    depthFade?: number;
   }): Command => ({
     case: 'setAppearance',
     value: {
       mode: change.mode ? modes.wire(change.mode) : WireMode.UNSPECIFIED,
       ...(change.background ? { background: wireRgb(change.background) } : {}),
       ...(change.unitDistance !== undefined ? { unitDistance: change.unitDistance } : {}),
+      ...(change.occlusion !== undefined ? { occlusion: change.occlusion } : {}),
+      ...(change.depthFade !== undefined ? { depthFade: change.depthFade } : {}),
       ...(change.colorRange ? { colorRange: { ...change.colorRange, span: spans.wire(change.colorRange.span) } } : {}),
     },
   }),
@@ -401,6 +405,8 @@ function stateOf(s: WireState): SceneState {
     camera: cameraOf(s.camera),
     background: rgbOf(s.background),
     unitDistance: s.unitDistance,
+    occlusion: s.occlusion,
+    depthFade: s.depthFade,
     clipPlanes: s.clipPlanes.map((plane) => ({ normal: vecOf(plane.normal), offset: plane.offset })),
     annotations: {
       axes: s.annotations?.axes ?? false,

@@ -45,6 +45,8 @@ export function restoreStep(
       mode: saved.mode,
       background: saved.background,
       unitDistance: saved.unitDistance,
+      occlusion: saved.occlusion ?? 0,
+      depthFade: saved.depthFade ?? 0,
       ...(saved.colorRange ? { colorRange: saved.colorRange } : {}),
     }),
   );

@@ -252,6 +252,11 @@ export class Session {
     this.edit({ background });
     this.outbox.put('background', command.setAppearance({ background }));
   }
+  setLight(light: { occlusion?: number; depthFade?: number }): void {
+    this.edit(light);
+    for (const field of ['occlusion', 'depthFade'] as const)
+      if (light[field] !== undefined) this.outbox.put(field, command.setAppearance({ [field]: light[field] }));
+  }
   setUnitDistance(unitDistance: number): void {
     this.edit({ unitDistance });
     this.outbox.put('unitDistance', command.setAppearance({ unitDistance }));
