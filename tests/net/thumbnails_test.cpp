@@ -58,7 +58,8 @@ class Thumbnails : public ::testing::Test {
   /// Those that are listed now, with what is said of them.
   std::map<std::string, json::value> names() {
     std::map<std::string, json::value> entries;
-    for (const json::value& entry : json::parse(body_of(server_->ask("GET", "/api/v1/datasets"))).at("datasets").as_array()) {
+    const json::value listed = json::parse(body_of(server_->ask("GET", "/api/v1/datasets")));
+    for (const json::value& entry : listed.at("datasets").as_array()) {
       const std::string name(entry.at("name").as_string());
       ids_[name] = std::string(entry.at("id").as_string());
       entries[name] = entry;
