@@ -15,6 +15,8 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include "rendering/picture/pixel_vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -25,15 +27,6 @@ using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 using MF = hn::Mask<DF>;
 constexpr int kLanes = 8;  // at most
-
-/// Where in a segment of this optical depth and opacity the light that leaves it comes from on average, as a share of its length:
-/// 1 / depth - (1 - opacity) / opacity, which is a half where it is thin.
-HWY_INLINE VF middle_of_light(VF depth, VF opacity) {
-  const DF d;
-  const VF one = hn::Set(d, 1.0f), thin = hn::NegMulAdd(depth, hn::Set(d, 1.0f / 12), hn::Set(d, 0.5f));
-  const VF thick = hn::Sub(hn::Div(one, depth), hn::Div(hn::Sub(one, opacity), opacity));
-  return hn::IfThenElse(hn::Gt(depth, hn::Set(d, 0.05f)), thick, thin);
-}
 
 /// 1 - exp(-depth), to 2e-7. Between two crossings of thin layers depths are small.
 HWY_INLINE VF opacity_of(VF depth) {
@@ -177,7 +170,7 @@ class Walk {
         const VF share = add(alpha, {held_in_unit(hn::Mul(mixed.red, inverse)), held_in_unit(hn::Mul(mixed.green, inverse)),
                     held_in_unit(hn::Mul(mixed.blue, inverse))});
         seen = hn::IfThenElse(hn::Gt(alpha, zero), hn::Min(seen, at), seen);
-        if (row_.mean_depth) add_depth(share, hn::MulAdd(middle_of_light(depth, alpha), hn::Sub(to, at), at));
+        if (row_.mean_depth) add_depth(share, hn::MulAdd(middle_of_light(DF(), depth, hn::Sub(hn::Set(DF(), 1.0f), alpha), alpha), hn::Sub(to, at), at));
       }
       at = to;
       if (tables_.any_surface) {

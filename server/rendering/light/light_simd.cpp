@@ -6,22 +6,14 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
+#include "rendering/picture/pixel_vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// visit(d, i) for whole vectors, then for the last few one at a time.
-template <class Visit>
-HWY_INLINE void for_pixels(std::size_t count, const Visit& visit) {
-  const hn::ScalableTag<float> d;
-  const hn::CappedTag<float, 1> single;
-  std::size_t i = 0;
-  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) visit(d, i);
-  for (; i < count; ++i) visit(single, i);
-}
-
 void Depths(const DepthRow& row) {
-  for_pixels(row.count, [&](auto d, std::size_t i) {
+  for_vectors(row.count, [&](auto d, std::size_t i) {
     hn::Vec<decltype(d)> red, green, blue, alpha;
     hn::LoadInterleaved4(d, row.rgba + 4 * i, red, green, blue, alpha);
     const auto depth = hn::Div(hn::LoadU(d, row.mean_depth + i), alpha);
@@ -31,7 +23,7 @@ void Depths(const DepthRow& row) {
 }
 
 void Light(const LitRow& row) {
-  for_pixels(row.count, [&](auto d, std::size_t i) {
+  for_vectors(row.count, [&](auto d, std::size_t i) {
     using V = hn::Vec<decltype(d)>;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f), half = hn::Set(d, 0.5f), less = hn::Set(d, -1.0f);
     V red, green, blue, alpha;

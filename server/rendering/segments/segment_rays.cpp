@@ -11,6 +11,7 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include "rendering/picture/pixel_vectors-inl.h"
 #include "rendering/segments/sorted_lists-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,14 +30,6 @@ HWY_INLINE RV thin_opacity(RV tau) {
   RV sum = hn::Set(d, -1.0f / 720);
   for (const float term : {1.0f / 120, -1.0f / 24, 1.0f / 6, -0.5f, 1.0f}) sum = hn::MulAdd(sum, tau, hn::Set(d, term));
   return hn::Mul(sum, tau);
-}
-
-/// Where in a segment of this optical depth the light that leaves it comes from on average, as a share of its length.
-HWY_INLINE RV middle_of_light(RV tau) {
-  const RF d;
-  const RV one = hn::Set(d, 1.0f), thin = hn::NegMulAdd(tau, hn::Set(d, 1.0f / 12), hn::Set(d, 0.5f));
-  const RV safe = hn::Max(tau, hn::Set(d, 0.05f)), through = hn::Exp(d, hn::Neg(safe));
-  return hn::IfThenElse(hn::Lt(tau, safe), thin, hn::Sub(hn::Div(one, safe), hn::Div(through, hn::Sub(one, through))));
 }
 
 /// What the pixels of one vector have gathered so far.
@@ -145,7 +138,7 @@ HWY_INLINE void walk_lists(const RayWalk& walk, const std::uint64_t* items, std:
     else
       go_deep(integrals, place, tau, through, gathered);
     if (mean_depth) {
-      const RV from = hn::MulAdd(middle_of_light(tau), hn::Sub(depth, depth_before), depth_before);
+      const RV out = hn::Exp(d, hn::Neg(tau)), from = hn::MulAdd(middle_of_light(d, tau, out, hn::Sub(one, out)), hn::Sub(depth, depth_before), depth_before);
       depth_sum = hn::MulAdd(hn::Sub(through_before, through), hn::IfThenElseZero(hn::Gt(tau, zero), from), depth_sum);
     }
     if (nearest_q) nearest = hn::IfThenElse(hn::And(hn::Gt(tau, zero), hn::Eq(nearest, nowhere)), q_before, nearest);

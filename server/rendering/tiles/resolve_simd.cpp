@@ -9,19 +9,11 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include "rendering/picture/pixel_vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace isostrata::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// visit(d, i) for whole vectors, then for the last few one at a time.
-template <class Visit>
-void for_vectors(std::size_t count, const Visit& visit) {
-  const hn::ScalableTag<float> d;
-  const hn::CappedTag<float, 1> single;
-  std::size_t i = 0;
-  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) visit(d, i);
-  for (; i < count; ++i) visit(single, i);
-}
 
 void Resolve(const ResolveRow& row) {
   for_vectors(row.count, [&](auto d, std::size_t i) {
