@@ -37,9 +37,10 @@ void encode_video(StreamEncoders& streams, const Image& image, const FrameReques
   }
 }
 
+constexpr std::int64_t kFrameSamples = std::int64_t{2} << 20;  // that are drawn at once of a frame: little beside one of one sample
+
 /// Of several samples a pixel, with its annotations. Given up between its parts where the task is cancelled.
-DrawResult draw_sampled(Renderer& renderer, Still still, const Task& task) {
-  still.part_samples = std::int64_t{2} << 20;  // little beside a frame of one sample
+DrawResult draw_sampled(Renderer& renderer, const Still& still, const Task& task) {
   Image whole{still.input.width, still.input.height, {}};
   whole.rgba.reserve(4 * static_cast<std::size_t>(whole.width) * static_cast<std::size_t>(whole.height));
   const DrawFacts facts = draw_still(renderer, still, task, [&](const AnyImage& rows) {
@@ -70,7 +71,7 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   const DepthLight& light = order.scene.light;
   DrawResult result;
   if (request.samples > 1) {
-    result = draw_sampled(renderer, {input, std::exchange(drawn.annotations, {}), request.samples, kPartSamples, light}, *order.task);
+    result = draw_sampled(renderer, {input, std::exchange(drawn.annotations, {}), request.samples, kFrameSamples, light}, *order.task);
   } else {
     if (!drawn.annotations.empty()) {
       ask_for_annotated(input, request.lossless || light.any());  // what is lit is floats anyway

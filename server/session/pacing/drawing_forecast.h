@@ -18,6 +18,8 @@ class DrawingForecast {
   /// A whole picture of a scene that rests.
   void rested(double ms, double pixels, TimePoint now);
   void moved(Codec codec, double ms, double pixels, TimePoint now);
+  /// Of the last picture that rested; 0: none yet.
+  double rested_ms() const { return rest_ms_ / kBeside; }
   /// How many have moved since the last rest.
   int pictures() const { return moved_; }
   /// Of a moving picture; 0 while nothing is known.

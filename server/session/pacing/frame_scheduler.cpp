@@ -110,9 +110,18 @@ Duration FrameScheduler::lossless_time(TimePoint now) const {
   return duration((lossless_bytes_ > 0 ? lossless_bytes_ : kLosslessPerFull * pictures_.expected_bytes(0)) / rate);
 }
 
+void FrameScheduler::remember() { wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_}; }
+
+FrameOrder FrameScheduler::give(const FrameOrder& order, TimePoint now) {
+  moving_ = order.phase == FramePhase::moving;
+  ordered_ = order;
+  ordered_at_ = now;
+  return order;
+}
+
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   if (!may_order(now)) return std::nullopt;
-  wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_};
+  remember();
   const bool rests = now - last_change_ >= kSettle;
   FrameOrder order;
   if (still_) {
@@ -140,10 +149,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   } else {
     return std::nullopt;
   }
-  moving_ = order.phase == FramePhase::moving;
-  ordered_ = order;
-  ordered_at_ = now;
-  return order;
+  return give(order, now);
 }
 
 bool FrameScheduler::may_refine(TimePoint now) const {
@@ -153,14 +159,11 @@ bool FrameScheduler::may_refine(TimePoint now) const {
 
 std::optional<FrameOrder> FrameScheduler::refined(TimePoint now) {
   if (!may_refine(now) || now - last_change_ < kRefine) return std::nullopt;
-  wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_};
+  remember();
   samples_ *= 2;
   FrameOrder order = order_of(FramePhase::lossless);
   order.samples = samples_;
-  moving_ = false;
-  ordered_ = order;
-  ordered_at_ = now;
-  return order;
+  return give(order, now);
 }
 
 std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {

@@ -128,6 +128,8 @@ class FrameScheduler {
 
  private:
   FrameOrder order_of(FramePhase phase) const;
+  void remember();  // what put_back() brings back
+  FrameOrder give(const FrameOrder& order, TimePoint now);
   bool may_refine(TimePoint now) const;
   bool may_order(TimePoint now) const;
   double allowance(TimePoint now) const;

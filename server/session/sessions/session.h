@@ -187,7 +187,6 @@ class Session {
     CodecCosts encoding{kUsualEncoding};
     double coarse_part = 0.4;  // of drawing, that drawing every n-th point takes
     bool coarse_at_hand = false;
-    double at_rest = 0;  // ms, of drawing the last picture that did not move
     double extraction = 0, coarse_extraction = 0;  // ms, the last ones; likewise. 0: none yet
     bool extracts = false;                         // since the last rest: a hand moves layers, and does not only turn them
   };

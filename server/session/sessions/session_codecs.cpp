@@ -47,7 +47,6 @@ void Session::note_made(const Picture& picture, const FrameReady& ready, TimePoi
     costs_.extraction = ms.extract_ms;
   if (picture.order.phase != FramePhase::moving || picture.request.lossless) {
     costs_.extracts = false;
-    costs_.at_rest = drawing;
     // What every n-th point took by what this takes holds for the next gesture, too.
     const double whole = costs_.drawing.ms(Codec::jpeg, size, now), coarse = costs_.coarse_drawing.ms(Codec::jpeg, size, now);
     if (costs_.coarse_drawing.pictures() >= CodecCosts::kEnough && whole > 0)
@@ -163,7 +162,7 @@ void Session::choose_codec(Viewer& viewer, TimePoint now) {
 int Session::most_samples(const Viewer& viewer) const {
   int samples = 1;
   if (viewer.refines)
-    while (samples < FrameScheduler::kMostSamples && 4 * samples * samples * costs_.at_rest <= kMostRefiningMs) samples *= 2;
+    while (samples < FrameScheduler::kMostSamples && 4 * samples * samples * costs_.drawing.rested_ms() <= kMostRefiningMs) samples *= 2;
   return samples;
 }
 
