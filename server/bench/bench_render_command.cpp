@@ -10,6 +10,7 @@
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "bench/commands.h"
+#include "engine/picture/draw_lit.h"
 #include "engine/picture/draw_scene.h"
 #include "extraction/bricks/brick_memory.h"
 #include "main/picture_arguments.h"
@@ -25,6 +26,7 @@ struct BenchArguments {
   std::string array, mode = "both", device = "auto";
   bool drag = false;
   std::vector<std::string> tetrahedra{"split"};
+  DepthLight light;
   int repeat = 20;
   double seconds = 5;
   int threads = 0;
@@ -117,13 +119,13 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
   run.width = width;
   run.height = height;
   Frames frames(run);
-  renderer.draw(input);  // compiles shaders, makes buffers
+  draw_lit(renderer, input, scene.light);  // compiles shaders, makes buffers
   const Stopwatch whole;
   for (int i = 0; i < arguments.repeat && (i < 3 || whole.elapsed_ms() < arguments.seconds * 1e3); ++i) {
     command_task().check();
     input.camera = turned(start, 7.0 * (i + 1));
     const Stopwatch watch;
-    const DrawResult result = renderer.draw(input);
+    const DrawResult result = draw_lit(renderer, input, scene.light);
     frames.add(watch.elapsed_ms(), result.facts);
     for (const StageTime& stage : result.facts.stages) {
       const auto known =
@@ -151,7 +153,7 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   const StepSource steps = [&](int, const Task&) { return dataset; };
   const SceneInterval start = scene.intervals.back();
   auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
-  renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
+  draw_lit(renderer, draw_input(*extracted, scene, size[0], size[1]), scene.light);
   BenchRun run;
   run.data = data;
   run.mode = mode;
@@ -166,7 +168,7 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
     const Stopwatch watch;
     extracted = extract_scene(steps, scene, extracted, command_task(), aids);
     extract.push_back(watch.elapsed_ms());
-    const DrawResult result = renderer.draw(draw_input(*extracted, scene, size[0], size[1]));
+    const DrawResult result = draw_lit(renderer, draw_input(*extracted, scene, size[0], size[1]), scene.light);
     frames.add(watch.elapsed_ms(), result.facts);
   }
   run.way = extracted->base ? "cut" : extracted->bricks ? "device" : "split";
@@ -283,6 +285,7 @@ void run(const BenchArguments& arguments) {
       intervals.push_back(workload.interval.empty() ? default_interval(workload.data, array) : workload.interval);
     Scene scene;
     scene.array = array.name;
+    scene.light = arguments.light;
     scene.intervals = parse_intervals(intervals, *dataset, array);
     for (const char* mode : {"constant", "linear"}) {
       if (arguments.mode != "both" && arguments.mode != mode) continue;
@@ -337,6 +340,8 @@ void add_bench_render_command(CLI::App& bench) {
       ->check(CLI::IsMember({"split", "cut"}))
       ->allow_extra_args(false)
       ->capture_default_str();
+  command->add_option("--occlusion", arguments->light.occlusion, "How dark hollows are, from 0 to 1")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+  command->add_option("--depth-fade", arguments->light.fade, "How far what is far away fades, from 0 to 1")->check(CLI::Range(0.0, 1.0))->capture_default_str();
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--repeat", arguments->repeat, "Frames to measure")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--seconds", arguments->seconds, "A row ends after so long, but not before three frames")

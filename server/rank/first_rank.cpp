@@ -15,12 +15,12 @@
 #include "base/stopwatch.h"
 #include "data/region.h"
 #include "data/sandbox.h"
-#include "engine/picture/draw_still.h"
 #include "extraction/files/write_vtu.h"
 #include "rank/picture_of_ranks.h"
 #include "rank/rank_work.h"
 #include "rendering/picture/check_draw_input.h"
 #include "rendering/picture/lit_surfaces.h"
+#include "rendering/tiles/resolve_simd.h"
 
 namespace isostrata {
 namespace {
@@ -203,7 +203,7 @@ class FirstRank final : public SceneRanks {
       floats.mean_depth = std::move(picture.mean_depth);
       result.image = std::move(floats);
     } else {
-      result.image = input.transparent ? to_8_bit(*picture.image) : over_background(*picture.image, input.background);
+      result.image = resolved(*picture.image, input.background, input.transparent);
     }
     result.facts.draw_ms = watch.elapsed_ms() - result.facts.order_ms - result.facts.readback_ms;  // of the picture: the others' part and compositing, too
     return result;

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "base/stopwatch.h"
-#include "engine/picture/draw_still.h"
 #include "rendering/light/light_rows.h"
+#include "rendering/tiles/resolve_simd.h"
 
 namespace isostrata {
 
@@ -21,7 +21,7 @@ DrawResult draw_lit(Renderer& renderer, const DrawInput& input, const DepthLight
   if (input.float_image)
     result.image = std::move(lit);
   else
-    result.image = input.transparent ? to_8_bit(lit) : over_background(lit, input.background);
+    result.image = resolved(lit, input.background, input.transparent);
   const double ms = watch.elapsed_ms();
   result.facts.draw_ms += ms;
   result.facts.stages.push_back({"light", ms});

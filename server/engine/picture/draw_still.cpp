@@ -9,6 +9,7 @@
 #include "engine/picture/draw_lit.h"
 #include "rendering/light/light_rows.h"
 #include "rendering/picture/check_draw_input.h"
+#include "rendering/tiles/resolve_simd.h"
 
 namespace isostrata {
 namespace {
@@ -43,11 +44,9 @@ void average(const FloatImage& part, int samples, int x, FloatImage& band) {
   });
 }
 
-std::uint8_t to_byte(float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); }
-
 AnyImage finished(FloatImage&& band, const DrawInput& input) {
   if (input.float_image) return std::move(band);
-  return input.transparent ? to_8_bit(band) : over_background(band, input.background);
+  return resolved(band, input.background, input.transparent);
 }
 
 void add(DrawFacts& sum, const DrawFacts& part) {
@@ -63,19 +62,6 @@ void add(DrawFacts& sum, const DrawFacts& part) {
 }
 
 }  // namespace
-
-Image over_background(const FloatImage& picture, const Rgb& background) {
-  Image out{picture.width, picture.height, std::vector<std::uint8_t>(picture.rgba.size())};
-  parallel_for(picture.height, 16, [&](std::int64_t begin, std::int64_t end) {
-    const auto row = 4 * static_cast<std::size_t>(picture.width);
-    for (std::size_t i = static_cast<std::size_t>(begin) * row; i < static_cast<std::size_t>(end) * row; i += 4) {
-      for (std::size_t c = 0; c < 3; ++c)
-        out.rgba[i + c] = to_byte(picture.rgba[i + c] + (1 - picture.rgba[i + 3]) * background[c]);
-      out.rgba[i + 3] = 255;
-    }
-  });
-  return out;
-}
 
 DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, const StillRows& put) {
   const DrawInput& input = still.input;
@@ -175,7 +161,7 @@ Image finish_annotated(AnyImage drawn, const Drawing& annotations, const Rgb& ba
     });
   }
   paint(annotations, picture);
-  return transparent ? to_8_bit(picture) : over_background(picture, background);
+  return resolved(picture, background, transparent);
 }
 
 }  // namespace isostrata

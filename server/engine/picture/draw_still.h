@@ -39,9 +39,6 @@ inline constexpr std::size_t kStillBytes = std::size_t{1} << 30;
 /// rest), else transparent bytes, which devices hand over faster.
 void ask_for_annotated(DrawInput& input, bool exact);
 
-/// Premultiplied floats over a colour. Parallel.
-Image over_background(const FloatImage& picture, const Rgb& background);
-
 /// What such a frame becomes: painted, over the background unless `transparent`.
 Image finish_annotated(AnyImage drawn, const Drawing& annotations, const Rgb& background, bool transparent);
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/image.h"
 #include "scene/style.h"
 
 namespace isostrata {
@@ -18,6 +19,9 @@ struct ResolveRow {
   std::uint8_t* out = nullptr;
 };
 void resolve_row(const ResolveRow& row);
+
+/// The same of a whole picture, whose channels lie side by side. Parallel; throws what the pool throws.
+Image resolved(const FloatImage& picture, const Rgb& background, bool transparent);
 
 /// depth[i] += unit * sum[i].
 void add_scaled(const std::int32_t* sum, float unit, std::size_t count, float* depth);
