@@ -21,7 +21,7 @@ namespace isostrata {
 
 struct ImportCache {
   std::filesystem::path folder;          // made where it is not there, for this user alone
-  std::uint64_t max_bytes = 4ull << 30;  // the entries used longest ago make room
+  std::uint64_t max_bytes = 8ull << 30;  // the entries used longest ago make room
   double least_seconds = 0.5;            // what is read faster is not kept
 };
 

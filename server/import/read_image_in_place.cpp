@@ -1,50 +1,34 @@
 #include "import/read_image_in_place.h"
 
 #include <vtkDataObject.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkMetaImageReader.h>
 #include <vtkNew.h>
 #include <vtkSmartPointer.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
-#include <vtkXMLDataElement.h>
 #include <vtkXMLImageDataReader.h>
-#include <vtkXMLUtilities.h>
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstring>
-#include <limits>
-#include <map>
 #include <string_view>
 
 #include "data/import_door.h"
-#include "import/mapped_file.h"
+#include "import/appended_xml.h"
+#include "import/declared_time.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
 
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kLongestHead = 1u << 20;
-
-std::optional<std::uint64_t> number(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
-
-std::string_view attribute(vtkXMLDataElement* element, const char* name) {
-  const char* text = element->GetAttribute(name);
-  return text ? text : "";
-}
-
-/// The values at `from`, where all of them are there and aligned.
+/// The values at `from`, where all of them are there. They may lie at any address.
 std::optional<FileArray> array_at(const std::shared_ptr<const MappedFile>& file, std::uint64_t from, std::uint64_t points, ScalarType type) {
   const auto all = file->bytes();
   const std::uint64_t element = size_of(type);
-  if (from > all.size() || points > (all.size() - from) / element || from % element != 0) return std::nullopt;
+  if (from > all.size() || points > (all.size() - from) / element) return std::nullopt;
   FileArray array;
   array.type = type;
   array.values = all.subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(points * element));
@@ -86,54 +70,24 @@ std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::
   return imported;
 }
 
-std::optional<ScalarType> vtk_type(std::string_view name) {
-  static const std::map<std::string_view, ScalarType> names{
-      {"Int8", ScalarType::int8},     {"UInt8", ScalarType::uint8},   {"Int16", ScalarType::int16},     {"UInt16", ScalarType::uint16},
-      {"Int32", ScalarType::int32},   {"UInt32", ScalarType::uint32}, {"Int64", ScalarType::int64},     {"UInt64", ScalarType::uint64},
-      {"Float32", ScalarType::float32}, {"Float64", ScalarType::float64}};
-  const auto at = names.find(name);
-  return at == names.end() ? std::nullopt : std::optional(at->second);
-}
-
-/// The point arrays of the piece in `head`, where all that the file holds are those.
-std::vector<FileArray> arrays_of(vtkXMLDataElement* file, const std::shared_ptr<const MappedFile>& mapped, std::uint64_t data, std::uint64_t& points) {
-  const bool wide = attribute(file, "header_type") == "UInt64";
-  const bool plain = attribute(file, "byte_order") == "LittleEndian" && attribute(file, "compressor").empty() &&
-                     (wide || attribute(file, "header_type") == "UInt32" || attribute(file, "header_type").empty());
-  if (!plain || file->GetNumberOfNestedElements() != 1) return {};
-  vtkXMLDataElement* image = file->GetNestedElement(0);
-  if (std::string_view(image->GetName()) != "ImageData" || image->GetNumberOfNestedElements() != 1) return {};
-  vtkXMLDataElement* piece = image->GetNestedElement(0);
+/// The point arrays of one component, where all that the file holds are those.
+std::vector<FileArray> arrays_of(const AppendedXml& xml, std::uint64_t& points) {
+  vtkXMLDataElement* const piece = xml.piece("ImageData");
   int whole[6], extent[6];
-  if (std::string_view(piece->GetName()) != "Piece" || image->GetVectorAttribute("WholeExtent", 6, whole) != 6 ||
-      piece->GetVectorAttribute("Extent", 6, extent) != 6 || std::memcmp(whole, extent, sizeof whole) != 0)
+  if (!piece || xml.grid()->GetVectorAttribute("WholeExtent", 6, whole) != 6 || piece->GetVectorAttribute("Extent", 6, extent) != 6 ||
+      std::memcmp(whole, extent, sizeof whole) != 0)
     return {};
   const auto count = point_count(extent);
   if (!count) return {};
   points = *count;
   std::vector<FileArray> arrays;
   for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* part = piece->GetNestedElement(i);
+    vtkXMLDataElement* const part = piece->GetNestedElement(i);
     if (part->GetNumberOfNestedElements() == 0) continue;
     if (std::string_view(part->GetName()) != "PointData") return {};
     for (int k = 0; k < part->GetNumberOfNestedElements(); ++k) {
-      vtkXMLDataElement* of = part->GetNestedElement(k);
-      const auto type = vtk_type(attribute(of, "type"));
-      const auto offset = number(attribute(of, "offset"));
-      const std::string name(attribute(of, "Name"));
-      const std::string_view components = attribute(of, "NumberOfComponents");
-      const bool scalar = components.empty() || components == "1" || components == "0";
-      if (std::string_view(of->GetName()) != "DataArray" || !type || !offset || !scalar || name.empty() || name == "vtkGhostType" ||
-          attribute(of, "format") != "appended" || of->GetNumberOfNestedElements() > 0)
-        return {};
-      const std::uint64_t head = wide ? 8 : 4;
-      std::uint64_t from = 0, bytes = 0;
-      if (__builtin_add_overflow(data, *offset, &from) || from > mapped->bytes().size() || mapped->bytes().size() - from < head) return {};
-      std::memcpy(&bytes, mapped->bytes().data() + from, static_cast<std::size_t>(head));
-      if (bytes / size_of(*type) != points || bytes % size_of(*type) != 0) return {};
-      auto array = array_at(mapped, from + head, points, *type);
-      if (!array) return {};
-      array->name = name;
+      auto array = xml.array(part->GetNestedElement(k), points);
+      if (!array || array->components != 1 || array->name.empty() || array->name == vtkDataSetAttributes::GhostArrayName()) return {};
       arrays.push_back(std::move(*array));
     }
   }
@@ -145,22 +99,15 @@ bool says_yes(std::string_view text) { return !text.empty() && (std::tolower(sta
 }  // namespace
 
 std::optional<Imported> vti_in_place(const ReadRequest& request) {
-  if (std::filesystem::file_size(request.file) < kLeastInPlace) return std::nullopt;
-  const auto mapped = std::make_shared<const MappedFile>(request.file);
-  const std::string_view text(reinterpret_cast<const char*>(mapped->bytes().data()), std::min(mapped->bytes().size(), kLongestHead));
-  const auto appended = text.find("<AppendedData");
-  const auto close = appended == std::string_view::npos ? appended : text.find('>', appended);
-  if (close == std::string_view::npos || text.substr(appended, close - appended).find("\"raw\"") == std::string_view::npos) return std::nullopt;
-  const auto mark = text.find_first_not_of(" \t\r\n", close + 1);
-  if (mark == std::string_view::npos || text[mark] != '_') return std::nullopt;
-  const std::string head = std::string(text.substr(0, appended)) + "</VTKFile>";
-  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromString(head.c_str()));
-  if (!root || std::string_view(root->GetName()) != "VTKFile") return std::nullopt;
+  const auto xml = AppendedXml::open(request.file);
+  if (!xml) return std::nullopt;
   std::uint64_t points = 0;
-  std::vector<FileArray> arrays = arrays_of(root, mapped, mark + 1, points);
+  std::vector<FileArray> arrays = arrays_of(*xml, points);
   if (arrays.empty()) return std::nullopt;
   vtkNew<vtkXMLImageDataReader> reader;
-  return placed(request, reader.Get(), std::move(arrays), points);
+  auto imported = placed(request, reader.Get(), std::move(arrays), points);
+  if (imported) imported->times = {declared_time(request.file).value_or(0)};
+  return imported;
 }
 
 std::optional<Imported> meta_image_in_place(const ReadRequest& request, const MetaHeader& header) {

@@ -38,6 +38,7 @@
 #include "import/memory_limit.h"
 #include "import/meta_header.h"
 #include "import/read_image_in_place.h"
+#include "import/read_mesh_in_place.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
@@ -226,7 +227,10 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   }
   if (type == "RectilinearGrid") return run_named<vtkXMLRectilinearGridReader>(request);
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
-  if (type == "UnstructuredGrid") return run_named<vtkXMLUnstructuredGridReader>(request);
+  if (type == "UnstructuredGrid") {
+    if (auto in_place = vtu_in_place(request)) return std::move(*in_place);
+    return run_named<vtkXMLUnstructuredGridReader>(request);
+  }
   if (type == "PImageData" || type == "PRectilinearGrid" || type == "PStructuredGrid" || type == "PUnstructuredGrid") {
     const auto root = parse_small_xml(request);
     check_pieces(root, request);

@@ -1,0 +1,48 @@
+// A VTK XML file whose arrays lie behind its elements as they lie in memory: raw, not compressed, in the machine's byte order.
+//
+// ParaView writes this unless it is told otherwise. VTK's readers copy such arrays into memory one by one; here they are found in the mapped file.
+#pragma once
+
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "import/imported.h"
+#include "import/mapped_file.h"
+
+namespace isostrata {
+
+class AppendedXml {
+ public:
+  /// Nothing for every other file, and for one shorter than kLeastInPlace. What is wrong with a file is VTK's readers' to say.
+  static std::optional<AppendedXml> open(const std::filesystem::path& file);
+
+  /// The only piece of a file of this kind ("ImageData"), or null. Beside it there may be fields, of which readers want the time alone (declared_time.h).
+  vtkXMLDataElement* piece(std::string_view kind) const;
+  vtkXMLDataElement* grid() const { return grid_; }  // the piece's parent, once it was found
+
+  /// Name, type, components and bytes of a DataArray of at least this many whole tuples and no more. Values may lie at any address.
+  std::optional<FileArray> array(vtkXMLDataElement* element, std::uint64_t tuples) const;
+
+ private:
+  AppendedXml() = default;
+
+  std::shared_ptr<const MappedFile> file_;
+  vtkSmartPointer<vtkXMLDataElement> root_;
+  mutable vtkXMLDataElement* grid_ = nullptr;
+  std::uint64_t data_ = 0;  // where offsets count from
+  bool wide_ = false;       // an array's length has 8 bytes
+};
+
+std::string_view attribute(vtkXMLDataElement* element, const char* name);
+/// Nothing where it isn't one whole number.
+std::optional<std::uint64_t> number(std::string_view text);
+
+/// Whether typed values may be read where they lie.
+bool is_aligned(const FileArray& array);
+
+}  // namespace isostrata

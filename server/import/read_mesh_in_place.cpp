@@ -1,0 +1,190 @@
+#include "import/read_mesh_in_place.h"
+
+#include <vtkCellType.h>
+#include <vtkDataSetAttributes.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+
+#include "data/partition.h"
+#include "import/appended_xml.h"
+#include "import/declared_time.h"
+#include "import/scratch_file.h"
+#include "tables/cell_type.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kPart = 1u << 16;  // numbers that are looked at together
+
+struct MeshArrays {
+  FileArray points, types, ends, ids;
+  std::vector<FileArray> values;
+};
+
+/// With its own values, where those in the file are not aligned.
+FileArray aligned(FileArray array) {
+  if (is_aligned(array)) return array;
+  auto [storage, bytes] = allocate<std::byte>(array.values.size());
+  std::memcpy(bytes.data(), array.values.data(), bytes.size());
+  array.values = bytes;
+  array.storage = storage;
+  return array;
+}
+
+bool add_values(const AppendedXml& xml, vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<FileArray>& to) {
+  if (!attribute(attributes, "GlobalIds").empty()) return false;
+  for (int i = 0; i < attributes->GetNumberOfNestedElements(); ++i) {
+    auto array = xml.array(attributes->GetNestedElement(i), tuples);
+    if (!array || array->name.empty() || array->name == vtkDataSetAttributes::GhostArrayName() || array->name == kGlobalPoints) return false;
+    array->on_cells = on_cells;
+    to.push_back(on_cells || array->components > 1 ? aligned(std::move(*array)) : std::move(*array));
+  }
+  return true;
+}
+
+bool add_cells(const AppendedXml& xml, vtkXMLDataElement* cells, std::uint64_t count, MeshArrays& to) {
+  vtkXMLDataElement* ids = nullptr;
+  for (int i = 0; i < cells->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* const element = cells->GetNestedElement(i);
+    const std::string_view name = attribute(element, "Name");
+    if (name == "connectivity") {
+      ids = element;
+      continue;
+    }
+    auto array = xml.array(element, count);
+    if (!array || array->components != 1 || (name != "offsets" && name != "types")) return false;
+    (name == "types" ? to.types : to.ends) = std::move(*array);
+  }
+  const auto& ends = to.ends;
+  const bool long_ends = ends.type == ScalarType::int64;
+  if (!ids || ends.values.empty() || (!long_ends && ends.type != ScalarType::int32) || to.types.values.size() != count) return false;
+  std::int64_t last = 0;
+  std::int32_t short_last = 0;
+  std::memcpy(long_ends ? static_cast<void*>(&last) : &short_last, ends.values.last(size_of(ends.type)).data(), size_of(ends.type));
+  if (!long_ends) last = short_last;
+  auto array = last >= 0 ? xml.array(ids, static_cast<std::uint64_t>(last)) : std::nullopt;
+  if (!array || array->components != 1 || (array->type != ScalarType::int64 && array->type != ScalarType::int32)) return false;
+  to.ids = std::move(*array);
+  return true;
+}
+
+std::optional<MeshArrays> arrays_of(const AppendedXml& xml, vtkXMLDataElement* piece) {
+  const auto points = number(attribute(piece, "NumberOfPoints")), cells = number(attribute(piece, "NumberOfCells"));
+  if (!points || !cells || *points == 0 || *cells == 0) return std::nullopt;
+  MeshArrays out;
+  for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* const part = piece->GetNestedElement(i);
+    const std::string_view name = part->GetName();
+    if (name == "PointData" || name == "CellData") {
+      if (!add_values(xml, part, name == "CellData", name == "CellData" ? *cells : *points, out.values)) return std::nullopt;
+    } else if (name == "Cells") {
+      if (!add_cells(xml, part, *cells, out)) return std::nullopt;
+    } else if (name == "Points" && part->GetNumberOfNestedElements() == 1) {
+      auto array = xml.array(part->GetNestedElement(0), *points);
+      if (!array || array->components != 3 || (array->type != ScalarType::float32 && array->type != ScalarType::float64)) return std::nullopt;
+      out.points = aligned(std::move(*array));
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (out.points.values.empty() || out.ids.values.empty()) return std::nullopt;
+  return out;
+}
+
+/// visit(part) for integers of 4 or 8 bytes at any address, as int64, some at a time; ends with false once visit does.
+template <class Visit>
+bool for_parts(const FileArray& array, const Visit& visit) {
+  const std::size_t element = size_of(array.type), count = array.values.size() / element;
+  std::vector<std::int64_t> wide(kPart);
+  std::vector<std::int32_t> narrow(element == 4 ? kPart : 0);
+  for (std::size_t at = 0; at < count; at += kPart) {
+    const std::size_t n = std::min(kPart, count - at);
+    std::memcpy(element == 4 ? static_cast<void*>(narrow.data()) : wide.data(), array.values.data() + at * element, n * element);
+    if (element == 4) std::copy_n(narrow.begin(), n, wide.begin());
+    if (!visit(std::span<const std::int64_t>(wide).first(n))) return false;
+  }
+  return true;
+}
+
+/// Cells of the four kinds whose ids are all points; nothing for others.
+bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest& request, UnstructuredGrid& grid, std::vector<std::shared_ptr<const void>>& keep) {
+  std::array<std::uint8_t, 256> kind{}, corners{};
+  for (const auto& [vtk, type] : {std::pair{VTK_TETRA, CellType::tetrahedron}, {VTK_HEXAHEDRON, CellType::hexahedron},
+                                  {VTK_WEDGE, CellType::wedge}, {VTK_PYRAMID, CellType::pyramid}}) {
+    kind[static_cast<std::size_t>(vtk)] = static_cast<std::uint8_t>(type);
+    corners[static_cast<std::size_t>(vtk)] = static_cast<std::uint8_t>(topology(type).vertex_count);
+  }
+  const auto given = std::as_bytes(arrays.types.values);
+  auto [storage, types] = allocate<std::uint8_t>(given.size());
+  for (std::size_t c = 0; c < given.size(); ++c) types[c] = kind[static_cast<std::uint8_t>(given[c])];
+
+  ScratchFile<std::int64_t> offsets(request, "mesh_offsets"), connectivity(request, "mesh_connectivity");
+  offsets.add(std::array<std::int64_t, 1>{0});
+  std::size_t cell = 0;
+  std::int64_t last = 0;
+  const bool ends_fit = for_parts(arrays.ends, [&](std::span<const std::int64_t> ends) {
+    for (const std::int64_t end : ends) {
+      const std::int64_t wanted = corners[static_cast<std::uint8_t>(given[cell++])];
+      if (wanted == 0 || end - last != wanted) return false;
+      last = end;
+    }
+    offsets.add(ends);
+    return true;
+  });
+  if (!ends_fit) return false;
+  std::size_t done = 0;
+  const std::size_t all = arrays.ids.values.size() / size_of(arrays.ids.type);
+  const bool ids_fit = for_parts(arrays.ids, [&](std::span<const std::int64_t> ids) {
+    std::uint64_t largest = 0;  // a negative one is larger than all
+    for (const std::int64_t id : ids) largest = std::max(largest, static_cast<std::uint64_t>(id));
+    if (largest >= static_cast<std::uint64_t>(points)) return false;
+    connectivity.add(ids);
+    done += ids.size();
+    request.progress(0.5 * static_cast<double>(done) / static_cast<double>(all));
+    return true;
+  });
+  if (!ids_fit) return false;
+  grid.types = types;
+  keep.push_back(storage);
+  std::tie(grid.offsets, keep.emplace_back()) = offsets.finish();
+  std::tie(grid.connectivity, keep.emplace_back()) = connectivity.finish();
+  return true;
+}
+
+template <class Point>
+std::span<const Point> points_of(const FileArray& array) {
+  return {reinterpret_cast<const Point*>(array.values.data()), array.values.size() / sizeof(Point)};
+}
+
+}  // namespace
+
+std::optional<Imported> vtu_in_place(const ReadRequest& request) {
+  const auto xml = AppendedXml::open(request.file);
+  vtkXMLDataElement* const piece = xml ? xml->piece("UnstructuredGrid") : nullptr;
+  auto arrays = piece ? arrays_of(*xml, piece) : std::nullopt;
+  if (!arrays) return std::nullopt;
+  check_step(request, 1);
+  const std::uint64_t cells = arrays->types.values.size(), ids = arrays->ids.values.size() / size_of(arrays->ids.type);
+  check_bytes(request, 9 * cells + 8 * ids + arrays->points.values.size(), request.file.filename().string());
+  UnstructuredGrid grid;
+  if (arrays->points.type == ScalarType::float32)
+    grid.points = points_of<Vec3f>(arrays->points);
+  else
+    grid.points = points_of<Vec3d>(arrays->points);
+  const auto keep = std::make_shared<std::vector<std::shared_ptr<const void>>>();
+  const auto points = static_cast<std::int64_t>(std::visit([](auto span) { return span.size(); }, grid.points));
+  if (!set_cells(*arrays, points, request, grid, *keep)) return std::nullopt;
+  keep->push_back(arrays->points.storage);
+  Imported imported;
+  Block& block = imported.blocks.emplace_back();
+  block.grid.shape = grid;
+  block.grid.storage = keep;
+  block.arrays = std::move(arrays->values);
+  imported.times = {declared_time(request.file).value_or(0)};
+  return imported;
+}
+
+}  // namespace isostrata

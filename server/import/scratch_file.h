@@ -1,0 +1,58 @@
+// A file of a reader's folder that is written from its beginning on and then mapped, for what would otherwise be in memory twice.
+#pragma once
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "import/imported.h"
+#include "import/mapped_file.h"
+
+namespace isostrata {
+
+/// Of Ts; one of a name. It goes with its last user, unless write_dataset.h has made it one of the dataset's files.
+template <class T>
+class ScratchFile {
+ public:
+  ScratchFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / (name + ".part")), file_(std::fopen(path_.c_str(), "wb")) {}
+  ~ScratchFile() {
+    if (!file_) return;
+    std::fclose(file_);
+    std::remove(path_.c_str());
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  /// Throws unavailable where there is no room.
+  void add(std::span<const T> values) {
+    if (!file_ || std::fwrite(values.data(), sizeof(T), values.size(), file_) != values.size()) give_up();
+  }
+  /// All that was added, and what keeps it. Once.
+  std::pair<std::span<const T>, std::shared_ptr<const void>> finish() {
+    std::FILE* const file = std::exchange(file_, nullptr);
+    if (!file || std::fclose(file) != 0) give_up();
+    const std::shared_ptr<const MappedFile> mapped(new MappedFile(path_), [path = path_](const MappedFile* of) {
+      delete of;
+      std::error_code ignored;
+      std::filesystem::remove(path, ignored);
+    });
+    const auto bytes = mapped->bytes();
+    return {{reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)}, mapped};
+  }
+
+ private:
+  [[noreturn]] static void give_up() {
+    throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
+  }
+
+  const std::filesystem::path path_;
+  std::FILE* file_;
+};
+
+}  // namespace isostrata
