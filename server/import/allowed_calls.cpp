@@ -22,7 +22,7 @@ constexpr std::array kAllowed = {
     "fstat64", "ftruncate", "ftruncate64", "fallocate", "fadvise64", "fsync", "fdatasync", "dup", "flock", "getdents64",
     // files by name
     "open", "openat", "stat", "stat64", "lstat", "newfstatat", "fstatat64", "statx", "access", "faccessat", "readlink",
-    "readlinkat", "getcwd", "unlink", "unlinkat", "rename", "renameat", "renameat2", "statfs", "fstatfs",
+    "readlinkat", "getcwd", "unlink", "unlinkat", "statfs", "fstatfs",
     // memory
     "brk", "munmap", "mremap", "madvise",
     // threads and time

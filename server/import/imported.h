@@ -50,7 +50,7 @@ struct Imported {
 
 struct ReadRequest {
   std::filesystem::path file;     // absolute
-  std::filesystem::path scratch;  // a folder in which a reader may make files, which it removes
+  std::filesystem::path scratch;  // a folder in which a reader may make files; what is none of the dataset's goes in the end
   int step = 0;
   bool times_only = false;  // readers that know the times without reading the rest return those, and no block
   int depth = 0;            // of lists within lists

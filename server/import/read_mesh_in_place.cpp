@@ -121,7 +121,7 @@ bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest&
   auto [storage, types] = allocate<std::uint8_t>(given.size());
   for (std::size_t c = 0; c < given.size(); ++c) types[c] = kind[static_cast<std::uint8_t>(given[c])];
 
-  ScratchFile<std::int64_t> offsets(request, "mesh_offsets"), connectivity(request, "mesh_connectivity");
+  ScratchFile<std::int64_t> offsets(request, "offsets.bin"), connectivity(request, "connectivity.bin");
   offsets.add(std::array<std::int64_t, 1>{0});
   std::size_t cell = 0;
   std::int64_t last = 0;

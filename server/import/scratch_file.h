@@ -8,7 +8,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "import/imported.h"
@@ -16,11 +15,14 @@
 
 namespace isostrata {
 
-/// Of Ts; one of a name. It goes with its last user, unless write_dataset.h has made it one of the dataset's files.
+/// Of Ts. If it has the name that it gets among the dataset's files, it stays as it is (write_dataset.h).
 template <class T>
 class ScratchFile {
  public:
-  ScratchFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / (name + ".part")), file_(std::fopen(path_.c_str(), "wb")) {}
+  /// Another block of the dataset may have a file of this name: then it gets another.
+  ScratchFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / name) {
+    for (int n = 2; !(file_ = std::fopen(path_.c_str(), "wbx")) && errno == EEXIST; ++n) path_ = request.scratch / (name + "." + std::to_string(n));
+  }
   ~ScratchFile() {
     if (!file_) return;
     std::fclose(file_);
@@ -37,11 +39,7 @@ class ScratchFile {
   std::pair<std::span<const T>, std::shared_ptr<const void>> finish() {
     std::FILE* const file = std::exchange(file_, nullptr);
     if (!file || std::fclose(file) != 0) give_up();
-    const std::shared_ptr<const MappedFile> mapped(new MappedFile(path_), [path = path_](const MappedFile* of) {
-      delete of;
-      std::error_code ignored;
-      std::filesystem::remove(path, ignored);
-    });
+    const auto mapped = std::make_shared<const MappedFile>(path_);
     const auto bytes = mapped->bytes();
     return {{reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)}, mapped};
   }
@@ -51,8 +49,8 @@ class ScratchFile {
     throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
   }
 
-  const std::filesystem::path path_;
-  std::FILE* file_;
+  std::filesystem::path path_;
+  std::FILE* file_ = nullptr;
 };
 
 }  // namespace isostrata

@@ -25,10 +25,8 @@ class Writer {
   void file(const std::string& name, std::span<const std::byte> bytes) {
     total_ += bytes.size();
     check_bytes(request_, total_, request_.file.filename().string());
-    if (const auto place = MappedFile::place_of(bytes); place && is_own_file(*place, bytes.size())) {
-      std::filesystem::rename(place->file, directory_ / name);
-      return;
-    }
+    written_.insert(name);
+    if (const auto place = MappedFile::place_of(bytes); place && place->offset == 0 && place->file == directory_ / name) return;  // its reader wrote it
     std::FILE* out = std::fopen((directory_ / name).c_str(), "wb");
     const bool written = out && (bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size());
     const int error = errno;
@@ -55,14 +53,17 @@ class Writer {
     file(name, std::as_bytes(span));
   }
 
- private:
-  /// A reader wrote it here, as a whole, and nobody else has a use for it (scratch_file.h).
-  bool is_own_file(const FilePlace& place, std::uint64_t bytes) const {
-    return place.offset == 0 && place.file.parent_path() == directory_ && place.file.extension() == ".part" && std::filesystem::file_size(place.file) == bytes;
+  /// What readers have left in the folder beside these files.
+  void sweep() const {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(directory_, ignored))
+      if (!written_.contains(entry.path().filename().string())) std::filesystem::remove(entry.path(), ignored);
   }
 
+ private:
   std::filesystem::path directory_;
   const ReadRequest& request_;
+  std::set<std::string> written_;
   std::uint64_t total_ = 0;
 };
 
@@ -231,6 +232,7 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
     if (notes.size() < 100) notes.push_back(json::string(printable(note, 400)));
   manifest["notes"] = std::move(notes);
   const std::string text = json::serialize(manifest);
+  writer.sweep();
   writer.values("manifest.json", std::span<const char>(text));  // last: without it the rest means nothing
 }
 
