@@ -188,7 +188,7 @@ class InMotion : public ::testing::Test, protected HeardEvents {
  protected:
   InMotion() {
     EngineOptions options;
-    options.catalogue = Catalogue::from_sources({"torus:96", "torus:12"});
+    options.catalogue = Catalogue::from_sources({"torus:96", "torus:12", "tets:46"});
     options.renderer = [control = control_] { return std::make_unique<PlainRenderer>(control); };
     options.least_coarse_tetrahedra = 50'000;
     engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
@@ -265,6 +265,36 @@ TEST_F(InMotion, ADraggedEndIsOfEveryNthPointForWhoAsksAndOfAllPointsForTheOther
   EXPECT_GT(rest.tetrahedra, 4 * last.tetrahedra);
   EXPECT_LT(rest.intervals[0].volume, exact.intervals[0].volume);
   EXPECT_NEAR(last.intervals[0].volume, rest.intervals[0].volume, 0.02 * rest.intervals[0].volume);
+}
+
+TEST_F(InMotion, ADraggedEndOfAMeshIsOfItsSamplesForWhoAsksAndOfItsCellsAtRest) {
+  engine_->post(SceneUpdate{1, scene(++revision_, 0.5, "tets-46")});
+  ask(0, true);
+  for (const int level : {1, 3, 2}) {
+    FrameReady moved;
+    for (int i = 0; i < 3; ++i) {
+      engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.002 * static_cast<double>(revision_), "tets-46")});
+      moved = ask(level);
+      EXPECT_EQ(moved.revision, revision_) << "what a hand did is in each picture";
+    }
+    EXPECT_GE(moved.point_stride, 2) << level;
+    const FrameReady rest = ask(0, true);
+    EXPECT_EQ(rest.point_stride, 1);
+    EXPECT_EQ(rest.revision, revision_);
+    EXPECT_NEAR(moved.intervals[0].volume, rest.intervals[0].volume, 0.02 * rest.intervals[0].volume) << level;
+  }
+}
+
+TEST(CoarseScenes, OfLabelsThatAreTakenWholeThereAreNone) {
+  const auto mesh = make_analytic("tets:46", {}, Task{});
+  Scene scene = torus_scene();
+  const auto extracted = extract_scene(mesh, scene, nullptr, Task{});
+  EXPECT_TRUE(can_be_coarse(*extracted, scene));
+  CoarseScenes scenes(1000);
+  EXPECT_TRUE(scenes.extract_for_motion(mesh, scene, 1, Task{}));
+  scene.values = FieldValues::whole;
+  EXPECT_FALSE(can_be_coarse(*extracted, scene)) << "else it would be asked for again and again";
+  EXPECT_FALSE(scenes.extract_for_motion(mesh, scene, 1, Task{}));
 }
 
 TEST_F(InMotion, TheRestOfEveryDragIsExactHoweverItsRequestsMeet) {

@@ -408,7 +408,7 @@ class Engine::Impl {
   void prepare_motion(SessionKey key, const std::shared_ptr<const ExtractedScene>& extracted, const Scene& scene) {
     std::int64_t tetrahedra = 0;
     for (const IntervalSummary& of : extracted->summaries()) tetrahedra += of.tetrahedra;
-    if (options_.ranks || tetrahedra < options_.least_coarse_tetrahedra || extracted->base || !extracted->dataset->grid.structured()) return;
+    if (options_.ranks || tetrahedra < options_.least_coarse_tetrahedra || extracted->base || !can_be_coarse(*extracted, scene)) return;
     movers_.post(key, [this, key, extracted, scene] {
       const auto is_ready = [&] {
         const auto it = sessions_.find(key);

@@ -5,6 +5,7 @@
 
 #include "base/stopwatch.h"
 #include "data/region.h"
+#include "data/sampled_mesh.h"
 #include "engine/messages/coarse_levels.h"
 
 namespace isostrata {
@@ -14,6 +15,9 @@ constexpr std::int64_t kMostPoints = std::int64_t{1} << 24;  // 256 along each a
 constexpr std::int64_t kMostMovingPoints = std::int64_t{1} << 22;  // drawn in some 30 ms there
 constexpr std::array<std::int64_t, 3> kAllPoints{1, 1, 1};
 constexpr std::int64_t kFewPoints = 32;                      // along an axis
+constexpr std::int64_t kFewCells = 500'000;                  // of a mesh
+// What stands for a stride of a mesh's samples, and of every second one along each axis.
+constexpr std::array<std::int64_t, 3> kSamples{0, 0, 1}, kFewerSamples{0, 0, 2};
 
 std::vector<std::string> arrays_of(const Scene& scene, const Dataset& dataset) {
   std::vector<std::string> names{scene.array.empty() ? dataset.arrays.front().name : scene.array, scene.color_by, scene.texture};
@@ -25,6 +29,15 @@ std::vector<std::string> arrays_of(const Scene& scene, const Dataset& dataset) {
 }
 
 bool leaves_enough(std::int64_t points, std::int64_t stride) { return points / stride >= kFewPoints; }
+
+/// Twice as many as the mesh has points, since a part of its box may be empty, and since boxes are cut sooner than other cells.
+std::int64_t most_samples(const Grid& grid) { return std::clamp<std::int64_t>(2 * grid.point_count(), 1 << 15, kMostMovingPoints); }
+
+/// As a structured grid that has every so many of the mesh's points would say.
+int stride_of_samples(const Dataset& mesh, const Dataset& coarse) {
+  const auto there = static_cast<double>(std::max<std::int64_t>(1, coarse.grid.point_count() - coarse.arrays.front().nan_count));
+  return std::max(2, static_cast<int>(std::lround(std::cbrt(static_cast<double>(mesh.grid.point_count()) / there))));
+}
 
 bool of_one_step(const Scene& scene) { return !scene.time && smear_moments(scene).empty() && !scene.intervals.empty(); }
 
@@ -55,13 +68,27 @@ std::array<std::int64_t, 3> moving_stride(const Grid& grid, int level) {
   return stride;
 }
 
-bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene) {
-  return of_one_step(scene) && extracted.dataset && !extracted.dataset->arrays.empty() &&
-         moving_stride(extracted.dataset->grid, 1) != kAllPoints;
+namespace {
+
+/// kAllPoints: there is nothing coarser.
+std::array<std::int64_t, 3> stride_for_motion(const Dataset& whole, const Scene& scene, int level) {
+  if (!of_one_step(scene) || whole.arrays.empty()) return kAllPoints;
+  const std::string& array = scene.array.empty() ? whole.arrays.front().name : scene.array;
+  const bool cells_alone = scene.values == FieldValues::whole && (!whole.grid.structured() || whole.array(array).association == Association::cell_averaged);
+  if (cells_alone) return kAllPoints;  // coarser cells have no value
+  if (whole.grid.structured()) return moving_stride(whole.grid, level);
+  if (whole.grid.cell_count() < kFewCells || !can_be_sampled(whole)) return kAllPoints;
+  return level == 1 ? kSamples : kFewerSamples;
 }
 
-std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<const Dataset>& whole, const std::array<std::int64_t, 3>& stride,
-                                                       std::vector<std::string> arrays, const Task& task) {
+}  // namespace
+
+bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene) {
+  return extracted.dataset && stride_for_motion(*extracted.dataset, scene, 1) != kAllPoints;
+}
+
+std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<const Dataset>& whole, const Stride& stride,
+                                                       const std::vector<std::string>& arrays, const Task& task) {
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(lent_, [](const Lent& of) { return of.coarse.expired(); });
@@ -69,36 +96,48 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
       if (of.whole.lock() == whole && of.stride == stride && of.arrays == arrays)
         if (auto coarse = of.coarse.lock()) return coarse;
   }
-  auto coarse = coarser(*whole, stride, arrays, task);
+  std::shared_ptr<const Dataset> coarse;
+  if (stride == kSamples) {
+    coarse = sampled(*whole, most_samples(whole->grid), arrays, task);
+  } else if (stride == kFewerSamples) {
+    const auto samples = coarse_of(whole, kSamples, arrays, task);
+    Stride every_second = kAllPoints;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (leaves_enough(samples->grid.dims()[a], 2)) every_second[a] = 2;
+    // It keeps the samples, for the next hand that is slower.
+    const auto both = std::make_shared<std::pair<std::shared_ptr<const Dataset>, std::shared_ptr<const Dataset>>>(samples, coarser(*samples, every_second, arrays, task));
+    coarse = {both, both->second.get()};
+  } else {
+    coarse = coarser(*whole, stride, arrays, task);
+  }
   const std::lock_guard lock(mutex_);
-  lent_.push_back({whole, coarse, stride, std::move(arrays)});
+  lent_.push_back({whole, coarse, stride, arrays});
   return coarse;
 }
 
-std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole,
-                                                                  const Scene& scene, const Task& task) {
-  if (stride == kAllPoints || whole->arrays.empty()) return nullptr;
-  const std::string& array = scene.array.empty() ? whole->arrays.front().name : scene.array;
-  if (scene.values == FieldValues::whole && whole->array(array).association == Association::cell_averaged) return nullptr;  // coarser cells have no value
-  const Stopwatch watch;
+std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,
+                                                                  const Task& task) {
   const auto coarse = coarse_of(whole, stride, arrays_of(scene, *whole), task);
+  const Stopwatch watch;
   const auto extracted = extract_scene([&](int, const Task&) { return coarse; }, scene, nullptr, task);
   auto made = std::make_shared<ExtractedScene>(*extracted);
-  made->point_stride = static_cast<int>(*std::max_element(stride.begin(), stride.end()));
-  made->extract_ms = watch.elapsed_ms();
+  made->point_stride = whole->grid.structured() ? static_cast<int>(*std::max_element(stride.begin(), stride.end())) : stride_of_samples(*whole, *coarse);
+  made->extract_ms = watch.elapsed_ms();  // without what is made once
   return made;
 }
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& steps, const Scene& scene, const Task& task) {
   if (!of_one_step(scene)) return nullptr;
   const auto whole = steps(scene.step, task);
-  return extract_every(coarse_stride(whole->grid, least_cells_, kMostPoints), whole, scene, task);
+  if (stride_for_motion(*whole, scene, 1) == kAllPoints) return nullptr;
+  const Stride stride = coarse_stride(whole->grid, least_cells_, kMostPoints);
+  return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task);
 }
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level,
                                                                        const Task& task) {
-  if (!of_one_step(scene)) return nullptr;
-  return extract_every(moving_stride(whole->grid, level), whole, scene, task);
+  const Stride stride = stride_for_motion(*whole, scene, level);
+  return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task);
 }
 
 }  // namespace isostrata

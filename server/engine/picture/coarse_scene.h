@@ -1,4 +1,5 @@
-// Pictures of every n-th point of a grid: the first of a large one, while the layers of all points are still being found, and those that move.
+// Pictures of every n-th point of a grid: the first of a large one, while the layers of all points are still being found, and those that move. Of a mesh
+// those that move are of as many points of a uniform grid (sampled_mesh.h).
 #pragma once
 
 #include <array>
@@ -33,18 +34,18 @@ class CoarseScenes {
   /// extract_scene throws.
   std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task);
 
-  /// The same of any structured grid that is not small, for moving frames, at moving_stride.
+  /// The same of whatever can_be_coarse, for moving frames: of a structured grid at moving_stride, of a mesh at samples, of which the levels behind the
+  /// first have every second one along each axis.
   std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task);
 
  private:
-  std::shared_ptr<const ExtractedScene> extract_every(const std::array<std::int64_t, 3>& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,
-                                                      const Task& task);
-  std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const std::array<std::int64_t, 3>& stride,
-                                           std::vector<std::string> arrays, const Task& task);
+  using Stride = std::array<std::int64_t, 3>;
+  std::shared_ptr<const ExtractedScene> extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task);
+  std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const Stride& stride, const std::vector<std::string>& arrays, const Task& task);
 
   struct Lent {
     std::weak_ptr<const Dataset> whole, coarse;
-    std::array<std::int64_t, 3> stride;
+    Stride stride;
     std::vector<std::string> arrays;
   };
   const std::int64_t least_cells_;
