@@ -364,7 +364,6 @@ class Engine::Impl {
       session.ready = {extracted, scene};
       if (!session.coarse_for(scene)) session.coarse.extracted.reset();
       hold(key, session);
-      if (!session.coarse.extracted) prepare_motion(key, extracted, scene);
     });
   }
 
@@ -404,8 +403,13 @@ class Engine::Impl {
     for (EngineEvent& event : events) send(std::move(event));
   }
 
-  /// Of a scene that takes long to draw, the same of every n-th point is made in advance, for the next hand that turns it. With mutex_ held.
-  void prepare_motion(SessionKey key, const std::shared_ptr<const ExtractedScene>& extracted, const Scene& scene) {
+  /// Of a scene that rests and takes long to draw, the same of every n-th point is made in advance, for the next hand that turns it.
+  void prepare_motion(SessionKey key) {
+    const std::lock_guard lock(mutex_);
+    const auto at = sessions_.find(key);
+    if (at == sessions_.end() || !at->second.scene || at->second.coarse.extracted || !at->second.ready_for(*at->second.scene)) return;
+    const std::shared_ptr<const ExtractedScene> extracted = at->second.ready.extracted;
+    const Scene& scene = at->second.ready.scene;
     std::int64_t tetrahedra = 0;
     for (const IntervalSummary& of : extracted->summaries()) tetrahedra += of.tetrahedra;
     if (options_.ranks || tetrahedra < options_.least_coarse_tetrahedra || extracted->base || !can_be_coarse(*extracted, scene)) return;
@@ -925,6 +929,7 @@ class Engine::Impl {
       encode_picture(drawn, of,
                      {streams, [&] { return overtaken(frame.session, frame.revision); }, [&] { return stream_is_open(frame.session, frame.video->stream); }});
       send(std::move(frame));
+      if (request.lossless) prepare_motion(request.session);
     } catch (const EncoderFailed&) {
       RequestFailed failed = failure_of(std::current_exception(), request.session, request.request, of.scene.revision);
       failed.encoder_failed = true;
