@@ -19,12 +19,22 @@ struct Lattice {
 
   Lattice(const Box3d& box, std::int64_t most_points) : lower(box.lower) {
     const Vec3d size = box.upper - box.lower;
-    const double step = std::cbrt(size.x * size.y * size.z / static_cast<double>(most_points));
+    const double step = step_of(size, static_cast<double>(most_points));
     for (int a = 0; a < 3; ++a) {
-      const double steps = std::clamp(std::floor(size[a] / step), 1.0, static_cast<double>(most_points) / 4);
+      const double steps = std::max(1.0, std::floor(size[a] / step));
       dims[static_cast<std::size_t>(a)] = static_cast<std::int64_t>(steps) + 1;
       spacing[a] = size[a] / steps;
     }
+  }
+  /// The same along all axes but those that are shorter: these have two points.
+  static double step_of(Vec3d size, double most_points) {
+    std::sort(&size.x, &size.x + 3);
+    for (const int shortest : {0, 1}) {
+      const double step = shortest == 0 ? std::cbrt(size.x * size.y * size.z / most_points) : std::sqrt(size.y * size.z / most_points);
+      if (size[shortest] >= step) return step;
+      most_points /= 2;
+    }
+    return size.z / most_points;
   }
   std::size_t size() const { return static_cast<std::size_t>(dims[0] * dims[1] * dims[2]); }
   Vec3d place(Vec3d world) const {

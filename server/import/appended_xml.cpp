@@ -60,19 +60,17 @@ std::optional<AppendedXml> AppendedXml::open(const std::filesystem::path& file) 
   return plain ? std::optional(std::move(out)) : std::nullopt;
 }
 
-vtkXMLDataElement* AppendedXml::piece(std::string_view kind) const {
-  if (root_->GetNumberOfNestedElements() != 1) return nullptr;
-  grid_ = root_->GetNestedElement(0);
-  if (std::string_view(grid_->GetName()) != kind) return nullptr;
-  vtkXMLDataElement* found = nullptr;
-  for (int i = 0; i < grid_->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* part = grid_->GetNestedElement(i);
+std::optional<AppendedXml::Piece> AppendedXml::only_piece(std::string_view kind) const {
+  if (root_->GetNumberOfNestedElements() != 1 || std::string_view(root_->GetNestedElement(0)->GetName()) != kind) return std::nullopt;
+  Piece found{root_->GetNestedElement(0), nullptr};
+  for (int i = 0; i < found.grid->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* part = found.grid->GetNestedElement(i);
     const std::string_view name = part->GetName();
     if (name == "FieldData") continue;
-    if (name != "Piece" || found) return nullptr;
-    found = part;
+    if (name != "Piece" || found.piece) return std::nullopt;
+    found.piece = part;
   }
-  return found;
+  return found.piece ? std::optional(found) : std::nullopt;
 }
 
 std::optional<FileArray> AppendedXml::array(vtkXMLDataElement* element, std::uint64_t tuples) const {

@@ -21,9 +21,11 @@ class AppendedXml {
   /// Nothing for every other file, and for one shorter than kLeastInPlace. What is wrong with a file is VTK's readers' to say.
   static std::optional<AppendedXml> open(const std::filesystem::path& file);
 
-  /// The only piece of a file of this kind ("ImageData"), or null. Beside it there may be fields, of which readers want the time alone (declared_time.h).
-  vtkXMLDataElement* piece(std::string_view kind) const;
-  vtkXMLDataElement* grid() const { return grid_; }  // the piece's parent, once it was found
+  struct Piece {
+    vtkXMLDataElement *grid, *piece;
+  };
+  /// The only piece of a file of this kind ("ImageData"). Beside it there may be fields, of which readers want the time alone (declared_time.h).
+  std::optional<Piece> only_piece(std::string_view kind) const;
 
   /// Name, type, components and bytes of a DataArray of at least this many whole tuples and no more. Values may lie at any address.
   std::optional<FileArray> array(vtkXMLDataElement* element, std::uint64_t tuples) const;
@@ -33,7 +35,6 @@ class AppendedXml {
 
   std::shared_ptr<const MappedFile> file_;
   vtkSmartPointer<vtkXMLDataElement> root_;
-  mutable vtkXMLDataElement* grid_ = nullptr;
   std::uint64_t data_ = 0;  // where offsets count from
   bool wide_ = false;       // an array's length has 8 bytes
 };

@@ -72,17 +72,17 @@ std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::
 
 /// The point arrays of one component, where all that the file holds are those.
 std::vector<FileArray> arrays_of(const AppendedXml& xml, std::uint64_t& points) {
-  vtkXMLDataElement* const piece = xml.piece("ImageData");
+  const auto image = xml.only_piece("ImageData");
   int whole[6], extent[6];
-  if (!piece || xml.grid()->GetVectorAttribute("WholeExtent", 6, whole) != 6 || piece->GetVectorAttribute("Extent", 6, extent) != 6 ||
+  if (!image || image->grid->GetVectorAttribute("WholeExtent", 6, whole) != 6 || image->piece->GetVectorAttribute("Extent", 6, extent) != 6 ||
       std::memcmp(whole, extent, sizeof whole) != 0)
     return {};
   const auto count = point_count(extent);
   if (!count) return {};
   points = *count;
   std::vector<FileArray> arrays;
-  for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* const part = piece->GetNestedElement(i);
+  for (int i = 0; i < image->piece->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* const part = image->piece->GetNestedElement(i);
     if (part->GetNumberOfNestedElements() == 0) continue;
     if (std::string_view(part->GetName()) != "PointData") return {};
     for (int k = 0; k < part->GetNumberOfNestedElements(); ++k) {

@@ -7,6 +7,8 @@
 #include <array>
 #include <cstring>
 #include <string_view>
+#include <tuple>
+#include <variant>
 
 #include "data/partition.h"
 #include "import/appended_xml.h"
@@ -163,8 +165,8 @@ std::span<const Point> points_of(const FileArray& array) {
 
 std::optional<Imported> vtu_in_place(const ReadRequest& request) {
   const auto xml = AppendedXml::open(request.file);
-  vtkXMLDataElement* const piece = xml ? xml->piece("UnstructuredGrid") : nullptr;
-  auto arrays = piece ? arrays_of(*xml, piece) : std::nullopt;
+  const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
+  auto arrays = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
   if (!arrays) return std::nullopt;
   check_step(request, 1);
   const std::uint64_t cells = arrays->types.values.size(), ids = arrays->ids.values.size() / size_of(arrays->ids.type);

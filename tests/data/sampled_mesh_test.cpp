@@ -76,6 +76,25 @@ TEST(SampledMesh, HasNoValueWhereNoCellIs) {
   EXPECT_EQ(samples->arrays[0].nan_count, samples->grid.point_count() - there);
 }
 
+TEST(SampledMesh, HasAboutAsManyPointsAsItMayHoweverFlatItIs) {
+  for (const Vec3d squeezed : {Vec3d{1, 1, 1}, {1, 1, 1e-5}, {1, 1e-5, 1e-5}, {1e-3, 1, 0.1}}) {
+    const auto mesh = with_field("tets:5", linear);
+    auto& shape = std::get<UnstructuredGrid>(mesh->grid.shape);
+    const auto points = std::make_shared<std::vector<Vec3d>>();
+    for (std::int64_t p = 0; p < mesh->grid.point_count(); ++p) {
+      const Vec3d at = mesh->grid.point(p);
+      points->push_back({at.x * squeezed.x, at.y * squeezed.y, at.z * squeezed.z});
+    }
+    shape.points = std::span<const Vec3d>(*points);
+    mesh->bounds = mesh->grid.bounds();
+    ASSERT_TRUE(can_be_sampled(*mesh));
+    const auto samples = sampled(*mesh, 10'000, kArrays, Task{});
+    EXPECT_GT(samples->grid.point_count(), 10'000 / 3);
+    EXPECT_LT(samples->grid.point_count(), 3 * 10'000);
+    EXPECT_EQ(samples->arrays[0].nan_count, 0);
+  }
+}
+
 TEST(SampledMesh, IsTheSameForAnyNumberOfThreads) {
   const auto mesh = with_field("mixed:12", [](Vec3d p) { return std::sin(5 * p.x) * p.y + p.z * p.z; });
   const int before = thread_count();
