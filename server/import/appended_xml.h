@@ -1,6 +1,6 @@
 // A VTK XML file whose arrays lie behind its elements as they lie in memory: raw, not compressed, in the machine's byte order.
 //
-// ParaView writes this unless it is told otherwise. VTK's readers copy such arrays into memory one by one; here they are found in the mapped file.
+// Simulations that write such files themselves mostly do so. VTK's readers copy such arrays into memory one by one; here they are found in the mapped file.
 #pragma once
 
 #include <vtkSmartPointer.h>
