@@ -357,7 +357,8 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, bool joined_pi
     added = std::move(cells->added);
     block.added_points = static_cast<std::int64_t>(added.size());
     if (added.size() > 0) std::tie(points, owner) = with_added_points(PointSpan(points), added);
-    block.grid.shape = UnstructuredGrid{points, cells->types, cells->offsets, cells->connectivity};
+    block.grid.shape = UnstructuredGrid{points, cells->types, cells->owner ? cells->own_offsets : cells->offsets,
+                                        cells->owner ? cells->own_connectivity : cells->connectivity};
     block.grid.storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(owner, cells);
   } else {
     throw Error(ErrorCode::unsupported, name + ": holds a " + data->GetClassName() + "; expected a grid with 3-D cells");

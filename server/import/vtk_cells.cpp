@@ -10,6 +10,7 @@
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
+#include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkVersionMacros.h>
@@ -180,8 +181,15 @@ class CellKeeper {
     if (!good) return false;  // the other way says which
     kept_.types.resize(static_cast<std::size_t>(count));
     std::transform(types, types + count, kept_.types.begin(), [&](unsigned char type) { return static_cast<std::uint8_t>(as[type].type); });
-    if (count > 0) kept_.offsets.assign(offsets->GetPointer(0), offsets->GetPointer(0) + count + 1);
-    kept_.connectivity.assign(ids->GetPointer(0), ids->GetPointer(0) + entries);
+    if (count == 0) return true;
+    if constexpr (sizeof *ids->GetPointer(0) == sizeof(std::int64_t)) {
+      kept_.own_offsets = {reinterpret_cast<const std::int64_t*>(offsets->GetPointer(0)), static_cast<std::size_t>(count) + 1};
+      kept_.own_connectivity = {reinterpret_cast<const std::int64_t*>(ids->GetPointer(0)), static_cast<std::size_t>(entries)};
+      kept_.owner = std::make_shared<vtkSmartPointer<vtkCellArray>>(cells_);
+    } else {
+      kept_.offsets.assign(offsets->GetPointer(0), offsets->GetPointer(0) + count + 1);
+      kept_.connectivity.assign(ids->GetPointer(0), ids->GetPointer(0) + entries);
+    }
     return true;
   }
 

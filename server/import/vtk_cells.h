@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct KeptCells {
   std::vector<std::uint8_t> types;
   std::vector<std::int64_t> offsets{0};
   std::vector<std::int64_t> connectivity;
+  /// If not empty, in place of offsets and connectivity: those of the file, in VTK's memory as we have them.
+  std::span<const std::int64_t> own_offsets, own_connectivity;
+  std::shared_ptr<const void> owner;  // of these
   /// [cells] the cell's number in the file, not decreasing: pieces of one cell follow each other; empty where every cell of the
   /// file is one cell here.
   std::vector<std::int64_t> source;
