@@ -22,6 +22,7 @@ struct KeyedLists {
   std::vector<Value> values;
 
   std::int64_t keys() const { return static_cast<std::int64_t>(first.size()) - 1; }
+  std::span<const Value> of(std::int64_t key) const { return {values.data() + first[key], values.data() + first[key + 1]}; }
   std::span<Value> of(std::int64_t key) { return {values.data() + first[key], values.data() + first[key + 1]}; }
 };
 

@@ -10,7 +10,6 @@
 #include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/cells/cell_geometry.h"
-#include "extraction/facets/boundary_facets.h"
 #include "extraction/mesh/keyed_lists.h"
 #include "extraction/mesh/list_pool.h"
 #include "extraction/mesh/memory_budget.h"
@@ -47,28 +46,58 @@ class Maker {
  private:
   const std::int64_t* ids_of(std::size_t t) const { return shape_.connectivity.data() + shape_.offsets[out_->cells[t]]; }
 
-  /// Where the grid ends depends on no array, for all of these cells take part.
+  /// Where the grid ends depends on no array, for all of these cells take part. Every tetrahedron tells its faces to the first of their edges, by their
+  /// third vertices: what only one has told is open.
   void find_open_faces() {
-    vertices_ = {};
     rank_ = {};
+    struct Face {
+      std::uint32_t third;
+      std::uint32_t of;  // 4 times the tetrahedron, and the place of the vertex that the face does not have, in the order of ids
+    };
+    std::array<std::uint8_t, 4> face_without{};  // vertex of the cell -> face of the cell
+    const auto& faces = topology(CellType::tetrahedron).faces;
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      face_without[static_cast<std::size_t>(6 - faces[f].vertex[0] - faces[f].vertex[1] - faces[f].vertex[2])] = static_cast<std::uint8_t>(f);
     try {
-      check_budget("the cells whose faces are open", out_->count() * sizeof(CellRun), max_bytes_);
-      std::vector<CellRun> runs(out_->count());
-      for (std::size_t t = 0; t < runs.size(); ++t) runs[t].cell = out_->cells[t];
-      const auto open = open_cell_faces(grid_, PointArray{}, runs, max_bytes_, task_);
-      out_->open_faces.resize(open.size());
-      std::copy(open.begin(), open.end(), out_->open_faces.begin());
+      const auto told = list_by_key<Face>(static_cast<std::int64_t>(out_->edge_count()), static_cast<std::int64_t>(out_->count()), kPerTask,
+                                          "the faces of the grid", max_bytes_, [&](std::int64_t begin, std::int64_t end, const auto& emit) {
+                                            task_.check();
+                                            for (std::int64_t t = begin; t < end; ++t)
+                                              for (const Side& side : kSides)
+                                                emit(out_->edges[t][side.edge], Face{vertices_[t][side.third], static_cast<std::uint32_t>(4 * t + side.missing)});
+                                          });
+      out_->open_faces.resize(out_->count());
+      std::fill(out_->open_faces.begin(), out_->open_faces.end(), std::uint8_t{0});
+      each(told.keys(), [&](std::size_t edge) {
+        const std::span<const Face> about = told.of(static_cast<std::int64_t>(edge));
+        for (const Face& face : about) {
+          if (std::any_of(about.begin(), about.end(), [&](const Face& other) { return other.third == face.third && other.of != face.of; })) continue;
+          const std::size_t t = face.of / 4;
+          const unsigned vertex = out_->turns[t] >> 2 * (face.of % 4) & 3u;
+          std::atomic_ref(out_->open_faces[t]).fetch_or(static_cast<std::uint8_t>(1u << face_without[vertex]), std::memory_order_relaxed);
+        }
+      });
     } catch (const Error& error) {
       if (error.code() != ErrorCode::too_large) throw;  // each extraction finds out for its own cells
     }
+    vertices_ = {};
   }
 
   void order_cells() {
     const CellClusters clusters(grid_, max_bytes_, task_);
+    std::atomic<bool> finite{true};
+    parallel_for(grid_.point_count(), kPerTask, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t p = begin; p < end; ++p)
+        if (!is_finite(grid_.point(p))) finite.store(false, std::memory_order_relaxed);
+    });
     out_->cells.reserve(static_cast<std::size_t>(grid_.cell_count()));
     for (std::int64_t c = 0; c < clusters.count(); ++c)
       for (const std::uint32_t cell : clusters.cells(c)) {
         if (grid_.hidden(cell)) continue;
+        if (finite.load(std::memory_order_relaxed)) {
+          out_->cells.push_back(cell);
+          continue;
+        }
         const std::int64_t* const ids = shape_.connectivity.data() + shape_.offsets[cell];
         if (std::all_of(ids, ids + 4, [&](std::int64_t id) { return is_finite(grid_.point(id)); })) out_->cells.push_back(cell);
       }
@@ -214,6 +243,10 @@ class Maker {
   }
 
   static constexpr std::array<std::array<std::uint8_t, 2>, 6> kEnds = kSortedEdges;
+  struct Side {
+    std::uint8_t edge, third, missing;  // a face: the first of its edges in kEnds, and vertices in the order of ids
+  };
+  static constexpr std::array<Side, 4> kSides{{{0, 2, 3}, {0, 3, 2}, {1, 3, 1}, {3, 3, 0}}};
 
   const Grid& grid_;
   const UnstructuredGrid& shape_;
@@ -292,8 +325,8 @@ std::shared_ptr<const OrderedTetrahedra> OrderedTetrahedra::make(const Grid& gri
 }
 
 std::uint64_t OrderedTetrahedra::foreseen_bytes(const Grid& grid) {
-  // 24 bytes a cell for the edges' ends as they are told, with the rest of what is kept; about 7 edges for 6 tetrahedra.
-  return static_cast<std::uint64_t>(grid.cell_count()) * (38 + 16 + 24 + 8) + static_cast<std::uint64_t>(grid.point_count()) * 48;
+  // 32 bytes a cell for the faces as they are told, with the rest of what is kept; about 7 edges for 6 tetrahedra.
+  return static_cast<std::uint64_t>(grid.cell_count()) * (38 + 16 + 32 + 8) + static_cast<std::uint64_t>(grid.point_count()) * 48;
 }
 
 std::uint64_t OrderedTetrahedra::bytes() const {
