@@ -625,12 +625,13 @@ class Engine::Impl {
     const LayerRequest& request = extracted.request;
     const bool lay_out = request.terms.empty() && !request.time && !ordered_.knows(extracted.dataset->grid);
     if (cut ? same_steps && previous->request.intervals == request.intervals : !lay_out) return;
-    const std::shared_ptr<Task> task = begin_preparation(same_steps);
+    const bool waited_for = !opened;  // what yields to all that is played would be made once that ends
+    const std::shared_ptr<Task> task = begin_preparation(waited_for);
     if (!task) return;
-    (same_steps ? movers_ : preparers_).post(same_steps ? key : 0, [this, key, cut, same_steps, dataset = extracted.dataset, array = extracted.array, task] {
+    (waited_for ? movers_ : preparers_).post(waited_for ? key : 0, [this, key, cut, waited_for, dataset = extracted.dataset, array = extracted.array, task] {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
       try {
-        const Work work(same_steps ? key : 0, same_steps ? WorkClass::scene : WorkClass::background, {task.get(), true, extracting.waiting()});
+        const Work work(waited_for ? key : 0, waited_for ? WorkClass::scene : WorkClass::background, {task.get(), true, extracting.waiting()});
         if (cut)
           bases_.make(dataset, array, *task);
         else
@@ -642,13 +643,14 @@ class Engine::Impl {
     });
   }
 
-  /// One at a time. A hand that moves waits for it, and does not wait for what was begun for later and yields to everything: that is begun anew.
+  /// One at a time. A hand that moves, or who plays, waits for it, and does not wait for what was begun for later and yields to everything: that is begun
+  /// anew.
   /// Null: not now.
-  std::shared_ptr<Task> begin_preparation(bool for_hand) {
+  std::shared_ptr<Task> begin_preparation(bool waited_for) {
     const std::lock_guard lock(mutex_);
-    if (stopping_ || (preparation_.task && (preparation_.for_hand || !for_hand))) return nullptr;
+    if (stopping_ || (preparation_.task && (preparation_.waited_for || !waited_for))) return nullptr;
     if (preparation_.task) preparation_.task->cancel();
-    preparation_ = {std::make_shared<Task>(), for_hand};
+    preparation_ = {std::make_shared<Task>(), waited_for};
     return preparation_.task;
   }
 
@@ -964,7 +966,7 @@ class Engine::Impl {
   SessionKey last_drawn_ = 0;
   struct {
     std::shared_ptr<Task> task;  // null: none
-    bool for_hand = false;
+    bool waited_for = false;
   } preparation_;  // of tetrahedra
   std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
   std::uint64_t next_operation_ = 1;
