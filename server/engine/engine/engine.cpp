@@ -987,7 +987,7 @@ class Engine::Impl {
   Lanes preparers_{{1, 10}};      // of what it may need
   Lanes movers_{{1, 0}};          // of what a hand that moves needs, by session
   Lanes ahead_{{1, 0}};           // of steps that will be asked for, by dataset
-  Lanes thumbnails_{{1, 10}};     // by dataset
+  Lanes thumbnails_{{2, 10}};     // by dataset; two, so that a file that hangs holds up no others
   Lanes extractors_;              // by session
   Lanes stills_{{kStills, 0}};    // by session
   Lanes frames_;                  // by session

@@ -11,7 +11,7 @@ export interface ThumbnailDoors {
   forget(url: string): void;
 }
 
-const atOnce = 2; // a browser has six connections to a server; and the server makes one picture after the other
+const atOnce = 2; // a browser has six connections to a server; and the server makes two pictures at a time
 const most = 300;
 
 interface Wish {
