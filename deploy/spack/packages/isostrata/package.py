@@ -20,6 +20,7 @@ class Isostrata(CMakePackage):
 
     depends_on("boost@1.81:")
     depends_on("bzip2")
+    depends_on("c-blosc", when="+import")
     depends_on("cli11")
     depends_on("egl")
     depends_on("freetype")
@@ -29,6 +30,7 @@ class Isostrata(CMakePackage):
     depends_on("libseccomp")
     depends_on("libvpx")
     depends_on("libwebp")
+    depends_on("lz4", when="+import")
     depends_on("openimageio")
     depends_on("openssl@3:")
     depends_on("prometheus-cpp")
@@ -36,6 +38,7 @@ class Isostrata(CMakePackage):
     depends_on("spdlog")
     depends_on("vtk@9.1:", when="+import")
     depends_on("zlib-api")
+    depends_on("zstd", when="+import")
 
     def cmake_args(self):
         return [self.define_from_variant("ISOSTRATA_IMPORT", "import"), self.define("ISOSTRATA_TESTS", False)]

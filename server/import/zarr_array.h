@@ -1,0 +1,43 @@
+// What the metadata of one Zarr array says: .zarray of version 2, zarr.json of version 3.
+//
+// "Zarr storage specification version 2" and "Zarr core specification version 3.1", zarr-specs.readthedocs.io.
+#pragma once
+
+#include <array>
+#include <boost/json/value.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/array.h"
+#include "import/zarr_codecs.h"
+#include "import/zarr_store.h"
+
+namespace isostrata {
+
+struct ZarrArray {
+  std::string file;                       // of its metadata, as errors call it
+  std::string folder;                     // below the store's; empty, or with a slash at its end
+  std::vector<std::int64_t> shape;        // [axes], each at least 1
+  std::vector<std::int64_t> chunk;        // [axes] the same of each chunk; those at the end of an axis are whole, too
+  std::vector<std::size_t> order;         // [axes] the axes of a chunk in memory, the one that runs slowest first
+  std::vector<std::string> names;         // [axes], or empty if it has none
+  ScalarType type = ScalarType::float32;  // bool is uint8
+  bool swap = false;                      // the chunks have the other byte order
+  std::array<std::byte, 8> fill{};        // one value, in the machine's byte order
+  std::vector<ZarrCodec> codecs;          // in the order in which they packed; one of them is not crc32c at most
+  std::string key_prefix;                 // of a chunk's file: "" or "c/"
+  char separator = '.';                   // between two of its numbers
+
+  std::size_t chunk_bytes() const;        // does not overflow
+  /// The file of the chunk that is number index[a] along each axis a, below the store's folder.
+  std::string chunk_file(const std::vector<std::int64_t>& index) const;
+};
+
+/// The array in a folder of the store ("" is the store's own), if there is one. Throws bad_data for metadata that makes no sense, unsupported for a type, a filter
+/// or a codec that is not read, by its name.
+std::optional<ZarrArray> read_zarr_array(ZarrStore& store, const std::string& folder);
+
+}  // namespace isostrata

@@ -1,0 +1,35 @@
+// Reading values out of a Zarr array, one chunk after the other.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "import/zarr_array.h"
+#include "import/zarr_store.h"
+
+namespace isostrata {
+
+/// Part of an array, as a grid of points with several arrays: which axis of the array is which of the box.
+struct ZarrBox {
+  static constexpr std::size_t kNone = ~std::size_t{0};
+  std::array<std::size_t, 4> axes{kNone, kNone, kNone, kNone};  // x, y, z, channel; kNone: of one place
+  std::array<std::int64_t, 4> size{1, 1, 1, 1};
+  std::vector<std::int64_t> at;  // [axes of the array] the place on every other axis
+};
+
+struct ZarrCount {
+  std::int64_t chunks = 0;
+  std::int64_t missing = 0;  // they hold the fill value
+};
+
+/// Fills out[channel], each of x * y * z values with x running fastest, in the machine's byte order. Takes the memory of a chunk, unpacked and as it is stored. Throws what
+/// ZarrStore::read and decode_chunk throw, and too_large above 10 million chunks
+/// and if far more would be filled than the chunks that are there could unpack to.
+ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, std::span<const std::span<std::byte>> out,
+                        const std::function<void(double fraction)>& progress);
+
+}  // namespace isostrata

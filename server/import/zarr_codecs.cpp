@@ -1,0 +1,139 @@
+#include "import/zarr_codecs.h"
+
+#include <blosc.h>
+#include <bzlib.h>
+#include <lz4.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+constexpr std::size_t kWord = 4;  // of a sum, and of lz4's length
+constexpr auto kMostInt = static_cast<std::size_t>(std::numeric_limits<int>::max());
+
+std::uint32_t little_endian(Bytes bytes) {
+  std::uint32_t word = 0;
+  for (std::size_t b = 0; b < kWord; ++b) word |= std::to_integer<std::uint32_t>(bytes[b]) << (8 * b);
+  return word;
+}
+
+/// Castagnoli's polynomial, reflected (RFC 3720, appendix B.4).
+std::uint32_t crc32c(Bytes bytes) {
+  static constexpr auto kTable = [] {
+    std::array<std::uint32_t, 256> table{};
+    for (std::uint32_t n = 0; n < 256; ++n) {
+      table[n] = n;
+      for (int bit = 0; bit < 8; ++bit) table[n] = (table[n] >> 1) ^ (table[n] & 1 ? 0x82f63b78u : 0u);
+    }
+    return table;
+  }();
+  std::uint32_t crc = ~0u;
+  for (const std::byte byte : bytes) crc = kTable[(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xff] ^ (crc >> 8);
+  return ~crc;
+}
+
+// Each gives how many bytes it made of `from` in `to`, or more than to.size() if it fails or there would be more.
+
+std::size_t inflate_all(Bytes from, std::span<std::byte> to) {
+  z_stream stream{};
+  if (inflateInit2(&stream, 15 + 32) != Z_OK) return to.size() + 1;
+  std::size_t read = 0, made = 0;
+  int state = Z_OK;
+  while (state == Z_OK) {
+    const auto in = static_cast<uInt>(std::min(from.size() - read, std::size_t{1} << 30)), room = static_cast<uInt>(std::min(to.size() - made, std::size_t{1} << 30));
+    std::byte beyond{};
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(from.data() + read));
+    stream.avail_in = in;
+    stream.next_out = reinterpret_cast<Bytef*>(room > 0 ? to.data() + made : &beyond);
+    stream.avail_out = std::max(room, 1u);
+    state = inflate(&stream, Z_NO_FLUSH);
+    read += in - stream.avail_in;
+    made += std::max(room, 1u) - stream.avail_out;
+    if (made > to.size()) break;
+    if (state == Z_STREAM_END && read < from.size() && from[read] == std::byte{0x1f}) state = inflateReset(&stream);  // files of gzip may follow each other
+  }
+  inflateEnd(&stream);
+  return state == Z_STREAM_END ? made : to.size() + 1;
+}
+
+std::size_t unpack_blosc(Bytes from, std::span<std::byte> to) {
+  std::size_t size = 0;
+  if (from.size() < BLOSC_MIN_HEADER_LENGTH || blosc_cbuffer_validate(from.data(), from.size(), &size) < 0 || size != to.size()) return to.size() + 1;
+  const int made = blosc_decompress_ctx(from.data(), to.data(), to.size(), 1);
+  return made < 0 ? to.size() + 1 : static_cast<std::size_t>(made);
+}
+
+std::size_t unpack_zstd(Bytes from, std::span<std::byte> to) {
+  const std::size_t made = ZSTD_decompress(to.data(), to.size(), from.data(), from.size());
+  return ZSTD_isError(made) ? to.size() + 1 : made;
+}
+
+/// numcodecs' form: the size, then one block.
+std::size_t unpack_lz4(Bytes from, std::span<std::byte> to) {
+  if (from.size() < kWord || little_endian(from) != to.size() || std::max(from.size(), to.size()) > kMostInt) return to.size() + 1;
+  const int made = LZ4_decompress_safe(reinterpret_cast<const char*>(from.data() + kWord), reinterpret_cast<char*>(to.data()), static_cast<int>(from.size() - kWord),
+                                       static_cast<int>(to.size()));
+  return made < 0 ? to.size() + 1 : static_cast<std::size_t>(made);
+}
+
+std::size_t unpack_bz2(Bytes from, std::span<std::byte> to) {
+  auto made = static_cast<unsigned>(to.size());
+  if (std::max(from.size(), to.size()) > kMostInt) return to.size() + 1;
+  const int state = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(to.data()), &made, reinterpret_cast<char*>(const_cast<std::byte*>(from.data())),
+                                               static_cast<unsigned>(from.size()), 0, 0);
+  return state == BZ_OK ? made : to.size() + 1;
+}
+
+struct Unpacker {
+  ZarrCodec codec;
+  const char* id;
+  std::size_t (*unpack)(Bytes, std::span<std::byte>);
+};
+
+constexpr Unpacker kUnpackers[] = {{ZarrCodec::blosc, "blosc", unpack_blosc}, {ZarrCodec::zstd, "zstd", unpack_zstd}, {ZarrCodec::gzip, "gzip", inflate_all},
+                                   {ZarrCodec::gzip, "zlib", inflate_all},    {ZarrCodec::lz4, "lz4", unpack_lz4},    {ZarrCodec::bz2, "bz2", unpack_bz2}};
+
+}  // namespace
+
+ZarrCodec zarr_codec(const std::string& id, const std::string& file) {
+  if (id == "crc32c") return ZarrCodec::crc32c;
+  for (const Unpacker& of : kUnpackers)
+    if (id == of.id) return of.codec;
+  if (id == "sharding_indexed") throw Error(ErrorCode::unsupported, file + ": its chunks lie in shards ('sharding_indexed'), which are not read; write it without");
+  throw Error(ErrorCode::unsupported, file + ": its chunks are packed by '" + id.substr(0, 60) + "'; expected blosc, zstd, gzip, zlib, lz4, bz2 or none");
+}
+
+std::span<std::byte> decode_chunk(std::span<const ZarrCodec> codecs, std::vector<std::byte>& stored, std::size_t size, std::vector<std::byte>& out,
+                                  const std::string& file) {
+  std::span<std::byte> bytes = stored;
+  for (std::size_t c = codecs.size(); c-- > 0;) {
+    if (codecs[c] == ZarrCodec::crc32c) {
+      if (bytes.size() < kWord || little_endian(bytes.last(kWord)) != crc32c(bytes.first(bytes.size() - kWord)))
+        throw Error(ErrorCode::bad_data, file + ": is damaged: its sum (crc32c) is not that of its bytes");
+      bytes = bytes.first(bytes.size() - kWord);
+      continue;
+    }
+    const std::size_t wanted = size + kWord * static_cast<std::size_t>(std::count(codecs.begin(), codecs.begin() + static_cast<std::ptrdiff_t>(c), ZarrCodec::crc32c));
+    out.resize(wanted);
+    const Unpacker& of = *std::find_if(std::begin(kUnpackers), std::end(kUnpackers), [&](const Unpacker& one) { return one.codec == codecs[c]; });
+    const std::size_t made = of.unpack(bytes, out);
+    if (made != wanted)
+      throw Error(ErrorCode::bad_data, file + ": is damaged or cut off, or is another size: expected " + std::to_string(wanted) + " bytes packed by " + of.id +
+                                           (made < wanted ? ", found " + std::to_string(made) : ""));
+    bytes = out;
+  }
+  if (bytes.size() != size) throw Error(ErrorCode::bad_data, file + ": has " + std::to_string(bytes.size()) + " bytes; expected " + std::to_string(size));
+  return bytes;
+}
+
+}  // namespace isostrata

@@ -1,0 +1,115 @@
+#include "import/zarr_store.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/json/parse.hpp>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+
+#include "base/descriptor.h"
+#include "base/error.h"
+#include "data/beneath.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+namespace json = boost::json;
+
+bool is_inside(const fs::path& path, const fs::path& folder) { return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end(); }
+
+/// Python writes numbers that JSON has not as bare words; here they become texts, as the specification has them.
+std::string with_quoted_words(std::string_view text) {
+  std::string out;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size();) {
+    std::size_t length = 1;
+    if (quoted && text[at] == '\\') length = 2;
+    if (text[at] == '"') quoted = !quoted;
+    for (const std::string_view word : {"NaN", "-Infinity", "Infinity"})
+      if (!quoted && text.substr(at).starts_with(word)) length = word.size();
+    const bool word = !quoted && length > 1;
+    out.append(word ? "\"" : "").append(text.substr(at, length)).append(word ? "\"" : "");
+    at += length;
+  }
+  return out;
+}
+
+}  // namespace
+
+ZarrStore::ZarrStore(const fs::path& folder) {
+  std::error_code error;
+  const fs::path plain = (without_mark(folder) / "").lexically_normal().parent_path();
+  name_ = plain.filename().string();
+  folder_ = fs::canonical(plain, error);
+  if (error) throw Error(ErrorCode::not_found, name_ + ": cannot be opened: " + error.message());
+}
+
+bool ZarrStore::has(const std::string& file) const {
+  std::error_code error;
+  return fs::exists(folder_ / file, error);
+}
+
+std::vector<std::string> ZarrStore::arrays() const {
+  std::vector<std::string> names;
+  std::error_code error;
+  int most = 1000;
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end && --most > 0 && names.size() < 8; it.increment(error))
+    if (const std::string name = it->path().filename().string(); has(name + "/.zarray") || has(name + "/zarr.json")) names.push_back(name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool ZarrStore::read(const std::string& file, std::size_t most, std::vector<std::byte>& bytes) {
+  const auto bad = [&](ErrorCode code, const std::string& why) { return Error(code, name_of(file) + ": " + why); };
+  fs::path path = folder_ / file;
+  std::error_code error;
+  const auto look = [&](const fs::path& at) {
+    const fs::path real = fs::canonical(at, error);
+    if (!error && !is_inside(real, folder_)) throw bad(ErrorCode::bad_data, "lies outside of the folder, by a link; expected a file in it");
+    return real;
+  };
+  if (path.parent_path() != inside_) {
+    look(path.parent_path());
+    if (error) return false;
+    inside_ = path.parent_path();
+  }
+  constexpr int kFlags = O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  Descriptor opened(open(path.c_str(), kFlags));
+  if (opened.get() < 0 && errno == ELOOP) {
+    const fs::path real = look(path);
+    opened = Descriptor(error ? -1 : open(real.c_str(), kFlags));
+  }
+  if (opened.get() < 0 && (errno == ENOENT || errno == ENOTDIR)) return false;
+  struct stat about {};
+  if (opened.get() < 0 || fstat(opened.get(), &about) != 0) throw bad(ErrorCode::unavailable, std::string("cannot be read: ") + std::strerror(errno));
+  if (!S_ISREG(about.st_mode)) throw bad(ErrorCode::bad_data, "is not a regular file");
+  if (static_cast<std::uint64_t>(about.st_size) > most)
+    throw bad(ErrorCode::bad_data, "has " + std::to_string(about.st_size) + " bytes; expected at most " + std::to_string(most));
+  bytes.resize(static_cast<std::size_t>(about.st_size));
+  std::size_t at = 0;
+  while (at < bytes.size()) {
+    const ssize_t got = ::read(opened.get(), bytes.data() + at, bytes.size() - at);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) throw bad(ErrorCode::unavailable, got < 0 ? std::string("cannot be read: ") + std::strerror(errno) : "became shorter while it was read");
+    at += static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+std::optional<json::object> ZarrStore::read_json(const std::string& file) {
+  constexpr std::size_t kMost = std::size_t{16} << 20;
+  std::vector<std::byte> bytes;
+  if (!read(file, kMost, bytes)) return std::nullopt;
+  boost::system::error_code error;
+  json::value document = json::parse(with_quoted_words({reinterpret_cast<const char*>(bytes.data()), bytes.size()}), error);
+  if (error) throw Error(ErrorCode::bad_data, name_of(file) + ": is not valid JSON: " + error.message());
+  if (!document.is_object()) throw Error(ErrorCode::bad_data, name_of(file) + ": expected an object of JSON, {...}");
+  return std::move(document.as_object());
+}
+
+}  // namespace isostrata
