@@ -30,6 +30,8 @@ constexpr std::array kFormats{
                "VTK"},
     FileFormat{FileKind::plot3d, "PLOT3D", ".xyz .x .g .grd .p3d .q .f xyz.bin grid.bin", "grids with the solution beside them, every dialect", "ours"},
     FileFormat{FileKind::netcdf, "netCDF", ".nc .cdf .nc4 .ncdf", "CF conventions: the variables over the most axes, all times, fill values as gaps", "VTK"},
+    FileFormat{FileKind::zarr, "OME-Zarr image", ".zarr", "a folder: Zarr 2 and 3, the finest level, or one level by its folder; t are steps, c arrays; chunks by blosc, zstd, gzip, lz4, bzip2",
+               "ours"},
     FileFormat{FileKind::gzip, "gzip around another format", ".gz", "of formats that are one file: .vtk.gz, .vtu.gz, .npy.gz ...", "zlib"},
 };
 
@@ -38,7 +40,8 @@ constexpr std::array kForeign{
                   "expected a grid whose cells have a volume"},
     ForeignFormat{".xdmf .xmf", "XDMF", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
     ForeignFormat{".bp", "ADIOS", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
-    ForeignFormat{".zarr .n5", "Zarr or N5", "save it as .npy, NRRD or netCDF (Python: zarr, numpy.save)"},
+    ForeignFormat{".n5", "N5", "save it as OME-Zarr (Python: zarr, ome-zarr)"},
+    ForeignFormat{".zarr.zip .ozx", "a Zarr folder in an archive", "unpack it into a folder, NAME.zarr, and open that"},
     ForeignFormat{".fits .fit .mat .npz .pkl .parquet .feather .root", "an array in a container that is not read",
                   "save one array as .npy (Python: numpy.save)"},
     ForeignFormat{".msh .inp .med .unv .bdf .nas .frd .cas .msh2 .msh4 .mesh .rst .odb .xml .key .k .su2",

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "data/beneath.h"
 #include "data/recognise.h"
+#include "data/zarr_folder.h"
 
 namespace isostrata {
 namespace {
@@ -211,8 +212,9 @@ SourceStamp stamp_of(const fs::path& source) {
   add_stamp(source, stamp);
   if (!fs::is_directory(source, error)) return stamp;
   int most = 10'000;
+  const int deepest = deepest_file(source);
   for (fs::recursive_directory_iterator it(source, fs::directory_options::skip_permission_denied, error), end; !error && it != end && --most > 0; it.increment(error)) {
-    if (it.depth() >= 2) it.disable_recursion_pending();
+    if (it.depth() >= deepest) it.disable_recursion_pending();
     add_stamp(it->path(), stamp);
   }
   return stamp;

@@ -17,6 +17,8 @@
 #include <thread>
 #include <vector>
 
+#include "data/zarr_folder.h"
+
 namespace isostrata {
 namespace {
 
@@ -166,7 +168,7 @@ void FolderWatch::poll_folder(const fs::path& folder, Polled& polled, News& news
   for (const dirent* it = readdir(listed.get()); it; it = readdir(listed.get())) {
     struct stat about {};
     const std::string name = it->d_name;
-    if (name.starts_with('.') || fstatat(dirfd(listed.get()), it->d_name, &about, 0) != 0) continue;
+    if ((name.starts_with('.') && !is_zarr_metadata(name)) || fstatat(dirfd(listed.get()), it->d_name, &about, 0) != 0) continue;
     const FileStamp stamp = stamp_of(about);
     const auto before = polled.files.find(name);
     const std::string path = (folder / name).string();

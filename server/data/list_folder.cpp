@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kMaxDepth = 8;
 constexpr std::int64_t kMostFiles = 200'000;
-constexpr std::int64_t kCaseQuietNs = 2'000'000'000;  // since a time's folder of an OpenFOAM case got its last file
+constexpr std::int64_t kQuietNs = 2'000'000'000;  // since a folder of an OpenFOAM case or of a Zarr image got its last file
 constexpr std::size_t kLeastSlices = 3;  // two pictures with numbers are two pictures
 
 constexpr const char* kPiece = "belongs to another file: a piece, a part or a step that is listed there";
@@ -105,7 +105,8 @@ class Listing {
   }
 
   void list(const fs::path& folder, const FolderContents& contents) {
-    if (contents.openfoam_case) return list_case(folder, contents);
+    if (contents.dataset == FileKind::openfoam) return list_case(folder, contents);
+    if (contents.dataset) return list_levels(folder, contents);
     for (const auto& [name, why] : contents.passed_over) pass_over(folder, name, why);
     std::vector<const LookedAt*> dicom, pictures;
     std::map<FileKind, std::vector<const LookedAt*>> steps;
@@ -140,10 +141,25 @@ class Listing {
       entry->changed = std::max(entry->changed, time.stamp.changed_ns / 1'000'000);
       entry->mark = mark_of(entry->mark, time.name, {});  // fields are added to a time that is there
       entry->marks.push_back(entry->mark);
-      entry->writing = entry->writing || now_ns_ - time.stamp.changed_ns < kCaseQuietNs;
+      entry->writing = entry->writing || now_ns_ - time.stamp.changed_ns < kQuietNs;
       if (!entry->writing) ++entry->settled;
     }
     entry->changed = std::max(entry->changed, contents.changed_ns / 1'000'000);
+  }
+
+  /// Its bytes are not known, since its chunks are not looked at.
+  void list_levels(const fs::path& folder, const FolderContents& contents) {
+    FolderEntry* entry = add(folder, *contents.dataset, folder, {});
+    if (!entry) return;
+    entry->files = 1;
+    for (const LookedAt& file : contents.files) {
+      note(*entry, folder, file);
+      entry->writing = entry->writing || now_ns_ - file.stamp.changed_ns < kQuietNs;
+    }
+    entry->bytes = 0;
+    entry->mark = mark_of(entry->mark, "", {.changed_ns = contents.changed_ns});
+    entry->changed = std::max(entry->changed, contents.changed_ns / 1'000'000);
+    entry->settled = !entry->writing;
   }
 
   using Group = std::pair<std::string, std::vector<const LookedAt*>>;  // a name or a pattern, and its files in the order of their numbers

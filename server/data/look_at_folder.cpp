@@ -13,6 +13,7 @@
 #include "data/file_series.h"
 #include "data/picture_size.h"
 #include "data/referred_names.h"
+#include "data/zarr_folder.h"
 
 namespace isostrata {
 namespace {
@@ -87,7 +88,27 @@ void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
   }
   std::sort(times.begin(), times.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [time, of] : times) out.files.push_back(std::move(of));
-  out.openfoam_case = true;
+  out.dataset = FileKind::openfoam;
+}
+
+/// The metadata of a Zarr folder, of its levels, and the levels' folders. Chunks are not looked at, since there are many of them.
+void look_at_levels(int descriptor, DIR* listed, FolderContents& out) {
+  constexpr int kMostNames = 1000;
+  const auto note = [&](const std::string& name) {
+    struct stat about {};
+    if (fstatat(descriptor, name.c_str(), &about, 0) != 0) return false;
+    out.files.push_back({.name = name, .stamp = stamp_of(about)});
+    return true;
+  };
+  int left = kMostNames;
+  for (const dirent* it = readdir(listed); it && --left > 0; it = readdir(listed)) {
+    const std::string name = it->d_name;
+    if (is_zarr_metadata(name)) note(name);
+    if (name == "." || name == ".." || (it->d_type != DT_DIR && it->d_type != DT_UNKNOWN)) continue;
+    if (const bool array = note(name + "/.zarray"), node = note(name + "/zarr.json"); array || node) note(name);
+  }
+  std::sort(out.files.begin(), out.files.end(), [](const LookedAt& a, const LookedAt& b) { return a.name < b.name; });
+  out.dataset = FileKind::zarr;
 }
 
 }  // namespace
@@ -136,7 +157,7 @@ std::uint64_t mark_on_disk(const fs::path& source, int files) {
 
 const LookedAt* FolderContents::find(const std::string& name) const {
   const auto at = std::lower_bound(files.begin(), files.end(), name, [](const LookedAt& file, const std::string& wanted) { return file.name < wanted; });
-  return openfoam_case || at == files.end() || at->name != name ? nullptr : &*at;
+  return dataset || at == files.end() || at->name != name ? nullptr : &*at;
 }
 
 std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::path& root, std::int64_t most, const FolderContents* before) {
@@ -148,6 +169,10 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of(about).changed_ns;
   if (is_openfoam_case(folder)) {
     look_at_times(descriptor, listed.get(), out);
+    return out;
+  }
+  if (is_zarr(folder)) {
+    look_at_levels(descriptor, listed.get(), out);
     return out;
   }
   for (const dirent* it = readdir(listed.get()); it; it = readdir(listed.get())) {

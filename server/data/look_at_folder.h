@@ -45,7 +45,7 @@ struct LookedAt {
 };
 
 struct FolderContents {
-  bool openfoam_case = false;         // `files` are then its times, in their order, and `folders` is empty
+  std::optional<FileKind> dataset{};  // the folder is one: `files` are then the times of an OpenFOAM case, in their order, or what is followed of Zarr; `folders` is empty
   std::int64_t changed_ns = 0;        // the folder itself
   std::vector<LookedAt> files;        // in the order of their names
   std::vector<std::string> folders;   // the same

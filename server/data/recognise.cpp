@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "data/zarr_folder.h"
 
 namespace isostrata {
 namespace {
@@ -69,12 +70,13 @@ bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
 Recognised recognise_folder(const fs::path& folder) {
   const std::string name = folder.filename().string();
   if (is_openfoam_case(folder)) return {FileKind::openfoam, {}};
+  if (is_zarr(folder)) return {FileKind::zarr, {}};
   if (any_file(folder, 64, is_dicom)) return {FileKind::dicom, {}};
-  if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".zarr .n5"))
-    throw Error(ErrorCode::unsupported, name + ": Zarr or N5; save it as .npy, NRRD or netCDF (Python: zarr, numpy.save)");
+  if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".n5"))
+    throw Error(ErrorCode::unsupported, name + ": N5; save it as OME-Zarr (Python: zarr, ome-zarr)");
   if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".bp"))
     throw Error(ErrorCode::unsupported, name + ": ADIOS; save it as VTKHDF or .vtu (ParaView: Save Data)");
-  throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, or a folder of DICOM slices");
+  throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, a Zarr folder, or a folder of DICOM slices");
 }
 
 /// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
@@ -97,6 +99,7 @@ Recognised recognise_container(std::string_view head, const std::string& file, c
   if (ends_with_one_of(file, ".e .ex2 .exo")) throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5, as Exodus II files are");
   if (ends_with_one_of(file, ".nc .cdf .nc4 .vtkhdf .h5 .hdf5 .hdf"))
     throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5 by its name; it begins as neither");
+  if (file.ends_with(".zarr")) throw Error(ErrorCode::bad_data, name + ": expected a folder, as a Zarr array or image is; this is a file");
   if (file.ends_with(".npy")) throw Error(ErrorCode::bad_data, name + ": expected '\\x93NUMPY' at its start");
   for (const ForeignFormat& foreign : foreign_formats())
     if (ends_with_one_of(file, foreign.extensions))

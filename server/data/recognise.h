@@ -13,7 +13,7 @@ struct Recognised {
   std::string vtk_type;  // of XML VTK: the type attribute of VTKFile ("UnstructuredGrid", "PImageData", ...); "PolyData" of a legacy file of surfaces
 };
 
-/// Of a file, or of a folder that is one dataset (an OpenFOAM case, slices of DICOM). Throws not_found (no such file), bad_data (an empty
+/// Of a file, or of a folder that is one dataset (an OpenFOAM case, a Zarr image, slices of DICOM). Throws not_found (no such file), bad_data (an empty
 /// file, a folder of other things), unsupported saying what it is and what to do.
 Recognised recognise(const std::filesystem::path& file);
 

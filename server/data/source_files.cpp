@@ -10,6 +10,7 @@
 #include "data/look_at_folder.h"
 #include "data/recognise.h"
 #include "data/referred_names.h"
+#include "data/zarr_folder.h"
 
 namespace isostrata {
 namespace {
@@ -60,7 +61,10 @@ class Files {
       return;
     }
     note(file);
-    if (fs::is_directory(file, error)) return add_below(file);
+    if (fs::is_directory(file, error)) {
+      for (const fs::path& above : zarr_files_above(file)) note(above);
+      return add_below(file);
+    }
     const Recognised of = recognise(file);
     if (!says_what_it_reads(of.kind)) return add_below(file.parent_path());
     if (depth >= 4) return;
@@ -84,9 +88,10 @@ class Files {
   }
   void add_below(const fs::path& folder) {
     std::error_code error;
+    const int deepest = deepest_file(folder);
     for (fs::recursive_directory_iterator it(folder.empty() ? "." : folder, fs::directory_options::skip_permission_denied, error), end;
          !error && it != end && !full(); it.increment(error)) {
-      if (it.depth() >= 2) it.disable_recursion_pending();
+      if (it.depth() >= deepest) it.disable_recursion_pending();
       if (seen_.insert(it->path()).second) note(it->path());
     }
   }

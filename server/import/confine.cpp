@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/landlock.h"
 #include "data/beneath.h"
+#include "data/zarr_folder.h"
 #include "import/allowed_calls.h"
 
 namespace isostrata {
@@ -57,8 +58,8 @@ void drop_capabilities() {
   syscall(SYS_capset, &header, sets.data());
 }
 
-/// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut, but for what is linked to
-/// from what is not. In a directory of more entries than it takes a moment to list, that is given up.
+/// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut, but for Zarr's metadata and for what is
+/// linked to from what is not. In a directory of more entries than it takes a moment to list, that is given up.
 void allow_reading(const PathRules& rules, int directory) {
   constexpr std::size_t kMost = 20000;
   std::error_code error;
@@ -68,7 +69,7 @@ void allow_reading(const PathRules& rules, int directory) {
   for (fs::directory_iterator it(listed, error), end; !error && it != end; it.increment(error)) {
     if (++count > kMost) return rules.allow(directory, PathRules::kRead);
     const fs::path name = it->path().filename();
-    if (name.native().starts_with('.')) continue;
+    if (name.native().starts_with('.') && !is_zarr_metadata(name.native())) continue;
     const int opened = open_beneath(directory, name, O_PATH);
     rules.allow(opened, PathRules::kRead);
     if (opened >= 0) close(opened);
@@ -81,9 +82,12 @@ bool confine_files(const Confinement& to) {
     allow_reading(rules, directory);
     close(directory);
   }
-  const int file = open_beneath(to.file, O_PATH);
-  rules.allow(file, PathRules::kReadFile);
-  if (file >= 0) close(file);
+  const auto allow_file = [&rules](int file) {
+    rules.allow(file, PathRules::kReadFile);
+    if (file >= 0) close(file);
+  };
+  allow_file(open_beneath(to.file, O_PATH));
+  for (const fs::path& file : to.beside) allow_file(open(file.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
   rules.allow(to.output, PathRules::kRead | PathRules::kWriteFile | PathRules::kMakeFiles);
   return rules.enforce();
 }

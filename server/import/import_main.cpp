@@ -19,6 +19,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "data/importer_request.h"
+#include "data/zarr_folder.h"
 #include "import/confine.h"
 #include "import/fork_for_files.h"
 #include "import/memory_limit.h"
@@ -77,6 +78,7 @@ void run(const std::vector<std::string>& words) {
   const bool folder = std::filesystem::is_directory(request.file, error);
   isostrata::confine({.directory = folder ? request.file : request.file.parent_path(),
                       .file = request.file,
+                      .beside = folder ? isostrata::zarr_files_above(request.file) : std::vector<std::filesystem::path>{},
                       .output = output,
                       .memory_bytes = isostrata::memory_limit(request.file, request.max_bytes),
                       .cpu_seconds = isostrata::cpu_limit(request.file, number(words[4])),

@@ -24,7 +24,7 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::numpy, read_numpy},           {FileKind::tiff, read_tiff},
     {FileKind::slc, read_slc},               {FileKind::gaussian_cube, read_gaussian_cube},
     {FileKind::exodus, read_exodus},         {FileKind::plot3d, read_plot3d},
-    {FileKind::gzip, read_gzip},
+    {FileKind::gzip, read_gzip},             {FileKind::zarr, read_zarr},
 #ifdef ISOSTRATA_READS_VTKHDF
     {FileKind::vtkhdf, read_vtkhdf},
 #endif

@@ -14,6 +14,9 @@ Imported read_gaussian_cube(const ReadRequest& request);
 /// A folder of DICOM slices, a file with its siblings of one series, or a file of many frames. Uncompressed.
 Imported read_dicom(const ReadRequest& request);
 
+/// A folder of Zarr, version 2 or 3: an image of OME-Zarr, one level of it, or one array. Steps along t, an array for each channel.
+Imported read_zarr(const ReadRequest& request);
+
 /// A list of time steps; each entry is a file below the .pvd's directory, read by its own kind. Several parts of one time become blocks.
 Imported read_pvd(const ReadRequest& request);
 

@@ -26,6 +26,7 @@
 #include "data/analytic.h"
 #include "data/file_series.h"
 #include "data/sandbox.h"
+#include "data/zarr_folder.h"
 #include "worker/refused_calls.h"
 
 namespace isostrata {
@@ -182,6 +183,7 @@ ReachablePlaces reach_of_sources(const std::vector<std::string>& sources) {
     const fs::path path = fs::absolute(source);
     if (fs::is_directory(path, error)) {
       reach.read.push_back(path);
+      for (const fs::path& above : zarr_files_above(path)) reach.read.push_back(above);
     } else {
       reach_folder_of(path, reach);
       if (fs::is_symlink(path, error)) reach_folder_of(fs::canonical(path, error), reach);

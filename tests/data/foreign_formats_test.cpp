@@ -86,6 +86,23 @@ TEST_F(ForeignFormats, HoldWhatWasWritten) {
   }
 }
 
+TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
+  int pairs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "f")) {
+    if (entry.path().extension() != ".npy" || !entry.path().filename().string().starts_with("same_")) continue;
+    SCOPED_TRACE(entry.path().filename().string());
+    const auto numpy = test::open(entry.path()), zarr = test::open(std::filesystem::path(entry.path()).replace_extension(".zarr"));
+    ASSERT_EQ(zarr->grid.dims(), numpy->grid.dims());
+    const PointArray &expected = numpy->arrays.front(), &found = zarr->arrays.front();
+    EXPECT_EQ(found.type, expected.type);
+    std::size_t different = 0;
+    for (std::size_t p = 0; p < static_cast<std::size_t>(numpy->grid.point_count()); ++p) different += found.at(p) != expected.at(p);
+    EXPECT_EQ(different, 0u);
+    ++pairs;
+  }
+  EXPECT_GE(pairs, 11);
+}
+
 TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
   const auto whole = test::open(file("scan"));
   std::filesystem::copy_file(file("scan_implicit/picture0.dcm"), file("scan/one_of_another.dcm"));

@@ -93,6 +93,25 @@ TEST_P(LivingFolder, ANewFileAppearsAChangedOneIsAnotherVersionADeletedOneIsGone
   EXPECT_EQ(wait_for("a.vtk", [](const auto& e) { return e.news == News::gone; }).id, a.id);
 }
 
+TEST_P(LivingFolder, AZarrFolderIsOneEntryWhichIsAnotherVersionIfItsMetadataIsRewritten) {
+  const std::string array = R"({"zarr_format":2,"shape":[2,2,2],"chunks":[2,2,2],"dtype":"|u1","compressor":null,"fill_value":0,"order":"C","filters":null})";
+  folder_.write("i.zarr/.zattrs", R"({"multiscales":[{"datasets":[{"path":"0"}]}]})");
+  folder_.write("i.zarr/0/.zarray", array);
+  folder_.write("i.zarr/0/0.0.0", "12345678");
+  begin();
+  EXPECT_EQ(newest()->entries().size(), 1u);
+  const CatalogueEntry first = wait_for("i.zarr", [](const auto& e) { return !e.writing; });
+  EXPECT_EQ(first.kind, "OME-Zarr image");
+  folder_.write("i.zarr/.zattrs", R"({"multiscales":[{"name":"other","datasets":[{"path":"0"}]}]})");
+  const CatalogueEntry other = wait_for("i.zarr", [&](const auto& e) { return e.version > first.version && !e.writing; });
+  EXPECT_EQ(other.id, first.id);
+  EXPECT_EQ(other.news, News::changed);
+  folder_.write("i.zarr/1/.zarray", array);  // a level more
+  EXPECT_EQ(wait_for("i.zarr", [&](const auto& e) { return e.version > other.version && !e.writing; }).news, News::changed);
+  fs::remove_all(folder_ / "i.zarr");
+  EXPECT_EQ(wait_for("i.zarr", [](const auto& e) { return e.news == News::gone; }).id, first.id);
+}
+
 TEST_P(LivingFolder, ASeriesGrowsAtItsEndAndIsAnotherVersionIfAStepIsRewritten) {
   for (const int n : {1, 2}) folder_.write("s_" + std::to_string(n) + ".vti", "step");
   begin();

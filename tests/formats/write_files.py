@@ -1,4 +1,4 @@
-"""Writes small files of many formats by the libraries of each format's own world (h5py, netCDF4, pydicom, numpy) or as text, and what is in them, for
+"""Writes small files of many formats by the libraries of each format's own world (h5py, netCDF4, pydicom, numpy, zarr) or as text, and what is in them, for
 tests/data/foreign_formats_test.cpp:   write_files.py FOLDER   writes FOLDER/facts.json:
 
     {"file": {"grid":, "points":, "cells":, "arrays": {name: [lowest, highest, values that are not finite]}, "times": [...], "bounds": [x0, x1, y0, ...],
@@ -18,6 +18,7 @@ import netCDF4
 import numpy as np
 import PIL.Image
 import pydicom
+import zarr_files
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 
 NX, NY, NZ = 6, 5, 4
@@ -389,6 +390,7 @@ def main():
     pictures()
     meta_images()
     packed()
+    zarr_files.write(FIELD, lattice, expect)
     with open("facts.json", "w") as out:
         json.dump(facts, out)
 

@@ -58,7 +58,7 @@ std::string part_name(const std::string& name, const Region& part);
 /// Immutable once made, but for those who make it.
 class Catalogue {
  public:
-  /// Each source is a file, the pattern of a series, a directory (what list_folder finds in it, or what it is itself: an OpenFOAM case, slices of DICOM) or the
+  /// Each source is a file, the pattern of a series, a directory (what list_folder finds in it, or what it is itself: an OpenFOAM case, a Zarr image, slices of DICOM) or the
   /// name of analytic data. Throws not_found where a source is none of these, or cannot be listed.
   static Catalogue from_sources(const std::vector<std::string>& sources);
   /// Of entries that another catalogue gave; no file is looked at.

@@ -1,0 +1,53 @@
+#include "data/zarr_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "data/beneath.h"
+#include "data/recognise.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> kMetadata{".zarray", ".zattrs", ".zgroup", ".zmetadata", "zarr.json"};
+
+std::string beginning(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {};
+  std::ifstream in(file, std::ios::binary);
+  std::string text(std::size_t{1} << 20, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  return text;
+}
+
+/// Without a slash or a dot at its end.
+fs::path plain(const fs::path& folder) { return (without_mark(folder) / "").lexically_normal().parent_path(); }
+
+}  // namespace
+
+bool is_zarr_metadata(std::string_view name) { return std::find(kMetadata.begin(), kMetadata.end(), name) != kMetadata.end(); }
+
+bool is_zarr(const fs::path& folder) {
+  std::error_code error;
+  if (small_letters(plain(folder).extension().string()) == ".zarr" || fs::is_regular_file(folder / ".zarray", error)) return true;
+  if (beginning(folder / ".zattrs").find("\"multiscales\"") != std::string::npos) return true;
+  const std::string text = beginning(folder / "zarr.json");
+  return text.find("\"multiscales\"") != std::string::npos || (text.find("\"array\"") != std::string::npos && text.find("\"group\"") == std::string::npos);
+}
+
+std::vector<fs::path> zarr_files_above(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(folder / ".zarray", error) && !fs::is_regular_file(folder / "zarr.json", error)) return {};
+  const fs::path above = plain(folder).parent_path();
+  return {above / ".zattrs", above / "zarr.json"};
+}
+
+int deepest_file(const fs::path& folder) { return is_zarr(folder) ? 16 : 2; }
+
+}  // namespace isostrata
