@@ -1,12 +1,14 @@
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <tuple>
 
+#include "data/zarr_folder.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
+#include "import/scratch_file.h"
 #include "import/zarr_array.h"
 #include "import/zarr_chunks.h"
 #include "import/zarr_image.h"
-#include "data/zarr_folder.h"
 
 namespace isostrata {
 namespace {
@@ -125,9 +127,11 @@ void note_units(const ZarrBox& box, const std::vector<ZarrAxis>& axes, std::size
 
 Imported read_zarr(const ReadRequest& request) {
   ZarrStore store(request.file);
-  auto [array, image, named] = find(store, request.file);
-  std::vector<ZarrAxis> axes = std::move(image.axes);
-  if (axes.empty() && named && array.shape.size() == 5)
+  const Found found = find(store, request.file);
+  const ZarrArray& array = found.array;
+  const ZarrImage& image = found.image;
+  std::vector<ZarrAxis> axes = image.axes;
+  if (axes.empty() && found.named && array.shape.size() == 5)
     for (const char* name : {"t", "c", "z", "y", "x"}) axes.push_back({name, name[0] == 't' ? ZarrRole::time : name[0] == 'c' ? ZarrRole::channel : ZarrRole::space, {}});
   if (axes.empty()) axes = axes_by_name(array);
   if (axes.size() != array.shape.size())
@@ -146,26 +150,26 @@ Imported read_zarr(const ReadRequest& request) {
   check_bytes(request, array.chunk_bytes(), array.file + ": one chunk");
   Block block;
   place(block, box, axes, array.file);
-  std::vector<std::span<std::byte>> values;
-  for (std::int64_t c = 0; c < box.size[3]; ++c) {
-    const auto n = static_cast<std::size_t>(c);
-    FileArray one;
-    one.name = n < image.channels.size() && !image.channels[n].empty() ? image.channels[n]
-               : box.axes[3] != kNone                                 ? "channel " + std::to_string(c)
-               : named                                                ? "intensity"
-                                                                      : fs::path(store.name()).stem().string();
+  block.arrays.resize(static_cast<std::size_t>(box.size[3]));
+  std::vector<std::unique_ptr<ScratchFile<std::byte>>> files(block.arrays.size());  // open from a channel's first value to its last
+  std::vector<std::uint64_t> written(files.size());
+  const auto add = [&](std::size_t c, std::span<const std::byte> values) {
+    if (!files[c]) files[c] = std::make_unique<ScratchFile<std::byte>>(request, "array_" + std::to_string(c) + ".bin");
+    files[c]->add(values);
+    if ((written[c] += values.size()) < bytes) return;
+    FileArray& one = block.arrays[c];
+    std::tie(one.values, one.storage) = files[c]->finish();
     one.type = array.type;
-    auto [storage, to] = allocate<std::byte>(bytes);
-    one.values = to;
-    one.storage = storage;
-    values.push_back(to);
-    block.arrays.push_back(std::move(one));
-  }
-  const ZarrCount count = read_zarr_box(store, array, box, values, request.progress);
+    one.name = c < image.channels.size() && !image.channels[c].empty() ? image.channels[c]
+               : box.axes[3] != kNone                                 ? "channel " + std::to_string(c)
+               : found.named                                          ? "intensity"
+                                                                      : fs::path(store.name()).stem().string();
+  };
+  const ZarrCount count = read_zarr_box(store, array, box, add, request.progress);
   imported.blocks.push_back(std::move(block));
-  imported.notes = std::move(image.notes);
+  imported.notes = image.notes;
   note_units(box, axes, roles.time, imported.notes);
-  if (!named) imported.notes.push_back("an array alone, which no image explains: its last axis is x; points 1 apart");
+  if (!found.named) imported.notes.push_back("an array alone, which no image explains: its last axis is x; points 1 apart");
   if (count.missing > 0)
     imported.notes.push_back(std::to_string(count.missing) + " of " + std::to_string(count.chunks) + " chunks are not there and hold the fill value");
   return imported;

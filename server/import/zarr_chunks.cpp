@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 #include "import/imported.h"
 #include "import/memory_limit.h"
@@ -11,38 +12,38 @@ namespace {
 
 using Four = std::array<std::int64_t, 4>;  // x, y, z, channel
 
-/// Values of one chunk, or one value for all of them, to their places.
+/// Values of one chunk, or one value for all of them, to their places in a layer of chunks.
 struct Copy {
   const std::byte* from;
-  Four from_step;  // in values
+  Four from_step;    // in values
   Four first, last;  // in the box
-  Four box;
+  std::byte* to;     // the first place of the layer
+  Four to_step;
 };
 
 template <std::size_t width>
-void copy_values(const Copy& of, std::span<const std::span<std::byte>> out) {
+void copy_values(const Copy& of) {
   const auto length = static_cast<std::size_t>(of.last[0] - of.first[0]);
-  for (std::int64_t c = of.first[3]; c < of.last[3]; ++c)
-    for (std::int64_t z = of.first[2]; z < of.last[2]; ++z)
-      for (std::int64_t y = of.first[1]; y < of.last[1]; ++y) {
-        const std::byte* from = of.from + ((c - of.first[3]) * of.from_step[3] + (z - of.first[2]) * of.from_step[2] + (y - of.first[1]) * of.from_step[1]) *
-                                              static_cast<std::int64_t>(width);
-        std::byte* to = out[static_cast<std::size_t>(c)].data() + static_cast<std::size_t>(of.first[0] + of.box[0] * (y + of.box[1] * z)) * width;
+  const std::int64_t step = of.from_step[0] * static_cast<std::int64_t>(width);
+  for (std::int64_t c = 0; c < of.last[3] - of.first[3]; ++c)
+    for (std::int64_t z = 0; z < of.last[2] - of.first[2]; ++z)
+      for (std::int64_t y = 0; y < of.last[1] - of.first[1]; ++y) {
+        const std::byte* from = of.from + (c * of.from_step[3] + z * of.from_step[2] + y * of.from_step[1]) * static_cast<std::int64_t>(width);
+        std::byte* to = of.to + (c * of.to_step[3] + z * of.to_step[2] + (of.first[1] + y) * of.to_step[1] + of.first[0]) * static_cast<std::int64_t>(width);
         if (of.from_step[0] == 1) {
           std::memcpy(to, from, length * width);
           continue;
         }
-        const std::int64_t step = of.from_step[0] * static_cast<std::int64_t>(width);
         for (std::size_t i = 0; i < length; ++i, to += width, from += step) std::memcpy(to, from, width);
       }
 }
 
-void copy_values(const Copy& of, std::size_t width, std::span<const std::span<std::byte>> out) {
+void copy_values(const Copy& of, std::size_t width) {
   switch (width) {
-    case 1: return copy_values<1>(of, out);
-    case 2: return copy_values<2>(of, out);
-    case 4: return copy_values<4>(of, out);
-    default: return copy_values<8>(of, out);
+    case 1: return copy_values<1>(of);
+    case 2: return copy_values<2>(of);
+    case 4: return copy_values<4>(of);
+    default: return copy_values<8>(of);
   }
 }
 
@@ -64,79 +65,104 @@ void swap_values(std::span<std::byte> bytes, std::size_t width) {
   swap_values<std::uint64_t>(bytes);
 }
 
-/// Values between neighbours along each axis of a chunk, and along the box's.
-std::vector<std::int64_t> steps_of(const ZarrArray& array) {
-  std::vector<std::int64_t> steps(array.shape.size(), 1);
-  std::int64_t step = 1;
-  for (std::size_t o = array.order.size(); o-- > 0;) {
-    steps[array.order[o]] = step;
-    step *= array.chunk[array.order[o]];
+/// The chunks that a box meets, numbered along x, then y, z and the channels. Those of one z and one channel are a layer.
+class Chunks {
+ public:
+  Chunks(const ZarrArray& array, const ZarrBox& box) : array_(array), box_(box), index_(array.shape.size()) {
+    std::vector<std::int64_t> steps(array.shape.size());
+    std::int64_t step = 1;
+    for (std::size_t o = array.order.size(); o-- > 0; step *= array.chunk[array.order[o]]) steps[array.order[o]] = step;
+    for (std::size_t a = 0; a < index_.size(); ++a) {
+      index_[a] = box.at[a] / array.chunk[a];
+      before_ += box.at[a] % array.chunk[a] * steps[a];
+    }
+    for (std::size_t b = 0; b < 4; ++b) {
+      const std::size_t axis = box.axes[b];
+      if (axis == ZarrBox::kNone) continue;
+      size_[b] = array.chunk[axis];
+      count_[b] = (box.size[b] - 1) / size_[b] + 1;
+      step_[b] = steps[axis];
+    }
+    all_ = checked_product({count_[0], count_[1], count_[2], count_[3]}, array.file);
+    constexpr std::int64_t kMost = 10'000'000;
+    if (all_ > kMost) throw Error(ErrorCode::too_large, array.file + ": " + std::to_string(all_) + " chunks; expected at most " + std::to_string(kMost));
   }
-  return steps;
+
+  std::int64_t count() const { return all_; }
+  std::int64_t layers() const { return count_[2] * count_[3]; }
+  std::int64_t in_layer() const { return count_[0] * count_[1]; }
+  /// Values of a chunk, in values, along the box's axes, and those before the place on every other axis.
+  const Four& steps() const { return step_; }
+  std::size_t before() const { return static_cast<std::size_t>(before_); }
+
+  /// Goes to one of them.
+  void go(std::int64_t n) {
+    for (std::size_t b = 0; b < 4; ++b, n /= count_[b - 1]) {
+      const std::int64_t at = n % count_[b];
+      first[b] = at * size_[b];
+      last[b] = std::min(box_.size[b], first[b] + size_[b]);
+      if (box_.axes[b] != ZarrBox::kNone) index_[box_.axes[b]] = at;
+    }
+  }
+  Four first{}, last{};  // of the chunk, in the box
+  std::string file() const { return array_.chunk_file(index_); }
+
+ private:
+  const ZarrArray& array_;
+  const ZarrBox& box_;
+  std::vector<std::int64_t> index_;
+  Four size_{1, 1, 1, 1}, count_{1, 1, 1, 1}, step_{};
+  std::int64_t before_ = 0, all_ = 1;
+};
+
+/// A folder that has next to nothing in it may not fill a disk. What any folder may take is not looked at.
+void check_missing(const ZarrStore& store, const ZarrArray& array, Chunks& chunks, std::uint64_t bytes) {
+  if (bytes <= unpacked_bytes(0)) return;
+  std::uint64_t stored = 0;
+  std::int64_t missing = 0;
+  for (std::int64_t n = 0; n < chunks.count(); ++n) {
+    chunks.go(n);
+    const std::optional<std::uint64_t> size = store.size_of(chunks.file());
+    stored += size.value_or(0);
+    missing += !size;
+  }
+  const double filled = static_cast<double>(missing) / static_cast<double>(chunks.count()) * static_cast<double>(bytes);
+  if (filled > static_cast<double>(unpacked_bytes(stored)))
+    throw Error(ErrorCode::too_large, array.file + ": " + std::to_string(missing) + " of " + std::to_string(chunks.count()) + " chunks are not there, and the others have " +
+                                          std::to_string(stored) + " bytes; expected more, for " + std::to_string(bytes) + " bytes of values");
 }
 
 }  // namespace
 
-ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, std::span<const std::span<std::byte>> out,
-                        const std::function<void(double fraction)>& progress) {
+ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, const AddValues& add, const std::function<void(double fraction)>& progress) {
   const std::size_t width = size_of(array.type), bytes = array.chunk_bytes(), most_stored = 2 * bytes + (std::size_t{1} << 20);
-  const std::vector<std::int64_t> steps = steps_of(array);
-  std::vector<std::int64_t> index(array.shape.size());  // of a chunk
-  std::int64_t before = 0;                               // values of a chunk before the place on every other axis
-  for (std::size_t a = 0; a < index.size(); ++a) {
-    index[a] = box.at[a] / array.chunk[a];
-    before += box.at[a] % array.chunk[a] * steps[a];
-  }
-  Four size{1, 1, 1, 1}, count{1, 1, 1, 1}, chunk_step{};
-  ZarrCount counted{.chunks = 1};
-  for (std::size_t b = 0; b < 4; ++b) {
-    const std::size_t axis = box.axes[b];
-    if (axis == ZarrBox::kNone) continue;
-    size[b] = array.chunk[axis];
-    count[b] = (box.size[b] - 1) / size[b] + 1;
-    chunk_step[b] = steps[axis];
-    counted.chunks = checked_product({counted.chunks, count[b]}, array.file);
-  }
-  constexpr std::int64_t kMostChunks = 10'000'000;
-  if (counted.chunks > kMostChunks) throw Error(ErrorCode::too_large, array.file + ": " + std::to_string(counted.chunks) + " chunks; expected at most " + std::to_string(kMostChunks));
-
-  const auto to_place = [&](std::int64_t n) {  // of a chunk; from the fill value, until it says otherwise
-    Copy copy{.from = array.fill.data(), .from_step = {}, .first = {}, .last = {}, .box = box.size};
-    std::int64_t rest = n;
-    for (std::size_t b = 0; b < 4; ++b) {
-      const std::int64_t at = rest % count[b];
-      rest /= count[b];
-      copy.first[b] = at * size[b];
-      copy.last[b] = std::min(box.size[b], copy.first[b] + size[b]);
-      if (box.axes[b] != ZarrBox::kNone) index[box.axes[b]] = at;
+  Chunks chunks(array, box);
+  check_missing(store, array, chunks, static_cast<std::uint64_t>(checked_product({box.size[0], box.size[1], box.size[2], box.size[3], static_cast<std::int64_t>(width)}, array.file)));
+  ZarrCount counted{.chunks = chunks.count()};
+  std::vector<std::byte> stored, unpacked, layer;
+  for (std::int64_t l = 0, n = 0; l < chunks.layers(); ++l) {
+    chunks.go(n);
+    const std::int64_t channel = chunks.first[3], channels = chunks.last[3] - channel, area = box.size[0] * box.size[1];
+    const Four to_step{1, box.size[0], area, area * (chunks.last[2] - chunks.first[2])};
+    const std::size_t of_channel = static_cast<std::size_t>(to_step[3]) * width;
+    layer.resize(of_channel * static_cast<std::size_t>(channels));
+    for (const std::int64_t end = n + chunks.in_layer(); n < end; ++n) {
+      chunks.go(n);
+      Copy copy{array.fill.data(), {}, chunks.first, chunks.last, layer.data(), to_step};
+      if (const std::string file = chunks.file(); store.read(file, most_stored, stored)) {
+        const std::span<std::byte> values = decode_chunk(array.codecs, stored, bytes, unpacked, store.name_of(file));
+        if (array.swap) swap_values(values, width);
+        copy.from = values.data() + chunks.before() * width;
+        copy.from_step = chunks.steps();
+      } else {
+        ++counted.missing;
+      }
+      copy_values(copy, width);
+      progress(static_cast<double>(n + 1) / static_cast<double>(counted.chunks));
     }
-    return copy;
-  };
-  std::vector<std::byte> stored, unpacked;
-  std::vector<std::int64_t> missing;
-  std::uint64_t stored_bytes = 0;
-  for (std::int64_t n = 0; n < counted.chunks; ++n) {
-    Copy copy = to_place(n);
-    const std::string file = array.chunk_file(index);
-    progress(static_cast<double>(n) / static_cast<double>(counted.chunks));
-    if (!store.read(file, most_stored, stored)) {
-      missing.push_back(n);
-      continue;
-    }
-    stored_bytes += stored.size();
-    const std::span<std::byte> values = decode_chunk(array.codecs, stored, bytes, unpacked, store.name_of(file));
-    if (array.swap) swap_values(values, width);
-    copy.from = values.data() + static_cast<std::size_t>(before) * width;
-    copy.from_step = chunk_step;
-    copy_values(copy, width, out);
+    for (std::int64_t c = 0; c < channels; ++c)
+      add(static_cast<std::size_t>(channel + c), std::span<const std::byte>(layer).subspan(static_cast<std::size_t>(c) * of_channel, of_channel));
   }
-  // Only now is memory taken for what is in no file.
-  counted.missing = static_cast<std::int64_t>(missing.size());
-  const double filled = static_cast<double>(counted.missing) / static_cast<double>(counted.chunks) * static_cast<double>(out.size() * out.front().size());
-  if (filled > static_cast<double>(unpacked_bytes(stored_bytes)))
-    throw Error(ErrorCode::too_large, array.file + ": " + std::to_string(counted.missing) + " of " + std::to_string(counted.chunks) + " chunks are not there, and the others have " +
-                                          std::to_string(stored_bytes) + " bytes; expected more, for an array of " + std::to_string(out.size() * out.front().size()));
-  for (const std::int64_t n : missing) copy_values(to_place(n), width, out);
   return counted;
 }
 

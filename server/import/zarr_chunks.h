@@ -26,10 +26,12 @@ struct ZarrCount {
   std::int64_t missing = 0;  // they hold the fill value
 };
 
-/// Fills out[channel], each of x * y * z values with x running fastest, in the machine's byte order. Takes the memory of a chunk, unpacked and as it is stored. Throws what
-/// ZarrStore::read and decode_chunk throw, and too_large above 10 million chunks
-/// and if far more would be filled than the chunks that are there could unpack to.
-ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, std::span<const std::span<std::byte>> out,
-                        const std::function<void(double fraction)>& progress);
+/// Takes the next values of a channel, x running fastest, in the machine's byte order.
+using AddValues = std::function<void(std::size_t channel, std::span<const std::byte> values)>;
+
+/// Gives each channel's values to `add`, from its first to its last, a layer of chunks at a time. Takes the memory of such a layer, of as many channels as a chunk spans, and
+/// of one chunk, unpacked and as it is stored. Throws what ZarrStore::read and decode_chunk throw, and too_large above 10 million chunks and if far more would be filled
+/// than the chunks that are there could unpack to.
+ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, const AddValues& add, const std::function<void(double fraction)>& progress);
 
 }  // namespace isostrata

@@ -49,6 +49,12 @@ ZarrStore::ZarrStore(const fs::path& folder) {
   if (error) throw Error(ErrorCode::not_found, name_ + ": cannot be opened: " + error.message());
 }
 
+std::optional<std::uint64_t> ZarrStore::size_of(const std::string& file) const {
+  std::error_code error;
+  const std::uint64_t bytes = fs::file_size(folder_ / file, error);
+  return error ? std::nullopt : std::optional(bytes);
+}
+
 bool ZarrStore::has(const std::string& file) const {
   std::error_code error;
   return fs::exists(folder_ / file, error);

@@ -3,6 +3,7 @@
 
 #include <boost/json/value.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -29,6 +30,9 @@ class ZarrStore {
 
   /// Folders in it that are arrays, in the order of their names; at most eight of the first thousand.
   std::vector<std::string> arrays() const;
+
+  /// Of a file in it, a link followed, which is not opened; nothing if there is none.
+  std::optional<std::uint64_t> size_of(const std::string& file) const;
 
   /// Whether there is such a file or folder.
   bool has(const std::string& file) const;
