@@ -11,9 +11,9 @@
 #include <variant>
 
 #include "data/partition.h"
+#include "import/appended_file.h"
 #include "import/appended_xml.h"
 #include "import/declared_time.h"
-#include "import/scratch_file.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -123,7 +123,7 @@ bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest&
   auto [storage, types] = allocate<std::uint8_t>(given.size());
   for (std::size_t c = 0; c < given.size(); ++c) types[c] = kind[static_cast<std::uint8_t>(given[c])];
 
-  ScratchFile<std::int64_t> offsets(request, "offsets.bin"), connectivity(request, "connectivity.bin");
+  AppendedFile<std::int64_t> offsets(request, "offsets.bin"), connectivity(request, "connectivity.bin");
   offsets.add(std::array<std::int64_t, 1>{0});
   std::size_t cell = 0;
   std::int64_t last = 0;

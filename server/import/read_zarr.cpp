@@ -3,9 +3,9 @@
 #include <tuple>
 
 #include "data/zarr_folder.h"
+#include "import/appended_file.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
-#include "import/scratch_file.h"
 #include "import/zarr_array.h"
 #include "import/zarr_chunks.h"
 #include "import/zarr_image.h"
@@ -151,10 +151,10 @@ Imported read_zarr(const ReadRequest& request) {
   Block block;
   place(block, box, axes, array.file);
   block.arrays.resize(static_cast<std::size_t>(box.size[3]));
-  std::vector<std::unique_ptr<ScratchFile<std::byte>>> files(block.arrays.size());  // open from a channel's first value to its last
+  std::vector<std::unique_ptr<AppendedFile<std::byte>>> files(block.arrays.size());  // open from a channel's first value to its last
   std::vector<std::uint64_t> written(files.size());
   const auto add = [&](std::size_t c, std::span<const std::byte> values) {
-    if (!files[c]) files[c] = std::make_unique<ScratchFile<std::byte>>(request, "array_" + std::to_string(c) + ".bin");
+    if (!files[c]) files[c] = std::make_unique<AppendedFile<std::byte>>(request, "array_" + std::to_string(c) + ".bin");
     files[c]->add(values);
     if ((written[c] += values.size()) < bytes) return;
     FileArray& one = block.arrays[c];

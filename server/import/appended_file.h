@@ -17,19 +17,19 @@ namespace isostrata {
 
 /// Of Ts. If it has the name that it gets among the dataset's files, it stays as it is (write_dataset.h).
 template <class T>
-class ScratchFile {
+class AppendedFile {
  public:
   /// Another block of the dataset may have a file of this name: then it gets another.
-  ScratchFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / name) {
+  AppendedFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / name) {
     for (int n = 2; !(file_ = std::fopen(path_.c_str(), "wbx")) && errno == EEXIST; ++n) path_ = request.scratch / (name + "." + std::to_string(n));
   }
-  ~ScratchFile() {
+  ~AppendedFile() {
     if (!file_) return;
     std::fclose(file_);
     std::remove(path_.c_str());
   }
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
+  AppendedFile(const AppendedFile&) = delete;
+  AppendedFile& operator=(const AppendedFile&) = delete;
 
   /// Throws unavailable where there is no room.
   void add(std::span<const T> values) {
