@@ -285,6 +285,23 @@ TEST_F(InMotion, ADraggedEndOfAMeshIsOfItsSamplesForWhoAsksAndOfItsCellsAtRest) 
   }
 }
 
+TEST_F(InMotion, AHeavyMeshTurnsAsItsSamplesOnceItHasRested) {
+  turn("tets-46");
+  ask(0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  turn("tets-46");
+  EXPECT_FALSE(ask(1).coarse_at_hand) << "nothing is made while it does not rest";
+  ask(0, true);
+  FrameReady moved;
+  for (int tries = 0; tries < 2000 && moved.point_stride == 1; ++tries) {
+    turn("tets-46");
+    moved = ask(1);
+    EXPECT_EQ(moved.revision, revision_);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(moved.point_stride, 2);
+}
+
 TEST(CoarseScenes, OfLabelsThatAreTakenWholeThereAreNone) {
   const auto mesh = make_analytic("tets:46", {}, Task{});
   Scene scene = torus_scene();
