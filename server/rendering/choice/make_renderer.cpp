@@ -5,6 +5,7 @@
 #include "rendering/choice/renderer_trial.h"
 #include "rendering/compute/compute_renderer.h"
 #include "rendering/gl/gl_probe.h"
+#include "rendering/gl/graphics_cards.h"
 #include "rendering/picture/renderer.h"
 #include "rendering/raster/gl_renderer.h"
 
@@ -12,6 +13,7 @@ namespace isostrata {
 namespace {
 
 bool hardware_at_hand() {
+  if (!may_draw_with_card()) return false;
   const DeviceAttempt* taken = automatic_device();
   return taken && !taken->software;
 }

@@ -135,6 +135,19 @@ std::vector<GraphicsCard> graphics_cards(const fs::path& root) {
   return found;
 }
 
+bool may_draw_with_card(const fs::path& root) {
+  std::error_code ignored;
+  if (fs::exists(root / "dev/dxg", ignored)) return true;  // Windows' card, in its Linux
+  const auto any = [&](const char* folder, std::initializer_list<std::string_view> names) {
+    const std::vector<fs::path> there = entries(root / folder);
+    return std::any_of(there.begin(), there.end(), [&](const fs::path& file) {
+      const std::string name = file.filename().string();
+      return std::any_of(names.begin(), names.end(), [&](std::string_view start) { return name.starts_with(start); });
+    });
+  };
+  return any("dev/dri", {"renderD"}) || any("dev", {"nvidia", "mali", "kgsl"});
+}
+
 const GraphicsCard* card_of(const std::vector<GraphicsCard>& cards, const std::string& file, const std::string& uuid) {
   const auto found = std::find_if(cards.begin(), cards.end(), [&](const GraphicsCard& card) {
     return (!uuid.empty() && card.uuid == uuid) ||

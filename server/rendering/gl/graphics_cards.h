@@ -32,6 +32,10 @@ struct GraphicsCard {
 /// here. root: of the files that the kernel tells it by (/dev, /sys, /proc). Any thread.
 std::vector<GraphicsCard> graphics_cards(const std::filesystem::path& root = "/");
 
+/// Whether there is a device file by which a card may draw, of any driver that we know of. Where there is none, OpenGL is software, and nobody need load it
+/// to find out. Any thread.
+bool may_draw_with_card(const std::filesystem::path& root = "/");
+
 /// The one that a device of EGL is: by its device file, or its UUID; null: not known.
 const GraphicsCard* card_of(const std::vector<GraphicsCard>& cards, const std::string& file, const std::string& uuid);
 

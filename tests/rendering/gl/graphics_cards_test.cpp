@@ -45,6 +45,19 @@ TEST_F(GraphicsCards, AreNoneOnAMachineWithout) {
   EXPECT_TRUE(cards().empty());
 }
 
+TEST_F(GraphicsCards, WithoutADeviceFileNoneDraws) {
+  EXPECT_FALSE(may_draw_with_card(folder_.path()));
+  write("dev/null");
+  write("dev/dri/card0");  // what a server shows its console with
+  EXPECT_FALSE(may_draw_with_card(folder_.path()));
+  for (const char* file : {"dev/dri/renderD128", "dev/nvidia0", "dev/nvidiactl", "dev/dxg", "dev/mali0", "dev/kgsl-3d0"}) {
+    write(file);
+    EXPECT_TRUE(may_draw_with_card(folder_.path())) << file;
+    fs::remove(folder_ / file);
+  }
+  EXPECT_FALSE(may_draw_with_card(folder_.path()));
+}
+
 TEST_F(GraphicsCards, AreKnownByTheirRenderNode) {
   pci_device("0000:65:00.0", "0x030000", "0x1002", "0x73bf", "amdgpu");
   render_node("renderD128", "0000:65:00.0");
