@@ -232,26 +232,8 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
   std::atomic<std::int64_t> bad_cell{-1}, bad_id{-1}, mixed{-1};
   parallel_for(cells, 1 << 16, [&](std::int64_t begin, std::int64_t end) {
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
-      std::int64_t vertices = 0;
       if (is_flat(static_cast<CellType>(grid.types[c])) != grid_is_flat) mixed = static_cast<std::int64_t>(c);
-      switch (static_cast<CellType>(grid.types[c])) {
-        case CellType::triangle:
-          vertices = 3;
-          break;
-        case CellType::quadrilateral:
-        case CellType::tetrahedron:
-          vertices = 4;
-          break;
-        case CellType::pyramid:
-          vertices = 5;
-          break;
-        case CellType::wedge:
-          vertices = 6;
-          break;
-        case CellType::hexahedron:
-          vertices = 8;
-          break;
-      }
+      const std::int64_t vertices = kPointsOfType[grid.types[c]];
       // Subtraction cannot overflow once both offsets lie within [0, ids].
       const std::int64_t from = grid.offsets[c], to = grid.offsets[c + 1];
       if (vertices == 0 || from < 0 || to > ids || to < from || to - from != vertices) bad_cell = static_cast<std::int64_t>(c);

@@ -1,6 +1,5 @@
 #include "import/read_mesh_in_place.h"
 
-#include <vtkCellType.h>
 #include <vtkDataSetAttributes.h>
 
 #include <algorithm>
@@ -113,24 +112,15 @@ bool for_parts(const FileArray& array, const Visit& visit) {
 
 /// Cells of the four kinds whose ids are all points; nothing for others.
 bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest& request, UnstructuredGrid& grid, std::vector<std::shared_ptr<const void>>& keep) {
-  std::array<std::uint8_t, 256> kind{}, corners{};
-  for (const auto& [vtk, type] : {std::pair{VTK_TETRA, CellType::tetrahedron}, {VTK_HEXAHEDRON, CellType::hexahedron},
-                                  {VTK_WEDGE, CellType::wedge}, {VTK_PYRAMID, CellType::pyramid}}) {
-    kind[static_cast<std::size_t>(vtk)] = static_cast<std::uint8_t>(type);
-    corners[static_cast<std::size_t>(vtk)] = static_cast<std::uint8_t>(topology(type).vertex_count);
-  }
-  const auto given = std::as_bytes(arrays.types.values);
-  auto [storage, types] = allocate<std::uint8_t>(given.size());
-  for (std::size_t c = 0; c < given.size(); ++c) types[c] = kind[static_cast<std::uint8_t>(given[c])];
-
+  const std::span<const std::uint8_t> types(reinterpret_cast<const std::uint8_t*>(arrays.types.values.data()), arrays.types.values.size());
   AppendedFile<std::int64_t> offsets(request, "offsets.bin"), connectivity(request, "connectivity.bin");
   offsets.add(std::array<std::int64_t, 1>{0});
   std::size_t cell = 0;
   std::int64_t last = 0;
   const bool ends_fit = for_parts(arrays.ends, [&](std::span<const std::int64_t> ends) {
     for (const std::int64_t end : ends) {
-      const std::int64_t wanted = corners[static_cast<std::uint8_t>(given[cell++])];
-      if (wanted == 0 || end - last != wanted) return false;
+      const std::uint8_t type = types[cell++];
+      if (!holds_volume(type) || end - last != kPointsOfType[type]) return false;
       last = end;
     }
     offsets.add(ends);
@@ -150,7 +140,7 @@ bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest&
   });
   if (!ids_fit) return false;
   grid.types = types;
-  keep.push_back(storage);
+  keep.push_back(arrays.types.storage);
   std::tie(grid.offsets, keep.emplace_back()) = offsets.finish();
   std::tie(grid.connectivity, keep.emplace_back()) = connectivity.finish();
   return true;

@@ -170,17 +170,12 @@ class CellKeeper {
   template <class Array>
   bool keep_whole(const unsigned char* types, vtkIdType count, Array* offsets, Array* ids) {
     if (!offsets || !ids) return false;
-    std::array<Kept, 256> as{};
-    for (const int type : {VTK_TETRA, VTK_HEXAHEDRON, VTK_WEDGE, VTK_PYRAMID}) as[static_cast<std::size_t>(type)] = kept_as(type);
-    for (vtkIdType c = 0; c < count; ++c) {
-      const int corners = as[types[c]].corners;
-      if (corners == 0 || offsets->GetValue(c + 1) - offsets->GetValue(c) != corners) return false;
-    }
+    for (vtkIdType c = 0; c < count; ++c)
+      if (!holds_volume(types[c]) || offsets->GetValue(c + 1) - offsets->GetValue(c) != kPointsOfType[types[c]]) return false;
     const vtkIdType entries = count > 0 ? static_cast<vtkIdType>(offsets->GetValue(count)) : 0;
     const bool good = std::all_of(ids->GetPointer(0), ids->GetPointer(0) + entries, [&](auto id) { return id >= 0 && id < points_; });
     if (!good) return false;  // the other way says which
-    kept_.types.resize(static_cast<std::size_t>(count));
-    std::transform(types, types + count, kept_.types.begin(), [&](unsigned char type) { return static_cast<std::uint8_t>(as[type].type); });
+    kept_.types.assign(types, types + count);
     if (count == 0) return true;
     if constexpr (sizeof *ids->GetPointer(0) == sizeof(std::int64_t)) {
       kept_.own_offsets = {reinterpret_cast<const std::int64_t*>(offsets->GetPointer(0)), static_cast<std::size_t>(count) + 1};

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace isostrata {
 
@@ -14,6 +15,18 @@ inline constexpr std::array kCellTypes{CellType::tetrahedron, CellType::pyramid,
 inline constexpr std::array kFlatCellTypes{CellType::triangle, CellType::quadrilateral};  // these have an area and no volume
 constexpr bool is_flat(CellType type) { return type == CellType::triangle || type == CellType::quadrilateral; }
 inline constexpr int kMaxCellVertices = 8;
+
+/// By a cell's type as a file may say it: how many points it has; 0 for what is none of the above.
+inline constexpr std::array<std::uint8_t, 256> kPointsOfType = [] {
+  std::array<std::uint8_t, 256> points{};
+  for (const auto& [type, count] : {std::pair{CellType::triangle, 3}, {CellType::quadrilateral, 4}, {CellType::tetrahedron, 4},
+                                    {CellType::pyramid, 5}, {CellType::wedge, 6}, {CellType::hexahedron, 8}})
+    points[static_cast<std::size_t>(type)] = static_cast<std::uint8_t>(count);
+  return points;
+}();
+
+/// Whether it is one of kCellTypes.
+constexpr bool holds_volume(std::uint8_t type) { return kPointsOfType[type] > 0 && !is_flat(static_cast<CellType>(type)); }
 
 struct CellFace {
   int size = 0;                 // 3 or 4
