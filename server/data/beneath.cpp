@@ -57,6 +57,8 @@ fs::path without_mark(const fs::path& path) {
   return root.empty() ? path : root / rest;
 }
 
+fs::path plain_folder(const fs::path& folder) { return (without_mark(folder) / "").lexically_normal().parent_path(); }
+
 int open_beneath(int directory, const fs::path& name, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags) | O_CLOEXEC;

@@ -10,6 +10,8 @@ std::filesystem::path beneath(const std::filesystem::path& root, const std::file
 
 /// ROOT/REST.
 std::filesystem::path without_mark(const std::filesystem::path& path);
+/// The same without a slash or a dot at its end.
+std::filesystem::path plain_folder(const std::filesystem::path& folder);
 
 /// Opens as open(2) does, and closes on exec; of ROOT/./REST by way of ROOT's descriptor (openat2, or a look at the real path
 /// where the kernel has none), so that a file that was swapped for a link is not followed out of ROOT. -1 and errno where it

@@ -26,16 +26,13 @@ std::string beginning(const fs::path& file) {
   return text;
 }
 
-/// Without a slash or a dot at its end.
-fs::path plain(const fs::path& folder) { return (without_mark(folder) / "").lexically_normal().parent_path(); }
-
 }  // namespace
 
 bool is_zarr_metadata(std::string_view name) { return std::find(kMetadata.begin(), kMetadata.end(), name) != kMetadata.end(); }
 
 bool is_zarr(const fs::path& folder) {
   std::error_code error;
-  if (small_letters(plain(folder).extension().string()) == ".zarr" || fs::is_regular_file(folder / ".zarray", error)) return true;
+  if (small_letters(plain_folder(folder).extension().string()) == ".zarr" || fs::is_regular_file(folder / ".zarray", error)) return true;
   if (beginning(folder / ".zattrs").find("\"multiscales\"") != std::string::npos) return true;
   const std::string text = beginning(folder / "zarr.json");
   return text.find("\"multiscales\"") != std::string::npos || (text.find("\"array\"") != std::string::npos && text.find("\"group\"") == std::string::npos);
@@ -44,7 +41,7 @@ bool is_zarr(const fs::path& folder) {
 std::vector<fs::path> zarr_files_above(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_regular_file(folder / ".zarray", error) && !fs::is_regular_file(folder / "zarr.json", error)) return {};
-  const fs::path above = plain(folder).parent_path();
+  const fs::path above = plain_folder(folder).parent_path();
   return {above / ".zattrs", above / "zarr.json"};
 }
 

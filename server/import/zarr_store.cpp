@@ -43,7 +43,7 @@ std::string with_quoted_words(std::string_view text) {
 
 ZarrStore::ZarrStore(const fs::path& folder) {
   std::error_code error;
-  const fs::path plain = (without_mark(folder) / "").lexically_normal().parent_path();
+  const fs::path plain = plain_folder(folder);
   name_ = plain.filename().string();
   folder_ = fs::canonical(plain, error);
   if (error) throw Error(ErrorCode::not_found, name_ + ": cannot be opened: " + error.message());
