@@ -70,12 +70,15 @@ std::array<std::int64_t, 3> moving_stride(const Grid& grid, int level) {
 
 namespace {
 
+/// Whether some of the points say what the scene shows: cells that are taken whole have no coarser ones.
+bool some_points_do(const Dataset& whole, const Scene& scene) {
+  if (whole.arrays.empty() || scene.values != FieldValues::whole) return !whole.arrays.empty();
+  return whole.grid.structured() && whole.array(scene.array.empty() ? whole.arrays.front().name : scene.array).association != Association::cell_averaged;
+}
+
 /// kAllPoints: there is nothing coarser.
 std::array<std::int64_t, 3> stride_for_motion(const Dataset& whole, const Scene& scene, int level) {
-  if (!of_one_step(scene) || whole.arrays.empty()) return kAllPoints;
-  const std::string& array = scene.array.empty() ? whole.arrays.front().name : scene.array;
-  const bool cells_alone = scene.values == FieldValues::whole && (!whole.grid.structured() || whole.array(array).association == Association::cell_averaged);
-  if (cells_alone) return kAllPoints;  // coarser cells have no value
+  if (!of_one_step(scene) || !some_points_do(whole, scene)) return kAllPoints;
   if (whole.grid.structured()) return moving_stride(whole.grid, level);
   if (whole.grid.cell_count() < kFewCells || !can_be_sampled(whole)) return kAllPoints;
   return level == 1 ? kSamples : kFewerSamples;
@@ -129,8 +132,7 @@ std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& steps, const Scene& scene, const Task& task) {
   if (!of_one_step(scene)) return nullptr;
   const auto whole = steps(scene.step, task);
-  if (stride_for_motion(*whole, scene, 1) == kAllPoints) return nullptr;
-  const Stride stride = coarse_stride(whole->grid, least_cells_, kMostPoints);
+  const Stride stride = some_points_do(*whole, scene) ? coarse_stride(whole->grid, least_cells_, kMostPoints) : kAllPoints;
   return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task);
 }
 
