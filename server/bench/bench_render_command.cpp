@@ -14,6 +14,7 @@
 #include "engine/picture/draw_scene.h"
 #include "extraction/bricks/brick_memory.h"
 #include "main/picture_arguments.h"
+#include "main/still_arguments.h"
 #include "rendering/picture/turn_camera.h"
 
 namespace isostrata {
@@ -340,8 +341,7 @@ void add_bench_render_command(CLI::App& bench) {
       ->check(CLI::IsMember({"split", "cut"}))
       ->allow_extra_args(false)
       ->capture_default_str();
-  command->add_option("--occlusion", arguments->light.occlusion, "How dark hollows are, from 0 to 1")->check(CLI::Range(0.0, 1.0))->capture_default_str();
-  command->add_option("--depth-fade", arguments->light.fade, "How far what is far away fades, from 0 to 1")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+  add_light_options(*command, arguments->light);
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--repeat", arguments->repeat, "Frames to measure")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--seconds", arguments->seconds, "A row ends after so long, but not before three frames")

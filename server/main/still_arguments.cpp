@@ -78,12 +78,16 @@ void add_still_options(CLI::App& command, StillArguments& arguments) {
                   "Rays a pixel, each way: N draws N x N as many and takes their mean, for smooth outlines")
       ->check(CLI::Range(1, kMaxSamples))
       ->capture_default_str();
+  add_light_options(command, arguments.light);
+}
+
+void add_light_options(CLI::App& command, DepthLight& light) {
   command
-      .add_option("--occlusion", arguments.light.occlusion,
+      .add_option("--occlusion", light.occlusion,
                   "Ambient occlusion, from 0 to 1: how dark hollows are, and what lies close behind an edge, by the depth of what is seen")
       ->capture_default_str();
   command
-      .add_option("--depth-fade", arguments.light.fade,
+      .add_option("--depth-fade", light.fade,
                   "From 0 to 1: how far what is far away fades into the background, from the nearest corner of the data's bounds to the farthest")
       ->capture_default_str();
 }

@@ -16,6 +16,9 @@ struct StillArguments {
   DepthLight light;
 };
 
+/// Adds --occlusion and --depth-fade. `light` must outlive the command.
+void add_light_options(CLI::App& command, DepthLight& light);
+
 /// Adds --axes, --box, --legend, --clip, --samples, --occlusion and --depth-fade. `arguments` must outlive the command.
 void add_still_options(CLI::App& command, StillArguments& arguments);
 
