@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "import/swap_bytes.h"
 
 namespace isostrata {
 namespace {
@@ -185,10 +186,6 @@ std::span<const std::byte> skip_lines(std::span<const std::byte> in, std::int64_
     in = in.subspan(static_cast<std::size_t>(newline - in.begin()) + 1);
   }
   return in;
-}
-
-void swap_bytes(std::span<std::byte> bytes, std::size_t width) {
-  for (std::size_t at = 0; at + width <= bytes.size(); at += width) std::reverse(bytes.begin() + at, bytes.begin() + at + width);
 }
 
 /// Where the values begin, after the header's byte skip.

@@ -5,6 +5,7 @@
 #include "import/mapped_file.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
+#include "import/swap_bytes.h"
 
 namespace isostrata {
 namespace {
@@ -112,8 +113,7 @@ Imported read_numpy(const ReadRequest& request) {
       std::memcpy(to.data(), from.data(), to.size());
     else
       turn_axes(from, dims, width, to);
-    if (swap)
-      for (std::size_t at = 0; at < to.size(); at += width) std::reverse(to.begin() + static_cast<std::ptrdiff_t>(at), to.begin() + static_cast<std::ptrdiff_t>(at + width));
+    if (swap) swap_bytes(to, width);
     array.values = to;
     array.storage = storage;
   }

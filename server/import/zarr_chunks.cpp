@@ -6,6 +6,7 @@
 
 #include "import/imported.h"
 #include "import/memory_limit.h"
+#include "import/swap_bytes.h"
 
 namespace isostrata {
 namespace {
@@ -45,24 +46,6 @@ void copy_values(const Copy& of, std::size_t width) {
     case 4: return copy_values<4>(of);
     default: return copy_values<8>(of);
   }
-}
-
-template <class T>
-void swap_values(std::span<std::byte> bytes) {
-  for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
-    T word;
-    std::memcpy(&word, bytes.data() + at, sizeof word);
-    if constexpr (sizeof(T) == 2) word = __builtin_bswap16(word);
-    if constexpr (sizeof(T) == 4) word = __builtin_bswap32(word);
-    if constexpr (sizeof(T) == 8) word = __builtin_bswap64(word);
-    std::memcpy(bytes.data() + at, &word, sizeof word);
-  }
-}
-
-void swap_values(std::span<std::byte> bytes, std::size_t width) {
-  if (width == 2) return swap_values<std::uint16_t>(bytes);
-  if (width == 4) return swap_values<std::uint32_t>(bytes);
-  swap_values<std::uint64_t>(bytes);
 }
 
 /// The chunks that a box meets, numbered along x, then y, z and the channels. Those of one z and one channel are a layer.
@@ -151,7 +134,7 @@ ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox&
       Copy copy{array.fill.data(), {}, chunks.first, chunks.last, layer.data(), to_step};
       if (const std::string file = chunks.file(); store.read(file, most_stored, stored)) {
         const std::span<std::byte> values = decode_chunk(array.codecs, stored, bytes, unpacked, store.name_of(file));
-        if (array.swap) swap_values(values, width);
+        if (array.swap) swap_bytes(values, width);
         copy.from = values.data() + chunks.before() * width;
         copy.from_step = chunks.steps();
       } else {
