@@ -1,7 +1,6 @@
 // The NRRD reader: every way to write the same volume gives the same volume.
 #include <bzlib.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <random>
@@ -11,6 +10,7 @@
 namespace isostrata {
 namespace {
 
+using test::gzip;
 using test::open;
 using test::refusal;
 using test::Scratch;
@@ -28,20 +28,6 @@ std::string raw(bool big = false) {
   std::string bytes;
   for (const std::uint16_t value : values()) test::put(bytes, value, big);
   return bytes;
-}
-
-std::string gzip(const std::string& in) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string out(in.size() * 2 + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data()));
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
 }
 
 std::string bzip2(std::string in) {

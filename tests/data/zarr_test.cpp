@@ -1,6 +1,5 @@
 // Folders of Zarr that the tests write byte by byte: what is damaged, hostile or not read. What Zarr's own library writes is in foreign_formats_test.cpp.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -18,6 +17,7 @@ namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
+using test::gzip;
 using test::open;
 using test::refusal;
 using test::Scratch;
@@ -71,20 +71,6 @@ void expect_values(const Dataset& data) {
   ASSERT_EQ(data.grid.dims(), (std::array<std::int64_t, 3>{kX, kY, kZ}));
   for (std::int64_t p = 0; p < data.grid.point_count(); ++p)
     EXPECT_EQ(data.arrays.front().at(static_cast<std::size_t>(p)), static_cast<double>(p % kX + 10 * (p / kX % kY) + 100 * (p / (kX * kY)))) << p;
-}
-
-std::string gzip(const std::string& in) {
-  z_stream stream{};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string out(in.size() / 500 + 1000, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data()));
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
 }
 
 /// The sum bit by bit, as RFC 3720 defines it.
