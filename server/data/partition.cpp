@@ -18,8 +18,8 @@ namespace json = boost::json;
 
 constexpr std::uintmax_t kMostPartsFile = 64u << 20;
 constexpr int kMostDepth = 64;
-constexpr std::size_t kMostParts = 1u << 16, kMostArrays = 20000;
-constexpr std::int64_t kMostPoints = std::int64_t{1} << 56;
+constexpr std::size_t kMostParts = 1u << 16, kMostArraysOfParts = 20000;
+constexpr std::int64_t kMostPointsOfParts = std::int64_t{1} << 56;
 constexpr std::array kTypes{ScalarType::int8,   ScalarType::uint8, ScalarType::int16,  ScalarType::uint16,  ScalarType::int32,
                             ScalarType::uint32, ScalarType::int64, ScalarType::uint64, ScalarType::float32, ScalarType::float64};
 
@@ -100,9 +100,9 @@ DatasetParts read_manifest(const json::object& root, const PartsReader& reader) 
   DatasetParts out;
   if (reader.integer(root, "format", 0, 1 << 20) != 1) reader.refuse("'format' is another one than 1, which this version reads");
   out.grid = reader.text(root, "grid");
-  out.points = reader.integer(root, "points", 1, kMostPoints);
-  out.cells = reader.integer(root, "cells", 1, kMostPoints);
-  for (const auto& [type, count] : reader.object(reader.need(root, "cell_types"), "'cell_types'")) out.cell_types[type] = reader.integer(count, "cell_types", 0, kMostPoints);
+  out.points = reader.integer(root, "points", 1, kMostPointsOfParts);
+  out.cells = reader.integer(root, "cells", 1, kMostPointsOfParts);
+  for (const auto& [type, count] : reader.object(reader.need(root, "cell_types"), "'cell_types'")) out.cell_types[type] = reader.integer(count, "cell_types", 0, kMostPointsOfParts);
   const json::array& bounds = reader.list(root, "bounds", 3, 3);
   for (int a = 0; a < 3; ++a) {
     const json::value& of = bounds[static_cast<std::size_t>(a)];
@@ -113,9 +113,9 @@ DatasetParts read_manifest(const json::object& root, const PartsReader& reader) 
   const bool structured = out.grid != "unstructured";
   if (structured) out.dims = reader.indices(root, "dims", 1);
   if (out.grid == "uniform") out.origin = reader.vector(root, "origin"), out.spacing = reader.vector(root, "spacing");
-  for (const json::value& entry : reader.list(root, "arrays", 0, kMostArrays)) {
+  for (const json::value& entry : reader.list(root, "arrays", 0, kMostArraysOfParts)) {
     const json::object& of = reader.object(entry, "an array");
-    DatasetParts::Array array{reader.text(of, "name"), {}, INFINITY, -INFINITY, reader.integer(of, "nan_count", 0, kMostPoints)};
+    DatasetParts::Array array{reader.text(of, "name"), {}, INFINITY, -INFINITY, reader.integer(of, "nan_count", 0, kMostPointsOfParts)};
     const std::string type = reader.text(of, "type");
     const auto known = std::find_if(kTypes.begin(), kTypes.end(), [&](ScalarType t) { return type == to_string(t); });
     if (known == kTypes.end()) reader.refuse("array '" + array.name + "' is of type '" + type + "'");
