@@ -57,14 +57,14 @@ TEST(CoarseStride, EachLevelOfWhatMovesHasFewerPointsAndNoAxisHasFew) {
       const Stride stride = moving_stride(grid, level);
       EXPECT_LT(points(grid, stride), before) << "level " << level;
       before = points(grid, stride);
-      for (std::size_t a = 0; a < 3; ++a) EXPECT_GE(grid.dims()[a] / stride[a], 32) << "level " << level;
+      for (std::size_t a = 0; a < 3; ++a) EXPECT_GE(grid.dims()[a] / stride[a], 16) << "level " << level;
     }
   }
   EXPECT_EQ(moving_stride(boxes(256, 256, 256), 1), (Stride{2, 2, 2}));
   EXPECT_EQ(moving_stride(boxes(256, 256, 256), 2), (Stride{3, 3, 3}));
   EXPECT_EQ(moving_stride(boxes(1024, 1024, 1024), 2), (Stride{11, 11, 11}));
-  EXPECT_EQ(moving_stride(boxes(70, 70, 70), 3), (Stride{2, 2, 2})) << "35 points are few enough";
-  EXPECT_EQ(moving_stride(boxes(40, 40, 40), 3), (Stride{1, 1, 1})) << "small grids are moved as they are";
+  EXPECT_EQ(moving_stride(boxes(40, 40, 33), 3), (Stride{2, 2, 2})) << "16 points are few enough";
+  EXPECT_EQ(moving_stride(boxes(31, 31, 31), 3), (Stride{1, 1, 1})) << "small grids are moved as they are";
 }
 
 TEST(CoarseScenes, AreTheScenesOfEveryNthPoint) {
@@ -283,6 +283,40 @@ TEST_F(InMotion, ADraggedEndOfAMeshIsOfItsSamplesForWhoAsksAndOfItsCellsAtRest) 
     EXPECT_EQ(rest.revision, revision_);
     EXPECT_NEAR(moved.intervals[0].volume, rest.intervals[0].volume, 0.02 * rest.intervals[0].volume) << level;
   }
+}
+
+TEST_F(InMotion, CoarsePicturesTellHowFarTheyMayBeOffOnceThatIsFound) {
+  for (const char* dataset : {"torus-96", "tets-46"}) {
+    engine_->post(SceneUpdate{1, scene(++revision_, 0.5, dataset)});
+    EXPECT_FALSE(ask(0, true).coarse_error) << "of all points";
+    FrameReady moved;
+    for (int tries = 0; tries < 2000 && !moved.coarse_error; ++tries) {
+      engine_->post(SceneUpdate{1, scene(++revision_, 0.5 - 0.002 * static_cast<double>(tries % 50), dataset)});
+      moved = ask(1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    ASSERT_TRUE(moved.coarse_error) << dataset;
+    EXPECT_GE(moved.point_stride, 2);
+    EXPECT_GT(moved.coarse_error->largest, moved.coarse_error->mean);
+    EXPECT_GT(moved.coarse_error->mean, 0);
+    EXPECT_LT(moved.coarse_error->largest, 0.1) << "of a smooth field whose values are 0 to 3";
+  }
+}
+
+TEST(CoarseScenes, FindTheirErrorOnceAndNotOfWhatIsLargerThanMemory) {
+  const auto whole = make_analytic("torus:65", {}, Task{});
+  CoarseScenes scenes(1000);
+  const auto coarse = scenes.extract_for_motion(whole, torus_scene(), 3, Task{});
+  ASSERT_TRUE(coarse && coarse->coarse_error);
+  scenes.find_error(*coarse, static_cast<std::uint64_t>(whole->grid.point_count()), Task{});  // a value has four bytes
+  EXPECT_FALSE(coarse->coarse_error->get());
+  scenes.find_error(*coarse, 1 << 30, Task{});
+  ASSERT_TRUE(coarse->coarse_error->get());
+  const auto stride = moving_stride(whole->grid, 3);
+  EXPECT_EQ(coarse->coarse_error->get()->largest, coarse_error(*whole, *coarse->dataset, stride, coarse->array, Task{}).largest);
+  Scene moved = torus_scene();
+  moved.intervals[0].upper *= 0.9;
+  EXPECT_EQ(scenes.extract_for_motion(whole, moved, 3, Task{})->coarse_error, coarse->coarse_error) << "other layers of the same points";
 }
 
 TEST_F(InMotion, AHeavyMeshTurnsAsItsSamplesOnceItHasRested) {

@@ -373,6 +373,20 @@ class Engine::Impl {
     const std::exception_ptr failure =
         run_extraction(key, *operation, [&] { extracted = coarse_.extract_for_motion(whole, scene, level, operation->task()); });
     finish_extraction(key, operation, scene, failure, [&](SessionState& session) { hold_coarse(key, session, extracted, scene); });
+    if (extracted) find_error(extracted);
+  }
+
+  /// How far a coarse picture may be from that of all points, beside everything else.
+  void find_error(const std::shared_ptr<const ExtractedScene>& coarse) {
+    if (!coarse->coarse_error || coarse->coarse_error->get()) return;
+    preparers_.post(0, [this, coarse] {
+      try {
+        const Doing extracting(options_.board, Stage::extracting, 0, 0);
+        const Work work(0, WorkClass::background, {&ahead_task_, true, extracting.waiting()});
+        coarse_.find_error(*coarse, options_.store.max_bytes, ahead_task_);
+      } catch (const std::exception&) {  // the pictures do without it
+      }
+    });
   }
 
   /// Gives the session what was extracted by take(session), or tells who waits why there is nothing, and goes on with what the newest scene needs.
@@ -431,6 +445,7 @@ class Engine::Impl {
         return;
       }
       if (!coarse) return;
+      find_error(coarse);
       const std::lock_guard lock(mutex_);
       if (!is_ready()) return;
       hold_coarse(key, sessions_.at(key), std::move(coarse), scene);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "data/coarse_error.h"
 #include "data/statistics.h"
 #include "encoding/codec.h"
 #include "encoding/encode_image.h"
@@ -246,6 +247,7 @@ struct FrameReady {
   std::int64_t tetrahedra = 0;
   int samples = 1;       // each way, as they were asked for
   int point_stride = 1;  // more: of every n-th point along each axis: a first picture of a large grid, or a moving frame; one of all points follows
+  std::optional<CoarseError> coarse_error;  // of the array that is cut, once it is known: how far its values at those points are from the whole's
   bool coarse_at_hand = false;  // moving frames of every n-th point can be had, as this one is if point_stride says so
   std::vector<IntervalFacts> intervals;
   std::shared_ptr<const Bytes> bytes;                 // null where there are bands

@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kMostPoints = std::int64_t{1} << 24;  // 256 along each axis of a cube: found and drawn in a fifth of a second on two cores
 constexpr std::int64_t kMostMovingPoints = std::int64_t{1} << 22;  // drawn in some 30 ms there
 constexpr std::array<std::int64_t, 3> kAllPoints{1, 1, 1};
-constexpr std::int64_t kFewPoints = 32;                      // along an axis
+constexpr std::int64_t kFewPoints = 16;                      // along an axis
 constexpr std::int64_t kFewCells = 500'000;                  // of a mesh
 // What stands for a stride of a mesh's samples, and of every second one along each axis.
 constexpr std::array<std::int64_t, 3> kSamples{0, 0, 1}, kFewerSamples{0, 0, 2};
@@ -114,8 +114,37 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
     coarse = coarser(*whole, stride, arrays, task);
   }
   const std::lock_guard lock(mutex_);
-  lent_.push_back({whole, coarse, stride, arrays});
+  lent_.push_back({whole, coarse, stride, arrays, {}});
+  for (std::size_t n = 0; n < arrays.size(); ++n) lent_.back().errors.push_back(std::make_shared<FoundError>());
   return coarse;
+}
+
+const CoarseScenes::Lent* CoarseScenes::lent_of(const std::shared_ptr<const Dataset>& coarse) const {
+  const auto at = std::find_if(lent_.begin(), lent_.end(), [&](const Lent& of) { return of.coarse.lock() == coarse; });
+  return at == lent_.end() ? nullptr : &*at;
+}
+
+std::shared_ptr<CoarseScenes::FoundError> CoarseScenes::Lent::error_of(const std::string& array) const {
+  const auto at = std::find(arrays.begin(), arrays.end(), array);
+  return at == arrays.end() ? nullptr : errors[static_cast<std::size_t>(at - arrays.begin())];
+}
+
+void CoarseScenes::find_error(const ExtractedScene& coarse, std::uint64_t most_bytes, const Task& task) {
+  std::shared_ptr<const Dataset> whole;
+  std::shared_ptr<FoundError> error;
+  Stride stride{};
+  {
+    const std::lock_guard lock(mutex_);
+    const Lent* lent = lent_of(coarse.dataset);
+    whole = lent ? lent->whole.lock() : nullptr;
+    if (!whole || !coarse.coarse_error) return;
+    error = lent->error_of(coarse.array);
+    stride = lent->stride;
+  }
+  const std::uint64_t bytes = static_cast<std::uint64_t>(whole->grid.point_count()) * size_of(whole->array(coarse.array).type);
+  if (bytes > most_bytes || !error->begin()) return;
+  error->set(whole->grid.structured() ? coarse_error(*whole, *coarse.dataset, stride, coarse.array, task)
+                                      : sampled_error(*whole, *coarse.dataset, coarse.array, task));
 }
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,
@@ -126,6 +155,9 @@ std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& 
   auto made = std::make_shared<ExtractedScene>(*extracted);
   made->point_stride = whole->grid.structured() ? static_cast<int>(*std::max_element(stride.begin(), stride.end())) : stride_of_samples(*whole, *coarse);
   made->extract_ms = watch.elapsed_ms();  // without what is made once
+  if (scene.values == FieldValues::whole) return made;  // which nothing runs between
+  const std::lock_guard lock(mutex_);
+  if (const Lent* lent = lent_of(coarse)) made->coarse_error = lent->error_of(made->array);
   return made;
 }
 

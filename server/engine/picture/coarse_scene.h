@@ -38,16 +38,25 @@ class CoarseScenes {
   /// first have every second one along each axis.
   std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task);
 
+  /// Finds how far the field of a coarse scene of these is from that of all points (ExtractedScene::coarse_error), once for each dataset and array, unless the
+  /// array takes more than most_bytes: what is larger than memory is not read for it. Throws cancelled; then nobody will find it.
+  void find_error(const ExtractedScene& coarse, std::uint64_t most_bytes, const Task& task);
+
  private:
   using Stride = std::array<std::int64_t, 3>;
+  using FoundError = KnownLater<CoarseError>;
   std::shared_ptr<const ExtractedScene> extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task);
-  std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const Stride& stride, const std::vector<std::string>& arrays, const Task& task);
-
   struct Lent {
     std::weak_ptr<const Dataset> whole, coarse;
     Stride stride;
     std::vector<std::string> arrays;
+    std::vector<std::shared_ptr<FoundError>> errors;  // of each array
+    std::shared_ptr<FoundError> error_of(const std::string& array) const;  // null: it has no such array
   };
+  /// Null: it is not lent any more. With mutex_ held.
+  const Lent* lent_of(const std::shared_ptr<const Dataset>& coarse) const;
+  std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const Stride& stride, const std::vector<std::string>& arrays, const Task& task);
+
   const std::int64_t least_cells_;
   std::mutex mutex_;
   std::vector<Lent> lent_;

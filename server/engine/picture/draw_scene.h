@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/known_later.h"
 #include "base/task.h"
+#include "data/coarse_error.h"
 #include "data/dataset.h"
 #include "engine/messages/messages.h"
 #include "engine/picture/base_meshes.h"
@@ -101,6 +103,7 @@ struct ExtractedScene {
   // Not empty: the mesh is one rank's part (scene_ranks.h), and these are of the whole.
   std::vector<IntervalSummary> whole_summaries;
   int point_stride = 1;   // more: of every n-th point of the grid, for a first look (coarse_scene.h)
+  std::shared_ptr<const KnownLater<CoarseError>> coarse_error;  // of `array` at those points; null: nobody will find it
   double extract_ms = 0;  // 0 where `previous` was reused
 
   /// Of the request's intervals and of the terms that bring something in; of a smear, of each step.

@@ -249,6 +249,10 @@ v1::Frame to_wire(const FrameReady& frame) {
   facts.set_order_exact(frame.order_exact);
   facts.set_tetrahedra(frame.tetrahedra);
   facts.set_point_stride(static_cast<std::uint32_t>(frame.point_stride));
+  if (frame.coarse_error) {
+    facts.mutable_coarse_error()->set_largest(frame.coarse_error->largest);
+    facts.mutable_coarse_error()->set_mean(frame.coarse_error->mean);
+  }
   facts.set_samples(static_cast<std::uint32_t>(frame.samples));
   for (const IntervalFacts& interval : frame.intervals) *facts.add_intervals() = to_wire(interval);
   *out.mutable_camera() = to_wire(frame.camera);

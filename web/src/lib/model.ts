@@ -316,6 +316,12 @@ export interface VolumeError {
 /** moving: as good as the link carries; settled: of full size and quality, not yet lossless; exact: lossless. */
 export type FramePhase = 'moving' | 'settled' | 'exact';
 
+/** How far the field that is drawn may be from that of all points, in the unit of the array that is cut. */
+export interface CoarseError {
+  largest: number;
+  mean: number;
+}
+
 export interface Frame {
   frameId: bigint;
   revision: number;
@@ -332,6 +338,7 @@ export interface Frame {
   orderExact: boolean;
   tetrahedra: number;
   pointStride: number; // above 1: a first picture, of every n-th point of the grid along each axis
+  coarseError: CoarseError | null; // of such a picture, once it is known
   samples: number; // each way, of a pixel
   intervals: IntervalFacts[];
   camera: Camera | null;

@@ -1,8 +1,8 @@
 // What a person is told about the picture: why there is nothing in it, and how far it can be trusted.
 import { formatNumber } from './ticks';
-import type { DatasetInfo, Frame, SceneState } from './model';
+import type { CoarseError, DatasetInfo, Frame, SceneState } from './model';
 
-type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride' | 'samples'>>;
+type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride' | 'coarseError' | 'samples'>>;
 
 type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'> & Partial<Pick<Frame, 'pointStride'>>;
 
@@ -42,13 +42,25 @@ export interface Badge {
   title: string;
 }
 
+/** Two digits that are no less than the value. */
+function atMost(value: number): string {
+  const unit = 10 ** (Math.floor(Math.log10(value)) - 1);
+  return value > 0 ? formatNumber(Math.ceil(value / unit) * unit, 2) : '0';
+}
+
+/** Of the field between the points that went into a picture. */
+function farOff(error: CoarseError | null | undefined): string {
+  if (!error) return '';
+  return ` Its values are within ${atMost(error.largest)} of those of all points, ${formatNumber(error.mean, 2)} in the mean.`;
+}
+
 /** "exact" only if what the controls show is in the picture, losslessly, and there is something to be exact about. */
 export function badgeOf(frame: Shown, state: { revision: number; waits: boolean }, empty: boolean, viewportHeight: number): Badge {
   if (frame.pointStride && frame.pointStride > 1)
     return {
-      word: frame.phase === 'moving' ? 'moving, coarse' : 'first look',
+      word: frame.phase === 'moving' ? `moving, coarse${frame.coarseError ? ` ±${atMost(frame.coarseError.largest)}` : ''}` : 'first look',
       kind: 'moving',
-      title: `One point in ${frame.pointStride} along each axis went into this picture. That of all points follows.`,
+      title: `One point in ${frame.pointStride} along each axis went into this picture.${farOff(frame.coarseError)} That of all points follows.`,
     };
   if (frame.phase === 'moving') {
     // Of the viewport's height, where the connection is too slow for all of it.

@@ -539,6 +539,7 @@ function frameOf(f: WireFrame): Frame {
     orderExact: f.facts?.orderExact ?? false,
     tetrahedra: Number(f.facts?.tetrahedra ?? 0n),
     pointStride: f.facts?.pointStride || 1,
+    coarseError: f.facts?.coarseError ? { largest: f.facts.coarseError.largest, mean: f.facts.coarseError.mean } : null,
     samples: f.facts?.samples || 1,
     intervals: (f.facts?.intervals ?? []).map(({ id, activeCells, tetrahedra, volume, area }) => ({
       id,
