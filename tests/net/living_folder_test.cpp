@@ -114,6 +114,26 @@ TEST_P(ServedFolder, ASessionGainsTheStepsOfASeriesAndNothingElseChanges) {
   EXPECT_EQ(client.lossless_frame().step(), 2);
 }
 
+TEST_P(ServedFolder, ABoxOfASeriesGainsItsStepsAsTheWholeDoes) {
+  for (const int n : {1, 2}) put("run_" + std::to_string(n) + ".nrrd", field(static_cast<float>(n)));
+  begin();
+  client::Client client(server_->client_options());
+  const std::string whole = wait_for_info(client, [](const auto& info) { return info.times_size() == 2; }).id();
+  client.open_dataset(whole, "0:1,:,:");
+  wait_for_info(client, [](const auto& info) { return info.points() == 32 && info.missing_range_steps() == 0; });
+  for (const int n : {3, 4}) {
+    put("run_" + std::to_string(n) + ".nrrd", field(static_cast<float>(100 * n)));
+    const auto grown = wait_for_info(client, [&](const auto& info) { return info.times_size() == n && info.missing_range_steps() == 0; });
+    EXPECT_EQ(grown.points(), 32);
+    EXPECT_EQ(grown.arrays(0).upper(), 100 * n + 61) << "the last value of the box";
+  }
+  client.set_step(3);
+  EXPECT_EQ(client.lossless_frame().step(), 3);
+  client::Client other(server_->client_options());
+  other.open_dataset(whole);
+  wait_for_info(other, [](const auto& info) { return info.times_size() == 4 && info.points() == 64; });
+}
+
 TEST_P(ServedFolder, ARewrittenFileIsShownWhenSomebodyAsksAndTheLayersStay) {
   put("a.nrrd", field(0));
   begin();

@@ -49,7 +49,7 @@ std::set<std::string> OpenDatasets::update(std::vector<CatalogueEntry> entries) 
   for (CatalogueEntry& of : entries) {
     ids.insert(of.id);
     const CatalogueEntry* before = catalogue_.find(of.id);
-    if (before && before->parts < of.parts) grown_.insert(of.id);
+    if (before && before->parts < of.parts) grown_[of.id] = of.parts;
     catalogue_.put(std::move(of));
   }
   return ids;
@@ -144,9 +144,12 @@ DatasetFacts OpenDatasets::describe(const std::string& id, const Task& task) {
 
 // Of a series that has grown the first new step says what times there are; it is what somebody will look at next, too.
 void OpenDatasets::look_for_steps(const CatalogueEntry& of, const Dataset& first_step, const Task& task) {
+  int parts = 0;
   {
     const std::lock_guard lock(catalogue_mutex_);
-    if (!grown_.contains(of.id)) return;
+    const auto grown = grown_.find(whole_id(of.id));  // a box of it has the new steps, too
+    if (grown == grown_.end() || looked_[of.id] == grown->second) return;
+    parts = grown->second;
   }
   const auto known = ranges_.find(of.id);
   const auto steps = static_cast<int>(known ? known->times.size() : first_step.times.size());
@@ -156,7 +159,7 @@ void OpenDatasets::look_for_steps(const CatalogueEntry& of, const Dataset& first
     if (error.code() != ErrorCode::not_found) throw;  // else what has come is no step
   }
   const std::lock_guard lock(catalogue_mutex_);
-  grown_.erase(of.id);
+  looked_[of.id] = parts;
 }
 
 // Made once for a dataset that is held. A series of which nothing was to be seen is looked at again, for steps may be known by then that

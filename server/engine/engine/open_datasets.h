@@ -80,9 +80,10 @@ class OpenDatasets {
 
   const DatasetStoreOptions options_;
   SceneRanks* const ranks_;
-  mutable std::mutex catalogue_mutex_;  // guards these two
+  mutable std::mutex catalogue_mutex_;  // guards these three
   Catalogue catalogue_;
-  std::set<std::string> grown_;  // ids of series whose new steps nobody has looked at
+  std::map<std::string, int> grown_;  // ids of series that have got new steps, and how many parts each has now
+  std::map<std::string, int> looked_;  // ids of what was opened of them, and how many of those parts it was looked for
   std::mutex views_mutex_;       // guards this one
   std::map<std::string, std::pair<std::weak_ptr<const Dataset>, FirstView>> views_;  // by id
   KnownRanges ranges_;
