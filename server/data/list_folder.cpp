@@ -147,7 +147,6 @@ class Listing {
     entry->changed = std::max(entry->changed, contents.changed_ns / 1'000'000);
   }
 
-  /// Its bytes are not known, since its chunks are not looked at.
   void list_levels(const fs::path& folder, const FolderContents& contents) {
     FolderEntry* entry = add(folder, *contents.dataset, folder, {});
     if (!entry) return;
@@ -156,8 +155,9 @@ class Listing {
       note(*entry, folder, file);
       entry->writing = entry->writing || now_ns_ - file.stamp.changed_ns < kQuietNs;
     }
-    entry->bytes = 0;
-    entry->mark = mark_of(entry->mark, "", {.changed_ns = contents.changed_ns});
+    entry->writing = entry->writing || now_ns_ - contents.changed_ns < kQuietNs;  // a chunk, too
+    entry->bytes = contents.bytes;
+    entry->mark = mark_of(entry->mark, "", {.bytes = contents.bytes, .changed_ns = contents.changed_ns});
     entry->changed = std::max(entry->changed, contents.changed_ns / 1'000'000);
     entry->settled = !entry->writing;
   }

@@ -91,7 +91,22 @@ void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
   out.dataset = FileKind::openfoam;
 }
 
-/// The metadata of a Zarr folder, of its levels, and the levels' folders. Chunks are not looked at, since there are many of them.
+/// All that is in a Zarr folder, links aside; nothing if that is too much to look at.
+void weigh(const fs::path& folder, FolderContents& out) {
+  constexpr int kMostFiles = 10'000;
+  int left = kMostFiles;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end; !error && it != end; it.increment(error)) {
+    if (--left < 0) return void(out.bytes = 0);
+    struct stat about {};
+    if (lstat(it->path().c_str(), &about) != 0) continue;
+    const FileStamp stamp = stamp_of(about);
+    out.bytes += stamp.bytes;
+    out.changed_ns = std::max(out.changed_ns, stamp.changed_ns);
+  }
+}
+
+/// The metadata of a Zarr folder, of its levels, and the levels' folders. Chunks are only weighed, since there are many of them.
 void look_at_levels(int descriptor, DIR* listed, FolderContents& out) {
   constexpr int kMostNames = 1000;
   const auto note = [&](const std::string& name) {
@@ -173,6 +188,7 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   }
   if (is_zarr(folder)) {
     look_at_levels(descriptor, listed.get(), out);
+    weigh(folder, out);
     return out;
   }
   for (const dirent* it = readdir(listed.get()); it; it = readdir(listed.get())) {

@@ -401,7 +401,15 @@ TEST(Zarr, AFolderIsOneEntryWhoseMetadataIsFollowedAndWhoseInsideIsNot) {
   EXPECT_NE(after.mark, before.mark);
   EXPECT_TRUE(after.writing);  // until it was quiet for a while
   scratch.write("i.zarr/1/.zarray", kArray);
-  EXPECT_NE(entry("i.zarr").mark, after.mark);
+  const FolderEntry more = entry("i.zarr");
+  EXPECT_NE(more.mark, after.mark);
+  std::uint64_t bytes = 0;
+  for (const auto& file : fs::recursive_directory_iterator(scratch / "i.zarr"))
+    if (file.is_regular_file()) bytes += file.file_size();
+  EXPECT_EQ(more.bytes, bytes) << "chunks too";
+  scratch.write("i.zarr/0/0.0.0", chunk(0) + "x");
+  EXPECT_EQ(entry("i.zarr").bytes, bytes + 1);
+  EXPECT_NE(entry("i.zarr").mark, more.mark);
 }
 
 TEST(Zarr, WhatIsKeptOfAFolderIsForgottenWithAnyOfItsChunks) {
