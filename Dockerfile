@@ -3,8 +3,7 @@
 #   docker build -t isostrata .
 #   docker run --rm -p 127.0.0.1:8080:8080 -v /path/to/fields:/data:ro isostrata /data
 #
-# and open the URL that it prints. Without a path it serves a built-in analytic field. deploy/prove-dockerfile runs these very
-# instructions in bare root folders on a machine that has no engine for images.
+# and open the URL that it prints. Without a path it serves a built-in analytic field. deploy/prove-container runs these very commands.
 
 FROM debian:bookworm-slim AS build
 WORKDIR /src

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Bare Debian root folders for prove-bare, prove-archive, prove-dockerfile and tests/bench/peers, which source this file. Needs root, debootstrap and a
+# Bare Debian root folders for prove-bare, prove-archive, prove-container and tests/bench/peers, which source this file. Needs root, debootstrap and a
 # Debian machine, of whatever release. A folder gets nothing of this machine but the way to the network: its mirror, its name servers, the
 # certificates added to it.
 
