@@ -137,7 +137,7 @@ bool usable(const Corner& corner) { return std::isfinite(reach(corner.at)) && st
 
 }  // namespace
 
-std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const ProxyGrid& proxy, const Task& task) {
+std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const ProxyGrid& proxy, std::optional<double> missing, const Task& task) {
   Samples samples(proxy);
   const std::int64_t cells = grid.cell_count();
   const std::int64_t most = std::max<std::int64_t>(64, 4 * kMostCellPoints / std::max<std::int64_t>(cells, 1));
@@ -155,9 +155,9 @@ std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const
             for (int v = 0; v < points && good; ++v) {
               const std::int64_t id = ids[static_cast<std::size_t>(v)];
               Corner& corner = own[static_cast<std::size_t>(v)];
-              corner = {samples.scaled(grid.point(id)),
-                        (static_cast<double>(values[static_cast<std::size_t>(id)]) / 2 - array.lower / 2) / half};
-              good = usable(corner);
+              const auto value = static_cast<double>(values[static_cast<std::size_t>(id)]);
+              corner = {samples.scaled(grid.point(id)), (value / 2 - array.lower / 2) / half};
+              good = usable(corner) && value != missing;
               corner.share = std::clamp(corner.share, 0.0, 1.0);
             }
             if (!good) continue;

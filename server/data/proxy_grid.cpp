@@ -46,7 +46,8 @@ std::vector<std::int64_t> strided(std::int64_t points, std::int64_t longest) {
 }
 
 template <class T>
-void sample_uniform(ProxyGrid& proxy, const Grid& grid, const UniformGrid& shape, std::span<const T> all, const Shares& shares) {
+void sample_uniform(ProxyGrid& proxy, const Grid& grid, const UniformGrid& shape, std::span<const T> all, const Shares& shares,
+                    std::optional<double> missing) {
   const auto& dims = shape.dims;
   const std::int64_t longest = std::max({dims[0], dims[1], dims[2]});
   proxy.neighbour = 1.0 / static_cast<double>(std::max<std::int64_t>(longest - 1, 1));
@@ -71,7 +72,7 @@ void sample_uniform(ProxyGrid& proxy, const Grid& grid, const UniformGrid& shape
   const std::array<std::int64_t, 3> jump{1, dims[0], dims[0] * dims[1]};
   const auto value = [&](std::int64_t id) -> float {
     const auto v = static_cast<double>(all[static_cast<std::size_t>(id)]);
-    return std::isfinite(v) ? static_cast<float>(shares.of(v)) : kNone;
+    return std::isfinite(v) && v != missing ? static_cast<float>(shares.of(v)) : kNone;
   };
   const auto hidden = [&](const std::array<std::int64_t, 3>& i) {
     if (grid.hidden_cells.empty() || grid.cell_count() == 0) return false;
@@ -239,7 +240,7 @@ Vec3d ProxyGrid::place(std::size_t sample) const {
 
 Vec3d ProxyGrid::sides() const { return {step.x * dims[0], step.y * dims[1], step.z * dims[2]}; }
 
-ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task& task) {
+ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task& task, std::optional<double> missing) {
   ProxyGrid proxy;
   proxy.lower = array.lower;
   proxy.upper = array.upper;
@@ -252,7 +253,7 @@ ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task
   proxy.scale = longest;
   task.check();
   if (const auto* uniform = std::get_if<UniformGrid>(&dataset.grid.shape)) {
-    std::visit([&](auto all) { sample_uniform(proxy, dataset.grid, *uniform, all, Shares(array)); }, array.values);
+    std::visit([&](auto all) { sample_uniform(proxy, dataset.grid, *uniform, all, Shares(array), missing); }, array.values);
     measure_domain(proxy);
   } else {
     for (int a = 0; a < 3; ++a) {
@@ -262,14 +263,14 @@ ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task
       proxy.corner[a] = box.lower[a] + (n > 1 ? size[a] / n / 2 : 0);
     }
     proxy.neighbour = 1.0 / kMostProxySamples;
-    proxy.values = sample_cells(dataset.grid, array, proxy, task);
+    proxy.values = sample_cells(dataset.grid, array, proxy, missing, task);
     compare_samples(proxy);
     measure_domain(proxy);
   }
   if (const auto closer = stretch(proxy)) {
     PointArray part = array;
     std::tie(part.lower, part.upper) = std::pair((*closer)[0], (*closer)[1]);
-    return make_proxy(dataset, part, task);
+    return make_proxy(dataset, part, task, missing);
   }
   return proxy;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/task.h"
@@ -44,7 +45,8 @@ inline constexpr int kMostProxySamples = 80, kFewestProxySamples = 12;
 /// Of a uniform grid every s-th point, with its neighbours in the whole grid, so that slopes and noise are those of the data.
 /// Every other grid is sampled inside its cells, closer than the proxy's samples lie, and each proxy sample gets the mean. That
 /// mean is made of whole numbers, so the result depends neither on the order of cells nor on threads. Empty where the array has
-/// no two finite values or the points no finite box. O(cells), parallel. Throws cancelled. Any thread.
-ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task& task);
+/// no two finite values or the points no finite box. A point whose value is `missing` counts as one that has none; array.lower and array.upper are then
+/// those of the others. O(cells), parallel. Throws cancelled. Any thread.
+ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task& task, std::optional<double> missing = {});
 
 }  // namespace isostrata

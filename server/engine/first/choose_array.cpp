@@ -6,6 +6,8 @@
 #include <optional>
 #include <set>
 
+#include "engine/first/find_missing.h"
+
 namespace isostrata {
 namespace {
 
@@ -98,6 +100,8 @@ struct Spread {
 Spread spread_of(const PointArray& array) {
   constexpr std::size_t kLooks = 50'000;
   Spread spread;
+  const auto missing = find_missing(array);
+  const double lower = missing ? missing->lower : array.lower, upper = missing ? missing->upper : array.upper;
   std::array<std::int64_t, 64> bins{};
   std::set<double> different;
   std::int64_t looks = 0, finite = 0;
@@ -108,9 +112,9 @@ Spread spread_of(const PointArray& array) {
         for (std::size_t i = 0; i < values.size(); i += stride) {
           ++looks;
           const auto v = static_cast<double>(values[i]);
-          if (!std::isfinite(v)) continue;
+          if (!std::isfinite(v) || (missing && v == missing->value)) continue;
           ++finite;
-          const double t = (v / 2 - array.lower / 2) / (array.upper / 2 - array.lower / 2);
+          const double t = (v / 2 - lower / 2) / (upper / 2 - lower / 2);
           ++bins[static_cast<std::size_t>(std::clamp(static_cast<int>(t * 64), 0, 63))];
           whole = whole && v == std::floor(v);
           if (different.size() <= 6) different.insert(v);

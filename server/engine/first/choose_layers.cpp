@@ -121,9 +121,50 @@ std::optional<double> valley(const ValueCurves& curves) {
   return t;
 }
 
+/// Moved towards the layer's inside, off a value that many places have: a surface there would follow its last digit.
+double off_plateau(const ValueCurves& curves, double t, bool high) {
+  constexpr double kMany = 0.15;  // of the domain, in three bins
+  const ValueCurves::Curve& h = curves.histogram();
+  const int bin = ValueCurves::bin_of(t), first = std::max(bin - 1, 0), last = std::min(bin + 1, ValueCurves::kBins - 1);
+  double held = 0, most = 0;
+  for (int b = first; b <= last; ++b) held += h[static_cast<std::size_t>(b)], most = std::max(most, h[static_cast<std::size_t>(b)]);
+  if (held < kMany) return t;
+  for (int b = bin; b >= 0 && b < ValueCurves::kBins; b += high ? 1 : -1)
+    if (std::abs(b - bin) > 1 && h[static_cast<std::size_t>(b)] < 0.1 * most) return ValueCurves::middle(b);
+  return t;
+}
+
+void leave_plateau(const ValueCurves& curves, bool high, Shells& shells) {
+  const double outer = off_plateau(curves, shells.outer, high);
+  if (outer == shells.outer) return;
+  const double share = high ? curves.share_above(outer) : share_below(curves, outer);
+  if (share < 0.002) return;  // there is no inside
+  shells.outer = outer;
+  shells.outer_reason += ", less the value that most places have";
+  const double inner = high ? std::max(shells.inner, curves.value_above(0.3 * share)) : std::min(shells.inner, curves.value_above(1 - 0.3 * share));
+  if (inner == shells.inner) return;
+  shells.inner = inner;
+  shells.inner_reason = "the part of that which is farthest from it";
+}
+
+/// An object in noise: somewhere towards an end the values hold together, though half of all do not.
+std::optional<Shells> shells_in_noise(const ValueCurves& curves, bool high) {
+  constexpr double kHolds = 0.72;
+  const auto value = [&](double share) { return curves.value_above(high ? share : 1 - share); };
+  for (double share = 0.4; share > 0.004; share *= 0.85) {
+    const double t = value(share);
+    if (curves.coherence(t, high) < kHolds) continue;
+    Shells shells{t, value(0.4 * share), "where the values begin to hold together", "the part of that which stands out most"};
+    calm(curves, high, shells);
+    return shells;
+  }
+  return std::nullopt;
+}
+
 enum class Side { high, low, both };
 
 Side side_of(const ProxyGrid& proxy, const ValueCurves& curves, const Reference& ref, const FieldHints& hints) {
+  if (hints.missing_below || hints.missing_above) return hints.missing_below ? Side::high : Side::low;
   // Of a speed the high end, for zero is rest; but in a stream that flows past something its lee.
   if (hints.rests_at_zero) return ref.value > 0.6 && ref.of_all > 0.4 ? Side::low : Side::high;
   const double high = (curves.value_above(0.005) - ref.value) * curves.strength_at(curves.value_above(0.04));
@@ -156,6 +197,7 @@ void cut_field(const ProxyGrid& proxy, const ValueCurves& curves, Side side, Lay
   shells.outer_reason = end + "15 % of the domain";
   shells.inner_reason = end + "3 % of the domain";
   calm(curves, high, shells);
+  leave_plateau(curves, high, shells);
   choice.layers = as_layers(shells, high);
   if (!(proxy.thickness > 0.04)) return;
   // An inner layer that only lines the domain's end is that of the wall: what there is of it inside, if anything, is less.
@@ -357,8 +399,10 @@ LayersChoice choose_layers(const ProxyGrid& proxy, const ValueCurves& curves, co
   }
   choice.reason = "a field that fills its domain";
   const double middle = curves.value_above(0.5);
-  if (const auto between = valley(curves); between && planes(proxy, curves, *between) > 2.5) {
-    const bool high = curves.share_above(*between) <= 0.5;
+  const auto between = valley(curves);
+  const bool high = between && curves.share_above(*between) <= 0.5;
+  const double lines = between ? lining(proxy, high ? *between : 0, high ? 1 : *between) : 1;
+  if (between && planes(proxy, curves, *between) > 2.5 && lines < 0.6) {
     choice.kind = FieldKind::two_valued;
     choice.reason = "two phases: the histogram has two peaks and little between";
     choice.layers = {{LayerRole::wall, high ? *between : 0, high ? 1 : *between, high, "",
@@ -368,6 +412,14 @@ LayersChoice choose_layers(const ProxyGrid& proxy, const ValueCurves& curves, co
   const Side side = side_of(proxy, curves, ref, hints);
   const double in_the_middle = curves.share_above(0.25) - curves.share_above(0.75);
   if (curves.coherence(middle, true) < 0.6 && curves.coherence(middle, false) < 0.6) {
+    for (const bool above : {true, false})
+      if (const auto shells = shells_in_noise(curves, above)) {
+        choice.kind = FieldKind::image;
+        choice.reason = std::string("an object in noise: its ") + (above ? "high" : "low") + " values hold together, those around it do not";
+        choice.layers = as_layers(*shells, above);
+        drop_empty(choice, curves);
+        return choice;
+      }
     choice.kind = FieldKind::noise;
     choice.reason = "noise: no range of values holds together";
     choice.layers = {{LayerRole::wall, middle, 1, true, "", "the half with the higher values: its ends would be dust"}};

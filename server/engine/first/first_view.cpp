@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <optional>
 #include <set>
 
 #include "data/dataset_bytes.h"
@@ -11,6 +13,7 @@
 #include "engine/first/choose_array.h"
 #include "engine/first/choose_layers.h"
 #include "engine/first/find_labels.h"
+#include "engine/first/find_missing.h"
 #include "engine/first/kept_first_view.h"
 
 namespace isostrata {
@@ -167,8 +170,16 @@ bool varies_on_its_face(const ProxyGrid& proxy) {
   return spread >= 0.35 * (curves.value_above(0.02) - curves.value_above(0.98));
 }
 
+/// 15 significant digits tell a float's 1e20 from a double's; nobody wants to read them.
+std::string shortest(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
 struct Looked {
-  const PointArray* array = nullptr;
+  std::optional<PointArray> array;  // its range without what stands for no value
+  std::optional<MissingValue> missing;
   ProxyGrid proxy;
 };
 
@@ -179,15 +190,18 @@ Looked choose(const Dataset& dataset, const std::vector<ArrayChoice>& ranked, Fi
   std::size_t tries = 0;
   for (const ArrayChoice& candidate : ranked) {
     if (tries++ == kTries || (best.array && candidate.score < -1)) break;
-    const PointArray& array = dataset.array(candidate.name);
-    ProxyGrid proxy = make_proxy(dataset, array, task);
+    PointArray array = dataset.array(candidate.name);
+    const std::optional<MissingValue> missing = find_missing(array);
+    if (missing) array.lower = missing->lower, array.upper = missing->upper;
+    ProxyGrid proxy = make_proxy(dataset, array, task, missing ? std::optional(missing->value) : std::nullopt);
     if (proxy.empty()) continue;
     const bool good = dataset.grid.flat() || varies_on_its_face(proxy);
     if (best.array && !good) continue;
     const bool first = !best.array;
     view.array = array.name;
     view.array_reason = candidate.reason + (first ? "" : "; others do not vary on the broad side");
-    best = {&array, std::move(proxy)};
+    if (missing) view.array_reason += "; " + shortest(missing->value) + " stands for no value";
+    best = {std::move(array), missing, std::move(proxy)};
     if (good) break;
   }
   return best;
@@ -217,6 +231,8 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   const ProxyGrid& proxy = looked.proxy;
   const ValueCurves curves(proxy);
   FieldHints hints = hints_of(dataset, *looked.array);
+  hints.missing_below = looked.missing && looked.missing->value < looked.missing->lower;
+  hints.missing_above = looked.missing && looked.missing->value > looked.missing->upper;
   const auto cells = static_cast<double>(dataset.grid.cell_count());
   const auto tets = dataset.cell_types.find("tetrahedron");
   const bool split = tets != dataset.cell_types.end() && dataset.cell_types.size() == 1;
@@ -233,8 +249,10 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   PointArray array = *looked.array;
   if (choice.kind == FieldKind::labels) view.values = FieldValues::whole;  // between labels there are none
   if (view.values == FieldValues::whole && array.cells) range = join(range, {array.cells->lower, array.cells->upper});
-  array.lower = std::min(array.lower, range.lower);
-  array.upper = std::max(array.upper, range.upper);
+  if (!looked.missing) {
+    array.lower = std::min(array.lower, range.lower);
+    array.upper = std::max(array.upper, range.upper);
+  }
   view.lower = array.lower;
   view.upper = array.upper;
   const Ends ends(choice, array, proxy);

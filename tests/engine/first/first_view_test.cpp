@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "base/parallel.h"
 #include "data/analytic.h"
 #include "data/series_ranges.h"
 #include "engine/first/choose_array.h"
 #include "engine/first/find_labels.h"
+#include "engine/first/find_missing.h"
 #include "engine/first/first_scene.h"
 #include "scene/camera.h"
 #include "support/field_dataset.h"
@@ -331,6 +333,84 @@ TEST(FirstView, OfNoiseIsItsUpperHalfForEndsWouldBeDust) {
   EXPECT_NEAR(view.layers[0].lower, 0.5, 0.05);
   EXPECT_EQ(view.layers[0].upper, noise->arrays[0].upper);
   EXPECT_TRUE(view.layers[0].surface.lower && view.layers[0].surface.domain);
+}
+
+TEST(FirstView, OfAnObjectInNoiseIsTheObject) {
+  for (const bool bright : {true, false}) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal(0, 12);
+    const auto scan = field_dataset<std::uint8_t>({48, 48, 48}, [&](Vec3d p) {
+      const double value = std::clamp((length(p) > 0.5 && length(p) < 0.7 ? 130.0 : 20.0) + normal(random), 0.0, 255.0);
+      return bright ? value : 255 - value;
+    });
+    const FirstView view = view_of_data(*scan);
+    EXPECT_EQ(view.kind, "image");
+    ASSERT_EQ(view.layers.size(), 2u);
+    double lower = view.layers[0].lower, upper = view.layers[1].upper;
+    if (!bright) std::tie(lower, upper) = std::pair(255 - upper, 255 - lower);
+    EXPECT_GT(lower, 30) << "most of the noise is not in it";
+    EXPECT_LT(lower, 110) << "and the shell is";
+    EXPECT_EQ(bright ? view.layers[1].upper : view.layers[0].lower, bright ? scan->arrays[0].upper : scan->arrays[0].lower);
+  }
+}
+
+TEST(FirstView, LeavesOutWhatStandsForNoValue) {
+  const auto field = [](Vec3d p) { return 15 + 8 * std::sin(3 * p.x) * std::cos(2 * p.y) + 4 * p.z; };
+  for (const double missing : {-9999.0, 1e20, 9.969209968386869e36, -99999.0, -5e4}) {
+    SCOPED_TRACE(missing);
+    const auto holed = field_dataset({40, 40, 40}, [&](Vec3d p) { return p.x + p.y > 0.7 ? missing : field(p); });
+    const auto found = find_missing(holed->arrays[0]);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->value, static_cast<double>(static_cast<float>(missing)));
+    EXPECT_GT(found->lower, 0);
+    EXPECT_LT(found->upper, 30);
+    const FirstView view = view_of_data(*holed);
+    EXPECT_NE(view.array_reason.find("stands for no value"), std::string::npos) << view.array_reason;
+    ASSERT_FALSE(view.layers.empty());
+    for (const FirstLayer& layer : view.layers) {
+      EXPECT_GE(layer.lower, found->lower);
+      EXPECT_LE(layer.upper, found->upper);
+    }
+    // A layer at the end where the missing values are would line them.
+    if (missing < 0)
+      EXPECT_EQ(view.layers.back().upper, found->upper);
+    else
+      EXPECT_EQ(view.layers.front().lower, found->lower);
+  }
+}
+
+TEST(FindMissing, IsFarFromAllOthersAndNoPhaseOfSomething) {
+  const auto of = [](auto field) { return find_missing(field_dataset({20, 20, 20}, field)->arrays[0]); };
+  const auto wave = [](Vec3d p) { return std::sin(5 * p.x) + p.y; };
+  EXPECT_FALSE(of(wave));
+  EXPECT_FALSE(of([&](Vec3d p) { return p.z > 0.5 ? 10.0 : wave(p); })) << "a body of another value";
+  EXPECT_FALSE(of([&](Vec3d p) { return p.z > 0.5 ? -9999.0 : 1.0; })) << "two values alone";
+  EXPECT_FALSE(of([&](Vec3d p) { return p.z > 0.5 ? 999.0 : 600 + 300 * wave(p); })) << "near the others";
+  EXPECT_FALSE(of([&](Vec3d p) { return p.x * p.x + p.y * p.y + p.z * p.z < 1e-3 ? 1e5 : wave(p); })) << "a peak";
+  EXPECT_TRUE(of([&](Vec3d p) { return p.z > 0.5 ? 1e5 : wave(p); }));
+}
+
+TEST(FirstView, CutsNoLayerAtTheValueThatMostPlacesHave) {
+  // A blast: at rest outside of the shock, but for the last digits.
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> digits(-1e-6, 1e-6);
+  const auto blast = field_dataset({48, 48, 48}, [&](Vec3d p) {
+    const double r = length(p);
+    return r < 0.6 ? 0.1 + 3.6 * std::pow(r / 0.6, 6) : 1 + digits(random);
+  });
+  const FirstView view = view_of_data(*blast);
+  ASSERT_EQ(view.layers.size(), 2u);
+  for (const FirstLayer& layer : view.layers)
+    for (const double end : {layer.lower, layer.upper}) EXPECT_GT(std::abs(end - 1), 0.01) << view.layers[0].reason;
+}
+
+TEST(FirstView, OfAFlowInAChannelIsItsCoreAndNoLiningOfTheWalls) {
+  const auto channel = field_dataset({100, 40, 40}, [](Vec3d p) {
+    const double y = (p.y + 1) / 0.8, z = (p.z + 1) / 0.8;  // the box is 2 x 0.79 x 0.79
+    return std::sqrt(std::max(0.0, y * (1 - y) * z * (1 - z))) * (1 + 0.3 * std::sin(8 * p.x));
+  });
+  const FirstView view = view_of_data(*channel);
+  for (const FirstLayer& layer : view.layers) EXPECT_GT(layer.lower, 0.1 * channel->arrays[0].upper) << view.kind_reason;
 }
 
 TEST(FirstView, BecomesASceneAsItIs) {
