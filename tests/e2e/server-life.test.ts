@@ -88,7 +88,7 @@ test('work that takes long shows its progress and can be cancelled', async () =>
   await viewer.page.getByLabel('Dataset').selectOption({ label: 'torus:400' });
   await viewer.page.getByRole('button', { name: 'Cancel' }).click({ timeout: 60_000 });
   await expect
-    .poll(() => viewer?.events.some((event) => event.kind === 'done' && event.cancelled && !event.superseded), { timeout: 60_000 })
+    .poll(() => viewer?.events.some((event) => event.kind === 'done' && event.done.cancelled && !event.done.superseded), { timeout: 60_000 })
     .toBe(true);
   await expect.poll(() => viewer?.page.locator('.notice').allInnerTexts()).toEqual([expect.stringMatching(/^Cancelled/)]);
   // The server and the page go on.

@@ -3,7 +3,7 @@ import { chromium, type Browser, type BrowserContext, type Locator, type Page } 
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import type { Interval, SceneState, ServerEvent } from '../../web/src/lib/model';
-import { decodeEvent } from '../../web/src/lib/protocol';
+import { decodeEvent } from '../../web/src/lib/events';
 import { repository } from './server';
 
 export interface Picture {

@@ -73,6 +73,7 @@ const session = new Session({
   saved: new SavedTab(sessionStorage, location.pathname),
   now: () => performance.now(),
   schedule: (callback) => void requestAnimationFrame(callback),
+  after: (ms, callback) => void setTimeout(callback, ms),
   movingFormats,
   calm,
   movingFormat: movingFormats.includes(wantedFormat) ? wantedFormat : '',

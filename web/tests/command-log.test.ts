@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { CommandLog } from '../src/lib/command-log';
-import { command } from '../src/lib/protocol';
+import { command } from '../src/lib/commands';
 
 const camera = (x: number) => command.setCamera({ eye: [x, 0, 9], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 });
 const never = () => false;

@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { ClientMessageSchema, ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
 import { Connection, retryDelayMs, type ConnectionStatus, type NotOpened, type Socket } from '../src/lib/connection';
 import type { ServerEvent } from '../src/lib/model';
-import { command } from '../src/lib/protocol';
+import { command } from '../src/lib/commands';
 
 class FakeSocket {
   binaryType: BinaryType = 'blob';

@@ -1,7 +1,10 @@
 import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 import { ClientMessageSchema, FramePhase, RenderMode, ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
-import { command, decodeEvent, encodeCommand } from '../src/lib/protocol';
+import { command, encodeCommand } from '../src/lib/commands';
+import { decodeEvent } from '../src/lib/events';
+import { noSurface, type Interval } from '../src/lib/model';
+import { modes } from '../src/lib/wire-scene';
 
 const decode = (bytes: Uint8Array) => fromBinary(ClientMessageSchema, bytes);
 
@@ -43,7 +46,7 @@ test('a frame becomes plain numbers, its phase in words', () => {
   });
   const event = decodeEvent(toBinary(ServerMessageSchema, message));
   if (event.kind !== 'frame') throw new Error(`unexpected ${event.kind}`);
-  expect(event.frame).toMatchObject({ frameId: 9n, revision: 4, inputSeq: 12, lossless: true, camera: null, tetrahedra: 0 });
+  expect(event.frame).toMatchObject({ frameId: 9n, revision: 4, inputSeq: 12, phase: 'exact', camera: null, tetrahedra: 0 });
   expect([...event.frame.payload]).toEqual([1, 2]);
 });
 
@@ -91,4 +94,35 @@ test('light by depth goes out by itself and comes back as it was sent', () => {
   const message = create(ServerMessageSchema, { body: { case: 'state', value: { occlusion: 0.75, depthFade: 0.25 } } });
   const event = decodeEvent(toBinary(ServerMessageSchema, message));
   expect(event.kind === 'state' && [event.state.occlusion, event.state.depthFade]).toEqual([0.75, 0.25]);
+});
+
+test('a surface of which little is said is drawn like any other', () => {
+  const layer = { id: 1, color: { r: 1 }, surface: { lower: true, shininess: 0 } };
+  const message = create(ServerMessageSchema, { body: { case: 'state', value: { intervals: [layer] } } });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  expect(event.kind === 'state' && event.state.intervals[0]?.surface).toEqual({ ...noSurface, lower: true, shininess: 0 });
+});
+
+test('a layer goes out and comes back as it was, with and without what it may lack', () => {
+  const transfer = [
+    { value: 0.5, color: [0.5, 0, 1], opacity: 0.25 },
+    { value: 2, color: [0, 1, 0], opacity: 0.75 },
+  ] as const;
+  const plain: Interval = { id: 3, lower: 0.5, upper: 2, color: [1, 0, 0.5], colorMap: '', opacity: 0.5, priority: 2, visible: true,
+    name: 'bone', number: 4, opacityUpper: null, ownRange: true, surface: null, transfer: null };
+  const full: Interval = { ...plain, opacityUpper: 0, surface: { ...noSurface, color: [0, 0.5, 1], upper: true }, transfer: [...transfer] };
+  const { body } = decode(encodeCommand(1, command.setIntervals([plain, full])));
+  if (body.case !== 'setIntervals') throw new Error(`unexpected ${String(body.case)}`);
+  const message = create(ServerMessageSchema, { body: { case: 'state', value: { intervals: body.value.intervals } } });
+  const event = decodeEvent(toBinary(ServerMessageSchema, message));
+  expect(event.kind === 'state' && event.state.intervals).toEqual([plain, full]);
+});
+
+test('enumerations have the names of the wire, and what is not known counts as what is not said', () => {
+  for (const [value, name] of [[RenderMode.SORTED, 'sorted'], [RenderMode.PRIORITIZED, 'prioritized'], [RenderMode.CYCLED, 'cycled'], [RenderMode.SMEAR, 'smear']] as const) {
+    expect([modes.name(value), modes.wire(name)]).toEqual([name, value]);
+  }
+  expect([modes.name(0), modes.name(99)]).toEqual(['sorted', 'sorted']);
+  expect(modes.wire('of an older page' as never)).toBe(RenderMode.SORTED);
+  expect(modes.wire('1' as never)).toBe(RenderMode.SORTED);
 });

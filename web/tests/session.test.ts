@@ -1,10 +1,11 @@
 import { create, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import { describe, expect, test } from 'vitest';
 import { ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
+import type { Command } from '../src/lib/commands';
 import type { Connection, ConnectionStatus } from '../src/lib/connection';
+import { decodeEvent } from '../src/lib/events';
 import type { ServerEvent } from '../src/lib/model';
 import { badgeOf } from '../src/lib/picture-words';
-import { decodeEvent, type Command } from '../src/lib/protocol';
 import { SavedTab } from '../src/lib/saved';
 import { Session } from '../src/lib/session.svelte';
 
@@ -34,6 +35,7 @@ function harness(store = new Map<string, string>(), options: { calm?: boolean } 
     saved: new SavedTab({ getItem: (key) => store.get(key) ?? null, setItem: (key, value) => void store.set(key, value) }, '/'),
     now: () => clock.now,
     schedule: (callback) => scheduled.push(callback),
+    after: (ms, callback) => void setTimeout(callback, ms),
     movingFormats: ['vp9-444', 'jpeg'],
     calm: () => options.calm ?? false,
   });
@@ -95,8 +97,8 @@ describe('the store', () => {
     const { session, says, frame, sent, find } = harness();
     says(welcome('s', interval(1, 0, 1)));
     const before = sent.length;
-    for (let i = 1; i <= 60; i++) session.patchInterval(1, { upper: 1 + i / 60 });
-    expect(session.view.intervals[0]?.upper).toBe(2);
+    for (let i = 1; i <= 60; i++) session.edits.patchInterval(1, { upper: 1 + i / 60 });
+    expect(session.scene.view.intervals[0]?.upper).toBe(2);
     frame();
     expect(sent.length - before).toBe(1);
     expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 2 });
@@ -106,7 +108,7 @@ describe('the store', () => {
     const { session, says, frame, sent } = harness();
     says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));
     const before = sent.length;
-    const drag = (upper: number) => (session.patchInterval(1, { upper }), frame());
+    const drag = (upper: number) => (session.edits.patchInterval(1, { upper }), frame());
     drag(1);
     expect(sent.length).toBe(before);
     drag(0.5);
@@ -114,7 +116,7 @@ describe('the store', () => {
     expect(sent.length).toBe(before + 1);
     drag(1); // back to what the server still says
     expect(sent.length).toBe(before + 2);
-    session.patchInterval(1, { upper: 1, opacity: 0.25 });
+    session.edits.patchInterval(1, { upper: 1, opacity: 0.25 });
     frame();
     expect(sent.length).toBe(before + 3);
   });
@@ -122,41 +124,41 @@ describe('the store', () => {
   test('sends what waits before a command that must come after it', () => {
     const { session, says, cases } = harness();
     says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));
-    session.patchInterval(2, { lower: 1.5 });
-    session.reorderPriorities([1, 2]);
+    session.edits.patchInterval(2, { lower: 1.5 });
+    session.edits.reorderPriorities([1, 2]);
     expect(cases().slice(-2)).toEqual(['patchInterval', 'reorderPriorities']);
-    session.patchInterval(1, { lower: 0.5 });
-    session.removeInterval(1);
+    session.edits.patchInterval(1, { lower: 0.5 });
+    session.edits.removeInterval(1);
     expect(cases().slice(-2)).toEqual(['reorderPriorities', 'removeInterval']);
   });
 
   test('keeps the other layers and their ids when one is added, and selects the new one', () => {
     const { session, says, find } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    session.addInterval({ lower: 2, upper: 3, color: [0, 1, 0], colorMap: '', opacity: 0.5, visible: true });
+    session.edits.addInterval({ lower: 2, upper: 3, color: [0, 1, 0], colorMap: '', opacity: 0.5, visible: true });
     expect(find('setIntervals')?.body.value.intervals?.map((i) => [i.id, i.priority])).toEqual([[1, 1], [0, 2]]);
     says({ case: 'state', value: state(2, interval(1, 0, 1), interval(7, 2, 3)) });
-    expect(session.selected).toBe(7);
+    expect(session.selection.layer).toBe(7);
   });
 
   test('puts a refusal beside the layer that it is about and shows the server’s value again', () => {
     const { session, says, frame, find } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    session.patchInterval(1, { upper: -4 });
+    session.edits.patchInterval(1, { upper: -4 });
     frame();
     const seq = find('patchInterval')?.seq ?? 0;
     says({ case: 'error', value: { inReplyTo: BigInt(seq), code: 'invalid_argument', message: 'lower 0 is not less than upper -4', field: 'upper' } });
     expect(session.notices.list).toMatchObject([{ place: 'layers', interval: 1, field: 'upper', text: 'lower 0 is not less than upper -4' }]);
-    expect(session.view.intervals[0]?.upper).toBe(1);
-    session.patchInterval(1, { upper: 0.5 });
+    expect(session.scene.view.intervals[0]?.upper).toBe(1);
+    session.edits.patchInterval(1, { upper: 0.5 });
     expect(session.notices.list).toEqual([]);
   });
 
   test('lets a chosen view win over a drag that was not answered yet', () => {
     const { session, says } = harness();
     says(welcome('s'));
-    session.moveCamera({ eye: [5, 0, 0], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 });
-    session.setView('+z');
+    session.edits.moveCamera({ eye: [5, 0, 0], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 30 });
+    session.edits.setView('+z');
     says({ case: 'state', value: { ...state(3), camera: { ...camera, eye: { z: 7 } } } });
     expect(session.camera?.eye).toEqual([0, 0, 7]);
   });
@@ -164,27 +166,27 @@ describe('the store', () => {
   test('comes back to the server’s value by itself when the State that it waits for was merged away', () => {
     const { session, says, clock } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    session.patchInterval(1, { upper: 2 });
+    session.edits.patchInterval(1, { upper: 2 });
     says({ case: 'state', value: state(3, interval(1, 0, 3)) });
-    expect(session.view.intervals[0]?.upper).toBe(2);
+    expect(session.scene.view.intervals[0]?.upper).toBe(2);
     clock.now = 4000;
     session.heartbeat();
-    expect(session.view.intervals[0]?.upper).toBe(3);
+    expect(session.scene.view.intervals[0]?.upper).toBe(3);
   });
 
   test('keeps a chosen dataset chosen while it is being opened, until it is refused or cancelled', () => {
     const { session, says, clock, find } = harness();
     says(welcome('s'));
-    session.openDataset('big');
+    session.edits.openDataset('big');
     clock.now = 60_000;
     session.heartbeat();
-    expect(session.view.dataset).toBe('big');
+    expect(session.scene.view.dataset).toBe('big');
     says({ case: 'error', value: { inReplyTo: BigInt(find('openDataset')?.seq ?? 0), code: 'bad_data', message: 'big: truncated' } });
-    expect(session.view.dataset).toBe('fin');
+    expect(session.scene.view.dataset).toBe('fin');
     expect(session.notices.list).toMatchObject([{ place: 'dataset', text: 'big: truncated' }]);
-    session.openDataset('big');
+    session.edits.openDataset('big');
     says({ case: 'done', value: { operation: 1n, cancelled: true } });
-    expect(session.view.dataset).toBe('fin');
+    expect(session.scene.view.dataset).toBe('fin');
   });
 
   test('follows the list of files, asks again for the part that is looked at, and tells of new steps once', async () => {
@@ -192,11 +194,11 @@ describe('the store', () => {
     says(welcome('s'));
     says({ case: 'datasetInfo', value: { ...info, times: [0, 1] } });
     says({ case: 'datasetsChanged', value: { all: 2, entries: [{ id: 'late', name: 'late.vtk', news: 1 }] } });
-    expect(session.datasets.map((entry) => [entry.id, entry.news]).at(-1)).toEqual(['late', 'appeared']);
+    expect(session.files.datasets.map((entry) => [entry.id, entry.news]).at(-1)).toEqual(['late', 'appeared']);
     expect(cases()).not.toContain('listDatasets'); // nobody looks
-    session.browse({ folder: 'run', search: '', first: 0 });
+    session.files.browse({ folder: 'run', search: '', first: 0 });
     says({ case: 'datasetList', value: { folder: 'run', total: 1, datasets: [{ id: 'a', name: 'run/a.vtk', bytes: 5n }] } });
-    expect(session.listing?.datasets[0]).toMatchObject({ name: 'run/a.vtk', bytes: 5 });
+    expect(session.files.listing?.datasets[0]).toMatchObject({ name: 'run/a.vtk', bytes: 5 });
     const asked = find('listDatasets')?.seq ?? 0;
     says({ case: 'datasetsChanged', value: { all: 2, entries: [{ id: 'late', name: 'late.vtk', news: 4 }] } });
     await new Promise((done) => setTimeout(done, 150));
@@ -205,20 +207,20 @@ describe('the store', () => {
     says({ case: 'datasetInfo', value: { ...info, times: [0, 1, 2] } });
     expect(session.notices.list.filter((notice) => notice.text === 'One more step has come.')).toHaveLength(1);
     says({ case: 'datasetInfo', value: { ...info, times: [0, 1, 2], onDisk: 1 } });
-    expect(session.info?.onDisk).toBe('changed');
-    session.reloadDataset();
+    expect(session.dataset.info?.onDisk).toBe('changed');
+    session.edits.reloadDataset();
     expect(find('reloadDataset')).toBeDefined();
-    session.browse(null);
-    expect(session.listing).toBeNull();
+    session.files.browse(null);
+    expect(session.files.listing).toBeNull();
   });
   test('tells begin and end of overlapping interactions once', () => {
     const { session, says, sent } = harness();
     says(welcome('s'));
-    session.beginInteraction();
-    session.beginInteraction();
-    session.endInteraction();
-    session.endInteraction();
-    session.endInteraction();
+    session.hand.begin();
+    session.hand.begin();
+    session.hand.end();
+    session.hand.end();
+    session.hand.end();
     expect(sent.flatMap(({ body }) => (body.case === 'interaction' ? [body.value.active] : []))).toEqual([true, false]);
   });
 
@@ -227,18 +229,18 @@ describe('the store', () => {
     says(welcome('s'));
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2 } });
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.6 } });
-    expect(session.progress).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6, background: false }]);
-    session.cancel(4n);
+    expect(session.work.list).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6, background: false }]);
+    session.work.cancel(4n);
     expect(find('cancel')?.body.value.operation).toBe(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
-    expect(session.progress).toEqual([]);
+    expect(session.work.list).toEqual([]);
   });
 
   test('for whom motion is too much no cycle begins by itself, and for others it does', () => {
     const playing = (calm: boolean) => {
       const { session, says, frame, sent } = harness(new Map(), { calm });
       says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));
-      session.setMode('cycled');
+      session.edits.setMode('cycled');
       frame();
       return sent.map(({ body }) => body).filter((body) => body.case === 'setCycle' || body.case === 'setAppearance');
     };
@@ -253,7 +255,7 @@ describe('the store', () => {
     says({ case: 'welcome', value: { ...value, state: playing } } as Body);
     frame();
     expect(find('setCycle')?.body.value).toMatchObject({ playing: false });
-    session.setCycle({ playing: true });
+    session.edits.setCycle({ playing: true });
     frame();
     expect(find('setCycle')?.body.value).toMatchObject({ playing: true });
     says({ case: 'state', value: { ...playing, revision: 4n } });
@@ -264,17 +266,17 @@ describe('the store', () => {
   test('a picture for keeping is not shown and comes to who asked for it, or why there is none', async () => {
     const { session, says, find, handlers } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    const asked = session.keepsake(64, 48, { axes: true, box: false, legend: true });
+    const asked = session.stills.ask(64, 48, { axes: true, box: false, legend: true });
     expect(find('requestStill')?.body.value).toMatchObject({ width: 64, height: 48, annotations: { axes: true, box: false, legend: true } });
     const seq = BigInt(find('requestStill')?.seq ?? 0);
     says({ case: 'frame', value: { inReplyTo: seq, width: 64, height: 48, format: 'png', payload: new Uint8Array([7]) } });
-    expect(session.frame).toBeNull();
+    expect(session.frames.frame).toBeNull();
     expect(await asked).toMatchObject({ width: 64, payload: new Uint8Array([7]) });
-    const refused = session.keepsake(1e6, 1, { axes: false, box: false, legend: false });
+    const refused = session.stills.ask(1e6, 1, { axes: false, box: false, legend: false });
     says({ case: 'error', value: { inReplyTo: BigInt(find('requestStill')?.seq ?? 0), code: 'too_large', message: 'width is 1000000' } });
     expect(await refused).toBe('width is 1000000');
     expect(session.notices.list).toEqual([]);
-    const lostOnTheWay = session.keepsake(64, 48, { axes: false, box: false, legend: false });
+    const lostOnTheWay = session.stills.ask(64, 48, { axes: false, box: false, legend: false });
     handlers.onStatus({ kind: 'waiting', attempt: 1, retryAtMs: 0, reason: '' });
     expect(await lostOnTheWay).toContain('connection was lost');
   });
@@ -283,12 +285,12 @@ describe('the store', () => {
     const { session, says } = harness();
     says(welcome('s', interval(1, 0, 1)));
     const frame = (revision: bigint): Body => ({ case: 'frame', value: { revision, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
-    const word = () => session.frame && badgeOf(session.frame, { revision: session.view.revision, waits: session.waits }, false, 600).word;
+    const word = () => session.frames.frame && badgeOf(session.frames.frame, { revision: session.scene.view.revision, waits: session.scene.waits }, false, 600).word;
     says(frame(1n));
     expect(word()).toBe('exact');
     says({ case: 'state', value: state(2, interval(1, 0, 3)) });
     says({ case: 'progress', value: { operation: 4n, stage: 'extracting', fraction: 0.2 } });
-    session.cancel(4n);
+    session.work.cancel(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
     expect(word()).toBe('older');
     says(frame(2n));
@@ -298,15 +300,15 @@ describe('the store', () => {
   test('a picture is not called exact while an edit has no answer', () => {
     const { session, says, clock } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    const word = () => session.frame && badgeOf(session.frame, { revision: session.view.revision, waits: session.waits }, false, 600).word;
+    const word = () => session.frames.frame && badgeOf(session.frames.frame, { revision: session.scene.view.revision, waits: session.scene.waits }, false, 600).word;
     says({ case: 'frame', value: { revision: 1n, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
-    session.patchInterval(1, { upper: 3 });
+    session.edits.patchInterval(1, { upper: 3 });
     expect(word()).toBe('older');
     says({ case: 'state', value: state(2, interval(1, 0, 3)) });
     says({ case: 'frame', value: { revision: 2n, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
     expect(word()).toBe('exact');
     // One whose answer never comes is not waited for without end.
-    session.patchInterval(1, { upper: 4 });
+    session.edits.patchInterval(1, { upper: 4 });
     expect(word()).toBe('older');
     clock.now += 5000;
     session.heartbeat();
@@ -330,7 +332,7 @@ describe('the store', () => {
     const { session, says } = harness();
     says(welcome('s'));
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2, background: true } });
-    session.cancel(4n);
+    session.work.cancel(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
     expect(session.notices.list.map((notice) => notice.text)).toEqual(['Cancelled. Ranges are those of the steps that were read.']);
   });
@@ -348,7 +350,7 @@ describe('the store', () => {
   test('after a reconnect to a restarted server sends its picture again', () => {
     const { session, says, handlers, find, frame } = harness();
     says(welcome('s', interval(5, 0.25, 0.75)));
-    session.patchInterval(5, { upper: 0.9 });
+    session.edits.patchInterval(5, { upper: 0.9 });
     frame();
     handlers.onStatus({ kind: 'waiting', attempt: 1, retryAtMs: 0, reason: '' });
     says(welcome('another', interval(1, 0, 5)));
@@ -385,35 +387,35 @@ describe('the store', () => {
   test('sends again what the session has not judged, by the same numbers and before anything new', () => {
     const { session, says, handlers, frame, sent } = harness();
     says(welcome('s', interval(1, 0, 1), interval(2, 2, 3)));
-    session.setView('+z');
-    session.patchInterval(1, { upper: 1.5 });
+    session.edits.setView('+z');
+    session.edits.patchInterval(1, { upper: 1.5 });
     frame();
-    session.removeInterval(2);
+    session.edits.removeInterval(2);
     const numbers = sent.flatMap(({ number }) => (number ? [number] : []));
     expect(numbers).toEqual([1, 2, 3]);
     handlers.onStatus(lost);
     const before = sent.length;
     says(back('s', 1, interval(1, 0, 1), interval(2, 2, 3)));
-    session.setMode('prioritized');
+    session.edits.setMode('prioritized');
     const again = sent.slice(before).filter(({ number }) => number > 0);
     expect(again.map(({ number, body }) => [number, body.case])).toEqual([[2, 'patchInterval'], [3, 'removeInterval'], [4, 'setAppearance']]);
-    expect(session.view.intervals.map((i) => [i.id, i.upper])).toEqual([[1, 1.5]]);
+    expect(session.scene.view.intervals.map((i) => [i.id, i.upper])).toEqual([[1, 1.5]]);
   });
 
   test('keeps a drag under the hand over a loss: it is shown all the time and goes on where the hand is', () => {
     const { session, says, handlers, frame, sent, clock, find } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    session.beginInteraction();
-    session.patchInterval(1, { upper: 1.25 });
+    session.hand.begin();
+    session.edits.patchInterval(1, { upper: 1.25 });
     frame();
     handlers.onStatus(lost);
     const before = sent.length;
     for (let i = 1; i <= 50; i++) {
-      session.patchInterval(1, { upper: 1.25 + i / 100 });
+      session.edits.patchInterval(1, { upper: 1.25 + i / 100 });
       frame();
       clock.now += 200;
       session.heartbeat();
-      expect(session.view.intervals[0]?.upper).toBe(1.25 + i / 100);
+      expect(session.scene.view.intervals[0]?.upper).toBe(1.25 + i / 100);
     }
     expect(sent.slice(before).filter(({ body }) => body.case !== 'ping')).toEqual([]);
     says(back('s', 0, interval(1, 0, 1)));
@@ -422,9 +424,9 @@ describe('the store', () => {
     expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 1.75 });
     expect(find('interaction')?.body.value.active).toBe(true);
     expect(cases.indexOf('interaction')).toBeLessThan(cases.indexOf('patchInterval'));
-    expect(session.view.intervals[0]?.upper).toBe(1.75);
-    session.patchInterval(1, { upper: 1.8 });
-    session.endInteraction();
+    expect(session.scene.view.intervals[0]?.upper).toBe(1.75);
+    session.edits.patchInterval(1, { upper: 1.8 });
+    session.hand.end();
     expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 1.8 });
     expect(find('interaction')?.body.value.active).toBe(false);
     expect(session.notices.list).toEqual([]);
@@ -434,7 +436,7 @@ describe('the store', () => {
     const { session, says, handlers, clock } = harness();
     says(welcome('s', interval(1, 0, 1)));
     says({ case: 'histogram', value: { dataset: 'fin', array: 'Density', lower: 0, upper: 5, counts: [1n] } });
-    session.patchInterval(1, { upper: 2 });
+    session.edits.patchInterval(1, { upper: 2 });
     handlers.onStatus(lost);
     const asleep = back('s', 0, interval(1, 0, 1));
     if (asleep.case === 'welcome') delete asleep.value.datasetInfo;
@@ -443,19 +445,19 @@ describe('the store', () => {
       clock.now += 1000;
       session.heartbeat();
     }
-    expect(session.info?.id).toBe('fin');
-    expect(session.histogram?.counts).toEqual([1]);
-    expect(session.view.intervals[0]?.upper).toBe(2);
+    expect(session.dataset.info?.id).toBe('fin');
+    expect(session.dataset.histogram?.counts).toEqual([1]);
+    expect(session.scene.view.intervals[0]?.upper).toBe(2);
     says({ case: 'datasetInfo', value: info });
     clock.now += 4000;
     session.heartbeat();
-    expect(session.view.intervals[0]?.upper).toBe(1);
+    expect(session.scene.view.intervals[0]?.upper).toBe(1);
   });
 
   test('does not try again what was refused', () => {
     const { session, says, handlers, frame, sent, find } = harness();
     says(welcome('s', interval(1, 0, 1)));
-    session.patchInterval(1, { upper: -4 });
+    session.edits.patchInterval(1, { upper: -4 });
     frame();
     says({ case: 'error', value: { inReplyTo: BigInt(find('patchInterval')?.seq ?? 0), code: 'invalid_argument', message: 'no' } });
     handlers.onStatus(lost);
@@ -467,16 +469,16 @@ describe('the store', () => {
   test('sends nothing of an old session to a new one', () => {
     const { session, says, handlers, frame, sent } = harness();
     says(welcome('s', interval(5, 0, 1)));
-    session.beginInteraction();
-    session.patchInterval(5, { upper: 0.9 });
+    session.hand.begin();
+    session.edits.patchInterval(5, { upper: 0.9 });
     handlers.onStatus(lost);
     const before = sent.length;
     says(welcome('another', interval(1, 0, 5)));
-    session.patchInterval(5, { upper: 0.95 }); // the hand is still down
+    session.edits.patchInterval(5, { upper: 0.95 }); // the hand is still down
     frame();
-    session.endInteraction();
+    session.hand.end();
     expect(sent.slice(before).some(({ body }) => body.case === 'patchInterval' || body.case === 'interaction')).toBe(false);
-    expect(session.interacting).toBe(false);
+    expect(session.hand.holds).toBe(false);
   });
 
   test('tells of a cancellation that somebody asked for, and not of work that a newer edit overtook', () => {
@@ -485,13 +487,13 @@ describe('the store', () => {
     const told = () => session.notices.list.some(({ text }) => text.startsWith('Cancelled'));
     says({ case: 'done', value: { operation: 3n, cancelled: true, superseded: true } });
     expect(told()).toBe(false);
-    session.openDataset('big');
+    session.edits.openDataset('big');
     says({ case: 'done', value: { operation: 4n, cancelled: true, superseded: true } });
-    expect(session.view.dataset).toBe('big');
+    expect(session.scene.view.dataset).toBe('big');
     says({ case: 'done', value: { operation: 5n, cancelled: true } }); // by another participant
     expect(told()).toBe(true);
     session.notices.dismiss(session.notices.list[0]?.id ?? 0);
-    session.cancel(6n);
+    session.work.cancel(6n);
     says({ case: 'done', value: { operation: 6n, cancelled: true, superseded: true } });
     expect(told()).toBe(true);
   });

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { Interval, Range, TransferPoint } from '../src/lib/model';
-import { command } from '../src/lib/protocol';
+import { command } from '../src/lib/commands';
 import { addBeside, addPoint, curve, keyToPoint, lookAt, movePoint, removePoint, startPoints, stretched } from '../src/lib/transfer';
 import { seeded } from './random';
 

@@ -1,7 +1,7 @@
 // Commands that the server may not have, each with a number of this page's own, so that after a loss what is missing is sent again and what the
 // session has done already is not done twice: Welcome.last_command tells which of the two a command is. What happens while there is no
 // connection waits here too.
-import type { Command } from './protocol';
+import type { Command } from './commands';
 
 export interface LoggedCommand {
   number: number;
@@ -70,8 +70,8 @@ function merged(older: Command, newer: Command): Command {
 }
 
 export class CommandLog {
-  private list: LoggedCommand[] = []; // their numbers grow
-  private last = 0;
+  #list: LoggedCommand[] = []; // their numbers grow
+  #last = 0;
 
   /**
    * most: commands that are kept; the oldest goes first. keepMs: that one is kept although the server has it, since a server that is killed may
@@ -89,49 +89,49 @@ export class CommandLog {
   /** Gives the command its number. What is kept may be more than `body`, which alone is what a connection that stands needs. */
   add(body: Command): LoggedCommand {
     const slot = slotOf(body);
-    const number = ++this.last;
+    const number = ++this.#last;
     const logged: LoggedCommand = { number, body, fields: {}, sentMs: null };
     // A command of another kind in between may depend on the older one, which then stays before it.
-    for (let i = this.list.length - 1; slot && i >= 0; i--) {
-      const older = this.list[i] as LoggedCommand;
+    for (let i = this.#list.length - 1; slot && i >= 0; i--) {
+      const older = this.#list[i] as LoggedCommand;
       const its = slotOf(older.body);
       if (!its) break;
       if (its !== slot) continue;
       logged.body = merged(older.body, body);
       logged.fields = older.fields;
-      this.list.splice(i, 1);
+      this.#list.splice(i, 1);
       break;
     }
     for (const field of fieldsOf(body)) logged.fields[field] = number;
-    this.list.push(logged);
-    if (this.list.length > this.most) this.list.shift();
+    this.#list.push(logged);
+    if (this.#list.length > this.most) this.#list.shift();
     return logged;
   }
 
   /** The session goes on and has judged everything up to this number: what is left to send, in order. */
   missing(lastCommand: number): LoggedCommand[] {
-    this.list = this.list.filter((logged) => logged.number > lastCommand);
+    this.#list = this.#list.filter((logged) => logged.number > lastCommand);
     // Somebody else may have changed since what has arrived.
-    for (const logged of this.list) logged.body = onlyFields(logged.body, (field) => (logged.fields[field] ?? 0) > lastCommand);
-    return [...this.list];
+    for (const logged of this.#list) logged.body = onlyFields(logged.body, (field) => (logged.fields[field] ?? 0) > lastCommand);
+    return [...this.#list];
   }
 
   /** The server has answered a message of that time, so it has everything that was sent before. `unsettled`: what it may still be about. */
   heard(sentMs: number, unsettled: (body: Command) => boolean): void {
-    const open = this.list.findIndex((logged) => unsettled(logged.body));
-    this.list = this.list.filter(
+    const open = this.#list.findIndex((logged) => unsettled(logged.body));
+    this.#list = this.#list.filter(
       (logged, i) => (open >= 0 && i >= open) || logged.sentMs === null || logged.sentMs + this.keepMs > sentMs,
     );
   }
   /** It will never be done. */
   refused(number: number): void {
-    this.list = this.list.filter((logged) => logged.number !== number);
+    this.#list = this.#list.filter((logged) => logged.number !== number);
   }
   clear(): void {
-    this.list = [];
+    this.#list = [];
   }
   get length(): number {
-    return this.list.length;
+    return this.#list.length;
   }
 }
 

@@ -1,6 +1,8 @@
 // One WebSocket that comes back: connect, Hello, messages in and out, and after a loss a retry with backoff.
+import { encodeCommand, type Command } from './commands';
+import { decodeEvent } from './events';
 import type { ServerEvent } from './model';
-import { decodeEvent, encodeCommand, subprotocol, type Command } from './protocol';
+import { subprotocol } from './protocol';
 
 export type ConnectionStatus =
   | { kind: 'connecting'; attempt: number }
@@ -41,119 +43,119 @@ export function retryDelayMs(attempt: number, random: number): number {
 }
 
 export class Connection {
-  private socket: Socket | null = null;
-  private seq = 0;
-  private attempt = 0;
-  private timer: number | null = null;
-  private lastHeardMs = 0;
-  private stopped = false;
-  private refusal = '';
+  #socket: Socket | null = null;
+  #seq = 0;
+  #attempt = 0;
+  #timer: number | null = null;
+  #lastHeardMs = 0;
+  #stopped = false;
+  #refusal = '';
 
   constructor(private readonly doors: ConnectionDoors) {}
 
   start(): void {
-    this.stopped = false;
-    this.connect();
+    this.#stopped = false;
+    this.#connect();
   }
   stop(): void {
-    this.stopped = true;
-    this.cancelTimer();
-    this.drop();
+    this.#stopped = true;
+    this.#cancelTimer();
+    this.#drop();
   }
   /** Now rather than when the countdown ends; also the way out of `refused`. */
   retryNow(): void {
-    if (this.socket || this.stopped) return;
-    this.attempt = 0;
-    this.connect();
+    if (this.#socket || this.#stopped) return;
+    this.#attempt = 0;
+    this.#connect();
   }
   /** The server has said why it will not have us; the close that follows is final. */
   refuse(reason: string): void {
-    this.refusal = reason;
+    this.#refusal = reason;
   }
 
   /** The message's seq, or 0 where there is nobody to send it to. number: of a command that may be sent again. */
   send(body: Command, number = 0): number {
-    if (!this.socket || this.socket.readyState !== 1) return 0;
-    this.seq += 1;
-    this.socket.send(encodeCommand(this.seq, body, number));
-    return this.seq;
+    if (!this.#socket || this.#socket.readyState !== 1) return 0;
+    this.#seq += 1;
+    this.#socket.send(encodeCommand(this.#seq, body, number));
+    return this.#seq;
   }
 
   /** To be called now and then: finds a server that has gone without saying so. */
   checkAlive(): void {
-    if (!this.socket || this.socket.readyState !== 1) return;
-    if (this.doors.now() - this.lastHeardMs > silenceMs) this.lost('The server has stopped answering.');
+    if (!this.#socket || this.#socket.readyState !== 1) return;
+    if (this.doors.now() - this.#lastHeardMs > silenceMs) this.#lost('The server has stopped answering.');
   }
 
-  private connect(): void {
-    this.cancelTimer();
-    this.refusal = '';
-    this.doors.onStatus({ kind: 'connecting', attempt: this.attempt });
+  #connect(): void {
+    this.#cancelTimer();
+    this.#refusal = '';
+    this.doors.onStatus({ kind: 'connecting', attempt: this.#attempt });
     let opened = false;
     const socket = this.doors.open(subprotocol);
-    this.socket = socket;
+    this.#socket = socket;
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => {
       opened = true;
-      this.seq = 0;
-      this.lastHeardMs = this.doors.now();
+      this.#seq = 0;
+      this.#lastHeardMs = this.doors.now();
       this.send(this.doors.hello());
     };
     socket.onmessage = (message) => {
-      this.lastHeardMs = this.doors.now();
+      this.#lastHeardMs = this.doors.now();
       if (!(message.data instanceof ArrayBuffer)) return;
       let event: ServerEvent;
       try {
         event = decodeEvent(new Uint8Array(message.data));
       } catch (problem) {
-        this.lost(`The server sent something that is not a message of this protocol (${String(problem)}).`);
+        this.#lost(`The server sent something that is not a message of this protocol (${String(problem)}).`);
         return;
       }
       if (event.kind === 'welcome') {
-        this.attempt = 0;
+        this.#attempt = 0;
         this.doors.onStatus({ kind: 'connected' });
       }
       this.doors.onEvent(event);
     };
     socket.onclose = (close) => {
-      if (socket !== this.socket) return;
-      this.socket = null;
-      if (this.stopped) return;
-      if (this.refusal) this.doors.onStatus({ kind: 'refused', reason: this.refusal });
-      else if (opened) this.wait(close.reason || 'The connection was lost.');
-      else void this.explain();
+      if (socket !== this.#socket) return;
+      this.#socket = null;
+      if (this.#stopped) return;
+      if (this.#refusal) this.doors.onStatus({ kind: 'refused', reason: this.#refusal });
+      else if (opened) this.#wait(close.reason || 'The connection was lost.');
+      else void this.#explain();
     };
   }
 
-  private async explain(): Promise<void> {
+  async #explain(): Promise<void> {
     const why = await this.doors.askWhy();
-    if (this.socket || this.stopped || this.timer !== null) return;
+    if (this.#socket || this.#stopped || this.#timer !== null) return;
     if (why.kind === 'refused') this.doors.onStatus(why);
-    else this.wait(why.kind === 'unreachable' ? 'The server cannot be reached.' : 'The server did not open the connection.');
+    else this.#wait(why.kind === 'unreachable' ? 'The server cannot be reached.' : 'The server did not open the connection.');
   }
 
-  private wait(reason: string): void {
-    this.cancelTimer();
-    const delay = retryDelayMs(this.attempt, this.doors.random());
-    this.attempt += 1;
-    this.doors.onStatus({ kind: 'waiting', attempt: this.attempt, retryAtMs: this.doors.now() + delay, reason });
-    this.timer = this.doors.setTimeout(() => {
-      this.timer = null;
-      this.connect();
+  #wait(reason: string): void {
+    this.#cancelTimer();
+    const delay = retryDelayMs(this.#attempt, this.doors.random());
+    this.#attempt += 1;
+    this.doors.onStatus({ kind: 'waiting', attempt: this.#attempt, retryAtMs: this.doors.now() + delay, reason });
+    this.#timer = this.doors.setTimeout(() => {
+      this.#timer = null;
+      this.#connect();
     }, delay);
   }
 
-  private lost(reason: string): void {
-    this.drop();
-    this.wait(reason);
+  #lost(reason: string): void {
+    this.#drop();
+    this.#wait(reason);
   }
-  private drop(): void {
-    const socket = this.socket;
-    this.socket = null;
+  #drop(): void {
+    const socket = this.#socket;
+    this.#socket = null;
     socket?.close();
   }
-  private cancelTimer(): void {
-    if (this.timer !== null) this.doors.clearTimeout(this.timer);
-    this.timer = null;
+  #cancelTimer(): void {
+    if (this.#timer !== null) this.doors.clearTimeout(this.#timer);
+    this.#timer = null;
   }
 }

@@ -14,43 +14,43 @@ export interface FrameDoors {
 }
 
 export class FramePlayer {
-  private drawnId = -1n; // of a picture in bands: its first band's
-  private bandsDrawn = 0;
-  private epoch = 0;
+  #drawnId = -1n; // of a picture in bands: its first band's
+  #bandsDrawn = 0;
+  #epoch = 0;
 
   constructor(private readonly doors: FrameDoors) {}
 
   /** Frame ids start again with a new connection; what is still being decoded belongs to the old one. */
   reset(): void {
-    this.drawnId = -1n;
-    this.epoch += 1;
+    this.#drawnId = -1n;
+    this.#epoch += 1;
   }
 
   async show(frame: Frame): Promise<void> {
-    const epoch = this.epoch;
+    const epoch = this.#epoch;
     const begun = this.doors.now();
     let picture: Picture | null = null;
     try {
       picture = await this.doors.decode(frame);
     } catch (problem) {
-      if (epoch === this.epoch) this.doors.failed(frame, problem);
+      if (epoch === this.#epoch) this.doors.failed(frame, problem);
     }
     const decodeMs = this.doors.now() - begun;
-    if (epoch === this.epoch) {
-      if (picture) this.draw(picture, frame);
+    if (epoch === this.#epoch) {
+      if (picture) this.#draw(picture, frame);
       // Also a frame that could not be shown has used up its credit.
       this.doors.ack(frame.frameId, decodeMs);
     }
     picture?.close();
   }
 
-  private draw(picture: Picture, frame: Frame): void {
+  #draw(picture: Picture, frame: Frame): void {
     const first = firstOf(frame);
-    if (first < this.drawnId || (first === this.drawnId && !frame.band)) return;
+    if (first < this.#drawnId || (first === this.#drawnId && !frame.band)) return;
     // Bands of one picture come in any order: they are decoded side by side.
-    this.bandsDrawn = first === this.drawnId ? this.bandsDrawn + 1 : 1;
-    this.drawnId = first;
-    this.doors.draw(picture, frame, this.bandsDrawn === (frame.band?.count ?? 1));
+    this.#bandsDrawn = first === this.#drawnId ? this.#bandsDrawn + 1 : 1;
+    this.#drawnId = first;
+    this.doors.draw(picture, frame, this.#bandsDrawn === (frame.band?.count ?? 1));
   }
 }
 
@@ -59,14 +59,14 @@ const firstOf = (frame: Frame): bigint => frame.frameId - BigInt(frame.band?.ind
 
 /** The browser's decoders: video by its stream, all else by itself. */
 export class FrameDecoder {
-  private readonly stream = new StreamDecoder();
+  readonly #stream = new StreamDecoder();
 
   decode(frame: Frame): Promise<Picture> {
-    return frame.streamId !== 0 ? this.stream.decode(frame) : decodeImage(frame);
+    return frame.streamId !== 0 ? this.#stream.decode(frame) : decodeImage(frame);
   }
   /** Stream ids start again with a new connection. */
   reset(): void {
-    this.stream.reset();
+    this.#stream.reset();
   }
 }
 

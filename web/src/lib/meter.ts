@@ -2,24 +2,24 @@
 
 /** Frames per second over the last two seconds. */
 export class RateMeter {
-  private times: number[] = [];
+  #times: number[] = [];
 
   constructor(private readonly windowMs = 2000) {}
 
   tick(nowMs: number): void {
-    this.times.push(nowMs);
-    this.trim(nowMs);
+    this.#times.push(nowMs);
+    this.#trim(nowMs);
   }
   /** 0 where fewer than two frames have come lately: a still picture has no rate. */
   rate(nowMs: number): number {
-    this.trim(nowMs);
-    const first = this.times[0];
-    const last = this.times[this.times.length - 1];
+    this.#trim(nowMs);
+    const first = this.#times[0];
+    const last = this.#times[this.#times.length - 1];
     if (first === undefined || last === undefined || last === first) return 0;
-    return ((this.times.length - 1) * 1000) / (last - first);
+    return ((this.#times.length - 1) * 1000) / (last - first);
   }
-  private trim(nowMs: number): void {
-    this.times = this.times.filter((t) => nowMs - t <= this.windowMs);
+  #trim(nowMs: number): void {
+    this.#times = this.#times.filter((t) => nowMs - t <= this.windowMs);
   }
 }
 

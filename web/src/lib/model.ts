@@ -257,7 +257,6 @@ export interface Welcome {
   role?: Role; // of this page; absent: controller
   participant?: bigint; // which of the participants this page is
   lastCommand?: number; // the newest of this page's commands that the session has judged
-  endsUnixMs?: number; // when the server is known to end; 0: not known
 }
 
 /** A viewer sees what a controller shows. */
@@ -327,7 +326,6 @@ export interface Frame {
   revision: number;
   inputSeq: number;
   step: number;
-  lossless: boolean;
   phase: FramePhase;
   format: string;
   width: number;
@@ -364,6 +362,12 @@ export interface Progress {
   background: boolean; // no picture waits for it
 }
 
+export interface Done {
+  operation: bigint;
+  cancelled: boolean;
+  superseded: boolean; // by a newer choice
+}
+
 export interface ServerError {
   inReplyTo: number;
   code: string;
@@ -380,15 +384,15 @@ export type ServerEvent =
   | { kind: 'frame'; frame: Frame }
   | { kind: 'volumeErrors'; errors: VolumeError[] }
   | { kind: 'progress'; progress: Progress }
-  | { kind: 'done'; operation: bigint; cancelled: boolean; superseded: boolean }
+  | { kind: 'done'; done: Done }
   | { kind: 'error'; error: ServerError }
   | { kind: 'pong'; clientTimeMs: number }
-  | ({ kind: 'shutdown' } & Ending)
+  | { kind: 'shutdown'; ending: Ending }
   | { kind: 'participants'; participants: Participant[] }
   | { kind: 'invitation'; invitation: Invitation }
   | { kind: 'invitations'; invitations: Invitation[] }
   | { kind: 'datasetList'; list: DatasetList }
-  | { kind: 'datasetsChanged'; all: number; entries: DatasetEntry[] } // those with other news, at most some
+  | { kind: 'datasetsChanged'; entries: DatasetEntry[] } // those with other news, at most some
   | { kind: 'unknown' };
 
 export const emptyState: SceneState = {

@@ -1,5 +1,5 @@
 // What the person is to be told, and where on the page it belongs.
-import type { Command } from './protocol';
+import type { Command } from './commands';
 
 export type Place = 'page' | 'dataset' | 'arrays' | 'step' | 'histogram' | 'layers' | 'appearance';
 
@@ -12,44 +12,41 @@ export interface Notice {
   tone: 'error' | 'note';
 }
 
+const places: Partial<Record<NonNullable<Command['case']>, Place>> = {
+  openDataset: 'dataset',
+  reloadDataset: 'dataset',
+  listDatasets: 'dataset',
+  selectArrays: 'arrays',
+  setTimeStep: 'step',
+  setTime: 'step',
+  requestHistogram: 'histogram',
+  patchInterval: 'layers',
+  removeInterval: 'layers',
+  setIntervals: 'layers',
+  setCombination: 'layers',
+  setCycle: 'layers',
+  setSmear: 'layers',
+  reorderPriorities: 'layers',
+  setAppearance: 'appearance',
+};
+
 /** Where a refused command's message is shown: beside what the person touched. */
 export function placeOf(body: Command): { place: Place; interval: number | null } {
-  switch (body.case) {
-    case 'openDataset':
-    case 'reloadDataset':
-    case 'listDatasets':
-      return { place: 'dataset', interval: null };
-    case 'selectArrays':
-      return { place: 'arrays', interval: null };
-    case 'setTimeStep':
-    case 'setTime':
-      return { place: 'step', interval: null };
-    case 'requestHistogram':
-      return { place: 'histogram', interval: null };
-    case 'patchInterval':
-    case 'removeInterval':
-      return { place: 'layers', interval: body.value.id ?? null };
-    case 'setIntervals':
-    case 'setCombination':
-    case 'setCycle':
-    case 'setSmear':
-    case 'reorderPriorities':
-      return { place: 'layers', interval: null };
-    case 'setAppearance':
-      return { place: 'appearance', interval: null };
-    default:
-      return { place: 'page', interval: null };
-  }
+  const interval = body.case === 'patchInterval' || body.case === 'removeInterval' ? (body.value.id ?? null) : null;
+  return { place: (body.case && places[body.case]) ?? 'page', interval };
 }
 
 export class Notices {
   list = $state.raw<Notice[]>([]);
-  private next = 1;
+  #next = 1;
 
   /** The same words about the same thing replace each other: a drag can be refused sixty times a second. */
   add(notice: Omit<Notice, 'id'>): void {
     const others = this.list.filter((n) => n.text !== notice.text && !(n.interval !== null && n.interval === notice.interval));
-    this.list = [...others.slice(-4), { ...notice, id: this.next++ }];
+    this.list = [...others.slice(-4), { ...notice, id: this.#next++ }];
+  }
+  say(text: string, tone: Notice['tone'] = 'error', place: Place = 'page'): void {
+    this.add({ text, place, interval: null, field: '', tone });
   }
   dismiss(id: number): void {
     this.list = this.list.filter((notice) => notice.id !== id);

@@ -3,8 +3,8 @@ import type { Camera, IntervalPatch } from './model';
 
 /** Cameras that the server has not answered yet, so that a slow link is not filled with cameras nobody will see. */
 export class CameraCredits {
-  private outstanding: number[] = [];
-  private lastSentMs = -Infinity;
+  #outstanding: number[] = [];
+  #lastSentMs = -Infinity;
 
   constructor(
     private readonly most = 3,
@@ -13,19 +13,19 @@ export class CameraCredits {
 
   /** A frame may be long in coming, or never come (nothing is open): after the patience one more may go. */
   open(nowMs: number): boolean {
-    return this.outstanding.length < this.most || nowMs - this.lastSentMs >= this.patienceMs;
+    return this.#outstanding.length < this.most || nowMs - this.#lastSentMs >= this.patienceMs;
   }
   sent(seq: number, nowMs: number): void {
-    this.outstanding.push(seq);
-    this.lastSentMs = nowMs;
+    this.#outstanding.push(seq);
+    this.#lastSentMs = nowMs;
   }
   /** A frame has come that contains every input up to `seq`. */
   answered(seq: number): void {
-    this.outstanding = this.outstanding.filter((s) => s > seq);
+    this.#outstanding = this.#outstanding.filter((s) => s > seq);
   }
   reset(): void {
-    this.outstanding = [];
-    this.lastSentMs = -Infinity;
+    this.#outstanding = [];
+    this.#lastSentMs = -Infinity;
   }
 }
 
@@ -40,32 +40,32 @@ export interface OutboxDoors {
 
 /** One slot for the camera, one per interval (patches merge), one per other key. */
 export class Outbox {
-  private camera: Camera | null = null;
-  private patches = new Map<number, IntervalPatch>();
-  private others = new Map<string, unknown>();
-  private scheduled = false;
+  #camera: Camera | null = null;
+  #patches = new Map<number, IntervalPatch>();
+  #others = new Map<string, unknown>();
+  #scheduled = false;
 
   constructor(private readonly doors: OutboxDoors) {}
 
   putCamera(camera: Camera): void {
-    this.camera = camera;
-    this.wake();
+    this.#camera = camera;
+    this.#wake();
   }
   putPatch(id: number, patch: IntervalPatch): void {
-    this.patches.set(id, { ...this.patches.get(id), ...patch });
-    this.wake();
+    this.#patches.set(id, { ...this.#patches.get(id), ...patch });
+    this.#wake();
   }
   put(key: string, value: unknown): void {
-    this.others.set(key, value);
-    this.wake();
+    this.#others.set(key, value);
+    this.#wake();
   }
 
   /** Sends what waits, in any case: before a command that must come after it, or at the end of a drag. */
   flush(): void {
-    const { patches, others, camera } = this;
-    this.patches = new Map();
-    this.others = new Map();
-    this.camera = null;
+    const [patches, others, camera] = [this.#patches, this.#others, this.#camera];
+    this.#patches = new Map();
+    this.#others = new Map();
+    this.#camera = null;
     for (const [id, patch] of patches) this.doors.sendPatch(id, patch);
     for (const [key, value] of others) this.doors.sendOther(key, value);
     if (camera) this.doors.sendCamera(camera);
@@ -73,23 +73,23 @@ export class Outbox {
   /** Forgets what waits about an interval that is gone, or everything. */
   drop(id?: number): void {
     if (id !== undefined) {
-      this.patches.delete(id);
+      this.#patches.delete(id);
       return;
     }
-    this.patches.clear();
-    this.others.clear();
-    this.camera = null;
+    this.#patches.clear();
+    this.#others.clear();
+    this.#camera = null;
   }
 
-  private wake(): void {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    this.doors.schedule(() => this.tick());
+  #wake(): void {
+    if (this.#scheduled) return;
+    this.#scheduled = true;
+    this.doors.schedule(() => this.#tick());
   }
-  private tick(): void {
-    this.scheduled = false;
-    const held = this.camera && !this.doors.cameraMayGo() ? this.camera : null;
-    if (held) this.camera = null;
+  #tick(): void {
+    this.#scheduled = false;
+    const held = this.#camera && !this.doors.cameraMayGo() ? this.#camera : null;
+    if (held) this.#camera = null;
     this.flush();
     if (held) this.putCamera(held);
   }

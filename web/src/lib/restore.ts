@@ -1,6 +1,6 @@
 // A restarted server knows nothing of the old session: this says what to send so that the picture returns.
+import { command, type Command } from './commands';
 import type { DatasetEntry, DatasetInfo, Range, SceneState } from './model';
-import { command, type Command } from './protocol';
 
 export type RestoreStep =
   | { kind: 'send'; commands: Command[]; done: boolean }

@@ -11,40 +11,40 @@ type Store = Pick<Storage, 'getItem' | 'setItem'>;
 
 /** Storage can be forbidden or full; then the tab remembers nothing and works all the same. */
 export class SavedTab {
-  private readonly prefix: string;
+  readonly #prefix: string;
 
   /** path: of the page, since several servers can share one origin below a proxy. */
   constructor(
     private readonly store: Store,
     path: string,
   ) {
-    this.prefix = `isostrata.${path}.`;
+    this.#prefix = `isostrata.${path}.`;
   }
 
   get session(): SavedSession {
-    return { id: this.read('session') ?? '', resumeToken: this.read('resume') ?? '' };
+    return { id: this.#read('session') ?? '', resumeToken: this.#read('resume') ?? '' };
   }
   set session(session: SavedSession) {
-    this.write('session', session.id);
-    this.write('resume', session.resumeToken);
+    this.#write('session', session.id);
+    this.#write('resume', session.resumeToken);
   }
   get state(): SceneState | null {
-    return parseSavedState(this.read('state'));
+    return parseSavedState(this.#read('state'));
   }
   set state(state: SceneState | null) {
-    this.write('state', state ? savedStateText(state) : '');
+    this.#write('state', state ? savedStateText(state) : '');
   }
 
-  private read(key: string): string | null {
+  #read(key: string): string | null {
     try {
-      return this.store.getItem(this.prefix + key);
+      return this.store.getItem(this.#prefix + key);
     } catch {
       return null;
     }
   }
-  private write(key: string, value: string): void {
+  #write(key: string, value: string): void {
     try {
-      this.store.setItem(this.prefix + key, value);
+      this.store.setItem(this.#prefix + key, value);
     } catch {
       // See above.
     }

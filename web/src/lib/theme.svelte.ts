@@ -13,7 +13,7 @@ export class ThemeChoice {
     } catch {
       // Storage can be forbidden; the choice then lives as long as the page.
     }
-    this.apply();
+    this.#apply();
   }
 
   next(): void {
@@ -23,10 +23,10 @@ export class ThemeChoice {
     } catch {
       // See above.
     }
-    this.apply();
+    this.#apply();
   }
 
-  private apply(): void {
+  #apply(): void {
     document.documentElement.dataset.theme = this.current;
   }
 }

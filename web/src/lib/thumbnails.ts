@@ -36,62 +36,62 @@ function plainText(letters: string): string {
 }
 
 export class Thumbnails {
-  private readonly kept = new Map<string, Thumbnail>(); // the one used longest ago first
-  private readonly wishes: Wish[] = []; // not asked for yet
-  private asked = 0;
+  readonly #kept = new Map<string, Thumbnail>(); // the one used longest ago first
+  readonly #wishes: Wish[] = []; // not asked for yet
+  #asked = 0;
 
   constructor(private readonly doors: ThumbnailDoors) {}
 
   /** Shows it when it is there, until the function is called that this returns. */
   show(dataset: string, key: string, show: (of: Thumbnail) => void): () => void {
-    const kept = this.kept.get(key);
+    const kept = this.#kept.get(key);
     if (kept) {
-      this.kept.delete(key);
-      this.kept.set(key, kept);
+      this.#kept.delete(key);
+      this.#kept.set(key, kept);
       show(kept);
       return () => undefined;
     }
     const wish: Wish = { dataset, key, show, given: null };
-    this.wishes.push(wish);
-    this.next();
+    this.#wishes.push(wish);
+    this.#next();
     return () => {
-      const at = this.wishes.indexOf(wish);
-      if (at >= 0) this.wishes.splice(at, 1);
+      const at = this.#wishes.indexOf(wish);
+      if (at >= 0) this.#wishes.splice(at, 1);
       wish.show = () => undefined;
       wish.given?.abort();
     };
   }
 
-  private next(): void {
-    while (this.asked < atOnce) {
-      const wish = this.wishes.shift();
+  #next(): void {
+    while (this.#asked < atOnce) {
+      const wish = this.#wishes.shift();
       if (!wish) return;
-      this.asked += 1;
+      this.#asked += 1;
       wish.given = new AbortController();
-      void this.fetch(wish, wish.given.signal).finally(() => {
-        this.asked -= 1;
-        this.next();
+      void this.#fetch(wish, wish.given.signal).finally(() => {
+        this.#asked -= 1;
+        this.#next();
       });
     }
   }
 
   /** What is not answered for good is asked for when the row comes into sight again. */
-  private async fetch(wish: Wish, signal: AbortSignal): Promise<void> {
+  async #fetch(wish: Wish, signal: AbortSignal): Promise<void> {
     try {
       const answer = await this.doors.ask(wish.dataset, signal);
-      if (answer.status === 204) this.keep(wish, { why: plainText(answer.headers.get('Isostrata-Reason') ?? '') });
-      else if (answer.ok) this.keep(wish, { picture: this.doors.urlOf(await answer.blob()) });
+      if (answer.status === 204) this.#keep(wish, { why: plainText(answer.headers.get('Isostrata-Reason') ?? '') });
+      else if (answer.ok) this.#keep(wish, { picture: this.doors.urlOf(await answer.blob()) });
     } catch {
       // given up, or the server is away
     }
   }
 
-  private keep(wish: Wish, of: Thumbnail): void {
-    this.kept.set(wish.key, of);
+  #keep(wish: Wish, of: Thumbnail): void {
+    this.#kept.set(wish.key, of);
     wish.show(of);
-    for (const [key, oldest] of this.kept) {
-      if (this.kept.size <= most) return;
-      this.kept.delete(key);
+    for (const [key, oldest] of this.#kept) {
+      if (this.#kept.size <= most) return;
+      this.#kept.delete(key);
       if ('picture' in oldest) this.doors.forget(oldest.picture);
     }
   }

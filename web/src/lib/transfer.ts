@@ -2,7 +2,7 @@
 // to the next; a step is two points of one value.
 import { colorMapColors } from './color-maps';
 import { arrowStep, leastWidth, pageStep, shownEnds } from './intervals';
-import type { Interval, Range, Rgb, TransferPoint } from './model';
+import type { Interval, IntervalPatch, Range, Rgb, TransferPoint } from './model';
 import { roundTo } from './ticks';
 
 const mix = (a: number, b: number, t: number) => a + (b - a) * t;
@@ -50,6 +50,20 @@ export function stretched(points: readonly TransferPoint[], lower: number, upper
     const t = (point.value - first.value) / (last.value - first.value);
     return { ...point, value: t <= 0 ? lower : t >= 1 ? upper : mix(lower, upper, t) };
   });
+}
+
+/**
+ * A layer's ends and the first and last point of its transfer function belong together: whichever a patch moves, the other goes along, at once and not
+ * only when the server says so.
+ */
+export function withEnds(before: Interval, patch: IntervalPatch): IntervalPatch {
+  const points = patch.transfer === undefined ? before.transfer : patch.transfer;
+  const [first, last] = [points?.[0], points?.[points.length - 1]];
+  if (!points || !first || !last) return patch;
+  if (patch.transfer) return { ...patch, lower: first.value, upper: last.value };
+  if (patch.lower === undefined && patch.upper === undefined) return patch;
+  const { lower, upper } = { ...before, ...patch };
+  return { ...patch, lower, upper, transfer: stretched(points, lower, upper) };
 }
 
 /** Moves one point; it stops at its neighbours, and the first and the last one leave the layer some width. */

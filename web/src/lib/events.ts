@@ -1,0 +1,105 @@
+// What the server says: bytes become events. Fields that the page takes as they are stay as they come; of the others each is named here.
+import { create, fromBinary } from '@bufbuild/protobuf';
+import {
+  FramePhase as WirePhase,
+  ServerMessageSchema,
+  StageTimesSchema,
+  type Frame as WireFrame,
+  type Invitation as WireInvitation,
+  type Welcome as WireWelcome,
+} from '../gen/isostrata/v1/isostrata_pb';
+import type { Frame, Invitation, ServerEvent, Welcome } from './model';
+import { plain, roles } from './protocol';
+import { datasetInfoOf, entryOf, listOf } from './wire-datasets';
+import { cameraOf, stateOf } from './wire-scene';
+
+/** Throws where the bytes are not a ServerMessage. */
+export function decodeEvent(bytes: Uint8Array): ServerEvent {
+  const { body } = fromBinary(ServerMessageSchema, bytes);
+  switch (body.case) {
+    case 'welcome':
+      return { kind: 'welcome', welcome: welcomeOf(body.value) };
+    case 'state':
+      return { kind: 'state', state: stateOf(body.value) };
+    case 'datasetInfo':
+      return { kind: 'datasetInfo', info: datasetInfoOf(body.value) };
+    case 'datasetList':
+      return { kind: 'datasetList', list: listOf(body.value) };
+    case 'datasetsChanged':
+      return { kind: 'datasetsChanged', entries: body.value.entries.map(entryOf) };
+    case 'histogram':
+      return { kind: 'histogram', histogram: { ...body.value, counts: body.value.counts.map(Number) } };
+    case 'frame':
+      return { kind: 'frame', frame: frameOf(body.value) };
+    case 'layerFacts':
+      return {
+        kind: 'volumeErrors',
+        errors: body.value.intervals.flatMap(({ id, volume, volumeError: error }) => (error === undefined ? [] : [{ id, volume, error }])),
+      };
+    case 'progress':
+      return { kind: 'progress', progress: plain(body.value) };
+    case 'done':
+      return { kind: 'done', done: body.value };
+    case 'error':
+      return { kind: 'error', error: { ...body.value, inReplyTo: Number(body.value.inReplyTo) } };
+    case 'pong':
+      return { kind: 'pong', clientTimeMs: body.value.clientTimeMs };
+    case 'shutdown':
+      return { kind: 'shutdown', ending: body.value };
+    case 'participants':
+      return { kind: 'participants', participants: body.value.participants.map((who) => ({ ...who, role: roles.name(who.role) })) };
+    case 'invitation':
+      return { kind: 'invitation', invitation: invitationOf(body.value) };
+    case 'invitations':
+      return { kind: 'invitations', invitations: body.value.invitations.map(invitationOf) };
+    default:
+      return { kind: 'unknown' };
+  }
+}
+
+const invitationOf = (invitation: WireInvitation): Invitation => ({ ...invitation, role: roles.name(invitation.role) });
+
+function welcomeOf({ datasets, state, datasetInfo, role, lastCommand, limits, ...rest }: WireWelcome): Welcome {
+  return {
+    ...rest,
+    datasets: datasets.map(entryOf),
+    state: state ? stateOf(state) : null,
+    datasetInfo: datasetInfo ? datasetInfoOf(datasetInfo) : null,
+    role: roles.name(role),
+    lastCommand: Number(lastCommand),
+    limits: {
+      maxIntervals: limits?.maxIntervals || 256,
+      maxTransferPoints: limits?.maxTransferPoints || 512,
+      maxClipPlanes: limits?.maxClipPlanes || 32,
+      maxWidth: limits?.maxWidth || 4096,
+      maxHeight: limits?.maxHeight || 4096,
+    },
+  };
+}
+
+function frameOf({ revision, inputSeq, phase, stages, facts, camera, streamId, inReplyTo, band, payload, ...rest }: WireFrame): Frame {
+  return {
+    ...rest,
+    revision: Number(revision),
+    inputSeq: Number(inputSeq),
+    phase: phase === WirePhase.LOSSLESS ? 'exact' : phase === WirePhase.SETTLED ? 'settled' : 'moving',
+    stages: stages ?? create(StageTimesSchema),
+    device: facts?.device ?? '',
+    order: facts?.order ?? '',
+    orderExact: facts?.orderExact ?? false,
+    tetrahedra: Number(facts?.tetrahedra ?? 0n),
+    pointStride: facts?.pointStride || 1,
+    coarseError: facts?.coarseError ?? null,
+    samples: facts?.samples || 1,
+    intervals: (facts?.intervals ?? []).map((layer) => ({
+      ...layer,
+      activeCells: Number(layer.activeCells),
+      tetrahedra: Number(layer.tetrahedra),
+    })),
+    camera: cameraOf(camera),
+    streamId: Number(streamId),
+    inReplyTo: Number(inReplyTo),
+    band: band ?? null,
+    payload: payload as Uint8Array<ArrayBuffer>,
+  };
+}

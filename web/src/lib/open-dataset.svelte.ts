@@ -1,0 +1,46 @@
+// What the server says of the dataset that is open: its description, and the histogram of the array that is shown.
+import { command, type Command } from './commands';
+import type { DatasetInfo, Histogram, SceneState } from './model';
+
+const histogramBins = 256;
+
+export class OpenDataset {
+  info = $state.raw<DatasetInfo | null>(null);
+  histogram = $state.raw<Histogram | null>(null);
+  #asked = ''; // which histogram
+
+  /** info: null of a server that describes the dataset only once it has opened it again. In a session that goes on that is the same one. */
+  welcomed(info: DatasetInfo | null, dataset: string, resumed: boolean): void {
+    this.#asked = '';
+    if (!resumed) this.histogram = null;
+    this.info = info ?? (resumed && this.info?.id === dataset ? this.info : null);
+  }
+  /** How many time steps have come since it was described last. */
+  told(info: DatasetInfo): number {
+    const before = this.info;
+    this.info = info;
+    return before && before.id === info.id && before.onDisk !== 'changed' ? Math.max(info.times.length - before.times.length, 0) : 0;
+  }
+  toldHistogram(histogram: Histogram): void {
+    this.histogram = histogram;
+  }
+  /** The session has turned to this dataset. */
+  turnedTo(dataset: string): void {
+    if (this.info?.id !== dataset) this.info = null;
+  }
+
+  /** Asks for the histogram of what is shown, unless that has been asked for already. */
+  wants({ dataset, step, array, values }: SceneState): Command | null {
+    if (!dataset || !array || this.info?.id !== dataset) return null;
+    // Its bins span the array's range, which grows while the steps of a series are read.
+    const range = this.info.arrays.find((of) => of.name === array);
+    const wanted = JSON.stringify([dataset, step, array, range?.lower, range?.upper, values]);
+    if (wanted === this.#asked) return null;
+    this.#asked = wanted;
+    return command.requestHistogram(array, histogramBins);
+  }
+  /** The histogram was refused: the next State asks again. */
+  refused(): void {
+    this.#asked = '';
+  }
+}

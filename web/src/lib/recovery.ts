@@ -1,0 +1,66 @@
+// What a page does after a loss or a reload: it goes back to its session, or brings what it showed into a new one, step by step.
+import type { DatasetEntry, DatasetInfo, SceneState, Welcome } from './model';
+import { restoreStep, type RestoreStep } from './restore';
+import type { SavedTab } from './saved';
+
+export interface RecoveryDoors {
+  saved: SavedTab;
+  /** Whether the person has asked for little motion: then nothing comes back playing. */
+  calm(): boolean;
+  after(ms: number, callback: () => void): void;
+}
+
+const restMs = 300; // between two times that the scene is written down
+
+export class Recovery {
+  #restoring: { saved: SceneState; opened: boolean; quiet: boolean } | null = null;
+  #welcomedBefore = false;
+  #newest: SceneState | null = null;
+  #writesSoon = false;
+
+  constructor(private readonly doors: RecoveryDoors) {}
+
+  get resumeToken(): string {
+    return this.doors.saved.session.resumeToken;
+  }
+  /** Something is still being brought back. */
+  get active(): boolean {
+    return this.#restoring !== null;
+  }
+
+  /**
+   * Whether the page is in the session in which it was. If it is not, what it showed is to be brought back. A guest finds the session as it is and
+   * brings nothing. shown: what the page shows now; null: nothing yet.
+   */
+  welcomed({ session, resumeToken }: Pick<Welcome, 'session' | 'resumeToken'>, shown: SceneState | null): boolean {
+    const { saved } = this.doors;
+    const resumed = session !== '' && session === saved.session.id;
+    let before = (this.#welcomedBefore && shown) || saved.state;
+    if (before?.cycle && this.doors.calm()) before = { ...before, cycle: { ...before.cycle, playing: false } };
+    saved.session = { id: session, resumeToken };
+    if (!resumed) this.#restoring = resumeToken !== '' && before ? { saved: before, opened: false, quiet: !this.#welcomedBefore } : null;
+    this.#welcomedBefore = true;
+    return resumed;
+  }
+
+  /** The next step, now that the server says this. What was only remembered, and not seen in this page, is given up without a word: an empty reason. */
+  next(server: SceneState, info: DatasetInfo | null, datasets: readonly DatasetEntry[], all: number | undefined): RestoreStep {
+    const restoring = this.#restoring;
+    if (!restoring) return { kind: 'wait' };
+    const step = restoreStep(restoring.saved, server, info, datasets, restoring.opened, all);
+    if (step.kind === 'send') restoring.opened = true;
+    if (step.kind === 'impossible' || (step.kind === 'send' && step.done)) this.#restoring = null;
+    return step.kind === 'impossible' && restoring.quiet ? { kind: 'impossible', reason: '' } : step;
+  }
+
+  /** Writes the scene down soon, the newest that there is then; not while the old one is still being brought back. */
+  keep(server: SceneState): void {
+    this.#newest = server;
+    if (this.#restoring || this.#writesSoon) return;
+    this.#writesSoon = true;
+    this.doors.after(restMs, () => {
+      this.#writesSoon = false;
+      if (!this.#restoring && this.#newest?.dataset) this.doors.saved.state = this.#newest;
+    });
+  }
+}
