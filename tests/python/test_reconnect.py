@@ -145,7 +145,7 @@ class Lost(WithState):
 
         def close(turn, turns):
             """So many turns of its loop after the loss: among the first are all the steps of a try that is refused."""
-            loop = sessions[turn]._connection._loop
+            loop = sessions[turn]._connection.line.loop
             loop.call_soon(close, turn, turns - 1) if turns else sessions[turn].close()
 
         for turn in range(24):
@@ -153,8 +153,8 @@ class Lost(WithState):
             sessions.append(isostrata.connect(self.server.url, "torus:12", size=(8, 8), reconnect=3600, on_connection=lost))
         self.server.stop(signal.SIGKILL)
         for s in sessions:
-            s._connection._thread.join(10)
-            self.assertFalse(s._connection._thread.is_alive())
+            s._connection.line.thread.join(10)
+            self.assertFalse(s._connection.line.thread.is_alive())
             self.assertRefused("closed", s.view, "+x")
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 import isostrata
 from isostrata import Interval, IsostrataError, Surface, Term, decode_image, v1
-from isostrata.connection import Connection
+from isostrata.line import Line
 
 from served import Served
 
@@ -403,12 +403,12 @@ class Troubles(unittest.TestCase):
         s = isostrata.connect(server.url, "cylinder:12x12x8x3", size=(64, 48))
         self.addCleanup(s.close)
         saved = s.save_state()
-        write = Connection._write
+        write = Line._write
 
-        def late(connection, socket, data):  # as over a long line
-            connection._loop.call_later(0.4, write, connection, socket, data)
+        def late(line, socket, data):  # as over a long line
+            line.loop.call_later(0.4, write, line, socket, data)
 
-        with mock.patch.object(Connection, "_write", late):
+        with mock.patch.object(Line, "_write", late):
             other = isostrata.connect(server.url, "torus:100", size=(64, 48))
             self.addCleanup(other.close)
             other.load_state(saved)
