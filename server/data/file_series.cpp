@@ -144,7 +144,7 @@ bool is_series_pattern(const fs::path& path) {
   return path.filename().string().find('*') != std::string::npos && !fs::exists(fs::symlink_status(path, error));
 }
 
-bool names_pictures(const fs::path& path) { return ends_with_one_of(small_letters(path.filename().string()), ".png .tif .tiff .bmp .pnm .pgm"); }
+bool names_pictures(const fs::path& path) { return ends_with_one_of(small_letters(path.filename().string()), ".png .tif .tiff .bmp .pnm .pgm .exr"); }
 
 std::vector<SeriesFile> series_files(const fs::path& pattern) {
   const std::string text = pattern.filename().string();

@@ -1,7 +1,7 @@
 #include "encoding/picture_module.h"
 
 #include "base/error.h"
-#include "encoding/load_module.h"
+#include "base/load_module.h"
 
 namespace isostrata {
 

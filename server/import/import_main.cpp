@@ -24,6 +24,7 @@
 #include "import/fork_for_files.h"
 #include "import/memory_limit.h"
 #include "import/read_file.h"
+#include "import/read_own.h"
 #include "import/vtk_messages.h"
 #include "import/write_dataset.h"
 
@@ -74,6 +75,7 @@ void run(const std::vector<std::string>& words) {
   };
   isostrata::set_thread_count(1);
   isostrata::collect_vtk_messages(request.file.filename().string());
+  isostrata::prepare_pictures(request.file);
   std::error_code error;
   const bool folder = std::filesystem::is_directory(request.file, error);
   isostrata::confine({.directory = folder ? request.file : request.file.parent_path(),

@@ -32,6 +32,12 @@ Imported read_multi_block(const ReadRequest& request);
 /// A file inside gzip, of a format that is one file. It is unpacked into request.scratch.
 Imported read_gzip(const ReadRequest& request);
 
+/// Loads what pictures are read with, if the file is one by its name: once a process is confined it can load nothing.
+void prepare_pictures(const std::filesystem::path& file);
+
+/// One TIFF file; its pages are slices, as far as they are like the first.
+Imported read_tiff(const ReadRequest& request);
+
 /// Numbered pictures of one size as the slices of a volume; the request's file is their pattern.
 Imported read_pictures(const ReadRequest& request);
 

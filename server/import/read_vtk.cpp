@@ -10,7 +10,6 @@
 #include <vtkSmartPointer.h>
 #include <vtkStructuredGridReader.h>
 #include <vtkStructuredPointsReader.h>
-#include <vtkTIFFReader.h>
 #include <vtkUnstructuredGridReader.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLDataElement.h>
@@ -260,7 +259,5 @@ Imported read_meta_image(const ReadRequest& request) {
 }
 
 Imported read_slc(const ReadRequest& request) { return run_named<vtkSLCReader>(request); }
-
-Imported read_tiff(const ReadRequest& request) { return run_named<vtkTIFFReader>(request); }
 
 }  // namespace isostrata

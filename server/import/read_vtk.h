@@ -22,9 +22,6 @@ Imported read_meta_image(const ReadRequest& request);
 /// SLC volumes.
 Imported read_slc(const ReadRequest& request);
 
-/// One TIFF file; its pages are slices.
-Imported read_tiff(const ReadRequest& request);
-
 /// NIfTI, placed by its sform or qform.
 Imported read_nifti(const ReadRequest& request);
 

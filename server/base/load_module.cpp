@@ -1,4 +1,4 @@
-#include "encoding/load_module.h"
+#include "base/load_module.h"
 
 #include <dlfcn.h>
 

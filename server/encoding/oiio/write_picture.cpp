@@ -1,4 +1,4 @@
-// Picture files through OpenImageIO. It only writes here: reading foreign pictures is not this process's business.
+// Picture files through OpenImageIO, as they are written.
 #include <OpenImageIO/imageio.h>
 
 #include <stdexcept>
