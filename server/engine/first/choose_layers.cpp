@@ -219,6 +219,35 @@ void cut_field(const ProxyGrid& proxy, const ValueCurves& curves, Side side, Lay
 
 constexpr std::size_t kMostLabelLayers = 8;
 
+/// The layer that one sees of all labels from outside, if there is one: the first on nearly every line into the box, from all sides. Null: each is seen.
+LayerChoice* hull_of(std::vector<LayerChoice>& layers, const ProxyGrid& proxy) {
+  constexpr double kNearlyAll = 0.9;
+  std::vector<std::int64_t> first_on(layers.size());
+  std::int64_t lines = 0;
+  const std::array<std::size_t, 3> dims{static_cast<std::size_t>(proxy.dims[0]), static_cast<std::size_t>(proxy.dims[1]), static_cast<std::size_t>(proxy.dims[2])},
+      jump{1, dims[0], dims[0] * dims[1]};
+  const auto layer_at = [&](std::size_t sample) {
+    const float t = proxy.values[sample];
+    return std::find_if(layers.begin(), layers.end(), [&](const LayerChoice& layer) { return t >= layer.from && (t < layer.to || layer.to >= 1); });
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (std::size_t line = 0; line < dims[u] * dims[v]; ++line)
+      for (const bool forward : {true, false})
+        for (std::size_t i = 0; i < dims[axis]; ++i) {
+          const std::size_t along = forward ? i : dims[axis] - 1 - i;
+          const auto met = layer_at(line % dims[u] * jump[u] + line / dims[u] * jump[v] + along * jump[axis]);
+          if (met == layers.end()) continue;
+          ++first_on[static_cast<std::size_t>(met - layers.begin())];
+          ++lines;
+          break;
+        }
+  }
+  const auto most = std::max_element(first_on.begin(), first_on.end());
+  if (layers.size() < 2 || static_cast<double>(*most) < kNearlyAll * static_cast<double>(lines)) return nullptr;
+  return &layers[static_cast<std::size_t>(most - first_on.begin())];
+}
+
 /// Each label but the background, with ends midway to those beside it. Its values are taken whole, so a label ends where another one begins.
 void cut_labels(const ValueCurves& curves, const ProxyGrid& proxy, const FieldHints& hints, LayersChoice& choice) {
   struct Label {
@@ -253,6 +282,10 @@ void cut_labels(const ValueCurves& curves, const ProxyGrid& proxy, const FieldHi
   std::size_t taken = 0;
   for (const Label& label : labels)
     if (label.share >= least && taken < kMostLabelLayers) choice.layers.push_back(label.layer), ++taken;
+  if (LayerChoice* const hull = hull_of(choice.layers, proxy); hull && !hints.flat) {
+    hull->role = LayerRole::outer;
+    hull->reason += "; it is looked through, for the others lie inside";
+  }
   if (labels.size() > taken) choice.reason += "; the " + std::to_string(taken) + " largest of " + std::to_string(labels.size()) + " are shown";
 }
 
