@@ -219,7 +219,8 @@ void cut_field(const ProxyGrid& proxy, const ValueCurves& curves, Side side, Lay
 
 constexpr std::size_t kMostLabelLayers = 8;
 
-/// The layer that one sees of all labels from outside, if there is one: the first on nearly every line into the box, from all sides. Null: each is seen.
+/// The label that one sees of all from outside, if there is one: the first on nearly every line into the box, from all sides. Null: more are seen, or one
+/// is all there is.
 LayerChoice* hull_of(std::vector<LayerChoice>& layers, const ProxyGrid& proxy) {
   constexpr double kNearlyAll = 0.9;
   std::vector<std::int64_t> first_on(layers.size());
@@ -228,7 +229,7 @@ LayerChoice* hull_of(std::vector<LayerChoice>& layers, const ProxyGrid& proxy) {
       jump{1, dims[0], dims[0] * dims[1]};
   const auto layer_at = [&](std::size_t sample) {
     const float t = proxy.values[sample];
-    return std::find_if(layers.begin(), layers.end(), [&](const LayerChoice& layer) { return t >= layer.from && (t < layer.to || layer.to >= 1); });
+    return std::find_if(layers.begin(), layers.end(), [&](const LayerChoice& layer) { return layer.role == LayerRole::label && t >= layer.from && (t < layer.to || layer.to >= 1); });
   };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -244,7 +245,8 @@ LayerChoice* hull_of(std::vector<LayerChoice>& layers, const ProxyGrid& proxy) {
         }
   }
   const auto most = std::max_element(first_on.begin(), first_on.end());
-  if (layers.size() < 2 || static_cast<double>(*most) < kNearlyAll * static_cast<double>(lines)) return nullptr;
+  const auto labels = std::count_if(layers.begin(), layers.end(), [](const LayerChoice& layer) { return layer.role == LayerRole::label; });
+  if (labels < 2 || static_cast<double>(*most) < kNearlyAll * static_cast<double>(lines)) return nullptr;
   return &layers[static_cast<std::size_t>(most - first_on.begin())];
 }
 
@@ -282,10 +284,12 @@ void cut_labels(const ValueCurves& curves, const ProxyGrid& proxy, const FieldHi
   std::size_t taken = 0;
   for (const Label& label : labels)
     if (label.share >= least && taken < kMostLabelLayers) choice.layers.push_back(label.layer), ++taken;
-  if (LayerChoice* const hull = hull_of(choice.layers, proxy); hull && !hints.flat) {
-    hull->role = LayerRole::outer;
-    hull->reason += "; it is looked through, for the others lie inside";
-  }
+  constexpr int kMostHulls = 2;  // a third would be fog
+  for (int i = 0; i < kMostHulls && !hints.flat; ++i)
+    if (LayerChoice* const hull = hull_of(choice.layers, proxy)) {
+      hull->role = LayerRole::outer;
+      hull->reason += "; it is looked through, for the others lie inside";
+    }
   if (labels.size() > taken) choice.reason += "; the " + std::to_string(taken) + " largest of " + std::to_string(labels.size()) + " are shown";
 }
 

@@ -221,12 +221,12 @@ TEST(FirstView, OfLabelsThatFillTheDomainShowsEachAndOfManyTheLargest) {
 }
 
 TEST(FirstView, OfLabelsInsideAnotherLooksThroughThatOne) {
-  const auto nested = field_dataset<std::uint8_t>({40, 40, 40}, [](Vec3d p) { return length(p) > 0.9 ? 0 : length(p) > 0.6 ? 1 : p.x > 0 ? 3 : 7; });
+  const auto nested = field_dataset<std::uint8_t>({40, 40, 40}, [](Vec3d p) { return length(p) > 0.9 ? 0 : length(p) > 0.7 ? 1 : length(p) > 0.5 ? 2 : p.x > 0 ? 3 : 7; });
   const FirstView view = view_of_data(*nested);
-  ASSERT_EQ(view.layers.size(), 3u);
+  ASSERT_EQ(view.layers.size(), 4u);
   EXPECT_EQ(view.layers[0].name, "label 1");
-  EXPECT_LT(view.layers[0].surface.opacity, 0.5);
-  for (const std::size_t inner : {1, 2}) EXPECT_GT(view.layers[inner].surface.opacity, 0.9) << inner;
+  for (const std::size_t outer : {0, 1}) EXPECT_LT(view.layers[outer].surface.opacity, 0.5) << outer;
+  for (const std::size_t inner : {2, 3}) EXPECT_GT(view.layers[inner].surface.opacity, 0.9) << inner;
   const auto beside = field_dataset<std::uint8_t>({40, 40, 40}, [](Vec3d p) { return length(p) > 0.9 ? 0 : p.x > 0.3 ? 1 : p.x > -0.2 ? 3 : 7; });
   for (const FirstLayer& layer : view_of_data(*beside).layers) EXPECT_GT(layer.surface.opacity, 0.9) << layer.name;
 }
