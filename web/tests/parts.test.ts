@@ -117,6 +117,23 @@ describe('the open dataset', () => {
     expect(dataset.info).toBeNull();
   });
 
+  test('wants bins that hold as many whole numbers each, and 256 of other numbers', () => {
+    const bins = (upper: number, type: string, association = 'point', values = 'interpolated') => {
+      const dataset = new OpenDataset();
+      dataset.told({ id: 'fin', arrays: [{ name: 'Density', lower: 0, upper, type, association, cells: { lower: 0, upper } }], times: [0] } as unknown as DatasetInfo);
+      const wanted = dataset.wants({ ...shown, values: values as SceneState['values'] });
+      return wanted?.case === 'requestHistogram' ? wanted.value.bins : null;
+    };
+    expect(bins(197, 'uint8')).toBe(198);
+    expect(bins(255, 'uint8')).toBe(256);
+    expect(bins(4095, 'int16')).toBe(256);
+    expect(bins(3999, 'uint16')).toBe(250);
+    expect(bins(197, 'float32')).toBe(256);
+    expect(bins(197, 'uint8', 'cell_averaged')).toBe(256); // means are not whole
+    expect(bins(197, 'uint8', 'cell_averaged', 'whole')).toBe(198);
+    expect(bins(0, 'uint8')).toBe(256);
+  });
+
   test('counts the steps that have come, but not those of a file that was written anew', () => {
     const dataset = new OpenDataset();
     expect(dataset.told(info(2))).toBe(0);

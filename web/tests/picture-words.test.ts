@@ -84,10 +84,10 @@ test('the badge says exact only of the newest state, losslessly, where there is 
   expect(word({ phase: 'settled', pointStride: 4 }, 6)).toBe('first look');
   expect(word({ phase: 'moving', pointStride: 2 }, 6)).toBe('moving, coarse');
   const far = { phase: 'moving', pointStride: 2, coarseError: { largest: 0.0213, mean: 0.00049 } } as const;
-  expect(word(far, 6)).toBe('moving, coarse ±0.022'); // a bound is not rounded down
+  expect(word(far, 6)).toBe('moving, coarse ±0.022, mean 0.00049'); // a bound is not rounded down
   const farTitle = badgeOf({ ...frame, ...far }, { revision: 6, waits: false }, false, 600).title;
   expect(farTitle).toContain('within 0.022 of those of all points, 0.00049 in the mean');
-  expect(word({ ...far, coarseError: { largest: 0, mean: 0 } }, 6)).toBe('moving, coarse ±0');
+  expect(word({ ...far, coarseError: { largest: 0, mean: 0 } }, 6)).toBe('moving, coarse ±0, mean 0');
   expect(word({ pointStride: 1 })).toBe('exact');
   const title = (samples: number) => badgeOf({ ...frame, samples }, { revision: 5, waits: false }, false, 600).title;
   expect(title(1)).not.toContain('mean');

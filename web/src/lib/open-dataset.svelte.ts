@@ -1,8 +1,17 @@
 // What the server says of the dataset that is open: its description, and the histogram of the array that is shown.
 import { command, type Command } from './commands';
-import type { DatasetInfo, Histogram, SceneState } from './model';
+import type { ArrayInfo, DatasetInfo, Histogram, SceneState } from './model';
 
 const histogramBins = 256;
+
+/** Of whole numbers each bin holds as many: with other bins every so often one would be empty. */
+function binsOf(array: ArrayInfo, whole: boolean): number {
+  const { lower, upper } = (whole && array.cells) || array;
+  const numbers = upper - lower + 1;
+  const averaged = array.association !== 'point' && !whole;
+  if (averaged || !/^u?int/.test(array.type) || !(numbers >= 2)) return histogramBins;
+  return Math.ceil(numbers / Math.ceil(numbers / histogramBins));
+}
 
 export class OpenDataset {
   info = $state.raw<DatasetInfo | null>(null);
@@ -37,7 +46,7 @@ export class OpenDataset {
     const wanted = JSON.stringify([dataset, step, array, range?.lower, range?.upper, values]);
     if (wanted === this.#asked) return null;
     this.#asked = wanted;
-    return command.requestHistogram(array, histogramBins);
+    return command.requestHistogram(array, range ? binsOf(range, values === 'whole') : histogramBins);
   }
   /** The histogram was refused: the next State asks again. */
   refused(): void {

@@ -58,7 +58,7 @@ function farOff(error: CoarseError | null | undefined): string {
 export function badgeOf(frame: Shown, state: { revision: number; waits: boolean }, empty: boolean, viewportHeight: number): Badge {
   if (frame.pointStride && frame.pointStride > 1)
     return {
-      word: frame.phase === 'moving' ? `moving, coarse${frame.coarseError ? ` ±${atMost(frame.coarseError.largest)}` : ''}` : 'first look',
+      word: frame.phase === 'moving' ? `moving, coarse${frame.coarseError ? ` ±${atMost(frame.coarseError.largest)}, mean ${formatNumber(frame.coarseError.mean, 2)}` : ''}` : 'first look',
       kind: 'moving',
       title: `One point in ${frame.pointStride} along each axis went into this picture.${farOff(frame.coarseError)} That of all points follows.`,
     };
