@@ -3,7 +3,7 @@ import { mkdirSync, mkdtempSync, renameSync, rmSync, unlinkSync, writeFileSync }
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { expect, test } from 'vitest';
-import type { DatasetInfo } from '../../web/src/lib/model';
+import type { DatasetInfo } from '../../web/src/lib/told';
 import { Server } from './server';
 import { launch, Viewer } from './viewer';
 

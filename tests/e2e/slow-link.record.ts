@@ -6,7 +6,8 @@ import { existsSync, mkdirSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import type { CDPSession } from 'playwright-core';
 import { expect, test } from 'vitest';
-import type { Frame, Interval } from '../../web/src/lib/model';
+import type { Interval } from '../../web/src/lib/model';
+import type { Frame } from '../../web/src/lib/told';
 import { binary, repository, Server } from './server';
 import { launch, Viewer } from './viewer';
 

@@ -1,7 +1,7 @@
 // Frames in motion as video in a real browser: what is negotiated, what becomes of colours, and what happens where it cannot be decoded.
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
-import type { Frame } from '../../web/src/lib/model';
+import type { Frame } from '../../web/src/lib/told';
 import { insideBlock, probeColor, probeSide, probeStream } from '../../web/src/lib/probe-stream';
 import { Server } from './server';
 import { difference, drawnPixels, launch, Viewer, type Picture } from './viewer';

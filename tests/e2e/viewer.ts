@@ -2,7 +2,8 @@
 import { chromium, type Browser, type BrowserContext, type Locator, type Page } from 'playwright-core';
 import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Interval, SceneState, ServerEvent } from '../../web/src/lib/model';
+import type { Interval, SceneState } from '../../web/src/lib/model';
+import type { ServerEvent } from '../../web/src/lib/told';
 import { decodeEvent } from '../../web/src/lib/events';
 import { repository } from './server';
 

@@ -2,7 +2,7 @@ import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import { describe, expect, test } from 'vitest';
 import { ClientMessageSchema, ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
 import { Connection, retryDelayMs, type ConnectionStatus, type NotOpened, type Socket } from '../src/lib/connection';
-import type { ServerEvent } from '../src/lib/model';
+import type { ServerEvent } from '../src/lib/told';
 import { command } from '../src/lib/commands';
 
 class FakeSocket {

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { agoWords, factsOf, markOf, sizeWords } from '../src/lib/file-words';
-import type { DatasetEntry } from '../src/lib/model';
+import type { DatasetEntry } from '../src/lib/told';
 
 const entry = (more: Partial<DatasetEntry> = {}): DatasetEntry => ({
   id: 'a', name: 'a.vtk', kind: 'legacy VTK', bytes: 0, changedMs: 0, files: 1, steps: 0, news: 'none', noticedMs: 0, writing: false, ...more,

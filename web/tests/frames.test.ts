@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { FramePlayer } from '../src/lib/frames';
-import type { Frame } from '../src/lib/model';
+import type { Frame } from '../src/lib/told';
 
 const band = (id: number, index: number, count: number) => ({ ...frame(id), band: { firstRow: 10 * index, rows: 10, index, count } });
 const frame = (id: number) => ({ frameId: BigInt(id), format: 'jpeg', payload: new Uint8Array() }) as unknown as Frame;

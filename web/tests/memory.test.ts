@@ -1,5 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { emptyState, type DatasetInfo, type SceneState } from '../src/lib/model';
+import { emptyState, type SceneState } from '../src/lib/model';
+import type { DatasetInfo } from '../src/lib/told';
 import { parseSavedState, restoreStep } from '../src/lib/restore';
 import { SavedTab } from '../src/lib/saved';
 import { socketUrl, takeToken } from '../src/lib/token';

@@ -1,6 +1,7 @@
 import { expect, test } from 'vitest';
 import { layerNumber } from '../src/lib/intervals';
-import { emptyState, type DatasetInfo, type Interval, type SceneState } from '../src/lib/model';
+import { emptyState, type Interval, type SceneState } from '../src/lib/model';
+import type { DatasetInfo } from '../src/lib/told';
 import { badgeOf, emptyReason, isBlank } from '../src/lib/picture-words';
 import { newIntervalColor, hexOf, usualColor } from '../src/lib/colors';
 import { stillSize } from '../src/lib/still-size';

@@ -1,5 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { emptyState, type DatasetInfo, type SceneState } from '../src/lib/model';
+import { emptyState, type SceneState } from '../src/lib/model';
+import type { DatasetInfo } from '../src/lib/told';
 import { Recovery } from '../src/lib/recovery';
 import { SavedTab } from '../src/lib/saved';
 import { TickedClock } from './ticked';

@@ -4,7 +4,7 @@ import { ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
 import type { Command } from '../src/lib/commands';
 import type { Connection, ConnectionStatus } from '../src/lib/connection';
 import { decodeEvent } from '../src/lib/events';
-import type { ServerEvent } from '../src/lib/model';
+import type { ServerEvent } from '../src/lib/told';
 import { badgeOf } from '../src/lib/picture-words';
 import { SavedTab } from '../src/lib/saved';
 import { Session } from '../src/lib/session.svelte';

@@ -1,6 +1,6 @@
 // Pictures of a list's rows: two at a time, given up when they are out of sight, asked for once.
 import { describe, expect, test } from 'vitest';
-import type { DatasetEntry } from '../src/lib/model';
+import type { DatasetEntry } from '../src/lib/told';
 import { thumbnailKey, Thumbnails, type Thumbnail } from '../src/lib/thumbnails';
 
 const entry: DatasetEntry = {

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import type { Interval, Range, TransferPoint } from '../src/lib/model';
 import { command } from '../src/lib/commands';
-import { addBeside, addPoint, curve, keyToPoint, lookAt, movePoint, removePoint, startPoints, stretched } from '../src/lib/transfer';
+import { addBeside, addPoint, curve, keyToPoint, lookAt, movePoint, removePoint, startPoints, stretched, withEnds } from '../src/lib/transfer';
 import { seeded } from './random';
 
 const axis: Range = { lower: 0, upper: 10 };
@@ -80,4 +80,19 @@ test('a patch carries the whole function, and null ends it', () => {
   expect(body).toMatchObject({ value: { transferFunction: { points: [{ value: 2 }, { value: 4 }, { value: 6, opacity: 0.75 }] } } });
   expect(command.patchInterval(3, { transfer: null })).toMatchObject({ value: { transferFunction: { points: [] } } });
   expect(command.patchInterval(3, { opacity: 1 }).value).not.toHaveProperty('transferFunction');
+});
+
+test('whatever a patch moves, a layer’s ends and its function stay together', () => {
+  const random = seeded(21);
+  const own = { ...layer, transfer: points };
+  for (let i = 0; i < 200; i++) {
+    const lower = random() * 4;
+    const patch = [{ lower }, { upper: 5 + random() * 5 }, { lower, upper: 5 }, { transfer: stretched(points, lower, 9) }][i % 4] ?? {};
+    const after = { ...own, ...withEnds(own, patch) };
+    expect(after).toMatchObject(patch);
+    expect([after.transfer?.[0]?.value, after.transfer?.[2]?.value]).toEqual([after.lower, after.upper]);
+  }
+  expect(withEnds(own, { opacity: 0.5 })).toEqual({ opacity: 0.5 });
+  expect(withEnds(own, { transfer: null, lower: 1 })).toEqual({ transfer: null, lower: 1 }); // it ends
+  expect(withEnds(layer, { lower: 1 })).toEqual({ lower: 1 });
 });

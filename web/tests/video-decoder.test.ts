@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import type { Frame } from '../src/lib/model';
+import type { Frame } from '../src/lib/told';
 import { StreamDecoder, StreamLost } from '../src/lib/video-decoder';
 
 const frame = (id: number, streamId: number, key = false, width = 64) =>

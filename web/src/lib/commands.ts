@@ -13,10 +13,10 @@ import type {
   RangeTerm,
   RenderMode,
   Rgb,
-  Role,
   Smear,
   TimeMode,
 } from './model';
+import type { Role } from './told';
 import { protocolMajor, protocolMinor, roles } from './protocol';
 import { fieldValues, modes, spans, timeModes, wireInterval, wireRgb, wireSurface, wireTerm, wireTransfer, wireVec } from './wire-scene';
 

@@ -1,7 +1,7 @@
 // One WebSocket that comes back: connect, Hello, messages in and out, and after a loss a retry with backoff.
 import { encodeCommand, type Command } from './commands';
 import { decodeEvent } from './events';
-import type { ServerEvent } from './model';
+import type { ServerEvent } from './told';
 import { subprotocol } from './protocol';
 
 export type ConnectionStatus =

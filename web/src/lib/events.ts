@@ -8,7 +8,7 @@ import {
   type Invitation as WireInvitation,
   type Welcome as WireWelcome,
 } from '../gen/isostrata/v1/isostrata_pb';
-import type { Frame, Invitation, ServerEvent, Welcome } from './model';
+import type { Frame, Invitation, ServerEvent, Welcome } from './told';
 import { plain, roles } from './protocol';
 import { datasetInfoOf, entryOf, listOf } from './wire-datasets';
 import { cameraOf, stateOf } from './wire-scene';

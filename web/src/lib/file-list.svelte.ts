@@ -1,6 +1,6 @@
 // What can be opened: the list that the server tells and keeps up to date, and the part of it that is looked at.
 import { command, type Command } from './commands';
-import type { DatasetEntry, DatasetList } from './model';
+import type { DatasetEntry, DatasetList } from './told';
 
 /** Folders and datasets of one look at the list: what the page has elements for. */
 export const listedRows = 100;

@@ -1,5 +1,5 @@
 // What the list of files says: sizes, times and marks in words.
-import type { DatasetEntry } from './model';
+import type { DatasetEntry } from './told';
 
 const units = ['B', 'KB', 'MB', 'GB', 'TB', 'PB'];
 

@@ -2,7 +2,7 @@
 import { command, type Command, type ViewportSize } from './commands';
 import { FrameDecoder, FramePlayer, type Picture } from './frames';
 import { RateMeter } from './meter';
-import type { Frame } from './model';
+import type { Frame } from './told';
 import type { Outbox } from './pacing';
 import { StreamLost } from './video-decoder';
 

@@ -1,5 +1,5 @@
 // Frames in, pictures out: each frame is decoded, drawn unless a newer one already is, and acknowledged.
-import type { Frame } from './model';
+import type { Frame } from './told';
 import { StreamDecoder } from './video-decoder';
 
 export type Picture = ImageBitmap | VideoFrame;

@@ -1,6 +1,7 @@
 // What the server says of the dataset that is open: its description, and the histogram of the array that is shown.
 import { command, type Command } from './commands';
-import type { ArrayInfo, DatasetInfo, Histogram, SceneState } from './model';
+import type { SceneState } from './model';
+import type { ArrayInfo, DatasetInfo, Histogram } from './told';
 
 const histogramBins = 256;
 

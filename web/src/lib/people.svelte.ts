@@ -1,6 +1,6 @@
 // Who is at the session, what this page may do there, and the invitations to it.
 import { command, type Command } from './commands';
-import type { Invitation, Participant, Role, Welcome } from './model';
+import type { Invitation, Participant, Role, Welcome } from './told';
 
 export class People {
   /** Everyone at the session, this page among them. */

@@ -1,6 +1,7 @@
 // What a person is told about the picture: why there is nothing in it, and how far it can be trusted.
 import { formatNumber } from './ticks';
-import type { CoarseError, DatasetInfo, Frame, SceneState } from './model';
+import type { SceneState } from './model';
+import type { CoarseError, DatasetInfo, Frame } from './told';
 
 type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride' | 'coarseError' | 'samples'>>;
 

@@ -1,5 +1,6 @@
 // What a page does after a loss or a reload: it goes back to its session, or brings what it showed into a new one, step by step.
-import type { DatasetEntry, DatasetInfo, SceneState, Welcome } from './model';
+import type { SceneState } from './model';
+import type { DatasetEntry, DatasetInfo, Welcome } from './told';
 import { restoreStep, type RestoreStep } from './restore';
 import type { SavedTab } from './saved';
 

@@ -1,6 +1,7 @@
 // A restarted server knows nothing of the old session: this says what to send so that the picture returns.
 import { command, type Command } from './commands';
-import type { DatasetEntry, DatasetInfo, Range, SceneState } from './model';
+import type { Range, SceneState } from './model';
+import type { DatasetEntry, DatasetInfo } from './told';
 
 export type RestoreStep =
   | { kind: 'send'; commands: Command[]; done: boolean }

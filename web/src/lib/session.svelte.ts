@@ -8,17 +8,8 @@ import { FileList } from './file-list.svelte';
 import { FrameView } from './frame-view.svelte';
 import { Hand } from './hand.svelte';
 import { Smoothed } from './meter';
-import {
-  emptyState,
-  type Camera,
-  type Ending,
-  type Frame,
-  type SceneState,
-  type ServerError,
-  type ServerEvent,
-  type VolumeError,
-  type Welcome,
-} from './model';
+import { emptyState, type Camera, type SceneState } from './model';
+import type { Ending, Frame, ServerError, ServerEvent, VolumeError, Welcome } from './told';
 import { Notices } from './notices.svelte';
 import { OpenDataset } from './open-dataset.svelte';
 import { Outgoing } from './outgoing';

@@ -1,6 +1,7 @@
 // Pictures for keeping: each goes to whoever asked for it, and is not shown.
 import { command, type Command } from './commands';
-import type { Annotations, Frame } from './model';
+import type { Annotations } from './model';
+import type { Frame } from './told';
 
 export class Stills {
   readonly #asked = new Map<number, (answer: Frame | string) => void>(); // by the message that asked

@@ -1,6 +1,6 @@
 // Small pictures for the rows of a list, for as long as these are in sight. Two are asked for at a time, what is out of sight again is given up, and some
 // hundreds are kept.
-import type { DatasetEntry } from './model';
+import type { DatasetEntry } from './told';
 
 /** A picture's address; or why there is none. */
 export type Thumbnail = { picture: string } | { why: string };

@@ -1,6 +1,6 @@
 // A video stream's frames, one in and one out, by the browser's VideoDecoder. It exists only in secure contexts: https, or http to localhost,
 // which is what an ssh tunnel gives.
-import type { Frame } from './model';
+import type { Frame } from './told';
 
 /** How the server means Y, Cb and Cr; also in the bitstream, but Firefox and older browsers listen only here. */
 export const videoColor = { primaries: 'bt709', transfer: 'iec61966-2-1', matrix: 'smpte170m', fullRange: false } as const;

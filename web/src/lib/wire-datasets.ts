@@ -6,7 +6,7 @@ import {
   type DatasetInfo as WireDatasetInfo,
   type DatasetList as WireList,
 } from '../gen/isostrata/v1/isostrata_pb';
-import type { DatasetEntry, DatasetInfo, DatasetList } from './model';
+import type { DatasetEntry, DatasetInfo, DatasetList } from './told';
 import { names } from './protocol';
 import { vecOf } from './wire-scene';
 

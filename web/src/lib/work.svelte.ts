@@ -1,6 +1,6 @@
 // What the server is working on, and which of it the person has cancelled.
 import { command, type Command } from './commands';
-import type { Done, Progress } from './model';
+import type { Done, Progress } from './told';
 
 /** What a cancellation leaves that the person is to be told of: the last finished picture, or the ranges of the steps that were read. */
 export type Left = 'picture' | 'ranges' | null;

@@ -1,0 +1,231 @@
+// What the server tells, as the page's own plain types: datasets, frames, people, work. Numbers are numbers here; events.ts is where they meet Protobuf.
+import type { Box, Camera, Range, SceneState } from './model';
+
+export interface ArrayInfo extends Range {
+  name: string;
+  association: string;
+  type: string;
+  components: number;
+  nanCount: number;
+  cells?: Range | null; // of an array that is averaged from cells: their own range
+  steps: Range[]; // at each step; lower > upper: no value, or not read yet. Of a long series the first alone. The range itself is over all that are known
+}
+
+/** What was noticed of a dataset's files since the server began. */
+export type DatasetNews = 'none' | 'appeared' | 'grown' | 'changed' | 'gone';
+
+export interface DatasetEntry {
+  id: string;
+  name: string; // below the served folder
+  kind: string;
+  bytes: number;
+  changedMs: number; // when the newest of its files was; 0: it has none
+  files: number;
+  steps: number; // 0: only opening it says
+  news: DatasetNews;
+  noticedMs: number;
+  writing: boolean;
+}
+
+export interface DatasetFolder {
+  name: string; // below the served folder
+  datasets: number;
+  changedMs: number;
+  news: number;
+}
+
+/** One page of one folder, or of what a search finds. */
+export interface DatasetList {
+  folder: string;
+  search: string;
+  first: number;
+  total: number;
+  folders: DatasetFolder[];
+  datasets: DatasetEntry[];
+  all: number;
+  passedOver: { reason: string; files: number; examples: string[] }[];
+  cutOff: boolean;
+  watching: string;
+  nowMs: number; // the server's clock
+}
+
+/** What has become of the files of the open dataset since they were read. */
+export type OnDisk = 'as read' | 'changed' | 'gone';
+
+export interface DatasetInfo {
+  id: string;
+  name: string;
+  grid: string;
+  points: number;
+  cells: number;
+  cellTypes: [string, number][];
+  bounds: Box | null;
+  arrays: ArrayInfo[];
+  times: number[];
+  missingRangeSteps: number; // that the arrays' ranges leave out until they have been read
+  nothingToShow: string; // why a session of it begins without layers; '': it begins with some
+  onDisk?: OnDisk; // absent: as read
+  notes: string[];
+}
+
+export interface Histogram extends Range {
+  dataset: string;
+  step: number;
+  array: string;
+  counts: number[];
+}
+
+export interface Welcome {
+  protocolMajor: number;
+  server: string;
+  session: string;
+  resumeToken: string;
+  datasets: DatasetEntry[]; // the first of them
+  datasetsAll?: number; // that there are
+  state: SceneState | null;
+  datasetInfo: DatasetInfo | null;
+  device: string;
+  deviceIsSoftware: boolean;
+  colorMaps: string[];
+  movingFormats: string[]; // the best first
+  limits: { maxIntervals: number; maxTransferPoints?: number; maxClipPlanes?: number; maxWidth: number; maxHeight: number };
+  role?: Role; // of this page; absent: controller
+  participant?: bigint; // which of the participants this page is
+  lastCommand?: number; // the newest of this page's commands that the session has judged
+}
+
+/** A viewer sees what a controller shows. */
+export type Role = 'controller' | 'viewer';
+
+export interface Participant {
+  id: bigint;
+  name: string;
+  role: Role;
+  invited: boolean;
+  client: string;
+}
+
+export interface Invitation {
+  id: string;
+  role: Role;
+  expiresUnixMs: number;
+  name: string;
+  token: string; // empty but for whoever has just made it
+  present: number;
+}
+
+/** With `notice` the server goes on until the deadline, else it ends now. */
+export interface Ending {
+  reason: string;
+  notice: boolean;
+  seconds: number;
+  comesBack: boolean;
+}
+
+export interface StageTimes {
+  extractMs: number;
+  orderMs: number;
+  drawMs: number;
+  readbackMs: number;
+  encodeMs: number;
+  totalMs: number;
+}
+
+export interface IntervalFacts {
+  id: number;
+  activeCells: number;
+  tetrahedra: number;
+  volume: number;
+  /** Of a flat grid, in place of a volume. */
+  area?: number;
+}
+
+/** How far a layer's volume may be from that of the field as its cells interpolate it; 0: it is cut exactly. */
+export interface VolumeError {
+  id: number;
+  volume: number;
+  error: number;
+}
+
+/** moving: as good as the link carries; settled: of full size and quality, not yet lossless; exact: lossless. */
+export type FramePhase = 'moving' | 'settled' | 'exact';
+
+/** How far the field that is drawn may be from that of all points, in the unit of the array that is cut. */
+export interface CoarseError {
+  largest: number;
+  mean: number;
+}
+
+export interface Frame {
+  frameId: bigint;
+  revision: number;
+  inputSeq: number;
+  step: number;
+  phase: FramePhase;
+  format: string;
+  width: number;
+  height: number;
+  stages: StageTimes;
+  device: string;
+  order: string;
+  orderExact: boolean;
+  tetrahedra: number;
+  pointStride: number; // above 1: a first picture, of every n-th point of the grid along each axis
+  coarseError: CoarseError | null; // of such a picture, once it is known
+  samples: number; // each way, of a pixel
+  intervals: IntervalFacts[];
+  camera: Camera | null;
+  streamId: number; // of video; 0: a picture by itself
+  key: boolean; // of a stream: decodes without those before it
+  inReplyTo: number; // of a picture for keeping, the message that asked for it; 0: it is for the screen
+  band: { firstRow: number; rows: number; index: number; count: number } | null; // a part of the picture only
+  decoder: string; // of key frames: VideoDecoderConfig's codec
+  forecasts: FormatForecast[]; // of moving frames, where the server chooses their format
+  payload: Uint8Array<ArrayBuffer>;
+}
+
+/** What the server expects that a frame takes in a format: drawing, encoding, the way here, decoding. */
+export interface FormatForecast {
+  format: string;
+  ms: number;
+}
+
+export interface Progress {
+  operation: bigint;
+  stage: string;
+  fraction: number;
+  background: boolean; // no picture waits for it
+}
+
+export interface Done {
+  operation: bigint;
+  cancelled: boolean;
+  superseded: boolean; // by a newer choice
+}
+
+export interface ServerError {
+  inReplyTo: number;
+  code: string;
+  message: string;
+  field: string;
+}
+
+/** What the server says, one case per message. */
+export type ServerEvent =
+  | { kind: 'welcome'; welcome: Welcome }
+  | { kind: 'state'; state: SceneState }
+  | { kind: 'datasetInfo'; info: DatasetInfo }
+  | { kind: 'histogram'; histogram: Histogram }
+  | { kind: 'frame'; frame: Frame }
+  | { kind: 'volumeErrors'; errors: VolumeError[] }
+  | { kind: 'progress'; progress: Progress }
+  | { kind: 'done'; done: Done }
+  | { kind: 'error'; error: ServerError }
+  | { kind: 'pong'; clientTimeMs: number }
+  | { kind: 'shutdown'; ending: Ending }
+  | { kind: 'participants'; participants: Participant[] }
+  | { kind: 'invitation'; invitation: Invitation }
+  | { kind: 'invitations'; invitations: Invitation[] }
+  | { kind: 'datasetList'; list: DatasetList }
+  | { kind: 'datasetsChanged'; entries: DatasetEntry[] } // those with other news, at most some
+  | { kind: 'unknown' };
