@@ -14,18 +14,18 @@
 #include <set>
 #include <thread>
 
-#include "base/as_error.h"
 #include "base/kept_blocks.h"
 #include "base/work.h"
+#include "engine/engine/jobs.h"
 #include "engine/engine/kept_renderers.h"
 #include "engine/engine/lanes.h"
 #include "engine/engine/make_picture.h"
 #include "engine/engine/open_datasets.h"
 #include "engine/engine/scene_ledger.h"
 #include "engine/engine/session_state.h"
-#include "engine/engine/thumbnail.h"
+#include "engine/messages/failure_of.h"
+#include "engine/messages/operations.h"
 #include "engine/picture/coarse_scene.h"
-#include "engine/picture/export_mesh.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "rendering/choice/native_renderer.h"
@@ -45,11 +45,6 @@ std::uint32_t patience_for(const FrameRequest& request, const std::string& devic
   return static_cast<std::uint32_t>(1 + pixels / (1 << 22)) * (is_software_device(device) ? 6 : 1);
 }
 
-RequestFailed failure_of(const std::exception_ptr& failure, SessionKey session, RequestId request, std::uint64_t revision = 0) {
-  const Error error = as_error(failure);
-  return {session, request, revision, error.code(), error.what()};
-}
-
 }  // namespace
 
 class Engine::Impl {
@@ -57,10 +52,12 @@ class Engine::Impl {
   Impl(EngineOptions options, Sink sink)
       : options_(std::move(options)),
         sink_(std::move(sink)),
+        operations_(sink_),
         datasets_(options_.catalogue, options_.store, options_.ranks),
         coarse_(options_.least_coarse_cells),
         bases_(options_.store.max_bytes),
-        ordered_(options_.store.max_bytes) {
+        ordered_(options_.store.max_bytes),
+        jobs_({options_.store.max_bytes, options_.board, options_.ranks}, datasets_, operations_, memory_for_jobs(), sink_) {
     make_ = options_.renderer ? options_.renderer : [choice = options_.renderer_choice] { return make_renderer(choice); };
     std::promise<std::string> started;
     auto device = started.get_future();
@@ -77,8 +74,7 @@ class Engine::Impl {
     {
       std::lock_guard lock(mutex_);
       stopping_ = true;
-      for (auto& [id, operation] : operations_)
-        if (const auto living = operation.lock()) living->task().cancel();
+      operations_.cancel_all();
       for (auto& [key, session] : sessions_)
         for (auto& [request, picture] : session.pictures) picture.task->cancel();
       if (preparation_.task) preparation_.task->cancel();
@@ -98,164 +94,24 @@ class Engine::Impl {
  private:
   void send(EngineEvent event) { sink_(std::move(event)); }
 
-  std::shared_ptr<Operation> begin(SessionKey session, RequestId request) {  // with mutex_ held
-    auto operation =
-        std::make_shared<Operation>(session, request, next_operation_++, [this](EngineEvent event) { send(std::move(event)); });
-    std::erase_if(operations_, [](const auto& entry) { return entry.second.expired(); });
-    operations_[operation->id()] = operation;
-    return operation;
-  }
-
   // ---- requests ----
 
-  /// Of a session; of none: of the dataset, so that one that cannot be read holds up whoever asks for it and nobody else.
-  static std::uint64_t lane_of(SessionKey session, const std::string& dataset) {
-    return session != 0 ? session : std::hash<std::string>()(dataset) | std::uint64_t{1} << 63;
-  }
-
-  void take(OpenRequest& request) {
-    std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    auto operation = begin(request.session, request.request);
-    if (request.all_ranges)
-      readers_.post(std::hash<std::string>()(request.dataset), [this, request, operation] { read_ranges(request, operation); });
-    else
-      openers_.post(lane_of(request.session, request.dataset), [this, request, operation] { describe(request, operation); });
-  }
-
-  void describe(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
-    run(request.all_ranges ? WorkClass::background : WorkClass::scene, request.session, request.request, *operation, [&] {
-      send(DatasetReady{request.session, request.request, datasets_.describe(request.dataset, operation->task())});
-    });
-  }
-
-  // One more step, then whoever else waits for the same series: what two sessions show is read once. The importers that are
-  // started here are as nice as the thread.
-  void read_ranges(const OpenRequest& request, const std::shared_ptr<Operation>& operation) {
-    bool more = false;
-    try {
-      const Doing opening(options_.board, Stage::opening, request.session, request.request, operation->id());
-      const Task& task = operation->task();
-      const Work work(request.session, WorkClass::background, {&task, true, opening.waiting()});
-      task.check();
-      if (const auto next = datasets_.next_unknown(request.dataset, task)) {
-        operation->report_part(next->known / next->steps, (next->known + 1) / next->steps, "reading the ranges of all steps");
-        task.report(0, "reading");
-        datasets_.read_ranges(request.dataset, next->step, task);
-        more = true;
-      }
-    } catch (...) {
-      send(failure_of(std::current_exception(), request.session, request.request));
-      return operation->finish();
-    }
-    if (more)
-      readers_.post(std::hash<std::string>()(request.dataset), [this, request, operation] { read_ranges(request, operation); });
-    else
-      describe(request, operation);
-  }
-
-  void take(HistogramRequest& request) {
-    std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
-      run(WorkClass::still, request.session, request.request, *operation, [&] {
-        const auto dataset = datasets_.acquire(datasets_.entry(request.dataset), request.step, operation->task());
-        const PointArray& named = dataset->array(request.array);
-        const PointArray array = request.values == FieldValues::whole && named.cells ? as_array(*named.cells, named.name) : named;
-        const ValueRange range = join(request.least, {array.lower, array.upper});
-        std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::clamp(request.bins, 0, 1 << 20)));
-        if (!range.empty()) counts = datasets_.histogram(request.dataset, dataset, array, range, request.bins, operation->task());
-        send(HistogramReady{request.session, request.request, request.dataset, request.step, request.array, range.lower,
-                            range.upper, std::move(counts)});
-      });
-    });
-  }
-
-  void take(StatisticsRequest& request) {
-    std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    counters_.post(lane_of(request.session, request.dataset), [this, request, operation = begin(request.session, request.request)] {
-      run(WorkClass::still, request.session, request.request, *operation, [&] {
-        const auto dataset = datasets_.acquire(datasets_.entry(request.dataset), request.step, operation->task());
-        const PointArray& array = dataset->array(request.array);
-        send(StatisticsReady{request.session, request.request, request.dataset, request.step, request.array,
-                             datasets_.statistics(request.dataset, dataset, array, operation->task())});
-      });
-    });
-  }
-
-  void take(ExportRequest& request) {
-    std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    exporters_.post(request.session, [this, request, operation = begin(request.session, request.request)] {
-      run(WorkClass::background, request.session, request.request, *operation, [&] {
-        const CatalogueEntry source = datasets_.entry(request.scene.dataset);
-        const StepSource steps = datasets_.whole_steps(source);
-        const std::uint64_t bytes = export_bytes(request);
-        const auto room = room_for_work(request.session, bytes, "this export");
-        const ExportedMesh mesh = export_mesh(steps, request.scene, request.path, request.options, {.memory = bytes}, operation->task());
-        send(ExportReady{request.session, request.request, mesh});
-      });
-    });
+  template <class Question>
+    requires requires(Jobs& jobs, const Question& question) { jobs.post(question); }
+  void take(const Question& question) {
+    jobs_.post(question);
   }
 
   void take(MeasureRequest& request) {
-    std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    std::shared_ptr<const ExtractedScene> ready;  // what the pictures were made of
-    if (const auto it = sessions_.find(request.session); it != sessions_.end()) ready = it->second.ready_for(request.scene);
-    counters_.post(request.session, [this, request, ready, operation = begin(request.session, request.request)] {
-      run(WorkClass::still, request.session, request.request, *operation, [&] {
-        const CatalogueEntry source = datasets_.entry(request.scene.dataset);
-        const StepSource steps = datasets_.steps(source);
-        send(LayersMeasured{request.session, request.request, request.scene.revision, measured(request, source, steps, ready, operation->task())});
-      });
-    });
-  }
-
-  /// How far a volume may be off is asked of the cells, which are not kept where pictures are made of bricks. If they need more than a quarter of the memory
-  /// that is free, that is left open.
-  std::vector<IntervalFacts> measured(const MeasureRequest& request, const CatalogueEntry& source, const StepSource& steps,
-                                      const std::shared_ptr<const ExtractedScene>& ready, const Task& task) {
-    if (ready && !ready->bricks) return interval_facts(*ready, request.scene, true, task);
-    try {
-      SceneAids aids;
-      {
-        const std::lock_guard lock(mutex_);
-        aids.max_bytes = quarter_of_free();
-      }
-      const auto room = room_for_work(request.session, aids.max_bytes, "measuring layers");
-      return interval_facts(*extract_from(source, steps, request.scene, nullptr, task, aids), request.scene, true, task);
-    } catch (const Error& error) {
-      if (!ready || error.code() != ErrorCode::too_large) throw;
-      return interval_facts(*ready, request.scene, false, task);
+    std::shared_ptr<const ExtractedScene> ready;
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto it = sessions_.find(request.session); it != sessions_.end()) ready = it->second.ready_for(request.scene);
     }
+    jobs_.post(request, std::move(ready));
   }
 
-  void take(ThumbnailRequest& request) {
-    std::lock_guard lock(mutex_);
-    if (stopping_) return;
-    thumbnails_.post(lane_of(0, request.dataset), [this, request, operation = begin(request.session, request.request)] {
-      run(WorkClass::background, request.session, request.request, *operation, [&] {
-        const auto room = [this](std::uint64_t bytes) { return room_that_is_free(bytes); };
-        send(ThumbnailReady{request.session, request.request,
-                            make_thumbnail(datasets_, request.dataset, options_.store.max_bytes, room, operation->task())});
-      });
-    });
-  }
-
-  template <class Job>
-  void run(WorkClass of, SessionKey session, RequestId request, Operation& operation, const Job& job) {
-    try {
-      const Doing opening(options_.board, Stage::opening, session, request, operation.id());
-      operation.task().check();
-      const Work work(session, of, {&operation.task(), true, opening.waiting()});
-      job();
-    } catch (...) {
-      send(failure_of(std::current_exception(), session, request));
-    }
-    operation.finish();
-  }
+  void take(CancelRequest& request) { operations_.cancel(request); }
 
   void take(CatalogueUpdate& update) {
     const std::set<std::string> ids = datasets_.update(std::move(update.entries));
@@ -298,7 +154,7 @@ class Engine::Impl {
       return;
     }
     if (session.ready_for(scene) || (coarse && session.coarse_for(scene))) return;
-    session.extraction = begin(key, 0);
+    session.extraction = operations_.begin(key, 0);
     session.extraction_scene = scene;
     session.extraction_is_coarse = coarse;
     extractors_.post(key, [this, key, operation = session.extraction, scene, before = session.ready, coarse, level = session.asks_coarse] {
@@ -307,12 +163,6 @@ class Engine::Impl {
       else
         extract(key, operation, scene, before);
     });
-  }
-
-  std::shared_ptr<const ExtractedScene> extract_from(const CatalogueEntry& source, const StepSource& steps, const Scene& scene,
-                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task, const SceneAids& aids) {
-    if (options_.ranks) return options_.ranks->extract({source.source, source.id}, steps, scene, previous, task, aids);
-    return extract_scene(steps, scene, previous, task, aids);
   }
 
   /// What job threw; null: nothing.
@@ -350,12 +200,12 @@ class Engine::Impl {
       if (!options_.ranks && !shows_it)
         if (auto first = coarse_.extract(steps, scene, operation->task())) show_meanwhile(key, operation, scene, std::move(first));
       try {
-        extracted = extract_from(source, steps, scene, previous, operation->task(), aids);
+        extracted = extract_by(options_.ranks, {source.source, source.id}, steps, scene, previous, operation->task(), aids);
       } catch (const Error& error) {
         const std::uint64_t room = error.code() == ErrorCode::too_large ? room_for(key, true) : 0;
         if (room <= aids.max_bytes) throw;
         aids.max_bytes = room;
-        extracted = extract_from(source, steps, scene, previous, operation->task(), aids);
+        extracted = extract_by(options_.ranks, {source.source, source.id}, steps, scene, previous, operation->task(), aids);
       }
     });
     if (extracted) prepare_tetrahedra(key, *extracted, scene, previous.get());
@@ -530,6 +380,15 @@ class Engine::Impl {
     return until_it_ends(bytes);
   }
 
+  MemoryForJobs memory_for_jobs() {
+    const auto quarter = [this] {
+      const std::lock_guard lock(mutex_);
+      return quarter_of_free();
+    };
+    return {[this](SessionKey session, std::uint64_t bytes, const std::string& what) { return room_for_work(session, bytes, what); },
+            [this](std::uint64_t bytes) { return room_that_is_free(bytes); }, quarter, [this](const ExportRequest& request) { return export_bytes(request); }};
+  }
+
   /// What an export may take: as much as the session's own scene of the same layers does, where that is known, else a quarter of what is free.
   std::uint64_t export_bytes(const ExportRequest& request) {
     const std::lock_guard lock(mutex_);
@@ -702,17 +561,6 @@ class Engine::Impl {
     if (failed) send(std::move(*failed));
   }
 
-  void take(CancelRequest& request) {
-    std::lock_guard lock(mutex_);
-    for (auto& [id, operation] : operations_) {
-      const auto living = operation.lock();
-      if (!living || living->session() != request.session) continue;
-      if (id != request.operation && (request.request == 0 || living->request() != request.request)) continue;
-      if (request.superseded) living->supersede(0);
-      living->task().cancel();
-    }
-  }
-
   void take(ForgetFrame& request) {
     std::lock_guard lock(mutex_);
     const auto it = sessions_.find(request.session);
@@ -729,8 +577,7 @@ class Engine::Impl {
   bool close_session(SessionKey session) {
     std::shared_ptr<const ExtractedScene> freed_outside_the_lock;
     std::lock_guard lock(mutex_);
-    for (auto& [id, operation] : operations_)
-      if (const auto living = operation.lock(); living && living->session() == session) living->task().cancel();
+    operations_.cancel_session(session);
     const auto it = sessions_.find(session);
     if (it == sessions_.end()) return false;
     freed_outside_the_lock = std::move(it->second.ready.extracted);
@@ -983,10 +830,9 @@ class Engine::Impl {
     std::shared_ptr<Task> task;  // null: none
     bool waited_for = false;
   } preparation_;  // of tetrahedra
-  std::map<std::uint64_t, std::weak_ptr<Operation>> operations_;
-  std::uint64_t next_operation_ = 1;
 
   // Destroyed from the last: every thread ends before what it uses.
+  Operations operations_;
   OpenDatasets datasets_;
   CoarseScenes coarse_;                      // of all sessions
   BrickMemory bricks_;                       // likewise
@@ -995,14 +841,10 @@ class Engine::Impl {
   Task ahead_task_;                          // of making what nobody waits for
   KeptRenderers renderers_;
   EncoderThreads encoders_;
-  Lanes openers_;                 // by session
-  Lanes counters_;                // of histograms and the like, by session
-  Lanes readers_{{8, 10}};        // of steps for their ranges, by dataset
-  Lanes exporters_{{2, 10}};      // of mesh files, by session
+  Jobs jobs_;
   Lanes preparers_{{1, 10}};      // of what it may need
   Lanes movers_{{1, 0}};          // of what a hand that moves needs, by session
   Lanes ahead_{{1, 0}};           // of steps that will be asked for, by dataset
-  Lanes thumbnails_{{2, 10}};     // by dataset; two, so that a file that hangs holds up no others
   Lanes extractors_;              // by session
   Lanes stills_{{kStills, 0}};    // by session
   Lanes frames_;                  // by session

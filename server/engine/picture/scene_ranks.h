@@ -70,4 +70,10 @@ class SceneRanks {
                                         const WriteOptions& options, const Task& task) = 0;
 };
 
+/// extract_scene by `ranks`, or by this process alone if that is null.
+inline std::shared_ptr<const ExtractedScene> extract_by(SceneRanks* ranks, const RankedSource& of, const StepSource& steps, const Scene& scene,
+                                                        const std::shared_ptr<const ExtractedScene>& previous, const Task& task, const SceneAids& aids) {
+  return ranks ? ranks->extract(of, steps, scene, previous, task, aids) : extract_scene(steps, scene, previous, task, aids);
+}
+
 }  // namespace isostrata
