@@ -14,7 +14,8 @@
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
 #include "main/picture_arguments.h"
 #include "rendering/picture/turn_camera.h"
 

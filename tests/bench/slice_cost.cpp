@@ -14,7 +14,8 @@
 #include "base/parallel.h"
 #include "base/work.h"
 #include "data/dataset.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
 #include "rendering/picture/renderer.h"
 
 namespace {

@@ -4,8 +4,12 @@
 #include <cmath>
 
 #include "data/analytic.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
 #include "engine/picture/draw_still.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/interval_facts.h"
+#include "engine/picture/scene_legend.h"
+#include "engine/picture/without_mesh.h"
 #include "extraction/bricks/brick_memory.h"
 #include "rendering/choice/native_renderer.h"
 

@@ -14,6 +14,7 @@
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "engine/messages/coarse_levels.h"
+#include "engine/picture/extract_scene.h"
 #include "support/plain_renderer.h"
 
 namespace isostrata {

@@ -8,7 +8,9 @@
 #include <random>
 
 #include "data/analytic.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/scene_legend.h"
 #include "scene/log_map.h"
 #include "scene/transfer_function.h"
 #include "support/oracle.h"

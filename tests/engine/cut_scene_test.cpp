@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "data/analytic.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/interval_facts.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "rendering/choice/native_renderer.h"
 

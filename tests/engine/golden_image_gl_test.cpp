@@ -8,7 +8,8 @@
 
 #include "data/analytic.h"
 #include "encoding/encode_image.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
 #include "support/places.h"
 #include "support/test_device.h"
 

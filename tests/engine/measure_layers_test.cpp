@@ -3,6 +3,7 @@
 
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
+#include "engine/picture/without_mesh.h"
 
 namespace isostrata {
 namespace {

@@ -11,8 +11,8 @@
 #include "data/import_door.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
-#include "engine/picture/draw_scene.h"
 #include "engine/picture/export_mesh.h"
+#include "engine/picture/extract_scene.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {

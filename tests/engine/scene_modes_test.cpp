@@ -6,7 +6,12 @@
 
 #include "data/analytic.h"
 #include "engine/engine/engine.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/interval_facts.h"
+#include "engine/picture/layer_request.h"
+#include "engine/picture/scene_legend.h"
+#include "engine/picture/scene_styles.h"
 
 namespace isostrata {
 namespace {

@@ -26,6 +26,8 @@
 #include "engine/messages/failure_of.h"
 #include "engine/messages/operations.h"
 #include "engine/picture/coarse_scene.h"
+#include "engine/picture/extraction_plan.h"
+#include "engine/picture/without_mesh.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "rendering/choice/native_renderer.h"

@@ -7,6 +7,7 @@
 #include "engine/engine/thumbnail.h"
 #include "engine/messages/failure_of.h"
 #include "engine/picture/export_mesh.h"
+#include "engine/picture/interval_facts.h"
 
 namespace isostrata {
 namespace {

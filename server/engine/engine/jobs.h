@@ -16,7 +16,7 @@
 #include "engine/messages/activity.h"
 #include "engine/messages/frame_engine.h"
 #include "engine/messages/operations.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/extracted_scene.h"
 #include "engine/picture/scene_ranks.h"
 
 namespace isostrata {

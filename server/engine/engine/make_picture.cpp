@@ -9,7 +9,10 @@
 
 #include "base/as_error.h"
 #include "encoding/encode_still.h"
+#include "engine/picture/draw_input.h"
 #include "engine/picture/draw_lit.h"
+#include "engine/picture/interval_facts.h"
+#include "engine/picture/scene_legend.h"
 
 namespace isostrata {
 namespace {

@@ -12,8 +12,8 @@
 #include "base/work.h"
 #include "engine/engine/encoder_threads.h"
 #include "engine/messages/messages.h"
-#include "engine/picture/draw_scene.h"
 #include "engine/picture/draw_still.h"
+#include "engine/picture/extracted_scene.h"
 #include "rendering/picture/renderer.h"
 
 namespace isostrata {

@@ -14,7 +14,7 @@
 #include "engine/engine/make_picture.h"
 #include "engine/messages/messages.h"
 #include "engine/messages/operation.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/extracted_scene.h"
 
 namespace isostrata {
 

@@ -13,7 +13,8 @@
 #include "data/region.h"
 #include "engine/first/first_scene.h"
 #include "engine/picture/coarse_scene.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
 #include "rendering/choice/native_renderer.h"
 
 namespace isostrata {

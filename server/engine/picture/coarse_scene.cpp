@@ -7,6 +7,7 @@
 #include "data/region.h"
 #include "data/sampled_mesh.h"
 #include "engine/messages/coarse_levels.h"
+#include "engine/picture/extract_scene.h"
 
 namespace isostrata {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/extracted_scene.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/layer_request.h"
 #include "extraction/files/write_bounded_mesh.h"
 
 namespace isostrata {

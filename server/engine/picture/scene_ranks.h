@@ -10,7 +10,7 @@
 #include "data/region.h"
 #include "data/statistics.h"
 #include "engine/data/dataset_store.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/extract_scene.h"
 #include "extraction/files/write_mesh.h"
 #include "rendering/picture/renderer.h"
 

@@ -6,7 +6,7 @@
 
 #include "engine/data/catalogue.h"
 #include "engine/first/first_scene.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/scene_styles.h"
 #include "session/commands/command_checks.h"
 #include "session/commands/scene_commands.h"
 #include "session/wire/limits.h"

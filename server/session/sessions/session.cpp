@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "base/utf8.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/layer_request.h"
+#include "engine/picture/scene_styles.h"
 #include "scene/color_range.h"
 #include "scene/transfer_function.h"
 #include "session/wire/limits.h"

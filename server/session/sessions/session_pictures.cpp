@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/layer_request.h"
 #include "session/sessions/session.h"
 #include "session/wire/wire.h"
 

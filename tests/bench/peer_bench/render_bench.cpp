@@ -5,7 +5,8 @@
 #include <map>
 
 #include "base/parallel.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
 #include "rendering/picture/turn_camera.h"
 #include "vtk_threads.h"
 #include "vtk_volume.h"

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/scene_legend.h"
 #include "rendering/choice/native_renderer.h"
 
 namespace isostrata {

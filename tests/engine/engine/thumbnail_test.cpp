@@ -15,7 +15,8 @@
 #include "engine/engine/engine.h"
 #include "engine/first/first_scene.h"
 #include "engine/heard_events.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
 #include "rendering/choice/native_renderer.h"
 #include "support/temporary_folder.h"
 

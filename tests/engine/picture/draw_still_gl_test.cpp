@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
+#include "engine/picture/draw_input.h"
 #include "engine/picture/draw_lit.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/scene_legend.h"
 #include "rendering/light/light_rows.h"
 #include "support/pictures.h"
 

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/interval_facts.h"
 #include "extraction/bricks/brick_memory.h"
 #include "support/pictures.h"
 

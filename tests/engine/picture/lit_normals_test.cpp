@@ -3,7 +3,9 @@
 
 #include "data/analytic.h"
 #include "engine/engine/engine.h"
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/draw_input.h"
+#include "engine/picture/extract_scene.h"
+#include "engine/picture/layer_request.h"
 #include "rendering/picture/lit_surfaces.h"
 
 namespace isostrata {

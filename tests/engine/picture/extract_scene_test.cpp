@@ -1,4 +1,4 @@
-#include "engine/picture/draw_scene.h"
+#include "engine/picture/extract_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ SceneInterval interval(std::uint32_t id, double lower, double upper, std::string
   return one;
 }
 
-class DrawScene : public ::testing::Test {
+class ExtractScene : public ::testing::Test {
  protected:
   std::shared_ptr<const ExtractedScene> extract(const Scene& scene,
                                                 const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
@@ -35,7 +35,7 @@ class DrawScene : public ::testing::Test {
   std::shared_ptr<const Dataset> dataset_ = make_analytic("cylinder:12x10x8", {}, Task{});
 };
 
-TEST_F(DrawScene, ExtractsWhatExtractIntervalsExtracts) {
+TEST_F(ExtractScene, ExtractsWhatExtractIntervalsExtracts) {
   const auto extracted = extract(scene());
   const std::vector<Interval> ends{{1.0, 1.5}, {1.5, 2.0}};
   const IntervalMesh mesh = extract_intervals(dataset_->grid, dataset_->arrays[0], ends, {}, Task{});
@@ -45,13 +45,13 @@ TEST_F(DrawScene, ExtractsWhatExtractIntervalsExtracts) {
   EXPECT_GT(extracted->extract_ms, 0);
 }
 
-TEST_F(DrawScene, InvisibleIntervalsAreExtractedToo) {
+TEST_F(ExtractScene, InvisibleIntervalsAreExtractedToo) {
   Scene hidden = scene();
   hidden.intervals[0].visible = false;
   EXPECT_EQ(extract(hidden)->mesh->tetrahedra, extract(scene())->mesh->tetrahedra);
 }
 
-TEST_F(DrawScene, ReusesTheMeshWhereOnlyLooksChanged) {
+TEST_F(ExtractScene, ReusesTheMeshWhereOnlyLooksChanged) {
   Scene changed = scene();
   const auto first = extract(changed);
   changed.intervals[0].color = {0, 1, 1};
@@ -66,7 +66,7 @@ TEST_F(DrawScene, ReusesTheMeshWhereOnlyLooksChanged) {
   EXPECT_EQ(extract(changed, second), second);
 }
 
-TEST_F(DrawScene, CarriesColoursOnceTheyAreWantedAndKeepsTheMesh) {
+TEST_F(ExtractScene, CarriesColoursOnceTheyAreWantedAndKeepsTheMesh) {
   Scene colored = scene();
   const auto plain = extract(colored);
   colored.intervals[0].color_map = "viridis";
@@ -86,7 +86,7 @@ TEST_F(DrawScene, CarriesColoursOnceTheyAreWantedAndKeepsTheMesh) {
   EXPECT_EQ(extract(colored, by_other)->color_values, by_other->color_values);
 }
 
-TEST_F(DrawScene, ExtractsAnewWhereTheMeshWouldDiffer) {
+TEST_F(ExtractScene, ExtractsAnewWhereTheMeshWouldDiffer) {
   const auto first = extract(scene());
   Scene other = scene();
   other.intervals[1].upper = 2.1;
@@ -101,17 +101,15 @@ TEST_F(DrawScene, ExtractsAnewWhereTheMeshWouldDiffer) {
   EXPECT_NE(again->mesh, first->mesh);
 }
 
-TEST_F(DrawScene, ASceneWithoutIntervalsIsEmpty) {
+TEST_F(ExtractScene, ASceneWithoutIntervalsIsEmpty) {
   Scene empty = scene();
   empty.intervals.clear();
   const auto extracted = extract(empty);
   EXPECT_TRUE(extracted->mesh->tetrahedra.empty());
   EXPECT_EQ(extracted->mesh->cells, dataset_->grid.cell_count());
-  const DrawInput input = draw_input(*extracted, empty, 10, 10);
-  EXPECT_TRUE(input.styles.empty());
 }
 
-TEST_F(DrawScene, TakesTheFirstArrayWhereNoneIsNamedAndSaysWhichIsMissing) {
+TEST_F(ExtractScene, TakesTheFirstArrayWhereNoneIsNamedAndSaysWhichIsMissing) {
   Scene unnamed = scene();
   unnamed.array.clear();
   EXPECT_EQ(extract(unnamed)->array, dataset_->arrays[0].name);
@@ -128,13 +126,13 @@ TEST_F(DrawScene, TakesTheFirstArrayWhereNoneIsNamedAndSaysWhichIsMissing) {
   EXPECT_THROW(extract(uncolored), Error);
 }
 
-TEST_F(DrawScene, RefusesEndsThatAreNoInterval) {
+TEST_F(ExtractScene, RefusesEndsThatAreNoInterval) {
   Scene bad = scene();
   bad.intervals[0].upper = bad.intervals[0].lower;
   EXPECT_THROW(extract(bad), Error);
 }
 
-TEST_F(DrawScene, StopsWhenItIsCancelled) {
+TEST_F(ExtractScene, StopsWhenItIsCancelled) {
   Task task;
   task.cancel();
   try {
@@ -143,33 +141,6 @@ TEST_F(DrawScene, StopsWhenItIsCancelled) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::cancelled);
   }
-}
-
-TEST_F(DrawScene, TheRendererGetsWhatTheSceneSays) {
-  Scene drawn = scene();
-  drawn.intervals[1] = interval(2, 1.5, 2.0, "plasma");
-  drawn.intervals[1].opacity = 0.125;
-  drawn.intervals[1].priority = 7;
-  drawn.intervals[0].visible = false;
-  drawn.background = {0.1f, 0.2f, 0.3f};
-  drawn.unit_distance = 2.5;
-  const auto extracted = extract(drawn);
-  const DrawInput input = draw_input(*extracted, drawn, 320, 200);
-  EXPECT_EQ(input.grid, &dataset_->grid);
-  EXPECT_EQ(input.mesh, extracted->mesh);
-  EXPECT_EQ(input.width, 320);
-  EXPECT_EQ(input.height, 200);
-  EXPECT_EQ(input.unit_distance, 2.5);
-  EXPECT_EQ(input.background, drawn.background);
-  ASSERT_EQ(input.styles.size(), 2u);
-  EXPECT_FALSE(input.styles[0].visible);
-  EXPECT_EQ(input.styles[1].color_map, "plasma");
-  EXPECT_EQ(input.styles[1].opacity, 0.125);
-  EXPECT_EQ(input.styles[1].priority, 7);
-  EXPECT_EQ(input.styles[1].color_upper, extracted->color_upper);
-  EXPECT_EQ(input.camera, view_of(dataset_->bounds, "reset"));
-  drawn.camera = Camera{{1, 2, 30}, {0, 0, 0}, {0, 1, 0}, 20};
-  EXPECT_EQ(draw_input(*extracted, drawn, 320, 200).camera, *drawn.camera);
 }
 
 }  // namespace
