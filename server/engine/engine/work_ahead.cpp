@@ -1,0 +1,125 @@
+#include "engine/engine/work_ahead.h"
+
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "base/work.h"
+#include "engine/picture/without_mesh.h"
+#include "extraction/surfaces/base_tetrahedra.h"
+
+namespace isostrata {
+
+std::optional<int> step_ahead(const Scene& scene, const Scene& before, int steps) {
+  if (scene.time || before.time || scene.dataset != before.dataset || std::abs(scene.step - before.step) != 1) return std::nullopt;
+  const int next = scene.step + (scene.step - before.step);
+  return next >= 0 && next < steps ? std::optional(next) : std::nullopt;
+}
+
+Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, const GridFacts& facts) {
+  using What = Preparation::What;
+  constexpr std::uint64_t kLittle = 8;  // of the memory
+  const LayerRequest& request = extracted.request;
+  const bool same_steps = previous && previous->steps == extracted.steps;
+  if (extracted.base || (same_steps && previous->request == request) || !only_tetrahedra(*extracted.dataset)) return {};
+  const bool played = previous && !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
+  const bool opened = !same_steps && !played;
+  if (opened && base_tetrahedra_bytes(*extracted.dataset) > facts.max_bytes / kLittle) return {};
+  const bool waited_for = !opened;  // what yields to all that is played would be made once that ends
+  if (!played && facts.renderer_cuts && cuts_exactly(scene, extracted.array) && !facts.has_base())
+    return same_steps && previous->request.intervals == request.intervals ? Preparation{} : Preparation{What::base, waited_for};
+  const bool lay_out = request.terms.empty() && !request.time && !facts.knows_order();
+  return lay_out ? Preparation{What::order, waited_for} : Preparation{};
+}
+
+WorkAhead::WorkAhead(WorkAheadOptions options, OpenDatasets& datasets, SharedMeshes& shared, Ports ports)
+    : options_(options), datasets_(datasets), shared_(shared), ports_(std::move(ports)) {}
+
+void WorkAhead::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    if (preparation_.task) preparation_.task->cancel();
+  }
+  ahead_task_.cancel();
+}
+
+/// One at a time. A hand that moves, or who plays, waits for it, and does not wait for what was begun for later and yields to everything: that is begun
+/// anew. Null: not now.
+std::shared_ptr<Task> WorkAhead::begin_preparation(bool waited_for) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_ || (preparation_.task && (preparation_.waited_for || !waited_for))) return nullptr;
+  if (preparation_.task) preparation_.task->cancel();
+  preparation_ = {std::make_shared<Task>(), waited_for};
+  return preparation_.task;
+}
+
+void WorkAhead::prepare_tetrahedra(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous,
+                                   bool renderer_cuts) {
+  const Preparation wanted = to_prepare(extracted, scene, previous,
+                                        {renderer_cuts, options_.max_bytes, [&] { return shared_.bases.find(extracted.dataset, extracted.array) != nullptr; },
+                                         [&] { return shared_.ordered.knows(extracted.dataset->grid); }});
+  if (wanted.what == Preparation::What::nothing) return;
+  const std::shared_ptr<Task> task = begin_preparation(wanted.waited_for);
+  if (!task) return;
+  const SessionKey of = wanted.waited_for ? session : 0;
+  (wanted.waited_for ? movers_ : preparers_).post(of, [this, of, wanted, dataset = extracted.dataset, array = extracted.array, task] {
+    const Doing extracting(options_.board, Stage::extracting, 0, 0);
+    try {
+      const Work work(of, wanted.waited_for ? WorkClass::scene : WorkClass::background, {task.get(), true, extracting.waiting()});
+      if (wanted.what == Preparation::What::base)
+        shared_.bases.make(dataset, array, *task);
+      else
+        shared_.ordered.make(dataset->grid, *task);
+    } catch (const std::exception&) {  // extraction goes on without it
+    }
+    const std::lock_guard lock(mutex_);
+    if (preparation_.task == task) preparation_ = {};
+  });
+}
+
+void WorkAhead::read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before) {
+  const auto next = step_ahead(scene, before, static_cast<int>(extracted.dataset->times.size()));
+  if (!next || !datasets_.has_room_for(scene.dataset, *next)) return;
+  ahead_.post(std::hash<std::string>()(scene.dataset), [this, dataset = scene.dataset, step = *next] {
+    const Doing opening(options_.board, Stage::opening, 0, 0);
+    try {
+      const Work work(0, WorkClass::background, {&ahead_task_, true, opening.waiting()});
+      datasets_.acquire(datasets_.entry(dataset), step, ahead_task_);
+    } catch (const std::exception&) {  // who asks for it is told why
+    }
+  });
+}
+
+void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene) {
+  if (options_.by_ranks || tetrahedra_of(*extracted) < options_.least_coarse_tetrahedra || extracted->base || !can_be_coarse(*extracted, scene)) return;
+  movers_.post(session, [this, session, extracted, scene] {
+    if (!ports_.wants_coarse(session, extracted, scene_bytes(*extracted) / 3)) return;
+    Extracted coarse;
+    try {
+      const Doing extracting(options_.board, Stage::extracting, 0, 0);
+      const Work work(session, WorkClass::still, {&ahead_task_, true, extracting.waiting()});
+      coarse = shared_.coarse.extract_for_motion(extracted->dataset, scene, 1, ahead_task_);
+    } catch (const std::exception&) {  // a hand turns all points then
+      return;
+    }
+    if (!coarse) return;
+    find_error(coarse);
+    ports_.take_coarse(session, extracted, std::move(coarse), scene);
+  });
+}
+
+void WorkAhead::find_error(const Extracted& coarse) {
+  if (!coarse->coarse_error || coarse->coarse_error->get()) return;
+  preparers_.post(0, [this, coarse] {
+    try {
+      const Doing extracting(options_.board, Stage::extracting, 0, 0);
+      const Work work(0, WorkClass::background, {&ahead_task_, true, extracting.waiting()});
+      shared_.coarse.find_error(*coarse, options_.max_bytes, ahead_task_);
+    } catch (const std::exception&) {  // the pictures do without it
+    }
+  });
+}
+
+}  // namespace isostrata

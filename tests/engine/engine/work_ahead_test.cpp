@@ -1,0 +1,114 @@
+// What is made before anybody waits for it: pure rules.
+#include "engine/engine/work_ahead.h"
+
+#include <gtest/gtest.h>
+
+#include "data/analytic.h"
+#include "extraction/surfaces/base_tetrahedra.h"
+
+namespace isostrata {
+namespace {
+
+using What = Preparation::What;
+
+Scene at_step(int step, const std::string& dataset = "d") {
+  Scene scene;
+  scene.dataset = dataset;
+  scene.step = step;
+  return scene;
+}
+
+TEST(StepAhead, IsTheOneBehindTheLastTwoInTheirDirection) {
+  EXPECT_EQ(step_ahead(at_step(5), at_step(4), 10), 6);
+  EXPECT_EQ(step_ahead(at_step(4), at_step(5), 10), 3);
+  EXPECT_EQ(step_ahead(at_step(9), at_step(8), 10), std::nullopt);
+  EXPECT_EQ(step_ahead(at_step(0), at_step(1), 10), std::nullopt);
+}
+
+TEST(StepAhead, IsReadForWhoGoesStepByStepThroughOneSeries) {
+  EXPECT_EQ(step_ahead(at_step(5), at_step(5), 10), std::nullopt);
+  EXPECT_EQ(step_ahead(at_step(5), at_step(3), 10), std::nullopt);
+  EXPECT_EQ(step_ahead(at_step(5), at_step(4, "another"), 10), std::nullopt);
+  Scene between = at_step(5);
+  between.time = 4.5;
+  EXPECT_EQ(step_ahead(between, at_step(4), 10), std::nullopt);
+  EXPECT_EQ(step_ahead(at_step(5), between, 10), std::nullopt);
+}
+
+class ToPrepare : public ::testing::Test {
+ protected:
+  static std::shared_ptr<const Dataset> opened(const std::string& name) { return make_analytic(name, {}, Task{}); }
+  Scene scene(double upper) const {
+    Scene scene;
+    scene.array = dataset_->arrays[0].name;
+    scene.intervals.resize(1);
+    scene.intervals[0].lower = 0.1;
+    scene.intervals[0].upper = upper;
+    return scene;
+  }
+  ExtractedScene extracted(double upper, const std::shared_ptr<const Dataset>& dataset) const {
+    ExtractedScene extracted;
+    extracted.request = layer_request(scene(upper));
+    extracted.array = dataset->arrays[0].name;
+    extracted.dataset = dataset;
+    extracted.steps = {dataset};
+    return extracted;
+  }
+  Preparation prepared(const ExtractedScene& of, const ExtractedScene* previous) {
+    return to_prepare(of, scene(of.request.intervals[0].upper), previous,
+                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }});
+  }
+
+  std::shared_ptr<const Dataset> dataset_ = opened("tets:6");
+  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false;
+  std::uint64_t max_bytes_ = std::uint64_t{1} << 30;
+};
+
+TEST_F(ToPrepare, WhatHasJustBeenOpenedIsMadeReadyForLaterIfItTakesLittle) {
+  EXPECT_EQ(prepared(extracted(0.5, dataset_), nullptr), (Preparation{What::base, false}));
+  max_bytes_ = 8 * base_tetrahedra_bytes(*dataset_);
+  EXPECT_EQ(prepared(extracted(0.5, dataset_), nullptr).what, What::base);
+  --max_bytes_;
+  EXPECT_EQ(prepared(extracted(0.5, dataset_), nullptr), Preparation{});
+}
+
+TEST_F(ToPrepare, AHandThatMovesAnEndWaitsForIt) {
+  const ExtractedScene before = extracted(0.5, dataset_), moved = extracted(0.4, dataset_);
+  max_bytes_ = 1;
+  EXPECT_EQ(prepared(moved, &before), (Preparation{What::base, true})) << "whatever it takes";
+  EXPECT_EQ(prepared(before, &before), Preparation{}) << "nothing has moved";
+  ExtractedScene with_facets = before;
+  with_facets.request.facets = !before.request.facets;
+  EXPECT_EQ(prepared(with_facets, &before), Preparation{}) << "no end has moved";
+}
+
+TEST_F(ToPrepare, ExtractionIsMadeQuickerIfTheRendererCannotCutOrHasWhatItCuts) {
+  const ExtractedScene before = extracted(0.5, dataset_), moved = extracted(0.4, dataset_);
+  has_base_ = true;
+  EXPECT_EQ(prepared(moved, &before), (Preparation{What::order, true}));
+  knows_order_ = true;
+  EXPECT_EQ(prepared(moved, &before), Preparation{});
+  has_base_ = knows_order_ = renderer_cuts_ = false;
+  EXPECT_EQ(prepared(moved, &before), (Preparation{What::order, true}));
+  ExtractedScene combined = moved;
+  combined.request.terms.resize(1);
+  EXPECT_EQ(prepared(combined, &before), Preparation{});
+}
+
+TEST_F(ToPrepare, StepsThatArePlayedOnOneMeshShareItsOrder) {
+  auto next_step = std::make_shared<Dataset>(*dataset_);
+  next_step->step = 1;
+  const ExtractedScene before = extracted(0.5, dataset_);
+  EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, true}));
+  EXPECT_EQ(prepared(extracted(0.5, opened("tets:6")), &before), (Preparation{What::base, false})) << "another mesh has been opened";
+}
+
+TEST_F(ToPrepare, OtherGridsAndWhatIsCutAlreadyNeedNothing) {
+  EXPECT_EQ(prepared(extracted(0.5, opened("torus:12")), nullptr), Preparation{});
+  ExtractedScene cut = extracted(0.5, dataset_);
+  cut.base = std::make_shared<const BaseTetrahedra>();
+  EXPECT_EQ(prepared(cut, nullptr), Preparation{});
+}
+
+}  // namespace
+}  // namespace isostrata
