@@ -20,7 +20,7 @@
 #include "engine/engine/scene_extractor.h"
 #include "engine/engine/shared_meshes.h"
 #include "engine/engine/work_ahead.h"
-#include "engine/messages/operations.h"
+#include "engine/messages/running_operations.h"
 #include "rendering/choice/native_renderer.h"
 
 namespace isostrata {
@@ -144,7 +144,7 @@ class Engine::Impl {
 
   const EngineOptions options_;
   // Destroyed from the last: every thread ends before what it uses.
-  Operations operations_;
+  RunningOperations operations_;
   OpenDatasets datasets_;
   SharedMeshes shared_;
   LiveSessions sessions_;

@@ -21,7 +21,7 @@ std::uint64_t lane_of(SessionKey session, const std::string& dataset) {
 
 }  // namespace
 
-Jobs::Jobs(JobOptions options, OpenDatasets& datasets, Operations& operations, MemoryForJobs memory, FrameEngine::Sink sink)
+Jobs::Jobs(JobOptions options, OpenDatasets& datasets, RunningOperations& operations, MemoryForJobs memory, FrameEngine::Sink sink)
     : options_(options), datasets_(datasets), operations_(operations), memory_(std::move(memory)), send_(std::move(sink)) {}
 
 template <class Answer>

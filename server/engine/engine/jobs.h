@@ -15,7 +15,7 @@
 #include "engine/engine/open_datasets.h"
 #include "engine/messages/activity.h"
 #include "engine/messages/frame_engine.h"
-#include "engine/messages/operations.h"
+#include "engine/messages/running_operations.h"
 #include "engine/picture/extracted_scene.h"
 #include "engine/picture/scene_ranks.h"
 
@@ -39,12 +39,12 @@ struct JobOptions {
   SceneRanks* ranks = nullptr;     // likewise
 };
 
-/// Each question is answered by its Ready event or by RequestFailed, on a thread of its lane. Nothing is answered after Operations::cancel_all() but what
+/// Each question is answered by its Ready event or by RequestFailed, on a thread of its lane. Nothing is answered after RunningOperations::cancel_all() but what
 /// is being answered then. Any thread may call post. The destructor drops the questions that nobody has begun to answer, and waits for the others; what
 /// was given by reference must outlive it.
 class Jobs {
  public:
-  Jobs(JobOptions options, OpenDatasets& datasets, Operations& operations, MemoryForJobs memory, FrameEngine::Sink sink);
+  Jobs(JobOptions options, OpenDatasets& datasets, RunningOperations& operations, MemoryForJobs memory, FrameEngine::Sink sink);
 
   void post(const OpenRequest& request);
   void post(const HistogramRequest& request);
@@ -68,7 +68,7 @@ class Jobs {
 
   const JobOptions options_;
   OpenDatasets& datasets_;
-  Operations& operations_;
+  RunningOperations& operations_;
   const MemoryForJobs memory_;
   const FrameEngine::Sink send_;
   Lanes openers_;              // by session

@@ -26,7 +26,7 @@ void let_go(std::vector<LiveSessions::Extracted> given_back) {
 
 }  // namespace
 
-LiveSessions::LiveSessions(SceneMemory memory, bool by_ranks, Operations& operations, Ports ports)
+LiveSessions::LiveSessions(SceneMemory memory, bool by_ranks, RunningOperations& operations, Ports ports)
     : by_ranks_(by_ranks), operations_(operations), ports_(std::move(ports)), memory_(std::move(memory)) {}
 
 LiveSessions::Session* LiveSessions::find(SessionKey key) {

@@ -23,7 +23,7 @@
 #include "engine/engine/scene_memory.h"
 #include "engine/engine/turns.h"
 #include "engine/messages/frame_engine.h"
-#include "engine/messages/operations.h"
+#include "engine/messages/running_operations.h"
 
 namespace isostrata {
 
@@ -44,7 +44,7 @@ class LiveSessions {
   };
 
   /// memory: of which scenes have what is left. by_ranks: nobody has all points, so there are never fewer.
-  LiveSessions(SceneMemory memory, bool by_ranks, Operations& operations, Ports ports);
+  LiveSessions(SceneMemory memory, bool by_ranks, RunningOperations& operations, Ports ports);
 
   // ---- what viewers ask for ----
 
@@ -116,7 +116,7 @@ class LiveSessions {
   std::vector<Extracted> take_back(const std::vector<SessionKey>& gone);
 
   const bool by_ranks_;
-  Operations& operations_;
+  RunningOperations& operations_;
   const Ports ports_;
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;

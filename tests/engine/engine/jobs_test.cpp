@@ -69,7 +69,7 @@ class JobsTest : public ::testing::Test, protected HeardEvents {
   std::atomic<bool> given_back_{false}, file_at_the_end_{false};
   RequestId request_ = 100;
   BrickMemory bricks_;
-  Operations operations_{[this](EngineEvent event) { note(std::move(event)); }};
+  RunningOperations operations_{[this](EngineEvent event) { note(std::move(event)); }};
   OpenDatasets datasets_{Catalogue::from_sources({"torus:12"}), {}, nullptr};
   Jobs jobs_{{std::uint64_t{1} << 30}, datasets_, operations_, memory(), [this](EngineEvent event) { note(std::move(event)); }};
 };

@@ -67,7 +67,7 @@ class LiveSessionsTest : public ::testing::Test {
   std::vector<ExtractionJob> jobs_;
   std::vector<Lane> lanes_;
   std::vector<SessionKey> dropped_, rested_;
-  Operations operations_{[](EngineEvent) {}};
+  RunningOperations operations_{[](EngineEvent) {}};
   LiveSessions sessions_{{1000 * kMb, [] { return 0; }}, false, operations_, ports()};
 };
 

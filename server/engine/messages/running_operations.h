@@ -11,9 +11,9 @@
 namespace isostrata {
 
 /// It keeps no operation alive. Any thread may call any function. Lock: mutex_, while nothing is announced.
-class Operations {
+class RunningOperations {
  public:
-  explicit Operations(Operation::Announce announce) : announce_(std::move(announce)) {}
+  explicit RunningOperations(Operation::Announce announce) : announce_(std::move(announce)) {}
 
   /// request: that it works for, 0 for a scene's extraction. Null after cancel_all().
   std::shared_ptr<Operation> begin(SessionKey session, RequestId request);

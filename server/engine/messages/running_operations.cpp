@@ -1,8 +1,8 @@
-#include "engine/messages/operations.h"
+#include "engine/messages/running_operations.h"
 
 namespace isostrata {
 
-std::shared_ptr<Operation> Operations::begin(SessionKey session, RequestId request) {
+std::shared_ptr<Operation> RunningOperations::begin(SessionKey session, RequestId request) {
   const std::lock_guard lock(mutex_);
   if (ended_) return nullptr;
   auto operation = std::make_shared<Operation>(session, request, next_++, announce_);
@@ -11,7 +11,7 @@ std::shared_ptr<Operation> Operations::begin(SessionKey session, RequestId reque
   return operation;
 }
 
-void Operations::cancel(const CancelRequest& of) {
+void RunningOperations::cancel(const CancelRequest& of) {
   const std::lock_guard lock(mutex_);
   for (auto& [id, operation] : operations_) {
     const auto living = operation.lock();
@@ -22,13 +22,13 @@ void Operations::cancel(const CancelRequest& of) {
   }
 }
 
-void Operations::cancel_session(SessionKey session) {
+void RunningOperations::cancel_session(SessionKey session) {
   const std::lock_guard lock(mutex_);
   for (auto& [id, operation] : operations_)
     if (const auto living = operation.lock(); living && living->session() == session) living->task().cancel();
 }
 
-void Operations::cancel_all() {
+void RunningOperations::cancel_all() {
   const std::lock_guard lock(mutex_);
   ended_ = true;
   for (auto& [id, operation] : operations_)

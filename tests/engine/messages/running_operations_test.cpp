@@ -1,4 +1,4 @@
-#include "engine/messages/operations.h"
+#include "engine/messages/running_operations.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ constexpr SessionKey kOurs = 1, kTheirs = 2;
 
 class OperationsTest : public ::testing::Test {
  protected:
-  Operations operations_{[](EngineEvent) {}};
+  RunningOperations operations_{[](EngineEvent) {}};
 };
 
 TEST_F(OperationsTest, OneIsEndedByItsNumberOrByWhatItWorksForAndNoOther) {
