@@ -10,6 +10,8 @@
 #include <string>
 #include <system_error>
 
+#include "base/error.h"
+
 namespace isostrata {
 namespace {
 
@@ -59,11 +61,19 @@ std::uint64_t stored_bytes(const fs::path& file) {
   return error ? kMost : sum;
 }
 
-}  // namespace
-
+/// What `stored` bytes can hold.
 std::uint64_t most_unpacked(std::uint64_t stored) {
   constexpr std::uint64_t kRatio = 1032;  // of deflate, at best
   return stored > kMost / kRatio ? kMost : kRatio * stored;
+}
+
+}  // namespace
+
+void check_unpacked(std::uint64_t declared, std::uint64_t stored, const std::string& name) {
+  const std::uint64_t most = most_unpacked(stored);
+  if (declared > most)
+    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(declared) + " bytes declared; " + std::to_string(stored) + " are there, which hold at most " +
+                                         std::to_string(most));
 }
 
 std::uint64_t unpacked_bytes(std::uint64_t stored) {

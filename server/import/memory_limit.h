@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace isostrata {
 
@@ -15,8 +16,8 @@ std::uint64_t memory_limit(const std::filesystem::path& file, std::uint64_t max_
 /// circles ends within ten seconds. Files that may name others are taken with them, as above.
 std::uint64_t cpu_limit(const std::filesystem::path& file, std::uint64_t most);
 
-/// What `stored` bytes can hold when they are packed as tightly as deflate can.
-std::uint64_t most_unpacked(std::uint64_t stored);
+/// Throws bad_data, with the numbers, if so many declared bytes are more than `stored` ones can hold, packed as tightly as deflate can.
+void check_unpacked(std::uint64_t declared, std::uint64_t stored, const std::string& name);
 
 /// The second of those of memory_limit on its own: the memory that reading `stored` bytes can take.
 std::uint64_t unpacked_bytes(std::uint64_t stored);

@@ -60,9 +60,7 @@ std::string array_name(const fs::path& file) {
 void check_size(const ReadRequest& request, const PageLayout& layout, std::uint64_t pages, std::uint64_t stored, const std::string& name) {
   const auto bytes = static_cast<std::uint64_t>(
       checked_product({layout.columns, layout.rows, layout.layers, layout.channels, static_cast<std::int64_t>(size_of(layout.type)), static_cast<std::int64_t>(pages)}, name));
-  if (bytes > most_unpacked(stored))
-    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(bytes) + " bytes declared; " + std::to_string(stored) + " are there, which hold at most " +
-                                         std::to_string(most_unpacked(stored)));
+  check_unpacked(bytes, stored, name);
   check_bytes(request, bytes, name);
 }
 

@@ -251,9 +251,7 @@ Imported read_meta_image(const ReadRequest& request) {
   std::ifstream in(request.file, std::ios::binary);
   const MetaHeader header = read_meta_header(in, name);
   const std::uint64_t stored = check_data_files(request, header, in), declared = header.declared_bytes();
-  if (declared > most_unpacked(stored))
-    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(declared) + " bytes declared; " + std::to_string(stored) +
-                                         " are there, which hold at most " + std::to_string(most_unpacked(stored)));
+  check_unpacked(declared, stored, name);
   if (auto in_place = meta_image_in_place(request, header)) return std::move(*in_place);
   return run_named<vtkMetaImageReader>(request);
 }
