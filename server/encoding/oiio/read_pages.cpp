@@ -42,13 +42,9 @@ class OiioPages final : public PageReader {
 
   void read(std::span<std::byte> to) override {
     const auto row = static_cast<std::ptrdiff_t>(format_.size()) * layout_.columns * layout_.channels;
-    for (int layer = 0; layer < layout_.layers; ++layer) {
-      std::byte* const first = to.data() + row * layout_.rows * layer;
-      std::byte* const begin = layout_.bottom_first ? first : first + row * (layout_.rows - 1);
-      const bool good = layout_.layers == 1 ? input_->read_image(page_, 0, 0, layout_.channels, format_, begin, OIIO::AutoStride, layout_.bottom_first ? row : -row)
-                                            : read_layer(layer, begin, layout_.bottom_first ? row : -row);
-      if (!good || input_->has_error()) refuse(input_->geterror());
-    }
+    std::byte* const begin = layout_.bottom_first ? to.data() : to.data() + row * (layout_.rows - 1);
+    const bool good = input_->read_image(page_, 0, 0, layout_.channels, format_, begin, OIIO::AutoStride, layout_.bottom_first ? row : -row, row * layout_.rows);
+    if (!good || input_->has_error()) refuse(input_->geterror());
     if (layout_.unused_bits == 0) return;
     if (layout_.type == ScalarType::uint8) shift<std::uint8_t>(to);
     if (layout_.type == ScalarType::uint16) shift<std::uint16_t>(to);
@@ -87,13 +83,6 @@ class OiioPages final : public PageReader {
   }
   bool palette() const { return spec().get_int_attribute("tiff:PhotometricInterpretation", -1) == 3; }
 
-  bool read_layer(int layer, std::byte* begin, std::ptrdiff_t row) {
-    const auto& of = spec();
-    if (of.tile_width > 0)
-      return input_->read_tiles(page_, 0, of.x, of.x + of.width, of.y, of.y + of.height, of.z + layer, of.z + layer + 1, 0, of.nchannels, format_, begin,
-                                OIIO::AutoStride, row);
-    return input_->read_scanlines(page_, 0, of.y, of.y + of.height, of.z + layer, 0, of.nchannels, format_, begin, OIIO::AutoStride, row);
-  }
   template <class T>
   void shift(std::span<std::byte> bytes) const {
     for (T& value : std::span(reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T))) value = static_cast<T>(value >> layout_.unused_bits);
