@@ -100,7 +100,7 @@ struct Spread {
 Spread spread_of(const PointArray& array) {
   constexpr std::size_t kLooks = 50'000;
   Spread spread;
-  const auto missing = find_missing(array);
+  const auto missing = guess_missing(array);
   const double lower = missing ? missing->lower : array.lower, upper = missing ? missing->upper : array.upper;
   std::array<std::int64_t, 64> bins{};
   std::set<double> different;

@@ -50,8 +50,13 @@ ValueRange others(std::span<const T> values, double but) {
 
 double gap(double value, const ValueRange& range) { return value < range.lower ? range.lower - value : value - range.upper; }
 
+bool stands_for_none(double candidate, const ValueRange& others, double width) {
+  const double size = std::max(std::abs(others.lower), std::abs(others.upper));
+  return gap(candidate, others) >= kLeastGap * width && (is_written_for_it(candidate) || std::abs(candidate) > kMuchLarger * size);
+}
+
 template <class T>
-std::optional<MissingValue> find(std::span<const T> values, double candidate, double width) {
+std::optional<MissingValue> guess(std::span<const T> values, double candidate, double width) {
   const std::size_t stride = std::max<std::size_t>(1, values.size() / kMostLooks);
   std::size_t looks = 0, found = 0;
   ValueRange range;
@@ -68,24 +73,26 @@ std::optional<MissingValue> find(std::span<const T> values, double candidate, do
     if (different.size() < kLeastOthers) different.insert(v);
   }
   if (static_cast<double>(found) < kLeastShare * static_cast<double>(looks) || different.size() < kLeastOthers) return std::nullopt;
-  const auto stands_for_none = [&] {
-    const double size = std::max(std::abs(range.lower), std::abs(range.upper));
-    return gap(candidate, range) >= kLeastGap * width && (is_written_for_it(candidate) || std::abs(candidate) > kMuchLarger * size);
-  };
-  if (!stands_for_none()) return std::nullopt;
-  range = others(values, candidate);
-  if (!stands_for_none()) return std::nullopt;
+  if (!stands_for_none(candidate, range, width)) return std::nullopt;
   return MissingValue{candidate, range.lower, range.upper};
 }
 
 }  // namespace
 
-std::optional<MissingValue> find_missing(const PointArray& array) {
+std::optional<MissingValue> guess_missing(const PointArray& array) {
   const double width = array.upper - array.lower;
   if (!(width > 0)) return std::nullopt;
   for (const double candidate : {array.lower, array.upper})
-    if (auto missing = std::visit([&](auto values) { return find(values, candidate, width); }, array.values)) return missing;
+    if (auto missing = std::visit([&](auto values) { return guess(values, candidate, width); }, array.values)) return missing;
   return std::nullopt;
+}
+
+std::optional<MissingValue> find_missing(const PointArray& array) {
+  const auto guessed = guess_missing(array);
+  if (!guessed) return std::nullopt;
+  const ValueRange range = std::visit([&](auto values) { return others(values, guessed->value); }, array.values);
+  if (!stands_for_none(guessed->value, range, array.upper - array.lower)) return std::nullopt;
+  return MissingValue{guessed->value, range.lower, range.upper};
 }
 
 }  // namespace isostrata
