@@ -95,15 +95,19 @@ void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
 void weigh(const fs::path& folder, FolderContents& out) {
   constexpr int kMostFiles = 10'000;
   int left = kMostFiles;
+  std::uint64_t bytes = 0;
+  std::int64_t changed_ns = out.changed_ns;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end; !error && it != end; it.increment(error)) {
-    if (--left < 0) return void(out.bytes = 0);
+    if (--left < 0) return;
     struct stat about {};
     if (lstat(it->path().c_str(), &about) != 0) continue;
     const FileStamp stamp = stamp_of(about);
-    out.bytes += stamp.bytes;
-    out.changed_ns = std::max(out.changed_ns, stamp.changed_ns);
+    bytes += stamp.bytes;
+    changed_ns = std::max(changed_ns, stamp.changed_ns);
   }
+  out.bytes = bytes;
+  out.changed_ns = changed_ns;
 }
 
 /// The metadata of a Zarr folder, of its levels, and the levels' folders. Chunks are only weighed, since there are many of them.
