@@ -12,7 +12,8 @@ _KEPT_FRAMES = 8  # that nobody has asked for yet; older ones are forgotten
 
 
 class Told:
-    """Not thread-safe, but for reading a member that is not a method: each is replaced as a whole."""
+    """Not thread-safe, but for reading a member that is not a method. Each is replaced as a whole, but
+    ``datasets``, to which entries are added."""
 
     def __init__(self) -> None:
         self.welcome: Optional[v1.Welcome] = None
