@@ -71,7 +71,7 @@ class Jobs {
   RunningOperations& operations_;
   const MemoryForJobs memory_;
   const FrameEngine::Sink send_;
-  Lanes openers_;              // by session
+  Lanes openers_{{0, 10}};     // by session; nice, so that readers of slow files take no picture's time
   Lanes counters_;             // of histograms and the like, by session
   Lanes readers_{{8, 10}};     // of steps for their ranges, by dataset
   Lanes exporters_{{2, 10}};   // of mesh files, by session
