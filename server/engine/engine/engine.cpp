@@ -97,7 +97,7 @@ class Engine::Impl {
             .draw_in_lane = [this](SessionKey session, PictureKind kind) { lanes_.post(session, kind); },
             .drop_renderers = [this](SessionKey session) { renderers_.drop(session); },
             .accepted = accepted,
-            .rests = [this](SessionKey session, const auto& extracted, const Scene& scene) { ahead_.prepare_motion(session, extracted, scene); }};
+            .prepare_motion = [this](SessionKey session, const auto& extracted, const Scene& scene) { ahead_.prepare_motion(session, extracted, scene); }};
   }
 
   SceneExtractor::Ports ports_of_extractor() {
@@ -119,7 +119,7 @@ class Engine::Impl {
             .if_there = [this](SessionKey session, const auto& then) { return sessions_.if_there(session, then); },
             .overtaken = [this](SessionKey session, std::uint64_t revision) { return sessions_.overtaken(session, revision); },
             .ended = [this](SessionKey session, RequestId request) { sessions_.ended(session, request); },
-            .rests = [this](SessionKey session) { sessions_.rests(session); }};
+            .seen = [this](SessionKey session, bool rests) { sessions_.seen(session, rests); }};
   }
 
   DrawLanes::Ports ports_of_lanes() {

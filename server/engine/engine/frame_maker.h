@@ -35,8 +35,8 @@ class FrameMaker {
     std::function<bool(SessionKey session, std::uint64_t revision)> overtaken;
     /// The order has been answered.
     std::function<void(SessionKey session, RequestId request)> ended;
-    /// A lossless frame has been sent: the scene rests.
-    std::function<void(SessionKey session)> rests;
+    /// A frame has been sent. A lossless one: the scene rests.
+    std::function<void(SessionKey session, bool rests)> seen;
   };
 
   FrameMaker(ActivityBoard* board, Ports ports) : board_(board), ports_(std::move(ports)) {}

@@ -69,9 +69,12 @@ LatestExtraction::Extracted LatestExtraction::coarse_for(const Scene& of) const 
 }
 
 void LatestExtraction::take_ready(Extracted extracted, const Scene& of) {
+  news_ = !is_whole(ready_.extracted) || ready_.scene.dataset != of.dataset || ready_.scene.array != of.array;
   ready_ = {std::move(extracted), of};
   if (!coarse_for(of)) coarse_.extracted.reset();
 }
+
+bool LatestExtraction::take_news() { return std::exchange(news_, false); }
 
 void LatestExtraction::take_first_look(Extracted extracted, const Scene& of) {
   ready_ = {std::move(extracted), of};

@@ -71,6 +71,8 @@ class LatestExtraction {
 
   /// All points of `of`.
   void take_ready(Extracted extracted, const Scene& of);
+  /// Whether all points are there of a dataset and array of which they were not: a hand may take up at once what it has just been given. True once.
+  bool take_news();
   /// Every n-th point of a scene of which there was nothing; all points follow.
   void take_first_look(Extracted extracted, const Scene& of);
   /// Of every n-th point of `of`. What is there of a newer scene stays: what was made in advance may come after what a hand has cut since.
@@ -104,6 +106,7 @@ class LatestExtraction {
 
   std::optional<Scene> scene_;
   Prepared ready_, coarse_;
+  bool news_ = false;
   std::array<std::string, 2> coarse_arrays_;  // that colours and textures could run over when it was made
   std::shared_ptr<Operation> running_;        // or queued
   Scene running_scene_;

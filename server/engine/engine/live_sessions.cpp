@@ -180,7 +180,7 @@ void LiveSessions::take_extracted(const ExtractionJob& of, Extracted extracted, 
 bool LiveSessions::wants_coarse(SessionKey key, const Extracted& of, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   const Session* session = find(key);
-  return session && session->latest.ready().extracted == of && bytes <= memory_.free();
+  return session && session->latest.ready().extracted == of && !session->latest.coarse().extracted && bytes <= memory_.free();
 }
 
 void LiveSessions::take_coarse(SessionKey key, const Extracted& of, Extracted coarse, const Scene& scene) {
@@ -339,12 +339,12 @@ void LiveSessions::ended(SessionKey key, RequestId request) {
   if (Session* session = find(key)) session->pictures.end(request);
 }
 
-void LiveSessions::rests(SessionKey key) {
+void LiveSessions::seen(SessionKey key, bool rests) {
   const std::lock_guard lock(mutex_);
-  const Session* session = find(key);
+  Session* session = find(key);
   if (stopping_ || !session || !session->latest.scene()) return;
-  const LatestExtraction& latest = session->latest;
-  if (!latest.coarse().extracted && latest.ready_for(*latest.scene())) ports_.rests(key, latest.ready().extracted, latest.ready().scene);
+  LatestExtraction& latest = session->latest;
+  if (latest.ready_for(*latest.scene()) && (latest.take_news() || rests)) ports_.prepare_motion(key, latest.ready().extracted, latest.ready().scene);
 }
 
 }  // namespace isostrata

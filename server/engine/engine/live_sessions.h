@@ -40,7 +40,7 @@ class LiveSessions {
     std::function<void(SessionKey session, PictureKind kind)> draw_in_lane;  // as DrawLanes::post
     std::function<void(SessionKey session)> drop_renderers;                  // nobody looks at it, and its memory is wanted
     std::function<void(const FrameRequest& request)> accepted;               // before it can be drawn
-    std::function<void(SessionKey, const Extracted&, const Scene&)> rests;   // as WorkAhead::prepare_motion
+    std::function<void(SessionKey, const Extracted&, const Scene&)> prepare_motion;  // as WorkAhead's
   };
 
   /// memory: of which scenes have what is left. by_ranks: nobody has all points, so there are never fewer.
@@ -99,7 +99,7 @@ class LiveSessions {
   bool if_there(SessionKey session, const std::function<void()>& then);
   bool overtaken(SessionKey session, std::uint64_t revision);
   void ended(SessionKey session, RequestId request);
-  void rests(SessionKey session);
+  void seen(SessionKey session, bool rests);
 
  private:
   struct Session {

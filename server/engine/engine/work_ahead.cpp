@@ -99,7 +99,8 @@ void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, c
     Extracted coarse;
     try {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
-      const Work work(session, WorkClass::still, {&ahead_task_, true, extracting.waiting()});
+      // As urgent as pictures: until it is there, those of a hand that moves are made from all points, and take as long as this does.
+      const Work work(session, WorkClass::frame, {&ahead_task_, true, extracting.waiting()});
       coarse = shared_.coarse.extract_for_motion(extracted->dataset, scene, 1, ahead_task_);
     } catch (const std::exception&) {  // a hand turns all points then
       return;

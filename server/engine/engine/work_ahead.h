@@ -52,7 +52,7 @@ class WorkAhead {
   using Extracted = std::shared_ptr<const ExtractedScene>;
   /// Who knows the sessions. Called on any thread, without a lock.
   struct Ports {
-    /// Whether the session still shows `of`, and so many bytes are free.
+    /// Whether the session still shows `of`, of which it has nothing coarser, and so many bytes are free.
     std::function<bool(SessionKey session, const Extracted& of, std::uint64_t bytes)> wants_coarse;
     /// Of every n-th point of `of`, which is the scene's.
     std::function<void(SessionKey session, const Extracted& of, Extracted coarse, const Scene& scene)> take_coarse;
@@ -63,7 +63,7 @@ class WorkAhead {
   /// After an extraction. scene, previous, before: as in to_prepare and step_ahead. renderer_cuts: the renderer of now does.
   void prepare_tetrahedra(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, bool renderer_cuts);
   void read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before);
-  /// Of a scene that rests and takes long to draw, the same of every n-th point, for the next hand that turns it.
+  /// Of a scene that rests, or has just been seen for the first time, and takes long to draw, the same of every n-th point, for the next hand that turns it.
   void prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene);
   /// How far a coarse picture may be from that of all points, beside everything else.
   void find_error(const Extracted& coarse);

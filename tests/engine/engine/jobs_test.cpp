@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <filesystem>
@@ -140,6 +141,18 @@ TEST_F(JobsTest, QuestionsOfOneSessionWaitForEachOtherAndThoseOfAnotherDoNot) {
   go_on.set_value();
   EXPECT_EQ(failure_of(2).code, ErrorCode::cancelled);
   wait_for<ExportReady>([](const ExportReady& of) { return of.request == 1; });
+}
+
+/// A reader is as nice as the thread that asks for it (LoadedImporter.AReaderIsAsNice...), which is the one that answers.
+TEST_F(JobsTest, WhoReadsAFileYieldsToWhoDraws) {
+  const int here = getpriority(PRIO_PROCESS, 0);
+  if (here >= 10) GTEST_SKIP() << "these tests are as nice themselves";
+  std::promise<int> nice;
+  Jobs jobs({std::uint64_t{1} << 30}, datasets_, operations_, memory(), [&](const EngineEvent& event) {
+    if (std::holds_alternative<DatasetReady>(event)) nice.set_value(getpriority(PRIO_PROCESS, 0));
+  });
+  jobs.post(OpenRequest{kOurs, 1, "torus-12"});
+  EXPECT_GT(nice.get_future().get(), here);
 }
 
 TEST_F(JobsTest, ASmallPictureIsNotGivenRoomThatSomebodyWouldHaveToMake) {

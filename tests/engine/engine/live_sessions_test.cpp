@@ -20,7 +20,7 @@ class LiveSessionsTest : public ::testing::Test {
     ports.draw_in_lane = [this](SessionKey session, PictureKind kind) { lanes_.emplace_back(session, kind); };
     ports.drop_renderers = [this](SessionKey session) { dropped_.push_back(session); };
     ports.accepted = [](const FrameRequest&) {};
-    ports.rests = [this](SessionKey session, const LiveSessions::Extracted&, const Scene&) { rested_.push_back(session); };
+    ports.prepare_motion = [this](SessionKey session, const LiveSessions::Extracted&, const Scene&) { prepared_.push_back(session); };
     return ports;
   }
   static Scene scene(std::uint64_t revision, double upper = 0.5) {
@@ -66,7 +66,7 @@ class LiveSessionsTest : public ::testing::Test {
   std::vector<EngineEvent> sent_;
   std::vector<ExtractionJob> jobs_;
   std::vector<Lane> lanes_;
-  std::vector<SessionKey> dropped_, rested_;
+  std::vector<SessionKey> dropped_, prepared_;
   RunningOperations operations_{[](EngineEvent) {}};
   LiveSessions sessions_{{1000 * kMb, [] { return 0; }}, false, operations_, ports()};
 };
@@ -194,6 +194,29 @@ TEST_F(LiveSessionsTest, WhatANewRendererCannotDrawIsExtractedForIt) {
   EXPECT_FALSE(jobs_[1].before.extracted);
 }
 
+TEST_F(LiveSessionsTest, AHandIsPreparedForWhenNewDataIsSeenAndWheneverTheSceneRests) {
+  sessions_.take(SceneUpdate{kOurs, scene(1)});
+  sessions_.seen(kOurs, false);
+  EXPECT_TRUE(prepared_.empty()) << "there is nothing yet";
+  sessions_.take_extracted(jobs_.back(), of_bytes(0), nullptr);
+  for (int i = 0; i < 3; ++i) sessions_.seen(kOurs, false);
+  EXPECT_EQ(prepared_.size(), 1u);
+  sessions_.take(SceneUpdate{kOurs, scene(2, 0.4)});
+  sessions_.seen(kOurs, true);
+  EXPECT_EQ(prepared_.size(), 1u) << "of older layers";
+  sessions_.take_extracted(jobs_.back(), of_bytes(0), nullptr);
+  sessions_.seen(kOurs, false);
+  EXPECT_EQ(prepared_.size(), 1u) << "layers of the same data may be moved again before they rest";
+  sessions_.seen(kOurs, true);
+  EXPECT_EQ(prepared_.size(), 2u);
+  Scene other = scene(3, 0.4);
+  other.array = "another";
+  sessions_.take(SceneUpdate{kOurs, other});
+  sessions_.take_extracted(jobs_.back(), of_bytes(0), nullptr);
+  sessions_.seen(kOurs, false);
+  EXPECT_EQ(prepared_.size(), 3u);
+}
+
 TEST_F(LiveSessionsTest, NothingBeginsOnceItHasStopped) {
   sessions_.draw_by({}, true);
   ready(kOurs);
@@ -206,9 +229,9 @@ TEST_F(LiveSessionsTest, NothingBeginsOnceItHasStopped) {
   sessions_.take(SceneUpdate{kOurs, scene(2, 0.4)});
   sessions_.take(frame(kOurs, 8));
   sessions_.free_lane(kOurs, PictureKind::frame);
-  sessions_.rests(kOurs);
+  sessions_.seen(kOurs, true);
   EXPECT_EQ(jobs_.size(), before);
-  EXPECT_TRUE(lanes_.empty() && rested_.empty());
+  EXPECT_TRUE(lanes_.empty() && prepared_.empty());
   EXPECT_EQ(operations_.begin(kOurs, 1), nullptr);
   std::optional<PictureOrder> none;
   EXPECT_EQ(sessions_.wait_for_turn(std::chrono::milliseconds(0), none), RenderThread::Ports::Turn::end);
