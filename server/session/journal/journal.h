@@ -35,8 +35,6 @@ struct JournalOptions {
 /// Any thread may call any function. One thread of its own writes, but for keep_now; nobody else ever waits for an fsync.
 class Journal {
  public:
-  static constexpr std::size_t kMaxRecordBytes = 4 << 20;
-
   /// Never throws for what is on the disk. Of several servers with one directory the first has it, the others keep nothing.
   explicit Journal(JournalOptions options);
   /// Writes what waits.
@@ -64,8 +62,5 @@ class Journal {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// The newest whole entry in a log's bytes; nothing where there is none. `session`: whose it must be. Takes any bytes at all.
-bool newest_entry(const std::string& bytes, const std::string& session, journal::Entry& entry);
 
 }  // namespace isostrata

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <random>
 
+#include "session/journal/session_log.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {
