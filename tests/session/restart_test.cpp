@@ -300,10 +300,10 @@ TEST_F(Restart, AGoodbyeIsNotForWhoVanishedBefore) {
   const auto other = s_->connect(s_->resuming(*person));
   s_->leave(*person);
   s_->leave(*other, true);
-  EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::work);
+  EXPECT_EQ(s_->sessions->list().front()->holds(), SessionUse::Holds::work);
   const auto back = s_->connect(s_->resuming(*person));
   s_->leave(*back, true);
-  EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::look);
+  EXPECT_EQ(s_->sessions->list().front()->holds(), SessionUse::Holds::look);
 }
 
 TEST_F(Restart, WhoCameBackAfterAGoodbyeIsThereInTheNextLife) {
@@ -313,7 +313,7 @@ TEST_F(Restart, WhoCameBackAfterAGoodbyeIsThereInTheNextLife) {
   s_->leave(*person, true);
   const auto back = s_->connect(s_->resuming(*person));
   restart();
-  EXPECT_EQ(s_->sessions->list().front()->holds(), Session::Holds::work);
+  EXPECT_EQ(s_->sessions->list().front()->holds(), SessionUse::Holds::work);
 }
 
 }  // namespace

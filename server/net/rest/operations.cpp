@@ -4,6 +4,7 @@
 #include <boost/json/serialize.hpp>
 
 #include "base/utf8.h"
+#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

@@ -7,19 +7,18 @@
 namespace isostrata {
 namespace {
 
-v1::Invitations listed(const Session& session) {
+v1::Invitations listed(const Participants& people) {
   v1::Invitations all;
-  for (const Invitation& invitation : session.invitations().all())
-    *all.add_invitations() = session.to_wire_invitation(invitation);
+  for (const Invitation& invitation : people.invitations().all()) *all.add_invitations() = people.to_wire(invitation);
   return all;
 }
 
 void invite(const Call& call) {
   v1::CreateInvitation wanted;
   if (auto error = parse_message(call.request.body, wanted)) return call.reply(problem(*error));
-  Invitations::Made made = call.session->invite(wanted);
+  Invitations::Made made = call.session->people().invite(wanted);
   if (made.error) return call.reply(problem(*made.error));
-  v1::Invitation answer = call.session->to_wire_invitation(*made.invitation);
+  v1::Invitation answer = call.session->people().to_wire(*made.invitation);
   answer.set_token(std::move(made.token));
   HttpResponse response = message_response(201, answer);
   response.headers.emplace_back("Location", "invitations/" + answer.id());
@@ -27,7 +26,7 @@ void invite(const Call& call) {
 }
 
 void revoke(const Call& call) {
-  if (!call.session->revoke(call.path.at("invitation")))
+  if (!call.session->people().revoke(call.path.at("invitation")))
     return call.reply(problem(
         wire_error("not_found", "this session has no invitation of this id; it may be over or revoked already", "invitation")));
   call.reply({204, "", "", {}});
@@ -42,7 +41,7 @@ void add_people_routes(std::vector<Route>& routes, RestContext&) {
                     .tag = "people",
                     .summary = "Who is connected to the session, and in which role",
                     .answers = {{200, "Everyone", "Participants"}},
-                    .handler = [](Call call) { call.reply(message_response(200, call.session->participants())); }});
+                    .handler = [](Call call) { call.reply(message_response(200, call.session->people().to_wire())); }});
   routes.push_back({.method = "GET",
                     .path = "/sessions/{session}/invitations",
                     .id = "listInvitations",
@@ -50,7 +49,7 @@ void add_people_routes(std::vector<Route>& routes, RestContext&) {
                     .summary = "The invitations that are good",
                     .description = "Without their tokens, which only their maker was ever told.",
                     .answers = {{200, "The oldest first", "Invitations"}},
-                    .handler = [](Call call) { call.reply(message_response(200, listed(*call.session))); }});
+                    .handler = [](Call call) { call.reply(message_response(200, listed(call.session->people()))); }});
   routes.push_back(
       {.method = "POST",
        .path = "/sessions/{session}/invitations",

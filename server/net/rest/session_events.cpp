@@ -62,7 +62,7 @@ std::shared_ptr<EventStream> SessionEvents::listen(const Session& session) {
   listener->stream = stream;
   audiences_[session.id()].listeners.push_back(listener);
   stream->push("state", next_state(session.id(), *listener), false);
-  stream->push("participants", message_json(session.participants()), false);
+  stream->push("participants", message_json(session.people().to_wire()), false);
   for (const OperationRecord* record : operations_.list(session.id()))
     if (record->status == OperationRecord::Status::running) stream->push("operation", valid_json(json::serialize(to_json(*record))), false);
   return stream;
@@ -79,7 +79,7 @@ void SessionEvents::state_told(const Session& session) {
 void SessionEvents::people_changed(const Session& session) {
   Audience* const of = audience(session.id());
   if (!of) return;
-  const std::string data = message_json(session.participants());
+  const std::string data = message_json(session.people().to_wire());
   for (const auto& listener : of->listeners)
     if (const auto stream = listener->stream.lock()) stream->push("participants", data, true);
 }

@@ -1,7 +1,7 @@
 #include "net/site/site_log.h"
 
 #include "base/utf8.h"
-#include "session/pacing/viewer.h"
+#include "session/people/viewer.h"
 
 namespace isostrata {
 namespace {

@@ -9,36 +9,19 @@
 #include <string>
 #include <vector>
 
-#include "encoding/encoder.h"
-#include "engine/messages/frame_engine.h"
+#include "session/datasets/engine_requests.h"
 #include "session/journal/journal.h"
+#include "session/sessions/greetings.h"
 #include "session/sessions/session.h"
 #include "session/sessions/sessions_observer.h"
+#include "session/sessions/sessions_options.h"
+#include "session/sessions/trouble_notices.h"
 
 namespace isostrata {
 
-struct SessionsOptions {
-  std::size_t max_sessions = 32;
-  std::size_t max_viewers = 64;  // of one session
-  Duration session_ttl = std::chrono::minutes(10);  // a session that nobody uses is kept that long
-  Duration stall_time = FrameScheduler::kStall;     // without an acknowledgement: nothing more is drawn for that viewer
-  std::string server_name = "isostrata";            // with its version, for Welcome
-  std::string device;
-  bool device_is_software = false;
-  std::function<EngineFacts()> engine;  // whose process draws, asked again each time; empty: device is all that is known
-  std::shared_ptr<const Catalogue> catalogue = std::make_shared<Catalogue>();
-  bool follows_files = false;           // the catalogue will be replaced by newer ones, and the engine is told of entries when they are asked for
-  std::string watching;                 // DatasetList.watching
-  std::filesystem::path journal;                       // the directory where sessions survive the process; empty: they do not
-  std::function<void(const std::string& what)> warn;  // of the journal's trouble; any thread
-  UnixMs ends = 0;                                     // when the server is known to end, by the system's clock; 0: not known
-  std::vector<Codec> moving_codecs =
-      isostrata::moving_codecs();  // that frames in motion may be sent in, the best first, JPEG last
-};
-
 /// Not thread-safe: lives on the io thread. `post` is Engine::post. `now` is the moment of the clock by which all other calls are told the
 /// time: sessions that the journal kept are as if used then.
-class Sessions final : public EngineDoor {
+class Sessions final : public SessionKeeper {
  public:
   Sessions(SessionsOptions options, std::function<void(EngineRequest)> post, TimePoint now = std::chrono::steady_clock::now());
   ~Sessions() override;
@@ -71,11 +54,8 @@ class Sessions final : public EngineDoor {
 
   // ---- scripts ----
 
-  /// Who a new session is for: somebody who is there, a script that says what it shows, or one that has not said.
-  enum class NewFor { viewer, script, nobody };
-  /// Null, with the error, where there is no room. A session that nobody watches makes room: one that holds least, of those the
-  /// longest unused. What a person has made of one is not given up for a session that is empty, nor for anyone while it was
-  /// used a moment ago: that person may be on the way back.
+  using NewFor = isostrata::NewFor;
+  /// Null, with the error, where there is no room and no session that gives way (make_room).
   Session* create(TimePoint now, v1::Error& error, NewFor whom = NewFor::viewer);
   Session* find(const std::string& id);
   /// Not from inside a session's reply: there, end_unwatched_soon.
@@ -86,14 +66,14 @@ class Sessions final : public EngineDoor {
   /// Ends it at the next tick, unless somebody watches it then.
   void end_unwatched_soon(SessionKey key) { over_.push_back(key); }
   std::vector<const Session*> list() const;
-  const Catalogue& catalogue() const { return *catalogue_; }
+  const Catalogue& catalogue() const { return requests_.versions().catalogue(); }
   /// Grows with every change of it.
-  std::uint64_t catalogue_revision() const { return catalogue_revision_; }
-  const std::string& watching() const { return watching_; }
+  std::uint64_t catalogue_revision() const { return requests_.versions().revision(); }
+  const std::string& watching() const { return requests_.versions().watching(); }
   /// Another one from now on: everyone is told, and so is each session whose dataset is another than it was.
   void set_catalogue(std::shared_ptr<const Catalogue> catalogue, std::string watching, TimePoint now);
   const SessionsOptions& options() const { return options_; }
-  EngineFacts engine() const;
+  EngineFacts engine() const { return options_.drawing(); }
 
   // ---- engine and time ----
 
@@ -103,7 +83,7 @@ class Sessions final : public EngineDoor {
   TimePoint tick(TimePoint now);
   /// The observer must live until end_all(), or as long as this.
   void observe(SessionsObserver& observer) {
-    observers_.push_back(&observer);
+    observers_.add(observer);
     for (const auto& [key, session] : sessions_) observer.session_began(*session);  // those that a journal has kept
   }
   /// Tells everyone that the server will end then, and goes on.
@@ -113,56 +93,41 @@ class Sessions final : public EngineDoor {
   /// Waits until all sessions are on the disk; false where they are not by then, or are not kept at all.
   bool flush_journal(std::chrono::milliseconds timeout) { return journal_ && journal_->flush(timeout); }
 
-  void post(EngineRequest request) override;
-  const CatalogueEntry* entry(const std::string& dataset) const override;
-  std::string newest(const std::string& dataset) override;
-  RequestId ask(EngineRequest request, Listener listener) override;
-  void forget(RequestId request) override { pending_.erase(request); }
-  /// Nobody wants the answer any more: the listener will not be called, and the work ends. One that was answered is ignored.
-  void give_up(RequestId request);
+  /// As EngineRequests has them.
+  void post(EngineRequest request) { requests_.post(std::move(request)); }
+  RequestId ask(EngineRequest request, EngineDoor::Listener listener) { return requests_.ask(std::move(request), std::move(listener)); }
+  void give_up(RequestId request) { requests_.give_up(request); }
+
+ private:
   ViewerBudget& viewer_budget() override { return viewer_budget_; }
   void session_changed(const Session& session, bool now) override;
   void invitation_ended(const Session& session, const std::string& invitation) override;
-  void state_told(const Session& session) override;
-  void people_changed(const Session& session) override;
-
- private:
-  struct Pending {
-    SessionKey session = 0;
-    Listener listener;
-  };
+  void state_told(const Session& session) override { observers_.state_told(session); }
+  void people_changed(const Session& session) override { observers_.people_changed(session); }
 
   void hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
   void show_first(Session* session, std::vector<std::string> tried, TimePoint now);
-  Session* place_for(Viewer& viewer, const v1::ClientMessage& message, TimePoint now);
-  void welcome(Viewer& viewer, Session& session);
-  void remove(SessionKey key);
+  Session* place_for(Viewer& viewer, const v1::Hello& hello, TimePoint now, std::optional<Refusal>& refusal);
+  Session* invited(Viewer& viewer, const Admission& admission, std::optional<Refusal>& refusal);
   Session* find(SessionKey key);
+  Viewer* find_viewer(ViewerKey key);
+  void remove(SessionKey key);
+  void tell_all(const v1::ServerMessage& message);
   void look_at_engine(TimePoint now);
-  void look_at_journal();
-  void name_version(EngineRequest& request);
-  void tell_asked(const Session& session, Viewer& viewer, const v1::ClientMessage& message);
 
   const SessionsOptions options_;
-  const std::function<void(EngineRequest)> post_;
+  EngineRequests requests_;
   std::unique_ptr<Journal> journal_;
-  std::map<RequestId, Pending> pending_;
   std::map<ViewerKey, std::unique_ptr<Viewer>> viewers_;
   std::map<ViewerKey, Admission> admissions_;  // of those that have not said hello
   std::map<SessionKey, std::unique_ptr<Session>> sessions_;
   std::vector<SessionKey> over_;  // to end at the next tick
-  std::vector<SessionsObserver*> observers_;
+  SessionsObservers observers_;
   ViewerBudget viewer_budget_;
-  RequestId last_request_ = 0;
-  ViewerKey last_viewer_ = 0;
-  std::string engine_trouble_;  // as everyone has been told
-  bool kept_ = true;            // as everyone has been told
-  TimePoint engine_looked_at_{}, watched_kept_{};
+  TroubleNotices troubles_;
+  TimePoint watched_kept_{};
   SessionKey last_session_ = 0;
-  std::shared_ptr<const Catalogue> catalogue_;
-  std::uint64_t catalogue_revision_ = 1;
-  std::string watching_;
-  std::map<std::string, CatalogueEntry> told_;  // of what the engine knows, by version_id
+  ViewerKey last_viewer_ = 0;
   TimePoint now_{};
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "engine/messages/messages.h"
 
@@ -29,6 +30,42 @@ class SessionsObserver {
   virtual void people_changed(const Session&) {}
   /// Every event of the engine, before anyone acts on it. Null: of no session that lives.
   virtual void engine_event(const Session*, const EngineEvent&) {}
+};
+
+/// Tells each of several.
+class SessionsObservers final : public SessionsObserver {
+ public:
+  /// It must live until clear(), or as long as this.
+  void add(SessionsObserver& observer) { all_.push_back(&observer); }
+  void clear() { all_.clear(); }
+
+  void session_began(const Session& session) override {
+    for (SessionsObserver* of : all_) of->session_began(session);
+  }
+  void session_ended(const Session& session) override {
+    for (SessionsObserver* of : all_) of->session_ended(session);
+  }
+  void viewer_joined(const Session& session) override {
+    for (SessionsObserver* of : all_) of->viewer_joined(session);
+  }
+  void viewer_left(const Session& session) override {
+    for (SessionsObserver* of : all_) of->viewer_left(session);
+  }
+  void asked(const Session& session, const Viewer& viewer, const std::string& act, std::uint64_t seq, const std::string& detail) override {
+    for (SessionsObserver* of : all_) of->asked(session, viewer, act, seq, detail);
+  }
+  void state_told(const Session& session) override {
+    for (SessionsObserver* of : all_) of->state_told(session);
+  }
+  void people_changed(const Session& session) override {
+    for (SessionsObserver* of : all_) of->people_changed(session);
+  }
+  void engine_event(const Session* session, const EngineEvent& event) override {
+    for (SessionsObserver* of : all_) of->engine_event(session, event);
+  }
+
+ private:
+  std::vector<SessionsObserver*> all_;
 };
 
 }  // namespace isostrata

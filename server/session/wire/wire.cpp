@@ -276,6 +276,8 @@ v1::Error wire_error(std::string_view code, std::string message, std::string fie
   return error;
 }
 
+v1::Error wire_error(const RequestFailed& failed) { return wire_error(to_string(failed.code), failed.message); }
+
 v1::ServerMessage error_message(v1::Error error, std::uint64_t in_reply_to) {
   v1::ServerMessage message;
   error.set_in_reply_to(in_reply_to);

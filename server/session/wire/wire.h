@@ -28,6 +28,7 @@ v1::Frame to_wire(const FrameReady& frame);
 Annotations annotations_of(const v1::Annotations& wanted);
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field = {});
+v1::Error wire_error(const RequestFailed& failed);
 
 /// in_reply_to: the seq of the client's message that it answers; 0: none.
 v1::ServerMessage error_message(v1::Error error, std::uint64_t in_reply_to = 0);

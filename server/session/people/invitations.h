@@ -42,6 +42,8 @@ class Invitations {
 
   /// The one whose token has this hash, if its time is not over. Takes as long for every token.
   const Invitation* find(const std::string& token_hash, UnixMs now) const;
+  /// The one by which proof_of(secret_hash(token), text) is this proof, if its time is not over.
+  const Invitation* find(const std::string& text, const std::string& proof, UnixMs now) const;
   const Invitation* find_id(const std::string& id) const;
   const std::vector<Invitation>& all() const { return all_; }  // the oldest first
   void restore(std::vector<Invitation> all) { all_ = std::move(all); }

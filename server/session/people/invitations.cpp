@@ -1,4 +1,4 @@
-#include "session/sessions/invitations.h"
+#include "session/people/invitations.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,6 +73,13 @@ const Invitation* Invitations::find(const std::string& token_hash, UnixMs now) c
   const Invitation* found = nullptr;
   for (const Invitation& invitation : all_)
     if (equal_in_constant_time(invitation.token_hash, token_hash) && invitation.expires > now) found = &invitation;
+  return found;
+}
+
+const Invitation* Invitations::find(const std::string& text, const std::string& proof, UnixMs now) const {
+  const Invitation* found = nullptr;
+  for (const Invitation& invitation : all_)
+    if (invitation.expires > now && equal_in_constant_time(proof_of(invitation.token_hash, text), proof)) found = &invitation;
   return found;
 }
 

@@ -3,20 +3,18 @@
 
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "engine/messages/messages.h"
 #include "isostrata/v1/isostrata.pb.h"
-#include "session/pacing/coarse_choice.h"
-#include "session/pacing/codec_choice.h"
 #include "session/pacing/frame_scheduler.h"
+#include "session/pacing/moving_format.h"
 #include "session/pacing/video_streams.h"
 #include "session/pacing/viewer_budget.h"
+#include "session/people/observed_acts.h"
 
 namespace isostrata {
 
@@ -37,8 +35,6 @@ class Outbox {
 
 /// Not thread-safe: lives on the io thread.
 struct Viewer {
-  static constexpr double kUsualDecoding = 1;  // of video by that of JPEG
-
   struct Band {
     v1::Frame frame;
     std::shared_ptr<const Bytes> payload;
@@ -51,27 +47,12 @@ struct Viewer {
   std::uint64_t heeded = 0;  // of its commands, the newest that was judged
   std::uint64_t ignored_messages = 0;
   FrameScheduler frames;
-  std::vector<Codec> ladder{Codec::jpeg};  // what it decodes and the server has, the best first
-  bool chooses = false;                    // between JPEG and the first of these, by measured times; else the first is in use
-  CodecChoice choice;
-  CoarseChoice turned_coarse, moved_coarse;  // of which points its frames are while layers are turned, and while they are moved
-  TimePoint chosen_at{};
-  CodecCosts decoding{kUsualDecoding};        // ms a megapixel
-  std::vector<v1::FormatForecast> forecasts;  // of the last choice
-  struct Sent {
-    std::uint64_t frame;
-    Codec codec;
-    double pixels;
-  };
-  std::deque<Sent> sent;          // moving frames, whose decoding times may still be told
+  MovingFormat format;
   bool takes_bands = false;       // lossless pictures in pieces
   bool refines = false;           // wants pictures of more samples after them
   std::deque<Band> bands;         // of the newest one, that have not been sent
   StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
   RequestId ordered_request = 0;  // not started
-  std::set<RequestId> keepsakes;  // pictures for keeping that are being drawn
-
-  Codec codec() const { return chooses ? choice.codec() : ladder.front(); }
 
   v1::Viewport viewport;                   // as it was asked for
   TokenBucket stills{kViewerStillsPerSecond, kViewerStillsAtOnce};  // that it may ask for where it may only look
@@ -81,8 +62,12 @@ struct Viewer {
   std::string invitation;  // that it came by; empty: it has the server's token
   std::string name, client, client_id;
   std::string address;     // at the other end of its connection, where that is known
-  int asked = 0;           // the last kind of message that observers were told of, and when
-  TimePoint asked_at{};
+  ObservedActs acts;
+
+  /// That its frames are made for. Who may only look gets pictures of at most kMaxViewerPixels, of the same shape.
+  void set_viewport(const v1::Viewport& wanted, TimePoint now);
+  /// Why it may not have this still; else one is taken from what it may ask for.
+  std::optional<v1::Error> refuse_still(const v1::RequestStill& still, TimePoint now);
 
   /// The message `seq` is contained in `revision` and all later ones.
   void note_input(std::uint64_t seq, std::uint64_t revision);

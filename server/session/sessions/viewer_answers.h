@@ -1,0 +1,39 @@
+// What the engine is asked for one viewer alone: pictures to keep, which are not shown, so that neither credits nor the ladder have to do
+// with them, and histograms.
+#pragma once
+
+#include <map>
+#include <set>
+
+#include "session/datasets/engine_door.h"
+#include "session/people/participants.h"
+
+namespace isostrata {
+
+/// Of one session. Not thread-safe: lives on the io thread.
+class ViewerAnswers {
+ public:
+  static constexpr std::size_t kMostPictures = 2;  // of one viewer at once
+  static constexpr int kMostHistograms = 16;       // of all together
+
+  /// Both must outlive it, and it the answers.
+  ViewerAnswers(SessionKey session, EngineDoor& engine, const Participants& people) : session_(session), engine_(engine), people_(people) {}
+
+  /// Answers the message `seq` by a Frame that says so, or an Error. Without a size the picture is as large as the viewport.
+  void draw(Viewer& viewer, const v1::RequestStill& wanted, std::uint64_t seq);
+  /// Answers by a Histogram or an Error.
+  void count(Viewer& viewer, HistogramRequest request, std::uint64_t seq);
+  /// The viewer is gone.
+  void leave(ViewerKey viewer);
+
+ private:
+  void drawn(ViewerKey viewer, RequestId request, std::uint64_t seq, const EngineEvent& event);
+
+  const SessionKey session_;
+  EngineDoor& engine_;
+  const Participants& people_;
+  std::map<ViewerKey, std::set<RequestId>> pictures_;  // that are being drawn
+  int histograms_ = 0;                                 // that are being counted
+};
+
+}  // namespace isostrata
