@@ -1,15 +1,20 @@
 #include "import/zarr_array.h"
 
 #include <algorithm>
+#include <cstring>
+#include <type_traits>
 
 #include "import/imported.h"
 #include "import/zarr_json.h"
 #include "import/zarr_metadata.h"
+#include "import/zarr_values.h"
 
 namespace isostrata {
 namespace {
 
 namespace json = boost::json;
+
+constexpr std::int64_t kMostInShard = 4'000'000;
 
 void check_together(const ZarrArray& array, std::size_t width) {
   if (array.chunk.size() != array.shape.size())
@@ -19,22 +24,54 @@ void check_together(const ZarrArray& array, std::size_t width) {
     points = checked_product({points, array.shape[a]}, array.file);
     bytes = checked_product({bytes, array.chunk[a]}, array.file);
   }
-  if (std::count_if(array.codecs.begin(), array.codecs.end(), [](ZarrCodec codec) { return codec != ZarrCodec::crc32c; }) > 1)
+  if (array.shards) {
+    std::int64_t entries = 1;
+    for (const std::int64_t chunks : array.shards->chunks) entries = checked_product({entries, chunks}, array.file);
+    if (entries > kMostInShard) unsupported(array, "shards of " + std::to_string(entries) + " chunks; expected at most " + std::to_string(kMostInShard));
+  }
+  if (std::count_if(array.codecs.begin(), array.codecs.end(), [](const ZarrCodec& codec) { return codec.packs(); }) > 1)
     unsupported(array, "its chunks are packed twice; expected one of blosc, zstd, gzip, lz4 or bz2");
 }
 
 /// xarray's names of the axes.
-void take_names(ZarrArray& array, ZarrStore& store) {
-  const std::optional<json::object> attributes = store.read_json(array.folder + ".zattrs");
-  const json::array* names = attributes ? array_in(*attributes, "_ARRAY_DIMENSIONS") : nullptr;
+void take_names(ZarrArray& array, const json::object& attributes) {
+  const json::array* names = array_in(attributes, "_ARRAY_DIMENSIONS");
   if (names && names->size() == array.shape.size())
     for (const json::value& name : *names) array.names.emplace_back(name.is_string() ? std::string(name.get_string()) : std::string());
+}
+
+/// The attributes of netCDF's conventions, as xarray writes them. In version 2 the fill value is what stands for no value.
+void take_packing(ZarrArray& array, const json::object& attributes, bool fill_is_none) {
+  const auto number = [&](const char* name) -> std::optional<double> {
+    const json::value* value = member(attributes, name);
+    if (!value || !value->is_number()) return std::nullopt;
+    return value->to_number<double>();
+  };
+  const std::optional<double> scale = number("scale_factor"), offset = number("add_offset");
+  const bool real = array.half || array.stored == ScalarType::float32 || array.stored == ScalarType::float64;
+  if (real || (!scale && !offset)) return;
+  ZarrPacking packing{scale.value_or(1), offset.value_or(0), number("_FillValue")};
+  if (!packing.none && fill_is_none)
+    std::visit(
+        [&](auto of) {
+          std::remove_const_t<typename decltype(of)::value_type> fill{};
+          std::memcpy(&fill, array.fill.data(), sizeof fill);
+          packing.none = static_cast<double>(fill);
+        },
+        scalar_span(array.stored, {}));
+  array.packing = packing;
+  array.type = size_of(array.stored) <= 2 ? ScalarType::float32 : ScalarType::float64;
+  std::vector<std::byte> fill(array.fill.begin(), array.fill.begin() + static_cast<std::ptrdiff_t>(size_of(array.stored))), room;
+  ZarrArray plain = array;
+  plain.swap = plain.delta = false;
+  const std::span<const std::byte> value = zarr_values(plain, fill, room);
+  std::copy(value.begin(), value.end(), array.fill.begin());
 }
 
 }  // namespace
 
 std::size_t ZarrArray::chunk_bytes() const {
-  std::size_t bytes = size_of(type);
+  std::size_t bytes = stored_width();
   for (const std::int64_t size : chunk) bytes *= static_cast<std::size_t>(size);
   return bytes;
 }
@@ -43,7 +80,7 @@ std::string ZarrArray::chunk_file(const std::vector<std::int64_t>& index) const 
   std::string file = folder + key_prefix;
   for (std::size_t a = 0; a < index.size(); ++a) {
     if (a > 0) file += separator;
-    file += std::to_string(index[a]);
+    file += std::to_string(shards ? index[a] / shards->chunks[a] : index[a]);
   }
   return file;
 }
@@ -54,14 +91,17 @@ std::optional<ZarrArray> read_zarr_array(ZarrStore& store, const std::string& fo
   if (const auto of = store.read_json(array.folder + ".zarray")) {
     array.file = store.name_of(array.folder + ".zarray");
     take_version_2(array, *of);
-    take_names(array, store);
+    const json::object attributes = store.read_json(array.folder + ".zattrs").value_or(json::object());
+    take_names(array, attributes);
+    take_packing(array, attributes, member(*of, "fill_value"));
   } else if (const auto node = store.read_json(array.folder + "zarr.json"); node && text_in(*node, "node_type") == "array") {
     array.file = store.name_of(array.folder + "zarr.json");
     take_version_3(array, *node);
+    if (const json::object* attributes = object_in(*node, "attributes")) take_packing(array, *attributes, false);
   } else {
     return std::nullopt;
   }
-  check_together(array, size_of(array.type));
+  check_together(array, std::max(array.stored_width(), size_of(array.type)));
   return array;
 }
 

@@ -17,22 +17,42 @@
 
 namespace isostrata {
 
+/// Chunks that lie in files of several: the codec "sharding_indexed".
+struct ZarrShards {
+  std::vector<std::int64_t> chunks;  // [axes] of a shard, along each axis
+  bool index_first = false;          // it stands at the file's start, not at its end
+  bool swap = false;                 // its numbers have the other byte order
+  bool sum = false;                  // its crc32c follows it
+};
+
+/// Whole numbers that stand for others, as netCDF's conventions pack them: value = offset + scale * stored.
+struct ZarrPacking {
+  double scale = 1, offset = 0;
+  std::optional<double> none;  // the stored number that is no value
+};
+
 struct ZarrArray {
   std::string file;                       // of its metadata, as errors call it
   std::string folder;                     // below the store's; empty, or with a slash at its end
   std::vector<std::int64_t> shape;        // [axes], each at least 1
   std::vector<std::int64_t> chunk;        // [axes] the same of each chunk; those at the end of an axis are whole, too
+  std::optional<ZarrShards> shards;       // else each chunk is a file
   std::vector<std::size_t> order;         // [axes] the axes of a chunk in memory, the one that runs slowest first
   std::vector<std::string> names;         // [axes], or empty if it has none
-  ScalarType type = ScalarType::float32;  // bool is uint8
+  ScalarType type = ScalarType::float32;  // of the values; bool is uint8
+  ScalarType stored = type;               // of the chunks' numbers, unless they are halves
+  bool half = false;                      // the chunks have numbers of 16-bit floating point
+  bool delta = false;                     // each number of a chunk is stored as its difference to the one before
+  std::optional<ZarrPacking> packing;
   bool swap = false;                      // the chunks have the other byte order
   std::array<std::byte, 8> fill{};        // one value, in the machine's byte order
-  std::vector<ZarrCodec> codecs;          // in the order in which they packed; one of them is not crc32c at most
+  std::vector<ZarrCodec> codecs;          // in the order in which they packed; one of them packs at most
   std::string key_prefix;                 // of a chunk's file: "" or "c/"
   char separator = '.';                   // between two of its numbers
 
-  std::size_t chunk_bytes() const;        // does not overflow
-  /// The file of the chunk that is number index[a] along each axis a, below the store's folder.
+  std::size_t stored_width() const { return half ? 2 : size_of(stored); }
+  std::size_t chunk_bytes() const;  // of what is stored; does not overflow
+  /// The file of the chunk that is number index[a] along each axis a, or of the shard that is, below the store's folder.
   std::string chunk_file(const std::vector<std::int64_t>& index) const;
 };
 

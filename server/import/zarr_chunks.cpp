@@ -6,7 +6,8 @@
 
 #include "import/imported.h"
 #include "import/memory_limit.h"
-#include "import/swap_bytes.h"
+#include "import/zarr_shards.h"
+#include "import/zarr_values.h"
 
 namespace isostrata {
 namespace {
@@ -88,7 +89,7 @@ class Chunks {
     }
   }
   Four first{}, last{};  // of the chunk, in the box
-  std::string file() const { return array_.chunk_file(index_); }
+  const std::vector<std::int64_t>& index() const { return index_; }
 
  private:
   const ZarrArray& array_;
@@ -99,13 +100,13 @@ class Chunks {
 };
 
 /// A folder that has next to nothing in it may not fill a disk. What any folder may take is not looked at.
-void check_missing(const ZarrStore& store, const ZarrArray& array, Chunks& chunks, std::uint64_t bytes) {
+void check_missing(ZarrChunkPlaces& places, const ZarrArray& array, Chunks& chunks, std::uint64_t bytes) {
   if (bytes <= unpacked_bytes(0)) return;
   std::uint64_t stored = 0;
   std::int64_t missing = 0;
   for (std::int64_t n = 0; n < chunks.count(); ++n) {
     chunks.go(n);
-    const std::optional<std::uint64_t> size = store.size_of(chunks.file());
+    const std::optional<std::uint64_t> size = places.size_of(chunks.index());
     stored += size.value_or(0);
     missing += !size;
   }
@@ -120,9 +121,10 @@ void check_missing(const ZarrStore& store, const ZarrArray& array, Chunks& chunk
 ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, const AddValues& add, const std::function<void(double fraction)>& progress) {
   const std::size_t width = size_of(array.type), bytes = array.chunk_bytes(), most_stored = 2 * bytes + (std::size_t{1} << 20);
   Chunks chunks(array, box);
-  check_missing(store, array, chunks, static_cast<std::uint64_t>(checked_product({box.size[0], box.size[1], box.size[2], box.size[3], static_cast<std::int64_t>(width)}, array.file)));
+  ZarrChunkPlaces places(store, array);
+  check_missing(places, array, chunks, static_cast<std::uint64_t>(checked_product({box.size[0], box.size[1], box.size[2], box.size[3], static_cast<std::int64_t>(width)}, array.file)));
   ZarrCount counted{.chunks = chunks.count()};
-  std::vector<std::byte> stored, unpacked, layer;
+  std::vector<std::byte> stored, unpacked, wider, layer;
   for (std::int64_t l = 0, n = 0; l < chunks.layers(); ++l) {
     chunks.go(n);
     const std::int64_t channel = chunks.first[3], channels = chunks.last[3] - channel, area = box.size[0] * box.size[1];
@@ -132,9 +134,8 @@ ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox&
     for (const std::int64_t end = n + chunks.in_layer(); n < end; ++n) {
       chunks.go(n);
       Copy copy{array.fill.data(), {}, chunks.first, chunks.last, layer.data(), to_step};
-      if (const std::string file = chunks.file(); store.read(file, most_stored, stored)) {
-        const std::span<std::byte> values = decode_chunk(array.codecs, stored, bytes, unpacked, store.name_of(file));
-        if (array.swap) swap_bytes(values, width);
+      if (places.read(chunks.index(), most_stored, stored)) {
+        const std::span<const std::byte> values = zarr_values(array, decode_chunk(array.codecs, stored, bytes, unpacked, places.name_of(chunks.index())), wider);
         copy.from = values.data() + chunks.before() * width;
         copy.from_step = chunks.steps();
       } else {

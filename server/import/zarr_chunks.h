@@ -30,7 +30,7 @@ struct ZarrCount {
 using AddValues = std::function<void(std::size_t channel, std::span<const std::byte> values)>;
 
 /// Gives each channel's values to `add`, from its first to its last, a layer of chunks at a time. Takes the memory of such a layer, of as many channels as a chunk spans, and
-/// of one chunk, unpacked and as it is stored. Throws what ZarrStore::read and decode_chunk throw, and too_large above 10 million chunks and if far more would be filled
+/// of one chunk, unpacked and as it is stored. Throws what ZarrChunkPlaces::read and decode_chunk throw, and too_large above 10 million chunks and if far more would be filled
 /// than the chunks that are there could unpack to.
 ZarrCount read_zarr_box(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, const AddValues& add, const std::function<void(double fraction)>& progress);
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "import/zarr_json.h"
 
 namespace isostrata {
 namespace {
@@ -94,43 +95,67 @@ std::size_t unpack_bz2(Bytes from, std::span<std::byte> to) {
   return state == BZ_OK ? made : to.size() + 1;
 }
 
+void unshuffle(Bytes from, std::size_t element, std::span<std::byte> to) {
+  const std::size_t count = from.size() / element;
+  for (std::size_t b = 0; b < element; ++b)
+    for (std::size_t i = 0; i < count; ++i) to[i * element + b] = from[b * count + i];
+}
+
+using Kind = ZarrCodec::Kind;
+
 struct Unpacker {
-  ZarrCodec codec;
+  Kind kind;
   const char* id;
   std::size_t (*unpack)(Bytes, std::span<std::byte>);
 };
 
-constexpr Unpacker kUnpackers[] = {{ZarrCodec::blosc, "blosc", unpack_blosc}, {ZarrCodec::zstd, "zstd", unpack_zstd}, {ZarrCodec::gzip, "gzip", inflate_all},
-                                   {ZarrCodec::gzip, "zlib", inflate_all},    {ZarrCodec::lz4, "lz4", unpack_lz4},    {ZarrCodec::bz2, "bz2", unpack_bz2}};
+constexpr Unpacker kUnpackers[] = {{Kind::blosc, "blosc", unpack_blosc}, {Kind::zstd, "zstd", unpack_zstd}, {Kind::gzip, "gzip", inflate_all},
+                                   {Kind::gzip, "zlib", inflate_all},    {Kind::lz4, "lz4", unpack_lz4},    {Kind::bz2, "bz2", unpack_bz2}};
 
 }  // namespace
 
-ZarrCodec zarr_codec(const std::string& id, const std::string& file) {
-  if (id == "crc32c") return ZarrCodec::crc32c;
+ZarrCodec zarr_codec(const std::string& id, const boost::json::object& settings, const std::string& file) {
+  constexpr std::string_view kPrefix = "numcodecs.";
+  const std::string name = id.starts_with(kPrefix) ? id.substr(kPrefix.size()) : id;
+  if (name == "crc32c" && name == id) return {Kind::crc32c};  // numcodecs' puts the sum first
+  if (name == "shuffle") {
+    const boost::json::value* element = member(settings, "elementsize");
+    if (element && (!element->is_int64() || element->get_int64() < 1 || element->get_int64() > 256)) throw Error(ErrorCode::bad_data, file + ": 'elementsize' of the filter 'shuffle' is not 1 to 256");
+    return {Kind::shuffle, element ? static_cast<std::size_t>(element->get_int64()) : 4};
+  }
   for (const Unpacker& of : kUnpackers)
-    if (id == of.id) return of.codec;
-  if (id == "sharding_indexed") throw Error(ErrorCode::unsupported, file + ": its chunks lie in shards ('sharding_indexed'), which are not read; write it without");
+    if (name == of.id) return {of.kind};
   throw Error(ErrorCode::unsupported, file + ": its chunks are packed by '" + id.substr(0, 60) + "'; expected blosc, zstd, gzip, zlib, lz4, bz2 or none");
 }
 
 std::span<std::byte> decode_chunk(std::span<const ZarrCodec> codecs, std::vector<std::byte>& stored, std::size_t size, std::vector<std::byte>& out,
                                   const std::string& file) {
   std::span<std::byte> bytes = stored;
+  std::vector<std::byte>*now = &stored, *next = &out;  // where the bytes lie, and where those of the next codec go
   for (std::size_t c = codecs.size(); c-- > 0;) {
-    if (codecs[c] == ZarrCodec::crc32c) {
+    if (codecs[c].kind == Kind::crc32c) {
       if (bytes.size() < kWord || little_endian(bytes.last(kWord)) != crc32c(bytes.first(bytes.size() - kWord)))
         throw Error(ErrorCode::bad_data, file + ": is damaged: its sum (crc32c) is not that of its bytes");
       bytes = bytes.first(bytes.size() - kWord);
       continue;
     }
-    const std::size_t wanted = size + kWord * static_cast<std::size_t>(std::count(codecs.begin(), codecs.begin() + static_cast<std::ptrdiff_t>(c), ZarrCodec::crc32c));
-    out.resize(wanted);
-    const Unpacker& of = *std::find_if(std::begin(kUnpackers), std::end(kUnpackers), [&](const Unpacker& one) { return one.codec == codecs[c]; });
-    const std::size_t made = of.unpack(bytes, out);
-    if (made != wanted)
-      throw Error(ErrorCode::bad_data, file + ": is damaged or cut off, or is another size: expected " + std::to_string(wanted) + " bytes packed by " + of.id +
-                                           (made < wanted ? ", found " + std::to_string(made) : ""));
-    bytes = out;
+    const auto sums = std::count_if(codecs.begin(), codecs.begin() + static_cast<std::ptrdiff_t>(c), [](const ZarrCodec& one) { return one.kind == Kind::crc32c; });
+    const std::size_t wanted = size + kWord * static_cast<std::size_t>(sums);
+    next->resize(wanted);
+    if (codecs[c].kind == Kind::shuffle) {
+      if (bytes.size() != wanted || wanted % codecs[c].element != 0)
+        throw Error(ErrorCode::bad_data, file + ": has " + std::to_string(bytes.size()) + " bytes for the filter 'shuffle'; expected " + std::to_string(wanted) + " in values of " +
+                                             std::to_string(codecs[c].element));
+      unshuffle(bytes, codecs[c].element, *next);
+    } else {
+      const Unpacker& of = *std::find_if(std::begin(kUnpackers), std::end(kUnpackers), [&](const Unpacker& one) { return one.kind == codecs[c].kind; });
+      const std::size_t made = of.unpack(bytes, *next);
+      if (made != wanted)
+        throw Error(ErrorCode::bad_data, file + ": is damaged or cut off, or is another size: expected " + std::to_string(wanted) + " bytes packed by " + of.id +
+                                             (made < wanted ? ", found " + std::to_string(made) : ""));
+    }
+    bytes = *next;
+    std::swap(now, next);
   }
   if (bytes.size() != size) throw Error(ErrorCode::bad_data, file + ": has " + std::to_string(bytes.size()) + " bytes; expected " + std::to_string(size));
   return bytes;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "import/half_number.h"
 #include "import/zarr_json.h"
 
 namespace isostrata {
@@ -18,9 +19,14 @@ constexpr std::size_t kMostAxes = 16;
 /// Bits as version 3 writes numbers that JSON has not: "0x7fc00000".
 bool take_bits(const ZarrArray& array, std::string_view text, std::array<std::byte, 8>& fill) {
   std::uint64_t bits = 0;
-  if (!text.starts_with("0x") || text.size() != 2 + 2 * size_of(array.type)) return false;
+  if (!text.starts_with("0x") || text.size() != 2 + 2 * array.stored_width()) return false;
   const auto [end, error] = std::from_chars(text.data() + 2, text.data() + text.size(), bits, 16);
   if (error != std::errc{} || end != text.data() + text.size()) return false;
+  if (array.half) {
+    const float value = half_number(static_cast<std::uint16_t>(bits));
+    std::memcpy(fill.data(), &value, sizeof value);
+    return true;
+  }
   std::memcpy(fill.data(), &bits, sizeof bits);  // little-endian, as every machine that this is built for
   return true;
 }
@@ -45,10 +51,28 @@ void take_zarr_type(ZarrArray& array, std::string_view name) {
       {"f4 float32", ScalarType::float32}, {"f8 float64", ScalarType::float64}};
   for (const auto& [names, type] : kTypes)
     if (!name.empty() && (name == names.substr(0, 2) || name == names.substr(3))) {
-      array.type = type;
+      array.type = array.stored = type;
+      array.half = false;
       return;
     }
+  if (name == "f2" || name == "float16") {
+    array.type = array.stored = ScalarType::float32;
+    array.half = true;
+    return;
+  }
   unsupported(array, "an array of type '" + std::string(name.substr(0, 40)) + "'; expected whole or real numbers of 1, 2, 4 or 8 bytes, or bool");
+}
+
+void take_zarr_delta(ZarrArray& array, const json::object& settings) {
+  const std::string from = text_in(settings, "dtype"), to = text_in(settings, "astype");
+  ZarrArray other = array;
+  const auto own = [&](const std::string& type) {
+    if (type.size() < 2 || std::string_view("<>|=").find(type[0]) == std::string_view::npos) return false;
+    take_zarr_type(other, std::string_view(type).substr(1));
+    return other.stored == array.stored && !other.half && (size_of(array.stored) == 1 || (type[0] == '>') == array.swap);
+  };
+  if (array.half || !own(from) || (!to.empty() && !own(to))) unsupported(array, "the filter 'delta' makes '" + (to.empty() ? from : to).substr(0, 20) + "' of '" + from.substr(0, 20) + "'; expected the array's own type");
+  array.delta = true;
 }
 
 void take_zarr_fill(ZarrArray& array, const json::value* value) {

@@ -25,6 +25,9 @@ std::vector<std::int64_t> zarr_sizes(const ZarrArray& array, const boost::json::
 /// Version 2's name without its order of bytes ("u2"), or version 3's ("uint16").
 void take_zarr_type(ZarrArray& array, std::string_view name);
 
+/// The settings of the filter "delta": differences of the array's own type. Throws unsupported for those of another type.
+void take_zarr_delta(ZarrArray& array, const boost::json::object& settings);
+
 /// What chunks that are not there hold; null is 0. After the type.
 void take_zarr_fill(ZarrArray& array, const boost::json::value* value);
 

@@ -70,7 +70,7 @@ std::vector<std::string> ZarrStore::arrays() const {
   return names;
 }
 
-bool ZarrStore::read(const std::string& file, std::size_t most, std::vector<std::byte>& bytes) {
+Descriptor ZarrStore::open_file(const std::string& file, std::uint64_t& size) {
   const auto bad = [&](ErrorCode code, const std::string& why) { return Error(code, name_of(file) + ": " + why); };
   fs::path path = folder_ / file;
   std::error_code error;
@@ -81,7 +81,7 @@ bool ZarrStore::read(const std::string& file, std::size_t most, std::vector<std:
   };
   if (path.parent_path() != inside_) {
     look(path.parent_path());
-    if (error) return false;
+    if (error) return Descriptor();
     inside_ = path.parent_path();
   }
   constexpr int kFlags = O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
@@ -90,20 +90,40 @@ bool ZarrStore::read(const std::string& file, std::size_t most, std::vector<std:
     const fs::path real = look(path);
     opened = Descriptor(error ? -1 : open(real.c_str(), kFlags));
   }
-  if (opened.get() < 0 && (errno == ENOENT || errno == ENOTDIR)) return false;
+  if (opened.get() < 0 && (errno == ENOENT || errno == ENOTDIR)) return Descriptor();
   struct stat about {};
   if (opened.get() < 0 || fstat(opened.get(), &about) != 0) throw bad(ErrorCode::unavailable, std::string("cannot be read: ") + std::strerror(errno));
   if (!S_ISREG(about.st_mode)) throw bad(ErrorCode::bad_data, "is not a regular file");
-  if (static_cast<std::uint64_t>(about.st_size) > most)
-    throw bad(ErrorCode::bad_data, "has " + std::to_string(about.st_size) + " bytes; expected at most " + std::to_string(most));
-  bytes.resize(static_cast<std::size_t>(about.st_size));
-  std::size_t at = 0;
-  while (at < bytes.size()) {
-    const ssize_t got = ::read(opened.get(), bytes.data() + at, bytes.size() - at);
+  size = static_cast<std::uint64_t>(about.st_size);
+  return opened;
+}
+
+void ZarrStore::read_bytes(const std::string& file, const Descriptor& from, std::uint64_t at, std::vector<std::byte>& bytes) const {
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t got = pread(from.get(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw bad(ErrorCode::unavailable, got < 0 ? std::string("cannot be read: ") + std::strerror(errno) : "became shorter while it was read");
-    at += static_cast<std::size_t>(got);
+    if (got <= 0) throw Error(ErrorCode::unavailable, name_of(file) + ": " + (got < 0 ? std::string("cannot be read: ") + std::strerror(errno) : "became shorter while it was read"));
+    done += static_cast<std::size_t>(got);
   }
+}
+
+bool ZarrStore::read(const std::string& file, std::size_t most, std::vector<std::byte>& bytes) {
+  std::uint64_t size = 0;
+  const Descriptor opened = open_file(file, size);
+  if (opened.get() < 0) return false;
+  if (size > most) throw Error(ErrorCode::bad_data, name_of(file) + ": has " + std::to_string(size) + " bytes; expected at most " + std::to_string(most));
+  bytes.resize(static_cast<std::size_t>(size));
+  read_bytes(file, opened, 0, bytes);
+  return true;
+}
+
+bool ZarrStore::read_part(const std::string& file, std::uint64_t from, std::size_t count, std::vector<std::byte>& bytes) {
+  std::uint64_t size = 0;
+  const Descriptor opened = open_file(file, size);
+  if (opened.get() < 0) return false;
+  if (from > size || count > size - from) throw Error(ErrorCode::bad_data, name_of(file) + ": is cut off: has " + std::to_string(size) + " bytes; expected " + std::to_string(count) + " from " + std::to_string(from) + " on");
+  bytes.resize(count);
+  read_bytes(file, opened, from, bytes);
   return true;
 }
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "base/descriptor.h"
+
 namespace isostrata {
 
 class ZarrStore {
@@ -25,6 +27,9 @@ class ZarrStore {
   /// regular file, and if it has more than `most` bytes; unavailable if it cannot be read.
   bool read(const std::string& file, std::size_t most, std::vector<std::byte>& bytes);
 
+  /// Reads `count` bytes of it from `from` on. Throws bad_data, too, if it ends before.
+  bool read_part(const std::string& file, std::uint64_t from, std::size_t count, std::vector<std::byte>& bytes);
+
   /// The same of JSON of at most 16 MiB and 32 levels, in which NaN and Infinity may stand without quotes. Throws bad_data if it is not valid, or not an object.
   std::optional<boost::json::object> read_json(const std::string& file);
 
@@ -38,6 +43,10 @@ class ZarrStore {
   bool has(const std::string& file) const;
 
  private:
+  /// Gives none if there is no such file.
+  Descriptor open_file(const std::string& file, std::uint64_t& size);
+  void read_bytes(const std::string& file, const Descriptor& from, std::uint64_t at, std::vector<std::byte>& bytes) const;
+
   std::filesystem::path folder_;  // real
   std::string name_;
   std::filesystem::path inside_;  // the last folder of a file that was seen to lie in it

@@ -17,15 +17,20 @@ void take_version_2(ZarrArray& array, const json::object& of) {
   const std::string type = text_in(of, "dtype");
   if (type.size() != 3 || std::string_view("<>|=").find(type[0]) == std::string_view::npos) unsupported(array, "an array of type " + shown(*dtype) + "; expected one number in each point, such as \"<u2\"");
   take_zarr_type(array, std::string_view(type).substr(1));
-  array.swap = type[0] == '>' && size_of(array.type) > 1;
+  array.swap = type[0] == '>' && array.stored_width() > 1;
   take_zarr_fill(array, member(of, "fill_value"));
-  if (const json::array* filters = array_in(of, "filters"); filters && !filters->empty()) {
-    const json::object* first = filters->front().if_object();
-    unsupported(array, "its values went through the filter '" + (first ? text_in(*first, "id") : shown(filters->front())).substr(0, 60) + "'; write it without filters");
+  const json::object none;
+  const json::array* filters = array_in(of, "filters");
+  for (const json::value& filter : filters ? *filters : json::array{}) {
+    const json::object& settings = filter.is_object() ? filter.get_object() : none;
+    const std::string id = filter.is_object() ? text_in(settings, "id") : shown(filter);
+    if (id == "delta" && !array.delta && array.codecs.empty()) take_zarr_delta(array, settings);
+    else if (id == "shuffle") array.codecs.push_back(zarr_codec(id, settings, array.file));
+    else unsupported(array, "its values went through the filter '" + id.substr(0, 60) + "'; expected delta, then shuffle, or none");
   }
   if (const json::value* compressor = member(of, "compressor")) {
     const json::object* named = compressor->if_object();
-    array.codecs.push_back(zarr_codec(named ? text_in(*named, "id") : shown(*compressor), array.file));
+    array.codecs.push_back(zarr_codec(named ? text_in(*named, "id") : shown(*compressor), named ? *named : none, array.file));
   }
   const std::string order = text_in(of, "order"), separator = text_in(of, "dimension_separator");
   if (order != "C" && order != "F") bad(array, "'order' is '" + order.substr(0, 20) + "'; expected C or F");

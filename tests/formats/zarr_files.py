@@ -117,7 +117,10 @@ def version_3(field, lattice, expect):
         array_3(f"same_{name}.zarr", same, (4, 3, 5), **settings)
     array_3("named3.zarr", np.stack([field, 2 * field]).astype("f4"), (1, 3, 2, 4), dimension_names=["channel", "z", "y", "x"])
     lattice("named3.zarr", {"channel 0": [0, 345, 0], "channel 1": [0, 690, 0]}, unit, [5, 3, 2, "channel 1", 470])
-    array_3("shards3.zarr", field.astype("f4"), (2, 5, 3), shards=(4, 5, 6))  # refused
+    array_3("shards3.zarr", field.astype("f4"), (2, 5, 3), shards=(4, 5, 6))
+    lattice("shards3.zarr", {"shards3": [0, 345, 0]}, unit, [5, 3, 2, "shards3", 235])
+    array_3("halves3.zarr", field.astype("f2"), (2, 5, 3), shards=(4, 5, 6))
+    lattice("halves3.zarr", {"halves3": [0, 345, 0]}, unit, [5, 3, 2, "halves3", 235])
 
 
 def write(field, lattice, expect):
