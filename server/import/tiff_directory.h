@@ -1,0 +1,29 @@
+// What the first directory of a TIFF says of the whole file, beyond what OpenImageIO tells: where its values lie and who describes them.
+//
+// "TIFF, revision 6.0", Adobe 1992; BigTIFF by libtiff's design, 64-bit offsets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace isostrata {
+
+struct TiffDirectory {
+  std::string description;  // at most 64 MiB of it
+  double x_resolution = 0, y_resolution = 0;
+  int resolution_unit = 2;  // 1: the description's, 2: inches, 3: centimetres
+  int compression = 1;      // 1: none
+  int layout = 1;           // 1: the components of a pixel beside each other, 2: a plane for each
+  bool big_endian = false;
+  bool last = false;              // no other follows it
+  std::uint64_t strips = 0;       // pieces of the picture; 0: tiles
+  std::uint64_t first_strip = 0;  // where the first begins
+};
+
+/// Nothing for what is no TIFF or has a damaged directory: why, OpenImageIO says.
+std::optional<TiffDirectory> first_tiff_directory(std::span<const std::byte> file);
+
+}  // namespace isostrata
