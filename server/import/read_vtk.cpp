@@ -36,6 +36,7 @@
 #include "import/mapped_file.h"
 #include "import/memory_limit.h"
 #include "import/meta_header.h"
+#include "import/place_image.h"
 #include "import/read_image_in_place.h"
 #include "import/read_mesh_in_place.h"
 #include "import/vtk_blocks.h"
@@ -190,6 +191,30 @@ std::uint64_t check_data_files(const ReadRequest& request, const MetaHeader& hea
   return bytes;
 }
 
+/// VTK's reader takes the spacing and the origin alone. Row i of the matrix is the direction of axis i, as ITK has it.
+void turn_axes(Block& block, const MetaHeader& header, const std::string& name) {
+  auto* const image = std::get_if<UniformGrid>(&block.grid.shape);
+  std::string_view text;
+  for (const char* field : {"Orientation", "Rotation", "TransformMatrix"})
+    if (!header.field(field).empty()) text = header.field(field);
+  if (!image || text.empty()) return;
+  std::array<std::array<double, 3>, 3> step{};
+  std::istringstream numbers{std::string(text)};
+  double over = 0;
+  for (auto& row : step)
+    for (double& number : row)
+      if (!(numbers >> number)) return;
+  if (numbers >> over) return;  // of other than three axes
+  const auto& [x, y, z] = step;
+  if (x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) + x[2] * (y[0] * z[1] - y[1] * z[0]) == 0)
+    throw Error(ErrorCode::bad_data, name + ": the directions of its axes, " + std::string(text.substr(0, 60)) + ", lie in one plane");
+  for (std::size_t i = 0; i < 3; ++i)
+    for (double& number : step[i]) number *= image->spacing[static_cast<int>(i)];
+  const auto dims = image->dims;
+  const Vec3d origin = image->origin;
+  place_image(block, dims, {origin.x, origin.y, origin.z}, step, name);
+}
+
 }  // namespace
 
 Imported read_vtk_legacy(const ReadRequest& request) {
@@ -252,8 +277,10 @@ Imported read_meta_image(const ReadRequest& request) {
   const MetaHeader header = read_meta_header(in, name);
   const std::uint64_t stored = check_data_files(request, header, in), declared = header.declared_bytes();
   check_unpacked(declared, stored, name);
-  if (auto in_place = meta_image_in_place(request, header)) return std::move(*in_place);
-  return run_named<vtkMetaImageReader>(request);
+  std::optional<Imported> in_place = meta_image_in_place(request, header);
+  Imported imported = in_place ? std::move(*in_place) : run_named<vtkMetaImageReader>(request);
+  if (!imported.blocks.empty()) turn_axes(imported.blocks.front(), header, name);
+  return imported;
 }
 
 Imported read_slc(const ReadRequest& request) { return run_named<vtkSLCReader>(request); }
