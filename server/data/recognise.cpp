@@ -80,14 +80,13 @@ Recognised recognise_folder(const fs::path& folder) {
 }
 
 /// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
-Recognised recognise_container(std::string_view head, const std::string& file, const std::string& name) {
+Recognised recognise_container(std::string_view head, const std::string& file) {
   if (ends_with_one_of(file, extensions_of(FileKind::exodus))) return {FileKind::exodus, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::cgns)) || head.find("CGNSLibraryVersion") != std::string_view::npos)
     return {FileKind::cgns, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::netcdf)) || head.starts_with("CDF")) return {FileKind::netcdf, {}};
   if (head.find("VTKHDF") != std::string_view::npos || ends_with_one_of(file, ".vtkhdf")) return {FileKind::vtkhdf, {}};
-  throw Error(ErrorCode::unsupported, name + ": HDF5 of no kind that says what its data sets mean; save it as VTKHDF, CGNS, netCDF (.nc), or "
-                                             "one array as .npy");
+  return {FileKind::hdf5, {}};
 }
 
 /// By what the name alone says.
@@ -100,10 +99,13 @@ Recognised recognise_container(std::string_view head, const std::string& file, c
   if (ends_with_one_of(file, ".nc .cdf .nc4 .vtkhdf .h5 .hdf5 .hdf"))
     throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5 by its name; it begins as neither");
   if (file.ends_with(".zarr")) throw Error(ErrorCode::bad_data, name + ": expected a folder, as a Zarr array or image is; this is a file");
+  if (file.ends_with(".npz")) throw Error(ErrorCode::bad_data, name + ": expected a ZIP archive, as NumPy's .npz is");
+  if (ends_with_one_of(file, extensions_of(FileKind::fits))) throw Error(ErrorCode::bad_data, name + ": expected 'SIMPLE  =' at its start, as FITS has it");
   if (file.ends_with(".npy")) throw Error(ErrorCode::bad_data, name + ": expected '\\x93NUMPY' at its start");
   for (const ForeignFormat& foreign : foreign_formats())
     if (ends_with_one_of(file, foreign.extensions))
       throw Error(ErrorCode::unsupported, name + ": " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
+  if (head.starts_with("#!TDV")) throw Error(ErrorCode::unsupported, name + ": Tecplot; save it as CGNS, or as .vtu (ParaView: Save Data)");
   if (head.starts_with("\x7f" "ELF") || head.starts_with("#!")) throw Error(ErrorCode::unsupported, name + ": a program");
   throw Error(ErrorCode::unsupported, name + ": not a known kind of file; docs/formats.md lists those that are read");
 }
@@ -155,6 +157,10 @@ Recognised recognise(const fs::path& path) {
   }
   if (head.starts_with("NRRD0")) return {FileKind::nrrd, {}};
   if (head.starts_with("\x93NUMPY")) return {FileKind::numpy, {}};
+  if (head.starts_with("PK\x03\x04") && file.ends_with(".npz")) return {FileKind::npz, {}};
+  if (head.starts_with("SIMPLE  =")) return {FileKind::fits, {}};
+  if (head.size() >= 1024 && head.substr(208, 3) == "MAP") return {FileKind::mrc, {}};
+  if (head.starts_with("MATLAB 7.3 MAT-file")) return {FileKind::hdf5, {}};
   if (begins_as_dicom(head)) return {FileKind::dicom, {}};
   if (begins_as_vtk_xml(head)) {
     std::string type = vtk_file_attribute(head, "type");
@@ -163,13 +169,14 @@ Recognised recognise(const fs::path& path) {
     return {blocks ? FileKind::multi_block : FileKind::vtk_xml, std::move(type)};
   }
   if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n"))
-    return recognise_container(head, file, name);
+    return recognise_container(head, file);
   if (ends_with_one_of(file, extensions_of(FileKind::nifti))) return {FileKind::nifti, {}};
   if (head.starts_with("\x1f\x8b") && file.ends_with(".gz") && !file.ends_with(".tar.gz")) return {FileKind::gzip, {}};
   if (head.starts_with(std::string_view("II*\0", 4)) || head.starts_with(std::string_view("MM\0*", 4)) || head.starts_with("II+") || head.starts_with(std::string_view("MM\0+", 4)))
     return {FileKind::tiff, {}};
   for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
+  if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark
   const std::string stem = small_letters(path.stem().string());
   const bool text = std::any_of(foreign_formats().begin(), foreign_formats().end(),
                                 [&](const ForeignFormat& foreign) { return foreign.advice.empty() && ends_with_one_of(file, foreign.extensions); });

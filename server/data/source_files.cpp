@@ -30,6 +30,10 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::vtkhdf:
     case FileKind::nrrd:
     case FileKind::numpy:
+    case FileKind::npz:
+    case FileKind::fits:
+    case FileKind::mrc:
+    case FileKind::hdf5:
     case FileKind::tiff:
     case FileKind::gaussian_cube:
     case FileKind::netcdf:

@@ -22,6 +22,8 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::nrrd, read_nrrd},             {FileKind::meta_image, read_meta_image},
     {FileKind::nifti, read_nifti},           {FileKind::dicom, read_dicom},
     {FileKind::numpy, read_numpy},           {FileKind::tiff, read_tiff},
+    {FileKind::npz, read_npz},               {FileKind::fits, read_fits},
+    {FileKind::mrc, read_mrc},
     {FileKind::slc, read_slc},               {FileKind::gaussian_cube, read_gaussian_cube},
     {FileKind::exodus, read_exodus},         {FileKind::plot3d, read_plot3d},
     {FileKind::gzip, read_gzip},             {FileKind::zarr, read_zarr},
@@ -39,6 +41,9 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
 #endif
 #ifdef ISOSTRATA_READS_NETCDF
     {FileKind::netcdf, read_netcdf},
+#endif
+#ifdef ISOSTRATA_READS_HDF5
+    {FileKind::hdf5, read_hdf5},
 #endif
 };
 

@@ -4,6 +4,7 @@
 #include <vtkStringArray.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -12,6 +13,7 @@
 
 #include "import/check_netcdf.h"
 #include "import/mapped_file.h"
+#include "import/read_own.h"
 #include "import/read_vtk.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
@@ -81,15 +83,36 @@ class NetcdfFile {
     return fills;
   }
 
+  /// The least and the greatest value that a variable may have, unpacked; infinite if none is said.
+  std::array<double, 2> valid_range(const std::string& name) const {
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    std::array<double, 2> range{-kInfinite, kInfinite}, both{};
+    int variable = 0;
+    std::size_t length = 0;
+    if (!open_ || nc_inq_varid(file_, name.c_str(), &variable) != NC_NOERR) return range;
+    if (nc_inq_attlen(file_, variable, "valid_range", &length) == NC_NOERR && length == 2 && nc_get_att_double(file_, variable, "valid_range", both.data()) == NC_NOERR) range = both;
+    for (const auto& [attribute, end] : {std::pair{"valid_min", 0}, std::pair{"valid_max", 1}})
+      if (double value = 0; nc_inq_attlen(file_, variable, attribute, &length) == NC_NOERR && length == 1 && nc_get_att_double(file_, variable, attribute, &value) == NC_NOERR) range[static_cast<std::size_t>(end)] = value;
+    return range;
+  }
+  /// Whether its numbers are others than those that are stored: then the range is not one of the values.
+  bool is_packed(const std::string& name) const {
+    int variable = 0;
+    if (!open_ || nc_inq_varid(file_, name.c_str(), &variable) != NC_NOERR) return false;
+    return nc_inq_att(file_, variable, "scale_factor", nullptr, nullptr) == NC_NOERR || nc_inq_att(file_, variable, "add_offset", nullptr, nullptr) == NC_NOERR;
+  }
+
  private:
   int file_ = 0;
   bool open_ = false;
 };
 
 template <class T>
-void replace_by_nan(FileArray& array, const std::vector<double>& fills) {
+void replace_by_nan(FileArray& array, const std::vector<double>& fills, const std::array<double, 2>& valid) {
   const std::span<const T> values(reinterpret_cast<const T*>(array.values.data()), array.values.size() / sizeof(T));
-  const auto is_fill = [&](T value) { return std::any_of(fills.begin(), fills.end(), [&](double fill) { return value == static_cast<T>(fill); }); };
+  const auto is_fill = [&](T value) {
+    return value < static_cast<T>(valid[0]) || value > static_cast<T>(valid[1]) || std::any_of(fills.begin(), fills.end(), [&](double fill) { return value == static_cast<T>(fill); });
+  };
   if (std::none_of(values.begin(), values.end(), is_fill)) return;
   auto copy = std::make_shared<std::vector<T>>(values.begin(), values.end());
   std::replace_if(copy->begin(), copy->end(), is_fill, std::numeric_limits<T>::quiet_NaN());
@@ -102,9 +125,11 @@ void leave_out_fills(Imported& imported, const NetcdfFile& file) {
   for (Block& block : imported.blocks)
     for (FileArray& array : block.arrays) {
       const std::vector<double> fills = file.fills(array.name);
-      if (fills.empty()) continue;
-      if (array.type == ScalarType::float32) replace_by_nan<float>(array, fills);
-      if (array.type == ScalarType::float64) replace_by_nan<double>(array, fills);
+      constexpr std::array kAny{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+      const std::array<double, 2> valid = file.is_packed(array.name) ? kAny : file.valid_range(array.name);
+      if (fills.empty() && valid == kAny) continue;
+      if (array.type == ScalarType::float32) replace_by_nan<float>(array, fills, valid);
+      if (array.type == ScalarType::float64) replace_by_nan<double>(array, fills, valid);
     }
 }
 
@@ -126,6 +151,7 @@ Imported read_netcdf(const ReadRequest& request) {
     throw Error(ErrorCode::unsupported, name + ": netCDF without a variable over two or three axes of space");
   reader->SetDimensions(dimensions.c_str());
   reader->UpdateInformation();
+  if (std::count(dimensions.begin(), dimensions.end(), ',') > 2 && listed_times(reader).empty()) return read_netcdf_plainly(request);  // none of the axes says that it is time: WRF's
   Imported imported = read_step(reader, request);
   leave_out_fills(imported, NetcdfFile(request.file.string()));
   imported.notes.insert(imported.notes.end(), notes.begin(), notes.end());

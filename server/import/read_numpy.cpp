@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cstring>
 
+#include "import/half_number.h"
 #include "import/mapped_file.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
@@ -20,7 +21,10 @@ std::string_view value_of(std::string_view header, std::string_view key, const s
   return header;
 }
 
+bool is_half(std::string_view descr) { return descr.size() > 5 && descr.substr(2, 3) == "f2'"; }
+
 ScalarType type_of(std::string_view descr, const std::string& name) {
+  if (is_half(descr)) return ScalarType::float32;
   static constexpr std::pair<std::string_view, ScalarType> kTypes[] = {
       {"i1", ScalarType::int8},   {"u1", ScalarType::uint8},  {"b1", ScalarType::uint8},  {"i2", ScalarType::int16},   {"u2", ScalarType::uint16},
       {"i4", ScalarType::int32},  {"u4", ScalarType::uint32}, {"i8", ScalarType::int64},  {"u8", ScalarType::uint64},  {"f4", ScalarType::float32},
@@ -40,6 +44,7 @@ std::vector<std::int64_t> shape_of(std::string_view text, const std::string& nam
     if (text.empty()) return shape;
     std::int64_t size = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+    if (error == std::errc{} && size == 0) throw Error(ErrorCode::unsupported, name + ": an array without values");
     if (error != std::errc{} || size < 1 || shape.size() >= 8)
       throw Error(ErrorCode::bad_data, name + ": a shape that makes no sense; expected one to four axes of at least 1");
     shape.push_back(size);
@@ -74,7 +79,7 @@ Imported read_numpy(const ReadRequest& request) {
   const std::string_view header = bytes.substr(begin, length);
   const std::string_view descr = value_of(header, "descr", name);
   const ScalarType type = type_of(descr, name);
-  const bool swap = descr.size() > 1 && descr[1] == '>' && size_of(type) > 1;
+  const bool half = is_half(descr), swap = descr.size() > 1 && descr[1] == '>' && size_of(type) > 1;
   const bool fortran = value_of(header, "fortran_order", name).starts_with("True");
   std::vector<std::int64_t> shape = shape_of(value_of(header, "shape", name), name);
 
@@ -88,7 +93,7 @@ Imported read_numpy(const ReadRequest& request) {
   std::array<std::int64_t, 3> dims{1, 1, 1};
   for (std::size_t a = 0; a < shape.size(); ++a) dims[shape.size() - 1 - a] = shape[a];
   const std::int64_t points = checked_product({dims[0], dims[1], dims[2]}, name);
-  const std::int64_t size = checked_product({points, components, static_cast<std::int64_t>(size_of(type))}, name);
+  const std::int64_t size = checked_product({points, components, static_cast<std::int64_t>(half ? 2 : size_of(type))}, name);
   const std::size_t present = bytes.size() - begin - length;
   if (static_cast<std::uint64_t>(size) > present)
     throw Error(ErrorCode::bad_data, name + ": " + std::to_string(size) + " bytes of numbers declared, " + std::to_string(present) + " present");
@@ -100,10 +105,10 @@ Imported read_numpy(const ReadRequest& request) {
   array.name = request.file.stem().string();
   array.type = type;
   array.components = components;
-  const std::size_t width = size_of(type), first = begin + length;
+  const std::size_t width = half ? 2 : size_of(type), first = begin + length;
   const std::span<const std::byte> from = file->bytes().subspan(first, static_cast<std::size_t>(size));
   const bool in_our_order = !fortran || shape.size() == 1;
-  if (in_our_order && !swap && components == 1 && first % width == 0) {
+  if (in_our_order && !swap && !half && components == 1 && first % width == 0) {
     array.values = from;
     array.storage = file;
   } else {
@@ -116,6 +121,13 @@ Imported read_numpy(const ReadRequest& request) {
     if (swap) swap_bytes(to, width);
     array.values = to;
     array.storage = storage;
+    if (half) {
+      check_bytes(request, 2 * to.size(), name);
+      auto [wider, floats] = allocate<float>(to.size() / 2);
+      half_numbers(to, floats);
+      array.values = std::as_bytes(std::span<const float>(floats));
+      array.storage = wider;
+    }
   }
   block.arrays.push_back(std::move(array));
   imported.blocks.push_back(std::move(block));

@@ -8,6 +8,21 @@ namespace isostrata {
 /// NumPy's .npy; the last axis is x.
 Imported read_numpy(const ReadRequest& request);
 
+/// NumPy's .npz: the largest array, and all that have its axes.
+Imported read_npz(const ReadRequest& request);
+
+/// FITS: the first image of a file, by its own places if its axes are straight and have one unit.
+Imported read_fits(const ReadRequest& request);
+
+/// MRC and CCP4: a density map, mapped where it lies if it can be.
+Imported read_mrc(const ReadRequest& request);
+
+/// HDF5 without a convention of its own: the largest array of two or three axes, and all of its shape.
+Imported read_hdf5(const ReadRequest& request);
+
+/// The same of netCDF whose axes do not say what they are.
+Imported read_netcdf_plainly(const ReadRequest& request);
+
 /// Gaussian's .cube: every field on its grid.
 Imported read_gaussian_cube(const ReadRequest& request);
 
@@ -35,7 +50,7 @@ Imported read_gzip(const ReadRequest& request);
 /// Loads what pictures are read with, if the file is one by its name: once a process is confined it can load nothing.
 void prepare_pictures(const std::filesystem::path& file);
 
-/// One TIFF file; its pages are slices, as far as they are like the first.
+/// One TIFF file; its pages are what ImageJ or OME-TIFF says that they are, else slices, as far as they are like the first.
 Imported read_tiff(const ReadRequest& request);
 
 /// Numbered pictures of one size as the slices of a volume; the request's file is their pattern.

@@ -120,7 +120,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "scan/picture1.dcm"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "scan/picture1.dcm", "plain.h5", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {
@@ -177,6 +177,10 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
                                                                                   {"a.msh", "mesh", "meshio"},
                                                                                   {"a.csv", "a table", "grid"},
                                                                                   {"a.jpg", "one picture", "slice_*.png"},
+                                                                                  {"a.czi", "a microscope's own", "OME-Zarr"},
+                                                                                  {"a.plt", "Tecplot", "CGNS"},
+                                                                                  {"a.grib2", "GRIB", "netCDF"},
+                                                                                  {"a.lammpstrj", "particles", "density"},
                                                                                   {"a.tar.gz", "an archive", "unpack"},
                                                                                   {"a.what", "not a known kind", "docs/formats.md"}}) {
     const Error error = test::refusal(scratch.write(name, "some bytes"));

@@ -40,7 +40,7 @@ def lattice(name, arrays, bounds, at, times=(0.0,), step=None, grid="uniform"):
 def numpy_arrays():
     unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
     for name, values in {"c_order": FIELD.astype("f4"), "fortran_order": np.asfortranarray(FIELD), "big_endian": FIELD.astype(">i2"),
-                         "bytes": (FIELD / 2).astype("u1")}.items():
+                         "bytes": (FIELD / 2).astype("u1"), "halves": FIELD.astype(">f2")}.items():
         np.save(name + ".npy", values)
         top = float(values.max())
         lattice(name + ".npy", {name: [0, top, 0]}, unit, [5, 3, 2, name, float(values[2, 3, 5])])
@@ -88,6 +88,23 @@ def netcdf_files():
         netcdf(name, format)
         lattice(name, {"T": [1, 345, 1], "packed": [0, 345, 0], "missing": [2, 345, 2], "gone": [0, 345, 1]}, bounds, [25, 10, 30, "T", 235], [0, 6, 12], grid="rectilinear")
         lattice(name, {"T": [2000, 2345, 0]}, bounds, [25, 10, 30, "T", 2235], [0, 6, 12], 2, grid="rectilinear")
+    with netCDF4.Dataset("weather.nc", "w", format="NETCDF3_64BIT_OFFSET") as d:  # as WRF writes: no axis says that it is time
+        for dimension, size in (("Time", None), ("bottom_top", NZ), ("south_north", NY), ("west_east", NX)):
+            d.createDimension(dimension, size)
+        for name, sign in (("T", 1), ("W", -1)):
+            d.createVariable(name, "f4", ("Time", "bottom_top", "south_north", "west_east"))[:] = np.stack([sign * FIELD.astype("f4") + 1000 * i for i in range(3)])
+        d.createVariable("XLAT", "f4", ("Time", "south_north", "west_east"))[:] = 1
+    unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
+    for t in range(3):
+        lattice("weather.nc", {"T": [1000 * t, 1000 * t + 345, 0], "W": [1000 * t - 345, 1000 * t, 0]}, unit, [5, 3, 2, "T", 1000 * t + 235], [0, 1, 2], t)
+    with netCDF4.Dataset("range.nc", "w") as d:
+        for dimension, size in (("z", NZ), ("y", NY), ("x", NX)):
+            d.createDimension(dimension, size)
+        for name, attributes in (("both", {"valid_range": np.array([10, 300], "f4")}), ("least", {"valid_min": np.float32(2)}), ("any", {})):
+            v = d.createVariable(name, "f4", ("z", "y", "x"))
+            v[:] = FIELD
+            v.setncatts(attributes)
+    lattice("range.nc", {"both": [10, 300, 35], "least": [2, 345, 2], "any": [0, 345, 0]}, unit, [5, 3, 2, "both", 235])
     netcdf("ocean_09.nc", "NETCDF3_CLASSIC")
     netcdf("ocean_10.nc", "NETCDF3_CLASSIC", 18.0)
     lattice("ocean_*.nc", {"T": [1018, 1363, 0]}, bounds, [0, -20, 0, "T", 1018], [0, 6, 12, 18, 24, 30], 4, grid="rectilinear")
@@ -116,8 +133,37 @@ def vtkhdf():
         g.create_group("PointData").create_dataset("f", data=np.arange(5.0))
         g.create_group("CellData").create_dataset("c", data=np.array([3.0, 4.0]))
     expect("cells.hdf", "unstructured", 5, 2, {"f": [0, 4, 0], "c": [3, 4, 0]}, [0, 1] * 3, [1, 1, 1, "c", 4])
+
+
+def containers():
+    unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
+    whole = {"runs/x": [0, 345, 0], "half": [0, 172, 0]}
     with h5py.File("plain.h5", "w") as file:
-        file.create_dataset("x", data=FIELD)
+        file.create_dataset("runs/x", data=FIELD.astype(">f4"), chunks=(3, 2, 4), compression="gzip", shuffle=True)
+        file.create_dataset("half", data=(FIELD / 2).astype("u1"))
+        file.create_dataset("positions", data=np.zeros((7, 3)))
+        file.create_dataset("records", data=np.zeros((50, 50), [("a", "f4"), ("b", "i2")]))
+    lattice("plain.h5", whole, unit, [5, 3, 2, "runs/x", 235])
+    with h5py.File("steps.hdf5", "w") as file:
+        file.create_dataset("f", data=np.stack([FIELD[:, :, ::-1].repeat(4, 2) + 1000 * t for t in range(3)]).astype("f4"))
+    for t in range(3):
+        expect("steps.hdf5", "uniform", 4 * 120, 3 * 4 * 23, {"f": [1000 * t, 1000 * t + 345, 0]}, [0, 23, 0, 4, 0, 3], [1, 3, 2, "f", 1000 * t + 235], [0, 1, 2], t)
+    with h5py.File("old.mat", "w", userblock_size=512) as file:  # as MATLAB's -v7.3
+        file.create_dataset("volume", data=FIELD)
+        file.create_dataset("#refs#/a", data=np.zeros((100, 100)))
+    with open("old.mat", "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
+    lattice("old.mat", {"volume": [0, 345, 0]}, unit, [5, 3, 2, "volume", 235])
+    with netCDF4.Dataset("placed.h5", "w") as file:  # by the conventions of netCDF, under HDF5's name
+        for name, values in (("z", [0, 10, 30, 70]), ("y", np.arange(NY)), ("x", np.arange(NX) * 5)):
+            file.createDimension(name, len(values))
+            file.createVariable(name, "f8", (name,))[:] = values
+        file.createVariable("T", "f4", ("z", "y", "x"))[:] = FIELD
+    lattice("placed.h5", {"T": [0, 345, 0]}, [0, 25, 0, 4, 0, 70], [25, 3, 30, "T", 235], grid="rectilinear")
+    arrays = {"x": FIELD, "turned": np.asfortranarray(FIELD.astype("f4") / 2), "half": FIELD.astype("f2"), "times": np.arange(3.0), "name": np.array("text"), "other": FIELD[1:]}
+    for name, write in (("stored", np.savez), ("packed", np.savez_compressed)):
+        write(name + ".npz", **arrays)
+        lattice(name + ".npz", {"x": [0, 345, 0], "turned": [0, 172.5, 0], "half": [0, 345, 0]}, unit, [5, 3, 2, "turned", 117.5])
 
 
 def cgns_node(parent, name, label, data=None):
@@ -312,6 +358,11 @@ def meta_images():
         with open(name, "w") as out:
             out.write(head + "ElementDataFile = " + files + ("\n" if files[0] == "p" else ""))
         lattice(name, {"MetaImage": [0, 345, 0]}, [0, 2.5, 0, 4, 0, 6], [2.5, 3, 4, "MetaImage", 235])
+    for name, matrix, grid, bounds, at in (("mirrored.mhd", "-1 0 0 0 1 0 0 0 1", "uniform", [7.5, 10, 20, 24, 30, 36], [7.5, 23, 34]),
+                                           ("turned.mhd", "0 1 0 -1 0 0 0 0 1", "curvilinear", [6, 10, 20, 22.5, 30, 36], [7, 22.5, 34])):
+        with open(name, "w") as out:  # the first axis runs along the matrix's first row
+            out.write(head + "Offset = 10 20 30\nTransformMatrix = " + matrix + f"\nElementDataFile = plane_%03d.raw 1 {NZ} 1\n")
+        lattice(name, {"MetaImage": [0, 345, 0]}, bounds, [*at, "MetaImage", 235], grid=grid)
 
 
 def packed():
@@ -380,6 +431,7 @@ def main():
     numpy_arrays()
     netcdf_files()
     vtkhdf()
+    containers()
     cgns()
     nifti_files()
     dicom("scan", False)
