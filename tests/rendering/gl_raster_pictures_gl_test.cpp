@@ -70,6 +70,28 @@ TEST_P(RasterPictures, ParallelRaysMeetTheOracle) {
   }
 }
 
+TEST_P(RasterPictures, ShadedBodiesMeetTheOracle) {
+  Extracted e = extracted("torus:9", 3, 0.6);
+  e.input.body_shading = 0.9;
+  e.input.body_normals = std::make_shared<const std::vector<Vec3f>>(
+      gradient_normals(*e.input.grid, e.dataset->arrays[0], *e.input.mesh, Task{}, NormalsAt::all_points));
+  for (const bool mapped : {false, true}) {
+    if (mapped)
+      for (IntervalStyle& style : e.input.styles) style.color_map = "viridis";
+    for (const bool orthographic : {false, true}) {
+      e.input.camera.orthographic = orthographic;
+      e.input.camera.eye = {3, 2.2, 4};
+      meets(e.input, kMean, kMax, std::string(mapped ? "viridis" : "constant") + (orthographic ? ", orthographic" : ""));
+    }
+  }
+  e.input.camera.orthographic = false;
+  e.input.camera.eye = {0.6, 0.2, 0.1};  // among the tetrahedra: some are clipped
+  meets(e.input, 1e-3, 0.3, "from inside");
+  e.input.camera.eye = {3, 2.2, 4};
+  e.input.clip_planes = {{{1, 0, 0}, 0.1}};
+  meets(e.input, kMean, kMax, "clipped");
+}
+
 TEST_P(RasterPictures, ParallelRaysZoomedInMeetTheOracle) {  // tetrahedra reach far beyond the picture
   Extracted e = extracted("torus:6", 3, 0.6);
   e.input.camera.orthographic = true;

@@ -9,6 +9,7 @@
 //  * Clip planes cut the ray: what begins at a cut has no surface there.
 //  * The depth is that of the nearest segment with any opacity, where it begins, or of the nearest surface with any.
 //  * The mean depth of a segment's light is that of one extinction all along it.
+//  * Where bodies are shaded, a segment's light is multiplied by what is left of it there (rendering/picture/body_shading.h).
 #pragma once
 
 #include <map>
@@ -45,6 +46,8 @@ class Oracle {
       optics_.emplace_back(style, unit);
       materials_.push_back(surface_material(style.surface));
     }
+    if (input.body_shading > 0)
+      for (std::size_t p = 0; p < input.mesh->positions.size(); ++p) shades_.push_back(shade_at(p));
   }
 
   OraclePixel pixel(int x, int y, const OracleBins::Bin& bin) const {
@@ -84,6 +87,21 @@ class Oracle {
   int group_of(std::uint16_t interval) const {
     return input_.mode == RenderMode::prioritized ? input_.styles[interval].priority : 0;
   }
+  /// What is left of the light at a point: 1 - s (1 - |cos|), the angle between gradient and view.
+  float shade_at(std::size_t point) const {
+    const Vec3f& n = (*input_.body_normals)[point];
+    const Vec3d normal{n.x, n.y, n.z}, away = input_.mesh->positions[point] - input_.camera.eye;
+    if (normal == Vec3d{}) return 1;
+    const Vec3d view = input_.camera.orthographic ? forward_ : normalized(away);
+    return static_cast<float>(1 - input_.body_shading * (1 - std::abs(dot(normalized(normal), view))));
+  }
+  OracleLight shaded(OracleLight light, std::uint32_t tetrahedron, const OracleRay& ray) const {
+    if (shades_.empty()) return light;
+    OracleSegment s{};
+    oracle_segment(*input_.mesh, &shades_, tetrahedron, ray, s);
+    for (double& channel : light.color) channel *= std::lerp(s.scalar_enter, s.scalar_leave, middle_of_light(light.alpha));
+    return light;
+  }
   /// Where along a segment of this opacity its light comes from on average: the mean of s under exp(-tau s), in [0, 1].
   static double middle_of_light(double alpha) {
     if (!(alpha > 1e-3)) return 0.5 - alpha / 12;
@@ -102,7 +120,7 @@ class Oracle {
       if (!input_.styles[interval].visible || !oracle_segment(mesh, input_.color_values.get(), t, ray, s)) continue;
       groups[group_of(interval)].push_back(
           {(s.enter + s.leave) / 2, 1, t, s.enter, s.leave,
-           optics_[interval].light(s.leave - s.enter, s.scalar_enter, s.scalar_leave, input_.integral)});
+           shaded(optics_[interval].light(s.leave - s.enter, s.scalar_enter, s.scalar_leave, input_.integral), t, ray)});
     }
     for (const std::uint32_t f : bin.facets) {
       const BoundaryFacet& facet = mesh.facets[f];
@@ -119,6 +137,7 @@ class Oracle {
   Vec3d forward_;
   std::vector<OracleOptics> optics_;        // [intervals]
   std::vector<SurfaceMaterial> materials_;  // [intervals]
+  std::vector<float> shades_;               // [np] where bodies are shaded
 };
 
 /// The whole picture. Parallel over rows.

@@ -7,6 +7,7 @@
 
 #include "data/dataset.h"
 #include "extraction/intervals/extract_intervals.h"
+#include "extraction/surfaces/gradient_normals.h"
 #include "rendering/picture/renderer.h"
 #include "scene/log_map.h"
 
@@ -77,6 +78,13 @@ inline DrawInput picture_of(const Dataset& dataset, const PointArray& array, Loo
       style.surface.silhouette = 0.5;
     }
   return input;
+}
+
+/// Shades the interiors of a picture of layers of `array`.
+inline void shade_bodies(DrawInput& input, const PointArray& array, double strength) {
+  input.body_shading = strength;
+  input.body_normals =
+      std::make_shared<const std::vector<Vec3f>>(gradient_normals(*input.grid, array, *input.mesh, Task{}, NormalsAt::all_points));
 }
 
 enum class Shot { perspective, orthographic, inside };

@@ -10,6 +10,7 @@
 #include "extraction/bricks/layer_bricks.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/choice/native_renderer.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/picture/check_draw_input.h"
 
 namespace isostrata {
@@ -22,13 +23,14 @@ struct Needs {
         values(input.color_values != nullptr),
         surfaces(std::any_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) { return style.visible && style.surface.drawn(); })),
         floats(input.float_image),
-        mean_depth(input.mean_depth) {}
+        mean_depth(input.mean_depth),
+        shaded(shades_bodies(input)) {}
   bool no_less_than(const Needs& other) const {
-    return pixels >= other.pixels && values >= other.values && surfaces >= other.surfaces && floats >= other.floats && mean_depth >= other.mean_depth;
+    return pixels >= other.pixels && values >= other.values && surfaces >= other.surfaces && floats >= other.floats && mean_depth >= other.mean_depth && shaded >= other.shaded;
   }
 
   std::int64_t pixels;
-  bool values, surfaces, floats, mean_depth;
+  bool values, surfaces, floats, mean_depth, shaded;
 };
 
 /// What the device has no room for.

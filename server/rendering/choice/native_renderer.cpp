@@ -25,7 +25,7 @@ class NativeRenderer final : public Renderer {
       result.facts.renderer = "native";
       result.facts.device = device_;
       TileSink sink(input);
-      const bool constant = all_constant(input);
+      const bool constant = drawn_by_facets(input);
       const bool lit = std::any_of(input.styles.begin(), input.styles.end(),
                                    [](const IntervalStyle& style) { return style.visible && style.surface.drawn(); });
       if (input.bricks && !constant) throw Error(ErrorCode::invalid_argument, "picture: the CPU draws layers without a mesh in constant colours only");

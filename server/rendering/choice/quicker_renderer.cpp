@@ -15,7 +15,7 @@ class QuickerRenderer final : public Renderer {
   explicit QuickerRenderer(std::unique_ptr<Renderer> device) : device_(std::move(device)) {}
 
   DrawResult draw(const DrawInput& input) override {
-    const bool constant = all_constant(input);
+    const bool constant = drawn_by_facets(input);
     if (!input.mesh || !input.cut_intervals.empty() || (input.bricks && constant)) return native_->draw(input);
     if (input.bricks) return device_->draw(input);
     FrameJudge& judge = constant ? of_constant_ : of_running_;

@@ -169,6 +169,7 @@ std::string TilePipeline::blend_defines(const TilePicture& picture) const {
     defines += "#define LINEAR_COLOR\n";
     if (picture.input->integral == Integral::table2d) defines += "#define TABLE_2D\n";
   }
+  if (picture.mesh->has_shades()) defines += "#define BODY_SHADING\n";
   if (styles.surfaces) {
     defines += "#define SURFACES\n";
     if (picture.mesh->has_normals()) defines += "#define WITH_NORMALS\n";

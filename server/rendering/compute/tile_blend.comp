@@ -27,6 +27,9 @@ layout(std430, binding = TILE_VALUES) readonly restrict buffer ValueBuffer { flo
 #ifdef WITH_NORMALS
 layout(std430, binding = TILE_NORMALS) readonly restrict buffer NormalBuffer { float normals[]; };
 #endif
+#ifdef BODY_SHADING
+layout(std430, binding = TILE_SHADES) readonly restrict buffer ShadeBuffer { float shades[]; };
+#endif
 #ifdef WITH_TEXTURE
 layout(std430, binding = TILE_TEXTURE) readonly restrict buffer TextureBuffer { float textured[]; };
 #endif
@@ -41,10 +44,14 @@ shared uint flags[TILE_GROUP];                         // bits 0-3: faces turned
 #define BEHIND 16u
 #ifdef LINEAR_COLOR
 shared vec4 scalar_of[TILE_GROUP];  // the color-by value's place in its range at the reference, its slopes
+#ifdef BODY_SHADING
+shared uint scalar_range[TILE_GROUP];  // two halves, a little too wide: all has to fit into 32 KiB
+#else
 shared vec2 scalar_range[TILE_GROUP];
 #endif
-#ifdef SURFACES
-shared uint id_of[TILE_GROUP];
+#endif
+#ifdef BODY_SHADING
+shared vec4 shade_of[TILE_GROUP];  // of the light that is left at the reference, its slopes
 #endif
 shared uint masks[8 * TILE_GROUP];  // [tetrahedron / 32][pixel]
 shared uvec3 batch;                 // tile, first pair, end
@@ -102,6 +109,30 @@ bool meets(uint j, vec2 at, vec2 range, out vec4 u, out float enter, out float l
   return enter > leave;
 }
 
+#if defined LINEAR_COLOR || defined BODY_SHADING
+// What is linear in a tetrahedron and has these values at its points: the value at the first, the slopes in the pixel and against u.
+vec4 in_screen(vec4 s, vec3 p0, vec3 e1, vec3 e2, vec3 e3, float six_volumes) {
+  vec3 gradient = cross(e2, e3) * (s.y - s.x) + cross(e3, e1) * (s.z - s.x) + cross(e1, e2) * (s.w - s.x);
+  gradient *= six_volumes != 0.0 ? 1.0 / six_volumes : 0.0;
+  return vec4(s.x, gradient.xy * frame.lens.y, perspective() ? dot(gradient, p0) : gradient.z);
+}
+// Where the ray is at u, less the reference's.
+float on_ray(uint j, vec4 s, vec2 at, float u) {
+  vec2 d = at - reference[j].xy;
+  float change = s.y * d.x + s.z * d.y - s.w * u;
+  return s.x + (perspective() ? change / (reference[j].z + u) : change);
+}
+#endif
+#ifdef LINEAR_COLOR
+#ifdef BODY_SHADING
+void keep_range(uint j, vec2 range) { scalar_range[j] = packHalf2x16(range + vec2(-1e-3, 1e-3) * (1.0 + abs(range))); }
+vec2 range_kept(uint j) { return unpackHalf2x16(scalar_range[j]); }
+#else
+void keep_range(uint j, vec2 range) { scalar_range[j] = range; }
+vec2 range_kept(uint j) { return scalar_range[j]; }
+#endif
+#endif
+
 // Makes place j of the chunk from a tetrahedron. box: the part's pixels that it may cover.
 bool load(uint j, uint id, out ivec4 box) {
   uvec4 given = tetrahedra[id];
@@ -149,18 +180,16 @@ bool load(uint j, uint id, out ivec4 box) {
   reference[j] = vec4(on_screen(p0), u0, -six_volumes / divisor.x * (perspective() ? u0 : 1.0));
   highest[j] = behind ? kFar : perspective() ? (far_z - (nearest_z - origin.z)) * u0 / nearest_z : p0.z - nearest_z;
   flags[j] = front.x | front.y | front.z | front.w | (behind ? BEHIND : 0u) | far << 5u | labels << 8u | interval << 16u;
-#ifdef SURFACES
-  id_of[j] = id;
-#endif
 #ifdef LINEAR_COLOR
   vec4 range = style_row(interval, TILE_STYLE_RANGE);
   vec4 s = vec4(values[point[0]], values[point[1]], values[point[2]], values[point[3]]);
   s = (s - range.x) * range.y;
   s = mix(s, vec4(0.0), isnan(s));
-  vec3 gradient = (c23 * (s.y - s.x) + cross(e3, e1) * (s.z - s.x) + cross(e1, e2) * (s.w - s.x)) *
-                  (six_volumes > 0.0 ? turn / six_volumes : 0.0);
-  scalar_of[j] = vec4(s.x, gradient.xy * frame.lens.y, perspective() ? dot(gradient, p0) : gradient.z);
-  scalar_range[j] = vec2(least_of(s), greatest_of(s));
+  scalar_of[j] = in_screen(s, p0, e1, e2, e3, six_volumes * turn);
+  keep_range(j, vec2(least_of(s), greatest_of(s)));
+#endif
+#ifdef BODY_SHADING
+  shade_of[j] = in_screen(vec4(shades[point[0]], shades[point[1]], shades[point[2]], shades[point[3]]), p0, e1, e2, e3, six_volumes * turn);
 #endif
   vec3 p[4] = vec3[4](p0, r[1] + origin, r[2] + origin, r[3] + origin);
   return covered_box(p, box);
@@ -184,10 +213,8 @@ vec3 interval_color(uint interval, float place) {
 #ifdef LINEAR_COLOR
 // The color-by value's place in its range where the ray is at u, less the reference's.
 float place_at(uint j, vec2 at, float u) {
-  vec2 d = at - reference[j].xy;
-  vec4 s = scalar_of[j];
-  float change = s.y * d.x + s.z * d.y - s.w * u;
-  return clamp(s.x + (perspective() ? change / (reference[j].z + u) : change), scalar_range[j].x, scalar_range[j].y);
+  vec2 range = range_kept(j);
+  return clamp(on_ray(j, scalar_of[j], at, u), range.x, range.y);
 }
 
 // Colour and extinction linear along the ray between the map's colours: Gauss-Legendre with three points in pieces of optical depth of at
@@ -264,9 +291,9 @@ bool draws_surface(uint j, uint face) {
   return label != 0u && (uint(style_row(flags[j] >> 16, TILE_STYLE_RANGE).w) >> (label - 1u) & 1u) != 0u;
 }
 
-// The surface on a face of a tetrahedron, where the ray is at u, less the reference's.
-vec4 surface_light(uint j, uint face, vec2 at, float u) {
-  uvec4 given = tetrahedra[id_of[j]];
+// The surface on a face of tetrahedron `id`, which is at place j, where the ray is at u, less the reference's.
+vec4 surface_light(uint j, uint id, uint face, vec2 at, float u) {
+  uvec4 given = tetrahedra[id];
   uint point[4] = uint[4](given.x, given.y, given.z, given.w), far = flags[j] >> 5u & 3u, interval = flags[j] >> 16;
   uint first = point[0];  // as load() swapped them
   point[0] = point[far];
@@ -307,14 +334,19 @@ vec4 surface_light(uint j, uint face, vec2 at, float u) {
 
 vec3 sum = vec3(0.0);
 float through = 1.0, nearest_u = -kFar;
+#if defined MEAN_DEPTH || defined BODY_SHADING
+// Where in a segment of this opacity its light comes from on average, of its length: 1 / tau - (1 - alpha) / alpha.
+float middle_of_light(float alpha) {
+  return alpha < 0.05 ? 0.5 - alpha * (1.0 / 12.0 + alpha / 24.0) : -1.0 / log(max(1.0 - alpha, 1e-7)) - (1.0 - alpha) / alpha;
+}
+#endif
 #ifdef MEAN_DEPTH
 float depth_sum = 0.0;
 
-// The depth of a segment of this opacity: of 1 / tau - (1 - alpha) / alpha of its length.
-float middle_of_light(float enter, float leave, float alpha) {
-  float share = alpha < 0.05 ? 0.5 - alpha / 12.0 : alpha > 0.999999 ? 0.0 : -1.0 / log(1.0 - alpha) - (1.0 - alpha) / alpha;
+// The depth of the light of a segment of this opacity.
+float depth_of_light(float enter, float leave, float alpha) {
   vec2 depths = perspective() ? 1.0 / max(vec2(enter, leave), vec2(1e-9)) : -vec2(enter, leave);
-  return mix(depths.x, depths.y, share);
+  return mix(depths.x, depths.y, middle_of_light(alpha));
 }
 #endif
 #ifdef ONE_COLOR
@@ -467,9 +499,13 @@ void main() {
         back = place_at(j, at, leave);
 #endif
         vec4 color = segment_light(interval, path, front, back);
+#ifdef BODY_SHADING
+        vec2 shade = clamp(vec2(on_ray(j, shade_of[j], at, enter), on_ray(j, shade_of[j], at, leave)), 0.0, 1.0);
+        color.rgb *= mix(shade.x, shade.y, middle_of_light(color.a));
+#endif
         float middle = 0.0;
 #ifdef MEAN_DEPTH
-        middle = middle_of_light(from + enter, from + leave, color.a);
+        middle = depth_of_light(from + enter, from + leave, color.a);
 #endif
 #ifdef SURFACES
         // The surface that is entered through, the segment, the surface that is left through. Of two surfaces at one place the one through
@@ -482,7 +518,7 @@ void main() {
                             last > range.y - from && last > -kFar && draws_surface(j, left));
         for (int step = drawn.x ? 0 : 1; step < (drawn.y ? 3 : 2); ++step) {
           float place = step == 2 ? leave : enter;
-          vec4 shown = step == 1 ? color : surface_light(j, step == 0 ? entered : left, at, place);
+          vec4 shown = step == 1 ? color : surface_light(j, pairs[chunk + j].y, step == 0 ? entered : left, at, place);
           float depth = step == 1 ? middle : perspective() ? 1.0 / max(from + place, 1e-9) : -(from + place);
           put(from + (step == 0 ? enter - aside : step == 1 ? 0.5 * (enter + leave) : leave + aside), shown, depth);
 #ifdef NEAREST_DEPTH

@@ -35,11 +35,12 @@
 #define TILE_VALUES 7           // float per point: the color-by array
 #define TILE_NORMALS 12         // float: x, y, z per point
 #define TILE_TEXTURE 14         // float per point
+#define TILE_SHADES 15          // float per point: of the light inside that is left (picture/body_shading.h)
 // Of merging.
 #define TILE_PICTURE 7          // uint or vec4 per pixel, row 0 the top row
 #define TILE_DEPTH 10           // float per pixel; then the mean depths, where they are wanted
 
-#define TILE_BUFFERS 15
+#define TILE_BUFFERS 15         // without TILE_SHADES, which is bound only where bodies are shaded
 
 #define TILE_INFO_INTERVAL 0xffffu
 #define TILE_INFO_TURNED 0x10000u // left-handed

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "rendering/compute/tile_layout.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/shader_sources.h"
 
 namespace isostrata {
@@ -170,6 +171,7 @@ void TileMesh::set(const DrawInput& input) {
   const double scale = input.bounds.diagonal() > 0 ? input.bounds.diagonal() : 1.0;
   const Vec3d middle = input.bounds.empty() ? Vec3d{} : input.bounds.center();
   const bool placed = scale == scale_ && middle == middle_;
+  has_shades_ = false;
   if (input.bricks) {
     if (layers_.lock() != input.bricks || !placed) set_layers(input);
     return;
@@ -180,6 +182,18 @@ void TileMesh::set(const DrawInput& input) {
   has_values_ = set_array(device_, input.color_values, values_source_, values_, "the color-by array");
   has_normals_ = set_array(device_, input.normals, normals_source_, normals_, "the normals");
   has_texture_ = set_array(device_, input.texture_values, texture_source_, texture_, "the texture's array");
+  if (shades_bodies(input)) set_shades(input);
+}
+
+// They change with the camera.
+void TileMesh::set_shades(const DrawInput& input) {
+  if (!device_.binds(TILE_SHADES))
+    throw Error(ErrorCode::too_large, "renderer compute shades bodies with " + std::to_string(TILE_SHADES + 1) +
+                                          " storage buffers, and this device has fewer: draw with native");
+  const Buffer<float> shades = body_shades(input);
+  device_.reserve(shades_, std::max<std::size_t>(shades.size(), 1) * 4, "the points' shades");
+  device_.upload(shades_, 0, std::as_bytes(std::span(shades)), Task());
+  has_shades_ = true;
 }
 
 void TileMesh::give_back() {
@@ -190,7 +204,7 @@ void TileMesh::give_back() {
   values_source_.reset();
   normals_source_.reset();
   texture_source_.reset();
-  for (ComputeBuffer* of : {&positions_, &corners_, &infos_, &runs_, &values_, &normals_, &texture_}) device_.free(*of);
+  for (ComputeBuffer* of : {&positions_, &corners_, &infos_, &runs_, &values_, &normals_, &texture_, &shades_}) device_.free(*of);
 }
 
 void TileMesh::bind() const {
@@ -204,6 +218,7 @@ void TileMesh::bind_arrays() const {
   if (has_values_) device_.bind(TILE_VALUES, values_);
   if (has_normals_) device_.bind(TILE_NORMALS, normals_);
   if (has_texture_) device_.bind(TILE_TEXTURE, texture_);
+  if (has_shades_) device_.bind(TILE_SHADES, shades_);
 }
 
 }  // namespace isostrata

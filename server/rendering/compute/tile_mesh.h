@@ -35,12 +35,14 @@ class TileMesh {
   bool has_values() const { return has_values_; }
   bool has_normals() const { return has_normals_; }
   bool has_texture() const { return has_texture_; }
+  bool has_shades() const { return has_shades_; }
 
  private:
   void set_mesh(const DrawInput& input);
   void set_runs(const Grid* grid, const IntervalMesh& mesh);
   void set_place(const DrawInput& input);
   void set_layers(const DrawInput& input);
+  void set_shades(const DrawInput& input);
   void adopt(const GlExtractor& made);
 
   ComputeDevice& device_;
@@ -56,8 +58,8 @@ class TileMesh {
   double scale_ = 0;
   std::uint32_t tetrahedra_ = 0;
   std::vector<std::int64_t> of_interval_;
-  bool has_values_ = false, has_normals_ = false, has_texture_ = false;
-  ComputeBuffer positions_, corners_, infos_, runs_, values_, normals_, texture_;
+  bool has_values_ = false, has_normals_ = false, has_texture_ = false, has_shades_ = false;
+  ComputeBuffer positions_, corners_, infos_, runs_, values_, normals_, texture_, shades_;
 };
 
 }  // namespace isostrata

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "rendering/compute/tile_layout.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/picture/surface_shading.h"
 
 namespace isostrata {
@@ -79,7 +80,7 @@ TileStyles tile_styles(const DrawInput& input, double scale) {
   MapRows maps(styles.rows);
   std::uint32_t group = 0;
   for (const auto& [priority, members] : groups) {
-    bool one_color = !input.mean_depth;  // its parts of the light have an order
+    bool one_color = !input.mean_depth && !shades_bodies(input);  // its parts of the light have an order
     for (const std::size_t i : members)
       one_color = one_color && input.styles[i].constant() && input.styles[i].color == input.styles[members[0]].color &&
                   !input.styles[i].surface.drawn();
@@ -106,7 +107,7 @@ TileStyles tile_styles(const DrawInput& input, double scale) {
     }
     ++group;
   }
-  styles.one_color = constant && colors.size() == 1 && !styles.surfaces && !input.mean_depth;
+  styles.one_color = constant && colors.size() == 1 && !styles.surfaces && !input.mean_depth && !shades_bodies(input);
   if (styles.one_color) styles.any_order = false, styles.groups = 1;
   return styles;
 }

@@ -57,6 +57,7 @@ ComputeDevice::ComputeDevice(std::unique_ptr<GlContext> context, std::string oth
   gl_.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
   if (!context_->software()) groups_a_dispatch_ = static_cast<std::uint32_t>(std::max(groups, 65535));
   check();
+  storage_buffers_ = std::min(blocks, bindings);
   if (blocks < STORAGE_BUFFERS || bindings < STORAGE_BUFFERS || shared < 32768)
     throw Error(ErrorCode::unavailable, context_->device() + ": " + std::to_string(blocks) +
                                             " storage buffers in a compute program, " + std::to_string(bindings) + " bindings, " +

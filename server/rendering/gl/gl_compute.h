@@ -52,6 +52,8 @@ class ComputeDevice {
 
   /// Compiled when first asked for.
   GLuint program(const char* source, const std::string& defines);
+  /// Whether a program may have a buffer there. Below STORAGE_BUFFERS always.
+  bool binds(GLuint binding) const { return static_cast<GLint>(binding) < storage_buffers_; }
   void bind(GLuint binding, const ComputeBuffer& buffer) { gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.name()); }
 
   /// Work groups that one dispatch may have: all that the driver takes on a GPU; few on a software device, so that cancel is
@@ -72,6 +74,7 @@ class ComputeDevice {
   const std::string otherwise_;
   const GlFunctions& gl_;
   std::uint32_t groups_a_dispatch_ = 16;
+  GLint storage_buffers_ = 0;
   std::uint64_t budget_ = 0, allocated_ = 0, largest_buffer_ = 0;
   std::map<std::pair<const char*, std::string>, GlObject> programs_;
 };

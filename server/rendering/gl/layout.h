@@ -9,6 +9,7 @@
 #define ATTRIBUTE_STYLE 3       // uint: style << KIND_BITS | kind
 #define ATTRIBUTE_SCALAR 4      // vec2: scalar (times nearness, in perspective), its slope against nearness
 #define ATTRIBUTE_ID 5          // uint: the first word of the tent, of kinds that have no tent: which tetrahedron, which facet
+#define ATTRIBUTE_SHADE 6       // vec2: the share of the light that is left (times nearness, in perspective), its slope against nearness
 
 // What a vertex belongs to.
 #define KIND_BITS 3
@@ -20,6 +21,7 @@
 #define KIND_WIDE 5             // homogeneous: a back face; entry and exit are found for each fragment from the four points
 #define VERTEX_WORDS 8
 #define LINEAR_VERTEX_WORDS 10
+#define SHADED_VERTEX_WORDS 12
 
 // Uniform block of the drawing programs and of projection.
 #define BLOCK_FRAME 1
@@ -56,6 +58,7 @@
 #define BUFFER_COMMANDS 8       // DrawCommand per group
 #define BUFFER_FACET_OF 9       // uint per tetrahedron: its first facet or NO_FACET
 #define BUFFER_FACET_CELLS 10   // uvec2 per facet, by tetrahedron: the tetrahedron, its interval * 4 + label
+#define BUFFER_SHADES 11        // float per point of the mesh, only where bodies are shaded (picture/body_shading.h)
 #define DRAW_VOLUME 1u
 #define DRAW_LABEL 2u           // << label
 #define NO_FACET 0xffffffffu

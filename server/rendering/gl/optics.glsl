@@ -23,7 +23,7 @@ float opacity_of(float tau) {
 
 // Where in a segment of this opacity the light that leaves it comes from on average, as a share of its length: 1 / tau - (1 - alpha) / alpha.
 float middle_of_light(float alpha) {
-  return alpha < 0.05 ? 0.5 - alpha / 12.0 : alpha > 0.999999 ? 0.0 : -1.0 / log(1.0 - alpha) - (1.0 - alpha) / alpha;
+  return alpha < 0.05 ? 0.5 - alpha * (1.0 / 12.0 + alpha / 24.0) : -1.0 / log(max(1.0 - alpha, 1e-7)) - (1.0 - alpha) / alpha;
 }
 
 vec4 constant_light(vec4 rgb_extinction, float path) {

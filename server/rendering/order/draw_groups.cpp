@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "rendering/picture/body_shading.h"
+
 namespace isostrata {
 namespace {
 
@@ -16,7 +18,8 @@ VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_
   bool same_color = true;
   for (const std::size_t i : members) {
     drawn[i] = 1;
-    one_color[i] = input.styles[i].constant() && !input.styles[i].surface.drawn();  // a surface has a place among them
+    // A surface has a place among them, and of shaded ones each is of a colour of its own.
+    one_color[i] = input.styles[i].constant() && !input.styles[i].surface.drawn() && !shades_bodies(input);
     same_color = same_color && one_color[i] && input.styles[i].color == input.styles[members[0]].color;
   }
   const OrderRequest request{drawn, one_color};

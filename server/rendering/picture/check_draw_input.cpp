@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/error.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/picture/surface_shading.h"
 
 namespace isostrata {
@@ -37,6 +38,8 @@ void check_surface(const DrawInput& input, const SurfaceStyle& surface, const st
 
 }  // namespace
 
+bool drawn_by_facets(const DrawInput& input) { return all_constant(input) && !shades_bodies(input); }
+
 bool all_constant(const DrawInput& input) {
   return std::all_of(input.styles.begin(), input.styles.end(), [](const IntervalStyle& style) { return !style.visible || style.constant(); });
 }
@@ -66,6 +69,13 @@ void check(const DrawInput& input) {
     fail("intervals that the renderer cuts need a grid's tetrahedra and the field's values on their points");
   for (const Interval& interval : input.cut_intervals)
     if (!(interval.lower < interval.upper)) fail("an interval's lower end must be below its upper end");
+  if (!(input.body_shading >= 0 && input.body_shading <= 1)) fail("body shading must be in [0, 1]");
+  if (input.body_shading > 0) {
+    if (input.bricks || !input.cut_intervals.empty()) fail("interiors are shaded of a mesh, not of layers that the renderer cuts");
+    const std::size_t points = input.mesh->positions.size();
+    if (!input.body_normals || input.body_normals->size() != points)
+      fail("body shading needs a normal for each of the mesh's " + std::to_string(points) + " points");
+  }
   const bool constant = all_constant(input);
   if (input.bricks && !input.cut_intervals.empty()) fail("layers without a mesh are not cut by the renderer");
   for (std::size_t i = 0; i < input.styles.size(); ++i) {

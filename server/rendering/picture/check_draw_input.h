@@ -13,5 +13,7 @@ void check(const DrawInput& input);
 
 /// Whether nothing that is drawn has a colour or an opacity that runs.
 bool all_constant(const DrawInput& input);
+/// And nothing is shaded inside: what a ray sees of an interior depends on where it enters and leaves, and on nothing between.
+bool drawn_by_facets(const DrawInput& input);
 
 }  // namespace isostrata

@@ -5,7 +5,8 @@ namespace {
 
 ClipVertex cut(const ClipVertex& inside, double d_inside, const ClipVertex& outside, double d_outside) {
   const double t = d_inside / (d_inside - d_outside);
-  return {lerp(inside.position, outside.position, t), inside.scalar + (outside.scalar - inside.scalar) * t};
+  return {lerp(inside.position, outside.position, t), inside.scalar + (outside.scalar - inside.scalar) * t,
+          inside.shade + (outside.shade - inside.shade) * t};
 }
 
 /// The prism between the triangles p and q as three tetrahedra.

@@ -11,6 +11,7 @@ namespace isostrata {
 struct ClipVertex {
   Vec3d position;  // view space, depth positive: x right, y up, z away from the eye
   double scalar = 0;
+  double shade = 1;  // body_shading.h
 };
 using ClipTetrahedron = std::array<ClipVertex, 4>;
 

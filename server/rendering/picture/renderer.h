@@ -53,6 +53,10 @@ struct DrawInput {
   // sign (surfaces are shaded from both sides). Null: the facets' own normals.
   std::shared_ptr<const std::vector<Vec3f>> normals;         // [np] or null
   std::shared_ptr<const std::vector<float>> texture_values;  // [np] or null where no surface has a texture
+  // How far interiors are shaded along these, in [0, 1] (rendering/picture/body_shading.h): unit vectors, zero where there is no gradient. Only of meshes,
+  // without cut_intervals and bricks.
+  double body_shading = 0;
+  std::shared_ptr<const std::vector<Vec3f>> body_normals;  // [np] or null where nothing is shaded
   Camera camera;
   int width = 800, height = 600;  // 1..16384
   PictureWindow window;           // where it lies in a larger picture; the camera is the larger one's (rendering/picture/pixel_grid.h)

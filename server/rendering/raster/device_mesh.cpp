@@ -85,11 +85,13 @@ void DeviceMesh::set_facets(const DrawInput& input, double scale) {
   facets_scale_ = scale;
 }
 
+bool DeviceMesh::set_shades(std::span<const float> shades) { return put(shades_, shades.size_bytes(), shades.data()); }
+
 void DeviceMesh::give_back() {
   mesh_.forget();
   facets_mesh_.forget();
   facets_ = {};
-  for (GlObject* of : {&points_, &cells_, &intervals_, &corners_, &facet_of_, &facet_cells_}) *of = GlObject{};
+  for (GlObject* of : {&points_, &cells_, &intervals_, &shades_, &corners_, &facet_of_, &facet_cells_}) *of = GlObject{};
 }
 
 void DeviceMesh::bind() const {
@@ -99,6 +101,7 @@ void DeviceMesh::bind() const {
   bind(BUFFER_MESH_POINTS, points_);
   bind(BUFFER_MESH_CELLS, cells_);
   bind(BUFFER_INTERVALS, intervals_);
+  bind(BUFFER_SHADES, shades_);
   bind(BUFFER_FACETS, corners_);
   bind(BUFFER_FACET_OF, facet_of_);
   bind(BUFFER_FACET_CELLS, facet_cells_);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "rendering/gl/gl_objects.h"
 #include "rendering/picture/renderer.h"
@@ -41,6 +42,8 @@ class DeviceMesh {
   bool set_mesh(const DrawInput& input, double scale);
   /// Puts the facets there, or keeps them. Throws too_large.
   void set_facets(const DrawInput& input, double scale);
+  /// One for each point of that mesh, of this frame. False where the device has no room.
+  bool set_shades(std::span<const float> shades);
   /// As if nothing had been set.
   void give_back();
 
@@ -62,7 +65,7 @@ class DeviceMesh {
   Vec3d mesh_center_;
   double mesh_scale_ = 0;
   bool mesh_fits_ = false;
-  GlObject points_, cells_, intervals_;
+  GlObject points_, cells_, intervals_, shades_;
 
   Identity<IntervalMesh> facets_mesh_;
   Identity<std::vector<float>> facets_colors_, facets_textures_;

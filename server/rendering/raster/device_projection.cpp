@@ -21,7 +21,11 @@ bool DeviceProjection::works(const GlFunctions& gl) {
   GLint blocks = 0, bindings = 0;
   gl.GetIntegerv(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, &blocks);
   gl.GetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
-  return blocks > BUFFER_FACET_CELLS && bindings > BUFFER_FACET_CELLS;
+  return blocks > BUFFER_SHADES && bindings > BUFFER_SHADES;
+}
+
+std::uint64_t DeviceProjection::Variant::vertex_words() const {
+  return shaded ? SHADED_VERTEX_WORDS : linear ? LINEAR_VERTEX_WORDS : VERTEX_WORDS;
 }
 
 bool DeviceProjection::reserve(GlObject& buffer, std::uint64_t& held, std::uint64_t bytes, GLbitfield flags) {
@@ -51,10 +55,9 @@ bool DeviceProjection::prepare(const Variant& variant, std::span<const std::uint
   if (!order.empty()) gl_.NamedBufferSubData(order_.name(), 0, static_cast<GLsizeiptr>(order.size_bytes()), order.data());
   if (!parts.empty()) gl_.NamedBufferSubData(parts_.name(), 0, static_cast<GLsizeiptr>(parts.size_bytes()), parts.data());
   const std::uint64_t vertices = PROJECTED_VERTICES + (variant.surfaces ? FACET_VERTICES : 0);
-  const std::uint64_t words = variant.linear ? LINEAR_VERTEX_WORDS : VERTEX_WORDS;
   const std::uint64_t groups = std::min((count_ + PROJECT_GROUP - 1) / PROJECT_GROUP, kMostGroups);
   for (Batch& batch : batches_) {
-    if (!reserve(batch.vertices, batch.bytes, groups * PROJECT_GROUP * vertices * words * 4, 0)) return false;
+    if (!reserve(batch.vertices, batch.bytes, groups * PROJECT_GROUP * vertices * variant.vertex_words() * 4, 0)) return false;
     if (batch.commands) continue;
     batch.commands = make_buffer(gl_);
     const std::vector<shaders::DrawCommand> none(kMostGroups, shaders::DrawCommand{});  // drawn if a dispatch never ran
@@ -66,6 +69,7 @@ bool DeviceProjection::prepare(const Variant& variant, std::span<const std::uint
     if (variant.linear) defines += "#define LINEAR_COLOR\n";
     if (variant.orthographic) defines += "#define ORTHOGRAPHIC\n";
     if (variant.surfaces) defines += "#define SURFACES\n";
+    if (variant.shaded) defines += "#define BODY_SHADING\n";
     program = make_compute_program(gl_, shaders::frame_glsl, shaders::project_tetrahedra_comp, defines);
   }
   return gl_.GetError() == GL_NO_ERROR;
@@ -75,7 +79,7 @@ void DeviceProjection::draw(GLuint drawing_program, GLuint vertex_array) {
   gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BUFFER_DRAWN_ORDER, order_.name());
   gl_.BindBufferBase(GL_SHADER_STORAGE_BUFFER, BUFFER_DRAWN_PARTS, parts_.name());
   const GLuint program = programs_.at(variant_).name();
-  const GLsizei stride = 4 * (variant_.linear ? LINEAR_VERTEX_WORDS : VERTEX_WORDS);
+  const auto stride = static_cast<GLsizei>(4 * variant_.vertex_words());
   std::size_t turn = 0;
   for (std::size_t first = 0; first < count_; first += kMostGroups * PROJECT_GROUP, ++turn) {
     const Batch& batch = batches_[turn % 2];

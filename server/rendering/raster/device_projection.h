@@ -20,7 +20,8 @@ class DeviceProjection {
   static bool works(const GlFunctions& gl);
 
   struct Variant {
-    bool linear = false, orthographic = false, surfaces = false;
+    bool linear = false, orthographic = false, surfaces = false, shaded = false;
+    std::uint64_t vertex_words() const;
     auto operator<=>(const Variant&) const = default;
   };
 

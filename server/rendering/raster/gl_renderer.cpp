@@ -14,6 +14,7 @@
 #include "rendering/gl/layout.h"
 #include "rendering/order/draw_groups.h"
 #include "rendering/picture/blank_picture.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/raster/device_mesh.h"
 #include "rendering/raster/device_projection.h"
 #include "rendering/raster/draw_target.h"
@@ -53,7 +54,7 @@ class GlState {
  private:
   /// What the drawing program must know; each is compiled when first drawn with.
   struct Variant {
-    bool linear, linear_extinction, table, orthographic, planes, surfaces, nearest, mean;
+    bool linear, linear_extinction, table, orthographic, planes, surfaces, nearest, mean, shaded;
     bool wide = false;  // has what is projected on the device: KIND_WIDE
     auto operator<=>(const Variant&) const = default;
   };
@@ -65,6 +66,7 @@ class GlState {
     std::vector<ScreenPoint> points;
     std::vector<std::uint32_t> order;  // tetrahedra, back to front
     std::vector<std::uint32_t> parts;  // [intervals]
+    Buffer<float> shades;              // [np] where bodies are shaded
   };
   GLuint program(const Variant& variant);
   void prepare(Frame& frame);
@@ -86,6 +88,7 @@ class GlState {
   bool project_here_;  // on the device
   std::array<std::vector<ConstantVertex>, kChunk / kBlock> constant_blocks_;
   std::array<std::vector<LinearVertex>, kChunk / kBlock> linear_blocks_;
+  std::array<std::vector<ShadedVertex>, kChunk / kBlock> shaded_blocks_;
 };
 
 GlState::GlState(std::unique_ptr<GlContext> context, ProjectOn project_on)
@@ -124,9 +127,11 @@ GlState::GlState(std::unique_ptr<GlContext> context, ProjectOn project_on)
   gl_.EnableVertexArrayAttrib(array, ATTRIBUTE_ID);
   gl_.VertexArrayAttribIFormat(array, ATTRIBUTE_ID, 1, GL_UNSIGNED_INT, offsetof(ConstantVertex, tent));
   gl_.VertexArrayAttribBinding(array, ATTRIBUTE_ID, 0);
-  // Only the linear program reads it; a LinearVertex has it behind a ConstantVertex.
+  // Only linear and shaded programs read these; a LinearVertex has its own behind a ConstantVertex, a ShadedVertex behind that.
   gl_.VertexArrayAttribFormat(array, ATTRIBUTE_SCALAR, 2, GL_FLOAT, GL_FALSE, sizeof(ConstantVertex));
   gl_.VertexArrayAttribBinding(array, ATTRIBUTE_SCALAR, 0);
+  gl_.VertexArrayAttribFormat(array, ATTRIBUTE_SHADE, 2, GL_FLOAT, GL_FALSE, sizeof(LinearVertex));
+  gl_.VertexArrayAttribBinding(array, ATTRIBUTE_SHADE, 0);
   static_assert(sizeof(ConstantVertex) == 32 && sizeof(LinearVertex) == 40);
 
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -149,6 +154,7 @@ GLuint GlState::program(const Variant& variant) {
     define(variant.nearest, "NEAREST_DEPTH");
     define(variant.mean, "MEAN_DEPTH");
     define(variant.wide, "WIDE");
+    define(variant.shaded, "BODY_SHADING");
     const std::string vertex = std::string(shaders::frame_glsl) + shaders::tetrahedra_vert;
     const std::string fragment =
         std::string(shaders::frame_glsl) + shaders::optics_glsl + shaders::surface_shading_glsl + shaders::tetrahedra_frag;
@@ -165,7 +171,8 @@ void GlState::draw_tetrahedra(const Frame& frame, std::array<std::vector<Vertex>
                                 frame.points,
                                 &frame.projection,
                                 frame.variant.surfaces && !mesh_.facets().first_of.empty() ? &mesh_.facets() : nullptr,
-                                frame.parts};
+                                frame.parts,
+                                frame.shades};
   const std::span<const std::uint32_t> order = frame.order;
   const VertexStream::Draw draw = [&](std::size_t offset, std::int32_t vertices) {
     gl_.VertexArrayVertexBuffer(vertex_array_.name(), 0, stream_->buffer(), static_cast<GLintptr>(offset), sizeof(Vertex));
@@ -192,9 +199,10 @@ void GlState::prepare(Frame& frame) {
   styles_.set(input.styles, input.unit_distance > 0 ? input.unit_distance : default_unit_distance(input.bounds.diagonal()),
               frame.projection.scale, frame.variant.table);
   if (frame.variant.surfaces) mesh_.set_facets(input, frame.projection.scale);
-  if (project_here_ && mesh_.set_mesh(input, frame.projection.scale))
-    frame.variant.wide =
-        projection_.prepare({frame.variant.linear, frame.variant.orthographic, frame.variant.surfaces}, frame.order, frame.parts);
+  if (frame.variant.shaded) frame.shades = body_shades(input);
+  if (project_here_ && mesh_.set_mesh(input, frame.projection.scale) && (!frame.variant.shaded || mesh_.set_shades(frame.shades)))
+    frame.variant.wide = projection_.prepare({frame.variant.linear, frame.variant.orthographic, frame.variant.surfaces, frame.variant.shaded},
+                                             frame.order, frame.parts);
   if (!frame.variant.wide) frame.points = project_points(*input.mesh, frame.projection);
   if (frame.variant.planes) {
     const auto planes = view_planes(input, frame.projection);
@@ -228,12 +236,18 @@ void GlState::draw_tile(const Tile& tile, const Frame& frame) {
     gl_.BlendFunci(2, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   }
   gl_.BindVertexArray(vertex_array_.name());
-  if (frame.variant.linear)
-    gl_.EnableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
-  else
-    gl_.DisableVertexArrayAttrib(vertex_array_.name(), ATTRIBUTE_SCALAR);
+  const auto read = [&](GLuint attribute, bool wanted) {
+    if (wanted)
+      gl_.EnableVertexArrayAttrib(vertex_array_.name(), attribute);
+    else
+      gl_.DisableVertexArrayAttrib(vertex_array_.name(), attribute);
+  };
+  read(ATTRIBUTE_SCALAR, frame.variant.linear);
+  read(ATTRIBUTE_SHADE, frame.variant.shaded);
   if (frame.variant.wide)
     projection_.draw(program(frame.variant), vertex_array_.name());
+  else if (frame.variant.shaded)
+    draw_tetrahedra(frame, shaded_blocks_);
   else if (frame.variant.linear)
     draw_tetrahedra(frame, linear_blocks_);
   else
@@ -276,8 +290,9 @@ DrawResult GlState::draw(const DrawInput& input) {
                         !input.clip_planes.empty(),
                         draws_surfaces(input) && !input.mesh->facets.empty(),
                         input.float_image && !input.rounded,
-                        input.float_image && input.mean_depth};
-  Frame frame{input, variant, projection, {}, std::move(order.tetrahedra), drawn_parts(input.styles)};
+                        input.float_image && input.mean_depth,
+                        shades_bodies(input)};
+  Frame frame{input, variant, projection, {}, std::move(order.tetrahedra), drawn_parts(input.styles), {}};
   prepare(frame);
   if (project_here_ && !frame.variant.wide)
     result.facts.device += ", its tetrahedra projected by the CPU: the device has no room for the mesh";

@@ -21,7 +21,10 @@ layout(std430, binding = BUFFER_FACET_CELLS) readonly restrict buffer FacetCellB
 #else
 #define MOST_VERTICES PROJECTED_VERTICES
 #endif
-#ifdef LINEAR_COLOR
+#ifdef BODY_SHADING
+layout(std430, binding = BUFFER_SHADES) readonly restrict buffer ShadeBuffer { float shades[]; };
+#define WORDS SHADED_VERTEX_WORDS
+#elif defined LINEAR_COLOR
 #define WORDS LINEAR_VERTEX_WORDS
 #else
 #define WORDS VERTEX_WORDS
@@ -78,7 +81,7 @@ bool covers_pixel(vec2 a, vec2 b, vec2 c) {
 
 uint next_word = 0u;
 
-void put(vec2 xy, float z, uvec3 tent, float q_min, uint style_kind, vec2 scalar) {
+void put(vec2 xy, float z, uvec3 tent, float q_min, uint style_kind, vec2 scalar, vec2 shade) {
   vertices[next_word] = floatBitsToUint(xy.x);
   vertices[next_word + 1u] = floatBitsToUint(xy.y);
   vertices[next_word + 2u] = floatBitsToUint(z);
@@ -87,18 +90,22 @@ void put(vec2 xy, float z, uvec3 tent, float q_min, uint style_kind, vec2 scalar
   vertices[next_word + 5u] = tent.z;
   vertices[next_word + 6u] = floatBitsToUint(q_min);
   vertices[next_word + 7u] = style_kind;
-#ifdef LINEAR_COLOR
+#if defined LINEAR_COLOR || defined BODY_SHADING
   vertices[next_word + 8u] = floatBitsToUint(scalar.x);
   vertices[next_word + 9u] = floatBitsToUint(scalar.y);
+#endif
+#ifdef BODY_SHADING
+  vertices[next_word + 10u] = floatBitsToUint(shade.x);
+  vertices[next_word + 11u] = floatBitsToUint(shade.y);
 #endif
   next_word += uint(WORDS);
 }
 
 void put_homogeneous(vec3 view, uint id, uint style_kind) {
 #ifdef ORTHOGRAPHIC
-  put(view.xy * screen.x + frame.axis.xy, 1.0, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0));
+  put(view.xy * screen.x + frame.axis.xy, 1.0, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0), vec2(0.0));
 #else
-  put(view.xy * screen.x + frame.axis.xy * view.z, view.z, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0));
+  put(view.xy * screen.x + frame.axis.xy * view.z, view.z, uvec3(id, 0u, 0u), 0.0, style_kind, vec2(0.0), vec2(0.0));
 #endif
 }
 
@@ -133,9 +140,9 @@ uint facets(uint tetrahedron, uint style, uint drawn, bool facing, bool write) {
       put_homogeneous(b.view, facet, kind);
       put_homogeneous(c.view, facet, kind);
     } else {
-      put(a.xy, a.q, uvec3(facet, 0u, 0u), 0.0, kind, vec2(0.0));
-      put(b.xy, b.q, uvec3(facet, 0u, 0u), 0.0, kind, vec2(0.0));
-      put(c.xy, c.q, uvec3(facet, 0u, 0u), 0.0, kind, vec2(0.0));
+      put(a.xy, a.q, uvec3(facet, 0u, 0u), 0.0, kind, vec2(0.0), vec2(0.0));
+      put(b.xy, b.q, uvec3(facet, 0u, 0u), 0.0, kind, vec2(0.0), vec2(0.0));
+      put(c.xy, c.q, uvec3(facet, 0u, 0u), 0.0, kind, vec2(0.0), vec2(0.0));
     }
   }
   return count;
@@ -147,7 +154,7 @@ struct Volume {
   uint triangles;     // of the tent; or bit v + 8: wide, the face across from v is drawn
   uvec3 corner[2];    // per triangle
   vec2 side[4];       // the function of the side across from a corner: at that corner, elsewhere
-  float thick, q_min, slope;
+  float thick, q_min, slope, shade_slope;
   bool quadrilateral, at_back;
 };
 
@@ -155,25 +162,27 @@ float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
 vec2 side_of(float share, float thick) { return share < kWallShare ? vec2(thick) : vec2(thick / share, 0.0); }
 
-Volume classify(in ScreenPoint s[4], in vec3 edge[4], in float scalar[4]) {
+Volume classify(in ScreenPoint s[4], in vec3 edge[4], in float scalar[4], in float shade[4]) {
   Volume volume;
   volume.triangles = 0u;
-  volume.slope = 0.0;
+  volume.slope = volume.shade_slope = 0.0;
   // Against the first corner: places on the screen, nearness, scalars in screen-linear form.
   vec2 d[4];
-  float dq[4], ds[4];
+  float dq[4], ds[4], dshade[4];
   d[0] = vec2(0.0);
-  dq[0] = ds[0] = 0.0;
+  dq[0] = ds[0] = dshade[0] = 0.0;
   for (int v = 1; v < 4; ++v) {
 #ifdef ORTHOGRAPHIC
     d[v] = edge[v].xy * screen.x;
     dq[v] = -edge[v].z;
     ds[v] = scalar[v] - scalar[0];
+    dshade[v] = shade[v] - shade[0];
 #else
     // X / z - X0 / z0 = (dX - X0 / z0 * dz) / z, where X contains the axis times z, and 1 / z - 1 / z0 = -dz / (z z0).
     d[v] = (edge[v].xy * screen.x + (frame.axis.xy - s[0].xy) * edge[v].z) * s[v].q;
     dq[v] = -edge[v].z * s[v].q * s[0].q;
     ds[v] = scalar[v] * dq[v] + (scalar[v] - scalar[0]) * s[0].q;
+    dshade[v] = shade[v] * dq[v] + (shade[v] - shade[0]) * s[0].q;
 #endif
   }
   vec4 lambda;
@@ -196,7 +205,7 @@ Volume classify(in ScreenPoint s[4], in vec3 edge[4], in float scalar[4]) {
   for (int v = 0; v < 4; ++v)
     if (!(lambda[v] > 0.0)) minus_weight -= lambda[v];
   if (!(minus_weight > 0.0)) return volume;
-  float q_difference = 0.0, s_difference = 0.0;  // of the points of sign plus less those of minus, at the thick vertex
+  float q_difference = 0.0, s_difference = 0.0, shade_difference = 0.0;  // of the points of sign plus less those of minus, at the thick vertex
   float low = 0.0, high = 0.0;
   vec4 share;
   for (int v = 0; v < 4; ++v) {
@@ -204,6 +213,7 @@ Volume classify(in ScreenPoint s[4], in vec3 edge[4], in float scalar[4]) {
     share[v] = positive ? lambda[v] / weight : -lambda[v] / minus_weight;
     q_difference += positive ? share[v] * dq[v] : -share[v] * dq[v];
     s_difference += positive ? share[v] * ds[v] : -share[v] * ds[v];
+    shade_difference += positive ? share[v] * dshade[v] : -share[v] * dshade[v];
     low = min(low, dq[v]);
     high = max(high, dq[v]);
   }
@@ -212,6 +222,7 @@ Volume classify(in ScreenPoint s[4], in vec3 edge[4], in float scalar[4]) {
   volume.thick = thick;
   volume.q_min = s[0].q + low;
   volume.slope = s_difference / q_difference;
+  volume.shade_slope = shade_difference / q_difference;
   for (int v = 0; v < 4; ++v) volume.side[v] = side_of(share[v], thick);
   volume.quadrilateral = number == 2u;
   if (number != 2u) {
@@ -261,7 +272,7 @@ void main() {
 
   ScreenPoint s[4];
   vec3 edge[4];
-  float scalar[4];
+  float scalar[4], shade[4];
   uint all_outside = ~0u, any_outside = 0u;
   vec4 first = used ? points[ids.x] : vec4(0.0);
   for (int v = 0; v < 4; ++v) {
@@ -269,6 +280,11 @@ void main() {
     s[v] = project(point.xyz);
     edge[v] = turn_to_view(point.xyz - first.xyz);
     scalar[v] = point.w;
+#ifdef BODY_SHADING
+    shade[v] = used ? shades[ids[v]] : 1.0;
+#else
+    shade[v] = 1.0;
+#endif
     all_outside &= s[v].outside;
     any_outside |= s[v].outside;
   }
@@ -287,7 +303,7 @@ void main() {
     if (apart)
       wide = back_faces(s, edge);
     else
-      volume = classify(s, edge, scalar);
+      volume = classify(s, edge, scalar, shade);
     count = 3u * (volume.triangles + uint(bitCount(wide)));
   }
 #ifdef SURFACES
@@ -329,11 +345,11 @@ void main() {
         for (uint j = 0u; j < 3u; ++j) tent[j] = j == k ? volume.side[corner[j]].x : volume.side[corner[j]].y;
       }
 #ifdef ORTHOGRAPHIC
-      float scalar_q = scalar[v];
+      float w = 1.0;
 #else
-      float scalar_q = scalar[v] * s[v].q;
+      float w = s[v].q;
 #endif
-      put(s[v].xy, s[v].q, floatBitsToUint(tent), volume.q_min, style_kind, vec2(scalar_q, volume.slope));
+      put(s[v].xy, s[v].q, floatBitsToUint(tent), volume.q_min, style_kind, vec2(w * scalar[v], volume.slope), vec2(w * shade[v], volume.shade_slope));
     }
   }
 #ifdef SURFACES

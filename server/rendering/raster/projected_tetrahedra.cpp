@@ -16,7 +16,13 @@ namespace {
 struct Corner {
   double x, y, q;
   double scalar_q;  // linear on the screen over every plane, like q: the scalar times q, or itself where rays are parallel
+  double shade_q = 0;  // the same of the shade
 };
+
+template <class Vertex>
+constexpr bool kLinear = std::is_base_of_v<LinearVertex, Vertex>;
+template <class Vertex>
+constexpr bool kShaded = std::is_same_v<ShadedVertex, Vertex>;
 
 constexpr double kSnap = 1.0 / 128;  // pixels: rasterizers move vertices to a grid of 1/256
 // Where a corner has less than this share of the thick vertex, the side across from it is a face seen edge-on: the tent does not
@@ -49,7 +55,7 @@ struct Emitter {
 
 template <class Vertex>
 Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent2, double q_min, std::uint32_t style_kind,
-                   double slope) {
+                   double slope, double shade_slope) {
   Vertex v;
   v.x = static_cast<float>(corner.x);
   v.y = static_cast<float>(corner.y);
@@ -59,9 +65,13 @@ Vertex make_vertex(const Corner& corner, double tent0, double tent1, double tent
   v.tent[2] = static_cast<float>(tent2);
   v.q_min = static_cast<float>(q_min);
   v.style_kind = style_kind;
-  if constexpr (std::is_same_v<Vertex, LinearVertex>) {
+  if constexpr (kLinear<Vertex>) {
     v.scalar_q = static_cast<float>(corner.scalar_q);
     v.slope = static_cast<float>(slope);
+  }
+  if constexpr (kShaded<Vertex>) {
+    v.shade_q = static_cast<float>(corner.shade_q);
+    v.shade_slope = static_cast<float>(shade_slope);
   }
   return v;
 }
@@ -86,18 +96,19 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
   if (np == 0 || nm == 0 || !(weight > 0) || !std::isfinite(weight)) return;  // seen edge-on: covers nothing
 
   // At the thick vertex: what the points of each sign say about q and the scalar there.
-  double q_plus = 0, q_minus = 0, s_plus = 0, s_minus = 0;
+  double q_plus = 0, q_minus = 0, s_plus = 0, s_minus = 0, shade_plus = 0, shade_minus = 0;
   double q_min = corner[0].q, q_max = corner[0].q;
   for (std::size_t v = 0; v < 4; ++v) {
     const double share = std::abs(lambda[v]) / weight;
     (lambda[v] > 0 ? q_plus : q_minus) += share * corner[v].q;
     (lambda[v] > 0 ? s_plus : s_minus) += share * corner[v].scalar_q;
+    (lambda[v] > 0 ? shade_plus : shade_minus) += share * corner[v].shade_q;
     q_min = std::min(q_min, corner[v].q);
     q_max = std::max(q_max, corner[v].q);
   }
   const double thick = std::min(std::abs(q_plus - q_minus), q_max - q_min);  // D
   if (!(thick > 0)) return;
-  const double slope = (s_plus - s_minus) / (q_plus - q_minus);
+  const double slope = (s_plus - s_minus) / (q_plus - q_minus), shade_slope = (shade_plus - shade_minus) / (q_plus - q_minus);
   // The function of the side across from corner v: 0 on the side and D at the thick vertex, so D over v's share of it at v.
   struct Side {
     double at_corner, elsewhere;
@@ -108,7 +119,7 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
     return {thick / share, 0};
   };
   const auto put = [&](std::size_t v, double t0, double t1, double t2, std::uint32_t at_back) {
-    out.push_back(make_vertex<Vertex>(corner[v], t0, t1, t2, q_min, style << KIND_BITS | at_back, slope));
+    out.push_back(make_vertex<Vertex>(corner[v], t0, t1, t2, q_min, style << KIND_BITS | at_back, slope, shade_slope));
   };
 
   if (np != 2) {  // class 1: the single one projects into the triangle of the others, which is drawn
@@ -139,10 +150,10 @@ void emit(const std::array<Corner, 4>& corner, std::uint32_t style, const Emitte
 Corner corner_of(const ClipVertex& v, const Projection& projection) {
   if (projection.orthographic)
     return {v.position.x * projection.focal + projection.axis_x, v.position.y * projection.focal + projection.axis_y,
-            projection.nearness(v.position.z), v.scalar};
+            projection.nearness(v.position.z), v.scalar, v.shade};
   const double q = 1 / v.position.z;
   return {v.position.x * projection.focal * q + projection.axis_x, v.position.y * projection.focal * q + projection.axis_y, q,
-          v.scalar * q};
+          v.scalar * q, v.shade * q};
 }
 
 void slice_by_depth(std::vector<ClipTetrahedron>& pieces, double near_depth) {
@@ -175,7 +186,9 @@ void emit_clipped(const TetrahedraSource& source, std::uint32_t id, std::uint32_
   for (std::size_t v = 0; v < 4; ++v) {
     const std::uint32_t point = source.mesh->tetrahedra[id][v];
     whole[v].position = view_of_point(*source.mesh, point, projection);
-    if constexpr (std::is_same_v<Vertex, LinearVertex>) whole[v].scalar = (*source.color_values)[point];
+    if constexpr (kLinear<Vertex>)
+      if (source.color_values) whole[v].scalar = (*source.color_values)[point];
+    if constexpr (kShaded<Vertex>) whole[v].shade = source.shades[point];
   }
   std::vector<ClipTetrahedron> pieces{whole};
   const auto slope_x = [&](double sign) { return (projection.guard() + sign * projection.axis_x) / projection.focal; };
@@ -228,7 +241,7 @@ void emit_facet(const TetrahedraSource& source, std::uint32_t index, const Bound
       const double w = to.orthographic ? 1.0 : view.z;
       corner[v] = {view.x * to.focal + to.axis_x * w, view.y * to.focal + to.axis_y * w, w, 0};
     }
-    Vertex vertex = make_vertex<Vertex>(corner[v], 0, 0, 0, 0, std::uint32_t{facet.interval} << KIND_BITS | kind, 0);
+    Vertex vertex = make_vertex<Vertex>(corner[v], 0, 0, 0, 0, std::uint32_t{facet.interval} << KIND_BITS | kind, 0, 0);
     vertex.tent[0] = std::bit_cast<float>(index);
     out.push_back(vertex);
   }
@@ -265,8 +278,9 @@ void emit_all(const TetrahedraSource& source, std::span<const std::uint32_t> tet
       all &= p.outside;
       any |= p.outside;
       corner[v] = {p.x, p.y, p.q, 0};
-      if constexpr (std::is_same_v<Vertex, LinearVertex>)
-        corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * (perspective ? p.q : 1.0);
+      if constexpr (kLinear<Vertex>)
+        if (source.color_values) corner[v].scalar_q = static_cast<double>((*source.color_values)[ids[v]]) * (perspective ? p.q : 1.0);
+      if constexpr (kShaded<Vertex>) corner[v].shade_q = static_cast<double>(source.shades[ids[v]]) * (perspective ? p.q : 1.0);
     }
     if (all & (kTooNear | kLeft | kRight | kBelow | kAbove))
       continue;  // wholly on the far side of one plane of the pyramid of view
@@ -357,6 +371,9 @@ void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32
   emit_all(source, tetrahedra, out);
 }
 void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<LinearVertex>& out) {
+  emit_all(source, tetrahedra, out);
+}
+void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<ShadedVertex>& out) {
   emit_all(source, tetrahedra, out);
 }
 

@@ -74,15 +74,21 @@ struct ConstantVertex {
 struct LinearVertex : ConstantVertex {
   float scalar_q, slope;
 };
+/// Of bodies that are shaded (picture/body_shading.h), whatever their colours.
+struct ShadedVertex : LinearVertex {
+  float shade_q, shade_slope;
+};
+static_assert(sizeof(ShadedVertex) == 4 * SHADED_VERTEX_WORDS);
 static_assert(sizeof(ConstantVertex) == 4 * VERTEX_WORDS && sizeof(LinearVertex) == 4 * LINEAR_VERTEX_WORDS);
 
 struct TetrahedraSource {
   const IntervalMesh* mesh = nullptr;
-  const std::vector<float>* color_values = nullptr;  // [np], for LinearVertex
+  const std::vector<float>* color_values = nullptr;  // [np], for LinearVertex; of a ShadedVertex null where all colours are constant
   std::span<const ScreenPoint> points;               // [np]
   const Projection* projection = nullptr;
   const SurfaceFacets* facets = nullptr;   // null: none is drawn
   std::span<const std::uint32_t> parts{};  // [intervals] drawn_parts(); empty: the volume of all
+  std::span<const float> shades{};         // [np], for ShadedVertex
 };
 
 /// Appends the triangles of these tetrahedra, in this order: three or six vertices each, none for those that cover no pixel
@@ -90,5 +96,6 @@ struct TetrahedraSource {
 /// and those in front after it. Any thread.
 void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<ConstantVertex>& out);
 void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<LinearVertex>& out);
+void emit_tetrahedra(const TetrahedraSource& source, std::span<const std::uint32_t> tetrahedra, std::vector<ShadedVertex>& out);
 
 }  // namespace isostrata

@@ -12,6 +12,10 @@ noperspective in float scalar_q;
 flat in float slope;
 flat in vec4 map;
 #endif
+#ifdef BODY_SHADING
+noperspective in float shade_q;
+flat in float shade_slope;
+#endif
 
 layout(location = 0) out vec4 color;
 #ifdef NEAREST_DEPTH
@@ -24,6 +28,9 @@ layout(location = 2) out vec4 seen_at;  // the depth times alpha, 0, 0, alpha; b
 #ifdef WIDE
 layout(std430, binding = BUFFER_MESH_POINTS) readonly restrict buffer PointBuffer { vec4 points[]; };
 layout(std430, binding = BUFFER_MESH_CELLS) readonly restrict buffer CellBuffer { uvec4 cells[]; };
+#ifdef BODY_SHADING
+layout(std430, binding = BUFFER_SHADES) readonly restrict buffer ShadeBuffer { float shades[]; };
+#endif
 #endif
 #ifdef SURFACES
 layout(std430, binding = BUFFER_FACETS) readonly restrict buffer FacetBuffer { FacetCorner corners[]; };
@@ -50,6 +57,7 @@ struct Ray {
 struct Segment {
   float front, path;           // depth, length along the ray
   float scalar_front, scalar_back;
+  vec2 shade;                  // of the light that is left at the front and at the back
 };
 
 Ray ray_here() {
@@ -85,7 +93,7 @@ bool wide_segment(Ray ray, uint tetrahedron, out Segment segment) {
     scalar[v] = point.w;
   }
   float enter = ray.first, leave = ray.last;
-  vec2 scalar_line = vec2(0.0);
+  vec2 scalar_line = vec2(0.0), shade_line = vec2(0.0);
   float low = 3e38, high = -3e38;
   for (int v = 0; v < 4; ++v) {
     vec3 a = p[(v + 1) & 3];
@@ -100,12 +108,15 @@ bool wide_segment(Ray ray, uint tetrahedron, out Segment segment) {
     else if (weight.x < 0.0)
       return false;
     scalar_line += scalar[v] * weight;
+#ifdef BODY_SHADING
+    shade_line += shades[ids[v]] * weight;
+#endif
     low = min(low, scalar[v]);
     high = max(high, scalar[v]);
   }
   if (!(leave > enter)) return false;
   segment = Segment(enter, (leave - enter) * ray.depth_per_length, clamp(scalar_line.x + scalar_line.y * enter, low, high),
-                    clamp(scalar_line.x + scalar_line.y * leave, low, high));
+                    clamp(scalar_line.x + scalar_line.y * leave, low, high), clamp(shade_line.x + shade_line.y * vec2(enter, leave), 0.0, 1.0));
   return true;
 }
 #endif
@@ -132,14 +143,23 @@ bool tent_segment(Ray ray, bool drawn_at_back, out Segment segment) {
   scalar_front = drawn_at_back ? other_scalar : drawn_scalar;
   scalar_back = drawn_at_back ? drawn_scalar : other_scalar;
 #endif
-  segment = Segment(depth, depths * ray.depth_per_length, scalar_front, scalar_back);
+  vec2 shade = vec2(1.0);
+#ifdef BODY_SHADING
+#ifdef ORTHOGRAPHIC
+  shade = vec2(shade_q, shade_q - side * difference * shade_slope);
+#else
+  shade = vec2(shade_q / q, (shade_q - side * difference * shade_slope) / other);
+#endif
+  shade = clamp(drawn_at_back ? shade.yx : shade, 0.0, 1.0);
+#endif
+  segment = Segment(depth, depths * ray.depth_per_length, scalar_front, scalar_back, shade);
 #ifdef CLIP_PLANES
   if (ray.first > depth || ray.last < depth + depths) {
     float from = max(ray.first, depth), to = min(ray.last, depth + depths);
     if (!(to > from)) return false;
     vec2 share = vec2(from - depth, to - depth) / depths;
     segment = Segment(from, (to - from) * ray.depth_per_length, mix(scalar_front, scalar_back, share.x),
-                      mix(scalar_front, scalar_back, share.y));
+                      mix(scalar_front, scalar_back, share.y), mix(shade.xx, shade.yy, share));
   }
 #endif
   return difference > 0.0;
@@ -208,6 +228,9 @@ void main() {
   vec4 light = linear_light(style, rgb_extinction, map, segment.path, segment.scalar_front, segment.scalar_back);
 #else
   vec4 light = constant_light(rgb_extinction, segment.path);
+#endif
+#ifdef BODY_SHADING
+  light.rgb *= mix(segment.shade.x, segment.shade.y, middle_of_light(light.a));
 #endif
   color = met ? light : vec4(0.0);
 #ifdef NEAREST_DEPTH

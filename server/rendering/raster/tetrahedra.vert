@@ -17,6 +17,11 @@ noperspective out float scalar_q;
 flat out float slope;
 flat out vec4 map;
 #endif
+#ifdef BODY_SHADING
+layout(location = ATTRIBUTE_SHADE) in vec2 shade;
+noperspective out float shade_q;
+flat out float shade_slope;
+#endif
 
 void main() {
   tent_q = vec4(tent, position.z);
@@ -27,6 +32,10 @@ void main() {
   scalar_q = scalar.x;
   slope = scalar.y;
   map = texelFetch(styles, STYLE_TEXELS * int(style_kind >> KIND_BITS) + 1);
+#endif
+#ifdef BODY_SHADING
+  shade_q = shade.x;
+  shade_slope = shade.y;
 #endif
   bool homogeneous = (style_kind & uint(KIND_HOMOGENEOUS)) != 0u;
   float w = homogeneous ? position.z : 1.0;

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "base/work.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/segments/crossable_mesh.h"
 #include "rendering/segments/segment_bins.h"
 #include "rendering/segments/segment_crossings.h"
@@ -127,6 +128,7 @@ class TilePainter {
     part.view = &view_;
     part.optics = &optics_;
     part.integral = input_.integral;
+    part.shaded = !placed_.shades.empty();
     part.tile_x = tile_x;
     part.tile_y = tile_y;
     part.x1 = std::min(kTileSize, view_.width - tile_x) - 1;
@@ -274,6 +276,7 @@ class TilePainter {
   void gather(const std::vector<SegmentEntry>& entries, std::size_t begin, CoverBatch& batch) const {
     constexpr std::size_t kPointsAhead = 12, kIdsAhead = 32;
     const std::size_t count = placed_.first_piece;
+    const bool shaded = !placed_.shades.empty();
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t at = begin + i;
       if (const std::size_t ahead = at + kIdsAhead; ahead < entries.size() && entries[ahead].id < count) {
@@ -281,12 +284,18 @@ class TilePainter {
         if (!optics_.cut) __builtin_prefetch(&input_.mesh->tetrahedron_interval[entries[ahead].id]);
       }
       if (const std::size_t ahead = at + kPointsAhead; ahead < entries.size() && entries[ahead].id < count)
-        for (const std::uint32_t point : points_of(entries[ahead].id)) __builtin_prefetch(&placed_.points[point]);
+        for (const std::uint32_t point : points_of(entries[ahead].id)) {
+          __builtin_prefetch(&placed_.points[point]);
+          if (shaded) __builtin_prefetch(&placed_.shades[point]);
+        }
       const std::uint32_t id = entries[at].id;
       batch.interval[i] = static_cast<std::int32_t>(interval_of(id));
       for (std::size_t v = 0; v < 4; ++v)
         batch.vertex[v][i] = id < count ? placed_.points[points_of(id)[v]] : placed_.pieces[id - count].vertex[v];
       if (optics_.cut) lay_inside(batch, i);
+      if (shaded)
+        for (std::size_t v = 0; v < 4; ++v)
+          batch.shade[v][i] = id < count ? placed_.shades[points_of(id)[v]] : placed_.pieces[id - count].shade[v];
     }
   }
 
@@ -390,7 +399,7 @@ bool by_crossings(const DrawInput& input, const SegmentOptics& optics, const std
   constexpr std::size_t kPixelsPerTetrahedron = 16;
   if (input.mesh->tetrahedra.size() * kPixelsPerTetrahedron > static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height))
     return false;
-  if (optics.cut || optics.groups != 1 || input.integral != Integral::exact || !input.clip_planes.empty() || input.count_fragments)
+  if (optics.cut || shades_bodies(input) || optics.groups != 1 || input.integral != Integral::exact || !input.clip_planes.empty() || input.count_fragments)
     return false;
   if (optics.group.size() > kMostCrossedIntervals) return false;
   const ColorIntegrals* integrals = nullptr;

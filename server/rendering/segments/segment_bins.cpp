@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "rendering/picture/body_shading.h"
 #include "rendering/picture/clip_tetrahedron.h"
 #include "rendering/segments/reach_tetrahedra.h"
 
@@ -15,12 +16,13 @@ constexpr std::size_t kChunk = 8192;  // tetrahedra
 
 /// Cut where the picture's pyramid of view ends, and sliced by depth: the difference of two inverse depths loses the digits by
 /// which they differ in size.
-void cut_tetrahedron(const DrawInput& input, const SegmentView& view, const std::array<std::uint32_t, 4>& points,
+void cut_tetrahedron(const DrawInput& input, const SegmentView& view, const PlacedMesh& all, const std::array<std::uint32_t, 4>& points,
                      std::uint32_t interval, std::vector<CutTetrahedron>& out) {
   ClipTetrahedron whole;
   for (std::size_t v = 0; v < 4; ++v) {
     const std::uint32_t point = points[v];
-    whole[v] = {view.seen(input.mesh->positions[point]), input.color_values ? double{(*input.color_values)[point]} : 0.0};
+    whole[v] = {view.seen(input.mesh->positions[point]), input.color_values ? double{(*input.color_values)[point]} : 0.0,
+                all.shades.empty() ? 1.0 : double{all.shades[point]}};
   }
   std::vector<ClipTetrahedron> pieces{whole};
   if (!view.orthographic) clip_tetrahedra(pieces, {0, 0, 1}, view.near_depth * 1.001);
@@ -54,7 +56,10 @@ void cut_tetrahedron(const DrawInput& input, const SegmentView& view, const std:
   for (const ClipTetrahedron& piece : pieces) {
     CutTetrahedron cut;
     cut.interval = interval;
-    for (std::size_t v = 0; v < 4; ++v) cut.vertex[v] = view.screen(piece[v].position, piece[v].scalar);
+    for (std::size_t v = 0; v < 4; ++v) {
+      cut.vertex[v] = view.screen(piece[v].position, piece[v].scalar);
+      cut.shade[v] = static_cast<float>(piece[v].shade);
+    }
     out.push_back(cut);
   }
 }
@@ -79,7 +84,7 @@ void place_chunk(const DrawInput& input, const SegmentView& view, const SegmentO
     std::size_t cuts = 0;
     result.placed += place_tetrahedra(view, batch, placed + result.placed, to_cut.data(), &cuts);
     for (std::size_t c = 0; c < cuts; ++c)
-      cut_tetrahedron(input, view, points_of(to_cut[c]), interval_of(to_cut[c]), result.pieces);
+      cut_tetrahedron(input, view, all, points_of(to_cut[c]), interval_of(to_cut[c]), result.pieces);
     batch.count = 0;
   };
   for (std::size_t t = begin; t < end; ++t) {
@@ -193,6 +198,7 @@ void place_mesh(const DrawInput& input, const SegmentView& view, const SegmentOp
   out.tiles_x = (view.width + kTileSize - 1) / kTileSize;
   out.tiles_y = (view.height + kTileSize - 1) / kTileSize;
   out.points.resize(mesh.positions.size());
+  out.shades = shades_bodies(input) ? body_shades(input) : Buffer<float>{};
   const float* const values = input.color_values ? input.color_values->data() : nullptr;
   if (optics.cut)
     reach_and_project(input, view, optics, out);

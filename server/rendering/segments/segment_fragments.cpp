@@ -29,6 +29,8 @@ struct Group {
   alignas(64) float q0[kMaxLanes], q_low[kMaxLanes], q_high[kMaxLanes];
   alignas(64) float u_x[kMaxLanes], u_y[kMaxLanes], u_q[kMaxLanes];  // gradient of u * w, w = q or 1
   alignas(64) float u0[kMaxLanes], u_low[kMaxLanes], u_high[kMaxLanes];
+  alignas(64) float f_x[kMaxLanes], f_y[kMaxLanes], f_q[kMaxLanes];  // where shaded: the same of the shade f
+  alignas(64) float f0[kMaxLanes], f_low[kMaxLanes], f_high[kMaxLanes];
   alignas(64) float color[3][kMaxLanes], color_u[3][kMaxLanes];  // colour = color + color_u * u
   alignas(64) float extinction[kMaxLanes];
   alignas(64) std::int32_t interval[kMaxLanes];
@@ -132,18 +134,29 @@ HWY_INLINE void set_up(const CoverInput& input, const CoverBatch& batch, std::si
   hn::Store(u[0], d, g.u0);
   hn::Store(hn::Sub(u_low, u[0]), d, g.u_low);
   hn::Store(hn::Sub(u_high, u[0]), d, g.u_high);
-  V u_x = zero, u_y = zero, u_q = zero;
-  for (int v = 1; v < 4; ++v) {
-    const V w = input.view->orthographic ? one : q[v];
-    const V rise = hn::Mul(hn::Sub(u[v], u[0]), w);
-    u_x = hn::MulAdd(rise, nx[v], u_x);
-    u_y = hn::MulAdd(rise, ny[v], u_y);
-    u_q = hn::MulAdd(rise, nq[v], u_q);
-  }
   const V over_volume = hn::Div(one, hn::IfThenElse(solid, volume, one));
-  hn::Store(hn::Mul(u_x, over_volume), d, g.u_x);
-  hn::Store(hn::Mul(u_y, over_volume), d, g.u_y);
-  hn::Store(hn::Mul(u_q, over_volume), d, g.u_q);
+  const auto set_gradient = [&](const V* a, float* along_x, float* along_y, float* along_q) {
+    V a_x = zero, a_y = zero, a_q = zero;
+    for (int v = 1; v < 4; ++v) {
+      const V w = input.view->orthographic ? one : q[v];
+      const V rise = hn::Mul(hn::Sub(a[v], a[0]), w);
+      a_x = hn::MulAdd(rise, nx[v], a_x);
+      a_y = hn::MulAdd(rise, ny[v], a_y);
+      a_q = hn::MulAdd(rise, nq[v], a_q);
+    }
+    hn::Store(hn::Mul(a_x, over_volume), d, along_x);
+    hn::Store(hn::Mul(a_y, over_volume), d, along_y);
+    hn::Store(hn::Mul(a_q, over_volume), d, along_q);
+  };
+  set_gradient(u, g.u_x, g.u_y, g.u_q);
+  if (input.shaded) {
+    V f[4];
+    for (int v = 0; v < 4; ++v) f[v] = hn::LoadU(d, &batch.shade[v][first]);
+    set_gradient(f, g.f_x, g.f_y, g.f_q);
+    hn::Store(f[0], d, g.f0);
+    hn::Store(hn::Sub(least(f), f[0]), d, g.f_low);
+    hn::Store(hn::Sub(most(f), f[0]), d, g.f_high);
+  }
 
   hn::Store(of_interval(optics.extinction), d, g.extinction);
   if (uniform && optics.straight[one_interval] && input.integral == Integral::exact) {
@@ -351,7 +364,10 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
     const V tau = hn::Mul(length, of(g.extinction));
     const V mean = mean_transmittance(d, tau);  // over the segment
     V alpha = hn::Mul(tau, mean);
+    const V back = hn::Add(hn::Sub(mean, one), alpha);  // of the light of a segment that is 0 at its front and 1 at its back
     V rgb[3] = {zero, zero, zero};
+    V middle_share = zero;  // where on average the light comes from, see body_shading.h
+    if (input.shaded) middle_share = hn::Min(hn::Max(hn::Div(back, hn::Max(alpha, hn::Set(d, 1e-30f))), zero), hn::Set(d, 0.5f));
     const bool by_nodes = hn::MaxLanes(d) < 16 && g.look;
     // Where nothing is left out, what is by nodes lies where it belongs at once.
     alignas(64) float light_here[kMaxLanes][4];
@@ -363,7 +379,6 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
       const V u0 = of(g.u0);
       integrated_light(d, *g.look, hn::Add(u0, u_in), hn::Add(u0, u_out), tau, alpha, rgb);
     } else {
-      const V back = hn::Add(hn::Sub(mean, one), alpha);
       const V turn = hn::Mul(back, hn::Sub(u_out, u_in));
       for (int c = 0; c < 3; ++c) {
         const V slope = of(g.color_u[c]);
@@ -385,8 +400,21 @@ HWY_INLINE void shine(const CoverInput& input, const Group& g, const std::int32_
         }
         for (int c = 0; c < 3; ++c) rgb[c] = hn::IfThenElse(own, bent[c], rgb[c]);
         alpha = hn::IfThenElse(own, bent[3], alpha);
+        if (input.shaded) middle_share = hn::IfThenElse(own, middle_of_light(d, alpha), middle_share);
         if (by_nodes) hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], hn::Neg(alpha), d, light[0]);
       }
+    }
+    if (input.shaded) {
+      const auto shade = [&](V q, V w) {
+        const V f_flat = hn::MulAdd(of(g.f_x), x, hn::Mul(of(g.f_y), y));
+        return hn::Min(hn::Max(hn::Mul(hn::MulAdd(of(g.f_q), q, f_flat), w), of(g.f_low)), of(g.f_high));
+      };
+      const V f_in = shade(q_in, hn::Mul(over, w_out)), f_out = shade(q_out, hn::Mul(over, w_in));
+      const V f = hn::Add(of(g.f0), hn::MulAdd(hn::Sub(f_out, f_in), middle_share, f_in));
+      V minus_alpha = hn::Neg(alpha);
+      if (by_nodes) hn::LoadInterleaved4(d, light[0], rgb[0], rgb[1], rgb[2], minus_alpha);
+      for (V& channel : rgb) channel = hn::Mul(channel, f);
+      if (by_nodes) hn::StoreInterleaved4(rgb[0], rgb[1], rgb[2], minus_alpha, d, light[0]);
     }
     V middle = hn::MulAdd(hn::Set(d, 2.0f), q0, hn::Add(q_in, q_out));  // positive: its bits grow with it
     V begin = hn::IfThenElse(hn::Gt(alpha, zero), hn::Add(q0, q_in), hn::Set(d, -1e30f));
@@ -420,6 +448,8 @@ std::size_t CoverTile(const CoverInput& input, CoverBatch& batch, std::size_t fi
   for (std::size_t i = batch.count; i % lanes != 0; ++i) {  // copies fill the last vector; they have no rows
     for (auto& corner : batch.vertex) corner[i] = corner[batch.count - 1];
     batch.interval[i] = batch.interval[batch.count - 1];
+    for (auto& corner : batch.shade)
+      if (input.shaded) corner[i] = corner[batch.count - 1];
   }
   Group group{};
   std::uint16_t* const rows = scratch.rows;

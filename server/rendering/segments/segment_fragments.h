@@ -35,6 +35,7 @@ struct CoverInput {
   const SegmentView* view = nullptr;
   const SegmentOptics* optics = nullptr;
   Integral integral = Integral::exact;
+  bool shaded = false;                 // by CoverBatch::shade
   int tile_x = 0, tile_y = 0;          // pixels
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // the part of the tile, both ends included
   const float* q_low = nullptr;        // [kTileSize * kTileSize] what clip planes leave of the pixels' rays, or null
@@ -45,6 +46,7 @@ struct CoverBatch {
   static constexpr std::size_t kCapacity = 128;
   alignas(64) SegmentVertex vertex[4][kCapacity];
   alignas(64) std::int32_t interval[kCapacity];
+  alignas(64) float shade[4][kCapacity];  // where CoverInput::shaded: of the light that is left, at each corner (body_shading.h)
   std::size_t count = 0;
 };
 

@@ -33,6 +33,16 @@ HWY_INLINE V mean_transmittance(D d, V tau) {
   return sum;
 }
 
+/// Of body_shading.h, to 1e-4.
+template <class D, class V>
+HWY_INLINE V middle_of_light(D d, V alpha) {
+  const V one = hn::Set(d, 1.0f), through = hn::Sub(one, alpha);
+  const V safe = hn::Max(alpha, hn::Set(d, 0.05f));
+  const V deep = hn::Sub(hn::Div(hn::Set(d, -1.0f), hn::Log(d, hn::Min(hn::Max(through, hn::Set(d, 1e-7f)), hn::Set(d, 0.95f)))), hn::Div(through, safe));
+  const V thin = hn::NegMulAdd(hn::MulAdd(alpha, hn::Set(d, 1.0f / 24), hn::Set(d, 1.0f / 12)), alpha, hn::Set(d, 0.5f));
+  return hn::IfThenElse(hn::Lt(alpha, hn::Set(d, 0.05f)), thin, deep);
+}
+
 /// Entry index of a table of kMostPieces numbers.
 template <class D, class VI>
 HWY_INLINE hn::Vec<D> piece_entry(D d, const float* table, VI index) {

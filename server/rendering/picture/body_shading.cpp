@@ -1,0 +1,21 @@
+#include "rendering/picture/body_shading.h"
+
+#include "base/parallel.h"
+
+namespace isostrata {
+
+Buffer<float> body_shades(const DrawInput& input) {
+  const std::size_t np = input.mesh->positions.size();
+  const Camera& camera = input.camera;
+  const Vec3d backwards = camera.eye - camera.at;
+  Buffer<float> shades(np);
+  parallel_for(static_cast<std::int64_t>(np), 8192, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      const Vec3d towards_eye = camera.orthographic ? backwards : camera.eye - input.mesh->positions[i];
+      shades[i] = static_cast<float>(body_shade((*input.body_normals)[i], towards_eye, input.body_shading));
+    }
+  });
+  return shades;
+}
+
+}  // namespace isostrata
