@@ -202,10 +202,10 @@ Combined combine_arrays(const Grid& grid, const PointArray& array, std::span<con
   };
   std::vector<FieldTerm> chain;
   for (const ArrayTerm& term : terms) chain.push_back({term.op, field_of(term.array), term.range});
-  const std::size_t with_surfaces = options.normals ? arrays.size() : 0;
+  const std::size_t with_directions = options.normals ? arrays.size() : options.body_normals ? 1 : 0;
   std::vector<int> wanted;
   for (const PointArray* other : carried) wanted.push_back(field_of(other));
-  const std::size_t fields_needed = arrays.size() + 3 * with_surfaces;
+  const std::size_t fields_needed = arrays.size() + 3 * with_directions;
   check_budget(std::to_string(fields_needed) + " arrays at " + std::to_string(base.positions.size()) + " points",
                fields_needed * base.positions.size() * sizeof(double), options.max_bytes);
   std::vector<Buffer<double>> fields(1);
@@ -213,14 +213,16 @@ Combined combine_arrays(const Grid& grid, const PointArray& array, std::span<con
     const Buffer<double> weights = exact_weights(base, array);
     for (std::size_t i = 1; i < arrays.size(); ++i) fields.push_back(carry_values(base, weights, *arrays[i]));
   }
-  append_directions(grid, std::span(arrays).first(with_surfaces), base, fields, task);
+  append_directions(grid, std::span(arrays).first(with_directions), base, fields, task);
   fields[0] = std::move(base.values);
   Combined out = combine_ranges(std::move(base), intervals.size(), std::move(fields), chain, options, task);
-  if (with_surfaces > 0) {
+  const auto directions = std::span(out.fields).subspan(arrays.size());
+  if (options.normals) {
     std::vector<int> array_of_range(intervals.size(), 0);
     for (const FieldTerm& term : chain) array_of_range.push_back(term.field);
-    out.normals = surface_normals(out.mesh, array_of_range, std::span(out.fields).subspan(arrays.size()));
+    out.normals = surface_normals(out.mesh, array_of_range, directions);
   }
+  if (options.body_normals) out.body_normals = unit_directions(directions.first(3));
   // fields[0] is empty; the carried arrays follow in their order, whichever of them are terms' too.
   std::vector<Buffer<double>> brought(1);
   for (std::size_t i = 0; i < wanted.size(); ++i) {

@@ -19,6 +19,25 @@ void append_directions(const Grid& grid, std::span<const PointArray* const> arra
   }
 }
 
+namespace {
+
+Vec3f unit_direction(std::span<const Buffer<double>> directions, std::size_t point) {
+  const Vec3d n{directions[0][point], directions[1][point], directions[2][point]};
+  const double size = length(n);
+  if (!(size > 0)) return {};  // NaN, too
+  return {static_cast<float>(n.x / size), static_cast<float>(n.y / size), static_cast<float>(n.z / size)};
+}
+
+}  // namespace
+
+std::vector<Vec3f> unit_directions(std::span<const Buffer<double>> directions) {
+  std::vector<Vec3f> normals(directions[0].size());
+  parallel_for(static_cast<std::int64_t>(normals.size()), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+    for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) normals[p] = unit_direction(directions, p);
+  });
+  return normals;
+}
+
 std::vector<Vec3f> surface_normals(const IntervalMesh& mesh, std::span<const int> array_of_range,
                                    std::span<const Buffer<double>> directions) {
   constexpr int kNone = -1, kSeveral = -2;
@@ -31,14 +50,8 @@ std::vector<Vec3f> surface_normals(const IntervalMesh& mesh, std::span<const int
   }
   std::vector<Vec3f> normals(array_at.size());
   parallel_for(static_cast<std::int64_t>(normals.size()), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t p = begin; p < end; ++p) {
-      if (array_at[p] < 0) continue;
-      const auto field = static_cast<std::size_t>(3 * array_at[p]);
-      const Vec3d n{directions[field][p], directions[field + 1][p], directions[field + 2][p]};
-      const double size = length(n);
-      if (!(size > 0)) continue;  // NaN, too
-      normals[p] = {static_cast<float>(n.x / size), static_cast<float>(n.y / size), static_cast<float>(n.z / size)};
-    }
+    for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
+      if (array_at[p] >= 0) normals[p] = unit_direction(directions.subspan(static_cast<std::size_t>(3 * array_at[p]), 3), p);
   });
   return normals;
 }

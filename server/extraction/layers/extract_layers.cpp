@@ -28,9 +28,10 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
   };
   Combined combined =
       combine_arrays(dataset.grid, array, request.intervals, terms, carry, extract,
-                     {request.facets, request.normals, request.max_bytes}, task);
+                     {request.facets, request.normals, request.body_normals, request.max_bytes}, task);
   layers.mesh = std::move(combined.mesh);
   layers.normals = std::move(combined.normals);
+  layers.body_normals = std::move(combined.body_normals);
   for (std::size_t i = 0; i < carry.size(); ++i)
     layers.carried.push_back({carry[i]->name, {combined.fields[i + 1].begin(), combined.fields[i + 1].end()}});
 }

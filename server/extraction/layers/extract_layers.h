@@ -33,6 +33,7 @@ struct LayerRequest {
   bool facets = false;                    // fill IntervalMesh::facets
   bool tetrahedra = true;                 // as ExtractOptions: of whole values alone
   bool normals = false;                   // with terms and facets: fill Layers::normals
+  bool body_normals = false;              // with terms: fill Layers::body_normals
   std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
 
   bool operator==(const LayerRequest&) const = default;
@@ -57,6 +58,7 @@ struct Layers {
   IntervalMesh mesh;                       // without origins in space-time mode
   std::vector<MeshArray> carried;          // one per LayerRequest::carry; of whole values those that belong to cells are in_cells
   std::vector<Vec3f> normals;              // [np] of the surfaces of combined ranges (combined_normals.h); not of slices
+  std::vector<Vec3f> body_normals;         // [np] of combined ranges, along the gradient of LayerRequest::array; not of slices
   LayerTime time;
 };
 

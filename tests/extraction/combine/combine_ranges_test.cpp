@@ -503,8 +503,9 @@ TEST(CombineRanges, SurfacesHaveTheDirectionOfTheArrayThatTheyAreOf) {
     const auto extract = [&](const Grid& on, const PointArray& a, std::span<const Interval> i, const ExtractOptions& options) {
       return extract_intervals(on, a, i, options, Task{});
     };
-    const Combined all = combine_arrays(dataset->grid, ball, intervals, terms, {}, extract, {.facets = true, .normals = true}, Task{});
+    const Combined all = combine_arrays(dataset->grid, ball, intervals, terms, {}, extract, {.facets = true, .normals = true, .body_normals = true}, Task{});
     ASSERT_EQ(all.normals.size(), all.mesh.positions.size());
+    ASSERT_EQ(all.body_normals.size(), all.mesh.positions.size());
     std::vector<std::set<int>> ranges(all.normals.size());
     for (const BoundaryFacet& facet : all.mesh.facets)
       for (const std::uint32_t p : facet.points) ranges[p].insert(facet.range);
@@ -517,6 +518,10 @@ TEST(CombineRanges, SurfacesHaveTheDirectionOfTheArrayThatTheyAreOf) {
         continue;
       }
       const bool of_ball = *ranges[p].begin() == 0;
+      const Vec3d body{all.body_normals[p].x, all.body_normals[p].y, all.body_normals[p].z}, out = all.mesh.positions[p] - center;
+      if (length(out) > 0.1 * size) {
+        ASSERT_GT(dot(body, normalized(out)), 0.9) << "the ball's everywhere, " << p;
+      }
       ++(of_ball ? on_ball : on_slab);
       ASSERT_GT(dot(n, of_ball ? normalized(all.mesh.positions[p] - center) : axis), of_ball ? 0.99 : 0.99999) << p;
     }
