@@ -163,7 +163,11 @@ class FirstRank final : public SceneRanks {
     check(input);
     const Stopwatch watch;
     const std::lock_guard lock(line_.mutex());
-    const auto found = std::find_if(drawable_.begin(), drawable_.end(), [&](const auto& of) { return of.second.key == key_of(input) && !of.second.extracted.expired(); });
+    const auto found = std::find_if(drawable_.begin(), drawable_.end(), [&](const auto& of) {
+      const auto held = of.second.extracted.lock();
+      // Of one mesh there may be an extraction from before its bodies were shaded.
+      return held && of.second.key == key_of(input) && (!(input.body_shading > 0) || held->body_normals == input.body_normals);
+    });
     if (found == drawable_.end()) throw Error(ErrorCode::internal, "a picture of what the ranks have not extracted");
     const auto extracted = found->second.extracted.lock();
     RankDraw order;
@@ -175,6 +179,7 @@ class FirstRank final : public SceneRanks {
     order.integral = input.integral;
     order.clip_planes = input.clip_planes;
     order.with_normals = lit_along_gradient(input);  // of a rank that draws from bricks none are there before it draws
+    order.body_shading = input.body_shading;
     order.camera = input.camera;
     order.width = input.width;
     order.height = input.height;

@@ -175,6 +175,8 @@ class OtherRank {
     input.color_values = extracted.color_values;
     input.bricks = extracted.bricks;
     if (order.with_normals) input.normals = extracted.normals;
+    if (order.body_shading > 0) input.body_normals = extracted.body_normals;
+    input.body_shading = order.body_shading;
     input.texture_values = extracted.texture_values;
     input.styles = order.styles;
     input.mode = order.mode;

@@ -133,6 +133,7 @@ struct Scene {
   Annotations annotations;             // drawn by the server, beside the volume
   ColorRange color_range;
   DepthLight light;
+  double body_shading = 0;  // in [0, 1]: how far interiors are shaded along the gradient of `array`
 
   bool operator==(const Scene&) const = default;
 };

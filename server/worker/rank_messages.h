@@ -48,6 +48,7 @@ struct RankDraw {
   Integral integral = Integral::exact;
   std::vector<ClipPlane> clip_planes;
   bool with_normals = false;
+  double body_shading = 0;
   Camera camera;
   int width = 0, height = 0;
   PictureWindow window;

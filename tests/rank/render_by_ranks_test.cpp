@@ -60,6 +60,14 @@ TEST(RenderByRanks, LightByDepthLooksAsByOneProcess) {
   expect_same(folder, kTorus + "--mode prioritized --interval 0:0.1,priority=2,opacity=0.5 --interval 0.1:0.4,priority=1,opacity=0.5" + light, {4});
 }
 
+// Of constant colours: a region's plane cuts segments, and where colours run the shade of a segment is not that of its parts.
+TEST(RenderByRanks, ShadedBodiesLookAsByOneProcess) {
+  const TemporaryFolder folder;
+  const std::string shading = " --body-shading 0.8";
+  expect_same(folder, kTorus + "--interval 0:0.3,color=#ff3020,opacity=0.4" + shading, {2, 4});
+  expect_same(folder, "tets:9 --size 120x90 --interval 0.2:0.6,opacity=0.4" + shading, {3});
+}
+
 TEST(RenderByRanks, PrioritiesCombinedRangesAndClipPlanesLookAsByOneProcess) {
   const TemporaryFolder folder;
   expect_same(folder, kTorus + "--mode prioritized --interval 0:0.1,priority=2,opacity=0.5 --interval 0.1:0.4,priority=1,opacity=0.5", {4});

@@ -19,6 +19,10 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
       scene.mode == SceneMode::prioritized || scene.mode == SceneMode::smear ? RenderMode::prioritized : RenderMode::sorted;
   input.integral = scene.integral;
   if (lit_along_gradient(input)) input.normals = extracted.normals;
+  if (scene.body_shading > 0 && extracted.body_normals) {
+    input.body_normals = extracted.body_normals;
+    input.body_shading = scene.body_shading;
+  }
   input.texture_values = extracted.texture_values;
   input.camera = scene.camera ? *scene.camera : view_of(input.bounds, "reset", static_cast<double>(width) / height);
   input.width = width;

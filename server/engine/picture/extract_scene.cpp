@@ -54,19 +54,25 @@ std::vector<Values> extract(ExtractedScene& made, const LayerRequest& request, c
   made.mesh = std::make_shared<const IntervalMesh>(std::move(layers.mesh));
   made.normals_wanted = request.normals;
   if (!layers.normals.empty()) made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(layers.normals));
+  made.body_normals_wanted = request.body_normals;
+  if (request.body_normals && layers.body_normals.size() == made.mesh->positions.size())
+    made.body_normals = std::make_shared<const std::vector<Vec3f>>(std::move(layers.body_normals));
   std::vector<Values> carried;
   for (MeshArray& array : layers.carried) carried.push_back(std::make_shared<const std::vector<float>>(std::move(array.values)));
   return carried;
 }
 
-/// The gradient of an array that is not in the dataset at that time (a slice's, say) is not known.
-void add_normals(ExtractedScene& made, const Task& task) {
+/// The gradient of an array that is not in the dataset at that time (a slice's, say) is not known. bodies: at all points.
+void add_normals(ExtractedScene& made, bool bodies, const Task& task) {
   made.normals_wanted = true;
+  made.body_normals_wanted = made.body_normals_wanted || bodies;
   const auto& arrays = made.dataset->arrays;
   const auto found = std::find_if(arrays.begin(), arrays.end(), [&](const PointArray& a) { return a.name == made.array; });
   if (found == arrays.end()) return;
-  std::vector<Vec3f> normals = gradient_normals(made.dataset->grid, *found, *made.mesh, task);
-  if (!normals.empty()) made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(normals));
+  std::vector<Vec3f> normals = gradient_normals(made.dataset->grid, *found, *made.mesh, task, bodies ? NormalsAt::all_points : NormalsAt::facets);
+  if (normals.size() != made.mesh->positions.size()) return;
+  made.normals = std::make_shared<const std::vector<Vec3f>>(std::move(normals));
+  if (bodies) made.body_normals = made.normals;
 }
 
 /// The mesh that was extracted for `last`, with the arrays that it has, and others that are brought to it.
@@ -78,6 +84,8 @@ void reuse_mesh(ExtractedScene& made, const ExtractedScene& last, const Extracti
   made.mesh = last.mesh;
   made.normals = last.normals;
   made.normals_wanted = last.normals_wanted;
+  made.body_normals = last.body_normals;
+  made.body_normals_wanted = last.body_normals_wanted;
   const auto carried = [&](const std::string& name) {
     return std::make_shared<const std::vector<float>>(carry_array(*made.mesh, made.steps.front()->array(name)));
   };
@@ -89,6 +97,7 @@ void reuse_mesh(ExtractedScene& made, const ExtractedScene& last, const Extracti
   made.request.facets = last.request.facets;
   made.request.tetrahedra = last.request.tetrahedra;
   made.request.normals = last.request.normals;
+  made.request.body_normals = last.request.body_normals;
 }
 
 /// last: null, or what may have kept something for the next time.
@@ -144,7 +153,8 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
       reuse_mesh(*made, *last, plan);
     else
       extract_mesh(*made, last.get(), plan, steps, task, aids);
-    if (plan.lit && !made->normals_wanted && !made->dataset->grid.flat()) add_normals(*made, task);
+    if (((plan.lit && !made->normals_wanted) || (plan.shaded && !made->body_normals_wanted)) && !made->dataset->grid.flat())
+      add_normals(*made, plan.shaded || made->body_normals_wanted, task);
     set_range(made->steps.front()->array(made->color_by), scene.values, made->color_lower, made->color_upper);
     set_range(made->steps.front()->array(made->texture), scene.values, made->texture_lower, made->texture_upper);
     made->bounds = made->dataset->bounds;

@@ -16,7 +16,7 @@ std::uint64_t scene_bytes(const ExtractedScene& extracted) {
   if (extracted.bricks) return extracted.bricks->bytes();
   // What is drawn is the mesh's points and tetrahedra, or its facets, once more.
   return 2 * mesh_bytes(*extracted.mesh) + bytes(extracted.color_values) + bytes(extracted.texture_values) + bytes(extracted.normals) +
-         extracted.time.bytes;
+         (extracted.body_normals != extracted.normals ? bytes(extracted.body_normals) : 0) + extracted.time.bytes;
 }
 
 void set_range(const PointArray& array, FieldValues values, double& lower, double& upper) {

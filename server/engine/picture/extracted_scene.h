@@ -39,6 +39,8 @@ struct ExtractedScene {
   double texture_lower = 0, texture_upper = 1;               // its range in the first of `steps`
   std::shared_ptr<const std::vector<Vec3f>> normals;         // null where none are known
   bool normals_wanted = false;                               // whether they were looked for
+  std::shared_ptr<const std::vector<Vec3f>> body_normals;    // along the gradient of `array` at each point; null where none are known or wanted
+  bool body_normals_wanted = false;
   Box3d bounds;                                              // of the grids
   bool same_grid = true;                                     // of all parts: the one that a visibility order may be taken from
   std::vector<SmearPart> parts;                              // of a smear, one a moment, in their order

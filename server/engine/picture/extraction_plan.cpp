@@ -20,6 +20,7 @@ bool same_mesh(const ExtractedScene& previous, const LayerRequest& request, cons
   LayerRequest wanted = request;
   wanted.facets = wanted.facets || previous.request.facets;  // more than is asked for does no harm
   wanted.normals = wanted.normals || previous.request.normals;
+  wanted.body_normals = wanted.body_normals || previous.request.body_normals;
   wanted.tetrahedra = wanted.tetrahedra || previous.request.tetrahedra;
   return previous.request == wanted && std::all_of(previous.steps.begin(), previous.steps.end(),
                                                    [&](const auto& used) { return steps(used->step, task) == used; });
@@ -37,7 +38,8 @@ bool has_values(const ExtractedScene& last, const ExtractionPlan& plan) {
 Reuse reuse_of_mesh(const ExtractedScene& last, const ExtractionPlan& plan, const StepSource& steps, const Task& task) {
   if (!same_mesh(last, plan.layers, steps, task)) return Reuse::nothing;
   const bool values = has_values(last, plan);
-  if (values && last.color_by == plan.names.color_by && last.texture == plan.names.texture && (last.normals_wanted || !plan.lit)) return Reuse::everything;
+  const bool normals = (last.normals_wanted || !plan.lit) && (last.body_normals_wanted || !plan.shaded);
+  if (values && normals && last.color_by == plan.names.color_by && last.texture == plan.names.texture) return Reuse::everything;
   return values || can_carry(last) ? Reuse::mesh : Reuse::as_mesh;
 }
 
@@ -61,6 +63,7 @@ ExtractionPlan plan_extraction(const Scene& scene, const std::string& array, con
   plan.colored = uses_color_values(scene);
   plan.textured = uses_texture(scene);
   plan.lit = lights_along_gradient(scene);
+  plan.shaded = shades_bodies(scene);
   plan.cuts = aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, array);
   // A renderer that draws constant colours by facets needs no more of whole cells, of which a segmentation has millions.
   plan.layers.tetrahedra = scene.values == FieldValues::interpolated || plan.colored || plan.textured || scene.mode == SceneMode::smear || !aids.bricks ||
@@ -88,6 +91,7 @@ bool ends_moved(const ExtractedScene* last, const ExtractionPlan& plan) {
   request.tetrahedra = last->request.tetrahedra;
   request.facets = last->request.facets;
   request.normals = last->request.normals;
+  request.body_normals = last->request.body_normals;
   request.intervals = last->request.intervals;
   return last->request == request;
 }

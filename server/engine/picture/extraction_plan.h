@@ -43,7 +43,8 @@ struct ExtractionPlan {
   std::vector<SmearMoment> moments;  // of a smear; else none
   ArrayNames names;
   bool colored = false, textured = false;  // values of these arrays are wanted
-  bool lit = false;                        // along the field's gradient
+  bool lit = false;                        // surfaces, along the field's gradient
+  bool shaded = false;                     // interiors, along the same
   bool cuts = false;                       // a renderer can cut the intervals out of a grid of tetrahedra, and may
   // From how many tetrahedra on the layers are left to the renderer as bricks, on a grid of boxes and on any structured grid; nothing: never.
   std::optional<std::int64_t> least_of_boxes, least_of_any;

@@ -38,6 +38,8 @@ bool lights_along_gradient(const Scene& scene) {
   return any && !domain;
 }
 
+bool shades_bodies(const Scene& scene) { return scene.body_shading > 0 && scene.values == FieldValues::interpolated; }
+
 ArrayNames array_names(const Scene& scene, const std::string& array) {
   const std::string& color_by = scene.color_by.empty() ? array : scene.color_by;
   return {color_by, scene.texture.empty() ? color_by : scene.texture};
@@ -60,6 +62,7 @@ LayerRequest layer_request(const Scene& scene, const std::string& array) {
   if (uses_texture(scene) && (request.carry.empty() || texture != color_by)) request.carry.push_back(texture);
   request.facets = draws_surfaces(scene) || !uses_color_values(scene);
   request.normals = lights_along_gradient(scene) && !scene.terms.empty();
+  request.body_normals = shades_bodies(scene) && !scene.terms.empty();
   if (const std::vector<SmearMoment> moments = smear_moments(scene); !moments.empty()) {
     request.step = moments.front().step;
     request.time = moments.front().time;
@@ -82,7 +85,7 @@ std::vector<SmearMoment> smear_moments(const Scene& scene) {
 
 bool same_extraction(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
-         lights_along_gradient(a) == lights_along_gradient(b);
+         lights_along_gradient(a) == lights_along_gradient(b) && shades_bodies(a) == shades_bodies(b);
 }
 
 }  // namespace isostrata

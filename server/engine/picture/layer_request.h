@@ -36,6 +36,9 @@ bool draws_surfaces(const Scene& scene);
 /// Whether its surfaces may be lit along the field's gradient, which takes a pass over the mesh: true wherever lit_along_gradient is of what is drawn.
 bool lights_along_gradient(const Scene& scene);
 
+/// Whether its interiors are shaded along the field's gradient. Whole values have none.
+bool shades_bodies(const Scene& scene);
+
 /// Whether the term brings layers of its own in.
 bool brings_in(const SceneTerm& term);
 
@@ -49,7 +52,7 @@ struct SmearMoment {
 /// Of SceneMode::smear; empty in any other mode.
 std::vector<SmearMoment> smear_moments(const Scene& scene);
 
-/// Whether the extraction made for one scene serves the other: same dataset, layer_request and moments of a smear, and lit alike.
+/// Whether the extraction made for one scene serves the other: same dataset, layer_request and moments of a smear, lit and shaded alike.
 bool same_extraction(const Scene& a, const Scene& b);
 
 }  // namespace isostrata

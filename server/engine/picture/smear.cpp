@@ -69,6 +69,7 @@ std::shared_ptr<const ExtractedScene> extract_smear(const Scene& scene, const st
   made->color_values = joined(parts, &ExtractedScene::color_values);
   made->texture_values = joined(parts, &ExtractedScene::texture_values);
   made->normals = joined(parts, &ExtractedScene::normals);
+  made->body_normals = joined(parts, &ExtractedScene::body_normals);
   made->extract_ms = watch.elapsed_ms();
   return made;
 }

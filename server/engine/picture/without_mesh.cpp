@@ -10,9 +10,9 @@
 namespace isostrata {
 namespace {
 
-/// The layers are ranges of one array at one step, and what the table makes of them.
+/// The layers are ranges of one array at one step, what the table makes of them, and nothing but their boundaries and values matters.
 bool of_plain_ranges(const Scene& scene) {
-  return !scene.intervals.empty() && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear && scene.values == FieldValues::interpolated &&
+  return !scene.intervals.empty() && !shades_bodies(scene) && scene.terms.empty() && !scene.time && scene.mode != SceneMode::smear && scene.values == FieldValues::interpolated &&
          scene.triangulation == Triangulation::table;
 }
 
@@ -33,7 +33,7 @@ bool cuts_exactly(const Scene& scene, const std::string& array) {
   std::sort(sorted.begin(), sorted.end(), [](const Interval& a, const Interval& b) { return a.lower < b.lower; });
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i].lower < sorted[i - 1].upper) return false;
-  return scene.values == FieldValues::interpolated && !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
+  return scene.values == FieldValues::interpolated && !shades_bodies(scene) && !scene.intervals.empty() && scene.intervals.size() <= kMostIntervals && scene.terms.empty() && !scene.time &&
          scene.mode != SceneMode::smear && (!draws_surfaces(scene) || (!uses_color_values(scene) && !uses_texture(scene))) &&
          (!uses_color_values(scene) || scene.color_by.empty() || scene.color_by == array) &&
          std::all_of(scene.intervals.begin(), scene.intervals.end(), [](const SceneInterval& interval) {

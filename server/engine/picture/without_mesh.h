@@ -9,12 +9,12 @@
 namespace isostrata {
 
 /// Whether the intervals can be cut out of a grid of tetrahedra where they are drawn, and the picture is that of the split mesh:
-/// one field at one step, colours that run along it or are constant (those where a surface is drawn, without textures), no overlaps.
+/// one field at one step, colours that run along it or are constant (those where a surface is drawn, without textures), no overlaps, interiors unshaded.
 /// `array` is the scene's.
 bool cuts_exactly(const Scene& scene, const std::string& array);
 
 /// Whether a renderer needs no mesh for the layers of a structured grid: constant colours of plain ranges at one step, by the table, without
-/// textures.
+/// textures and unshaded.
 bool draws_from_bricks(const Scene& scene);
 /// Whether a renderer that extracts() needs no mesh for layers of `array` on a grid of boxes: plain ranges at one step, by the table, whose colours or
 /// opacities run with that array, without surfaces and textures, of few enough ends.
