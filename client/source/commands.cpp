@@ -154,6 +154,12 @@ void Client::set_light(double occlusion, double depth_fade) {
   command(std::move(message));
 }
 
+void Client::set_body_shading(double strength) {
+  v1::ClientMessage message;
+  message.mutable_set_appearance()->set_body_shading(strength);
+  command(std::move(message));
+}
+
 void Client::set_color_range(const v1::ColorRange& range) {
   v1::ClientMessage message;
   *message.mutable_set_appearance()->mutable_color_range() = range;

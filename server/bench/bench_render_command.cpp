@@ -28,7 +28,7 @@ struct BenchArguments {
   std::string array, mode = "both", device = "auto";
   bool drag = false;
   std::vector<std::string> tetrahedra{"split"};
-  DepthLight light;
+  LightArguments light;
   int repeat = 20;
   double seconds = 5;
   int threads = 0;
@@ -287,7 +287,7 @@ void run(const BenchArguments& arguments) {
       intervals.push_back(workload.interval.empty() ? default_interval(workload.data, array) : workload.interval);
     Scene scene;
     scene.array = array.name;
-    scene.light = arguments.light;
+    set_light(scene, arguments.light);
     scene.intervals = parse_intervals(intervals, *dataset, array);
     for (const char* mode : {"constant", "linear"}) {
       if (arguments.mode != "both" && arguments.mode != mode) continue;

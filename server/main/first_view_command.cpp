@@ -60,7 +60,7 @@ boost::json::object to_json(const FirstView& view, const Dataset& dataset, const
                                          {"fov", camera.fov_deg},
                                          {"reason", view.camera_reason},
                                          {"up_reason", view.up_reason}}},
-          {"light", boost::json::object{{"shading", light.diffuse}, {"occlusion", 0}, {"reason", view.light_reason}}},
+          {"light", boost::json::object{{"shading", light.diffuse}, {"occlusion", 0}, {"body_shading", 0}, {"reason", view.light_reason}}},
           {"ms", ms}};
 }
 

@@ -154,6 +154,7 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
   if (given("--clip")) scene.clip_planes = still.clip_planes;
   if (given("--occlusion")) scene.light.occlusion = still.light.occlusion;
   if (given("--depth-fade")) scene.light.fade = still.light.fade;
+  if (given("--body-shading")) scene.body_shading = still.body_shading;
 }
 
 boost::json::object to_json(const RenderArguments& arguments, const Scene& scene, const ExtractedScene& extracted,

@@ -81,22 +81,32 @@ void add_still_options(CLI::App& command, StillArguments& arguments) {
   add_light_options(command, arguments.light);
 }
 
-void add_light_options(CLI::App& command, DepthLight& light) {
+void add_light_options(CLI::App& command, LightArguments& light) {
   command
-      .add_option("--occlusion", light.occlusion,
+      .add_option("--occlusion", light.by_depth.occlusion,
                   "Ambient occlusion, from 0 to 1: how dark hollows are, and what lies close behind an edge, by the depth of what is seen")
       ->capture_default_str();
   command
-      .add_option("--depth-fade", light.fade,
+      .add_option("--depth-fade", light.by_depth.fade,
                   "From 0 to 1: how far what is far away fades into the background, from the nearest corner of the data's bounds to the farthest")
+      ->capture_default_str();
+  command
+      .add_option("--body-shading", light.body_shading,
+                  "From 0 to 1: how far interiors are shaded along the gradient of the array, by a light at the eye; where the gradient is at right "
+                  "angles to the view 1 leaves no light")
       ->capture_default_str();
 }
 
-void set_still(Scene& scene, const StillArguments& arguments) {
-  for (const auto& [option, value] : {std::pair{"--occlusion", arguments.light.occlusion}, {"--depth-fade", arguments.light.fade}})
+void set_light(Scene& scene, const LightArguments& light) {
+  for (const auto& [option, value] : {std::pair{"--occlusion", light.by_depth.occlusion}, {"--depth-fade", light.by_depth.fade}, {"--body-shading", light.body_shading}})
     if (!(value >= 0 && value <= 1))
       throw Error(ErrorCode::invalid_argument, std::string(option) + " is " + std::to_string(value) + "; expected a number from 0 to 1");
-  scene.light = arguments.light;
+  scene.light = light.by_depth;
+  scene.body_shading = light.body_shading;
+}
+
+void set_still(Scene& scene, const StillArguments& arguments) {
+  set_light(scene, arguments.light);
   scene.annotations = arguments.annotations;
   for (const std::string& clip : arguments.clips) scene.clip_planes.push_back(parse_clip(clip));
 }

@@ -9,17 +9,25 @@
 
 namespace isostrata {
 
+struct LightArguments {
+  DepthLight by_depth;
+  double body_shading = 0;
+};
+
+/// Adds --occlusion, --depth-fade and --body-shading. `light` must outlive the command.
+void add_light_options(CLI::App& command, LightArguments& light);
+
+/// Sets the scene's light. Throws invalid_argument.
+void set_light(Scene& scene, const LightArguments& light);
+
 struct StillArguments {
   Annotations annotations;
   std::vector<std::string> clips;
   int samples = 1;
-  DepthLight light;
+  LightArguments light;
 };
 
-/// Adds --occlusion and --depth-fade. `light` must outlive the command.
-void add_light_options(CLI::App& command, DepthLight& light);
-
-/// Adds --axes, --box, --legend, --clip, --samples, --occlusion and --depth-fade. `arguments` must outlive the command.
+/// Adds --axes, --box, --legend, --clip, --samples and those of light. `arguments` must outlive the command.
 void add_still_options(CLI::App& command, StillArguments& arguments);
 
 /// Sets the scene's annotations, clip planes and light. Throws invalid_argument.

@@ -348,10 +348,10 @@ describe('the rest of the page', () => {
     expect(difference(white, await viewer.exactPicture())).toBeGreaterThan(0.1);
   });
 
-  test('lights the picture by its depth and turns that off again', async () => {
+  test('lights the picture and turns that off again', async () => {
     await openWithOneLayer();
     const plain = await viewer.exactPicture();
-    for (const [label, field] of [['Occlusion', 'occlusion'], ['Depth fade', 'depthFade']] as const) {
+    for (const [label, field] of [['Occlusion', 'occlusion'], ['Depth fade', 'depthFade'], ['Body shading', 'bodyShading']] as const) {
       await viewer.page.getByLabel(label, { exact: true }).fill('1');
       await viewer.until(label, (s) => s[field] === 1);
       const lit = await viewer.exactPicture();

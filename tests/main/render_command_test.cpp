@@ -115,6 +115,7 @@ TEST(RenderCommand, RefusesWithOneClearLine) {
       {"--out a.png --background blue", "colour 'blue'"},
       {"--out a.png --unit-distance -1", "unit distance"},
       {"--out a.png --occlusion 2", "--occlusion is 2.000000; expected a number from 0 to 1"},
+      {"--out a.png --body-shading 1.5", "--body-shading is 1.500000; expected a number from 0 to 1"},
       {"--out a.png --depth-fade nan", "--depth-fade is nan; expected a number from 0 to 1"},
       {"--out a.jpg --background transparent", "JPEG has no transparency"},
       {"--out a.webp --size 16384x16384", "WebP takes at most 16383 pixels"},

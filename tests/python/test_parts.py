@@ -212,6 +212,8 @@ class WhatIsShown(unittest.TestCase):
         scene = Scene()
         scene.appearance()
         self.assertEqual(scene.sent, [])
+        scene.appearance(body_shading=0.25)
+        self.assertEqual(scene.sent.pop(), {"set_appearance": v1.SetAppearance(body_shading=0.25)})
         scene.appearance(occlusion=0, mode="cycled")
         self.assertEqual(scene.sent.pop(), {"set_appearance": v1.SetAppearance(occlusion=0, mode=v1.RENDER_MODE_CYCLED)})
         for given, wanted in (

@@ -44,10 +44,10 @@ describe('after the server was restarted', () => {
     expect(last.commands.map((c) => c.case)).toEqual(['selectArrays', 'setTimeStep', 'setIntervals', 'setAppearance', 'setCamera']);
   });
 
-  test('the light by depth stays on', () => {
-    const step = restoreStep({ ...saved, occlusion: 0.5, depthFade: 0.25 }, { ...emptyState, dataset: 'fin' }, info('fin', 'Density'), datasets, false);
+  test('the light stays on', () => {
+    const step = restoreStep({ ...saved, occlusion: 0.5, depthFade: 0.25, bodyShading: 0.75 }, { ...emptyState, dataset: 'fin' }, info('fin', 'Density'), datasets, false);
     const look = step.kind === 'send' && step.commands.find((c) => c.case === 'setAppearance');
-    expect(look && look.value).toMatchObject({ occlusion: 0.5, depthFade: 0.25 });
+    expect(look && look.value).toMatchObject({ occlusion: 0.5, depthFade: 0.25, bodyShading: 0.75 });
   });
 
   test('values stay whole, and a part is there as long as what it is of', () => {

@@ -96,6 +96,16 @@ test('light by depth goes out by itself and comes back as it was sent', () => {
   expect(event.kind === 'state' && [event.state.occlusion, event.state.depthFade]).toEqual([0.75, 0.25]);
 });
 
+test('body shading goes out by itself and comes back as it was sent', () => {
+  const sent = decode(encodeCommand(1, command.setAppearance({ bodyShading: 0.75 }))).body;
+  if (sent.case !== 'setAppearance') throw new Error(`unexpected ${String(sent.case)}`);
+  expect([sent.value.bodyShading, sent.value.occlusion]).toEqual([0.75, undefined]);
+  const off = decode(encodeCommand(1, command.setAppearance({ bodyShading: 0 }))).body;
+  expect(off.case === 'setAppearance' && off.value.bodyShading).toBe(0); // off is something to say
+  const event = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'state', value: { bodyShading: 0.5 } } })));
+  expect(event.kind === 'state' && event.state.bodyShading).toBe(0.5);
+});
+
 test('a surface of which little is said is drawn like any other', () => {
   const layer = { id: 1, color: { r: 1 }, surface: { lower: true, shininess: 0 } };
   const message = create(ServerMessageSchema, { body: { case: 'state', value: { intervals: [layer] } } });

@@ -106,6 +106,8 @@ class Client {
   void set_unit_distance(double world);
   /// What the picture's depth adds to its light, each in [0, 1]: how dark hollows are, how far what is far away fades.
   void set_light(double occlusion, double depth_fade);
+  /// How far the layers' interiors are shaded along the gradient of the array, in [0, 1].
+  void set_body_shading(double strength);
   /// The values that colour maps begin and end at, and whether colours run with the logarithm.
   void set_color_range(const v1::ColorRange& range);
   /// Of v1::RENDER_MODE_CYCLED; changes what is present.

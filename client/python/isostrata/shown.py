@@ -134,11 +134,13 @@ class Shown(ABC):
         color_log: bool | None = None,
         occlusion: float | None = None,
         depth_fade: float | None = None,
+        body_shading: float | None = None,
     ) -> None:
-        """Changes what is given. ``occlusion`` and ``depth_fade``, in [0, 1]: how dark hollows are, how far what is far away fades. ``mode``:
+        """Changes what is given. ``occlusion``, ``depth_fade`` and ``body_shading``, in [0, 1]: how dark hollows are, how far what is far away
+        fades, how far the layers' interiors are shaded along the array's gradient. ``mode``:
         "sorted", "prioritized", "cycled", "smear". ``color_range``: over what colour maps run, the values of "step" or of "all_steps", or two
         numbers; ``color_log``: by the logarithm."""
-        change = _appearance(self.message.color_range, mode, background, unit_distance, color_range, color_log, occlusion, depth_fade)
+        change = _appearance(self.message.color_range, mode, background, unit_distance, color_range, color_log, occlusion, depth_fade, body_shading)
         if change.ByteSize():
             self.command(set_appearance=change)
 
@@ -180,9 +182,10 @@ def _appearance(
     color_log: bool | None,
     occlusion: float | None,
     depth_fade: float | None,
+    body_shading: float | None,
 ) -> v1.SetAppearance:
     """What is given, and nothing else. A range of colours goes as a whole, so what is not given of it is as it is ``shown``."""
-    look = v1.SetAppearance(unit_distance=unit_distance, occlusion=occlusion, depth_fade=depth_fade)
+    look = v1.SetAppearance(unit_distance=unit_distance, occlusion=occlusion, depth_fade=depth_fade, body_shading=body_shading)
     if mode is not None:
         look.mode = _choice(_MODES, mode, "mode")
     if background is not None:

@@ -176,6 +176,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
     appearance.set_unit_distance(wanted.unit_distance());
     appearance.set_occlusion(wanted.occlusion());
     appearance.set_depth_fade(wanted.depth_fade());
+    appearance.set_body_shading(wanted.body_shading());
     apply(next, appearance, context);
     check_values(next.scene);
   });

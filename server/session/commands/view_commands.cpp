@@ -132,6 +132,7 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
   }
   if (command.has_occlusion()) scene.light.occlusion = share_of(command.occlusion(), "occlusion");
   if (command.has_depth_fade()) scene.light.fade = share_of(command.depth_fade(), "depth_fade");
+  if (command.has_body_shading()) scene.body_shading = share_of(command.body_shading(), "body_shading");
 }
 
 }  // namespace isostrata

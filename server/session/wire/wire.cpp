@@ -153,6 +153,7 @@ v1::State to_wire(const Scene& scene) {
   *out.mutable_color_range() = to_wire(scene.color_range);
   out.set_occlusion(scene.light.occlusion);
   out.set_depth_fade(scene.light.fade);
+  out.set_body_shading(scene.body_shading);
   for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
   if (scene.time) out.set_time(*scene.time);
   out.set_values(scene.values == FieldValues::whole ? v1::FIELD_VALUES_WHOLE : v1::FIELD_VALUES_INTERPOLATED);

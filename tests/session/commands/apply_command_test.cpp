@@ -173,16 +173,20 @@ TEST_F(ApplyCommand, ALayerKeepsItsNumberAndItsColourWhenAnotherIsDeletedAndANew
   EXPECT_EQ(other.scene.intervals[1].number, 1u);
 }
 
-TEST_F(ApplyCommand, LightByDepthIsOffUntilSomebodyTurnsItOnAndGoesAlongWithAState) {
+TEST_F(ApplyCommand, LightIsOffUntilSomebodyTurnsItOnAndGoesAlongWithAState) {
   EXPECT_EQ(state_.scene.light, DepthLight{});
   EXPECT_TRUE(apply(R"({"setAppearance":{"occlusion":0.75}})").changed);
   EXPECT_TRUE(apply(R"({"setAppearance":{"depthFade":0.25}})").changed);
   EXPECT_EQ(state_.scene.light, (DepthLight{0.75, 0.25}));
+  EXPECT_EQ(state_.scene.body_shading, 0);
+  EXPECT_TRUE(apply(R"({"setAppearance":{"bodyShading":0.5}})").changed);
+  EXPECT_EQ(state_.scene.body_shading, 0.5);
   EXPECT_FALSE(apply(R"({"setAppearance":{"unitDistance":0}})").changed);
   SceneState other;
   open_in_scene(other, facts_);
   ASSERT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
   EXPECT_EQ(other.scene.light, state_.scene.light);
+  EXPECT_EQ(other.scene.body_shading, 0.5);
   EXPECT_TRUE(apply(R"({"setAppearance":{"occlusion":0,"depthFade":0}})").changed);
   EXPECT_EQ(state_.scene.light, DepthLight{});
 }
@@ -320,6 +324,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"setAppearance":{"occlusion":"NaN"}})", "invalid_argument", "occlusion"},
         Refusal{R"({"setAppearance":{"depthFade":-0.5}})", "invalid_argument", "depth_fade"},
         Refusal{R"({"setAppearance":{"depthFade":"Infinity"}})", "invalid_argument", "depth_fade"},
+        Refusal{R"({"setAppearance":{"bodyShading":1.01}})", "invalid_argument", "body_shading"},
+        Refusal{R"({"setAppearance":{"bodyShading":"NaN"}})", "invalid_argument", "body_shading"},
         Refusal{R"({"setTime":{"time":2.001}})", "invalid_argument", "time"},
         Refusal{R"({"setTime":{"time":-0.001}})", "invalid_argument", "time"},
         Refusal{R"({"setTime":{"time":"NaN"}})", "invalid_argument", "time"},
@@ -430,7 +436,7 @@ TEST_F(ApplyCommand, AWholeStateIsOneChangeOrNone) {
 }
 
 TEST_F(ApplyCommand, ItsOwnStateIsTakenBackAsItIs) {
-  ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_PRIORITIZED","background":{"r":0.25},"unitDistance":0.5,"occlusion":0.3,"depthFade":0.2}})").error);
+  ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_PRIORITIZED","background":{"r":0.25},"unitDistance":0.5,"occlusion":0.3,"depthFade":0.2,"bodyShading":0.6}})").error);
   ASSERT_FALSE(apply(R"({"setCombination":{"terms":[{"op":4,"array":"Energy","lower":1,"upper":2,"color":{"b":1}},
                                                     {"op":3,"array":"Density","lower":1,"upper":2,"colorMap":"viridis"}]}})")
                    .error);

@@ -108,6 +108,7 @@ export const command = {
     colorRange?: ColorRange;
     occlusion?: number;
     depthFade?: number;
+    bodyShading?: number;
   }): Command => ({
     case: 'setAppearance',
     value: {
@@ -116,6 +117,7 @@ export const command = {
       ...(change.unitDistance !== undefined ? { unitDistance: change.unitDistance } : {}),
       ...(change.occlusion !== undefined ? { occlusion: change.occlusion } : {}),
       ...(change.depthFade !== undefined ? { depthFade: change.depthFade } : {}),
+      ...(change.bodyShading !== undefined ? { bodyShading: change.bodyShading } : {}),
       ...(change.colorRange ? { colorRange: { ...change.colorRange, span: spans.wire(change.colorRange.span) } } : {}),
     },
   }),

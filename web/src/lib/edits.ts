@@ -73,7 +73,7 @@ export class Edits {
     this.#stream('colorRange', { colorRange }, command.setAppearance({ colorRange }), 'appearance');
   }
   /** Each in a slot of its own. */
-  setLook(look: { background?: SceneState['background']; unitDistance?: number; occlusion?: number; depthFade?: number }): void {
+  setLook(look: { background?: SceneState['background']; unitDistance?: number; occlusion?: number; depthFade?: number; bodyShading?: number }): void {
     this.#lay(look);
     for (const [field, value] of Object.entries(look)) this.out.slots.put(field, command.setAppearance({ [field]: value }));
   }

@@ -164,6 +164,7 @@ export interface SceneState {
   colorRange?: ColorRange;
   occlusion?: number; // in [0, 1]; what the picture's depth adds to its light
   depthFade?: number;
+  bodyShading?: number; // in [0, 1]; how far interiors are shaded along the array's gradient
 }
 
 export const emptyState: SceneState = {

@@ -48,6 +48,7 @@ export function restoreStep(
       unitDistance: saved.unitDistance,
       occlusion: saved.occlusion ?? 0,
       depthFade: saved.depthFade ?? 0,
+      bodyShading: saved.bodyShading ?? 0,
       ...(saved.colorRange ? { colorRange: saved.colorRange } : {}),
     }),
   );
