@@ -60,6 +60,23 @@ ValueCurves::ValueCurves(const ProxyGrid& proxy) : below_(kSteps + 1, 0) {
   }
 }
 
+ValueCurves ValueCurves::mirrored() const {
+  ValueCurves over;
+  const auto turned = [](const Curve& curve) {
+    Curve out{};
+    std::reverse_copy(curve.begin(), curve.end(), out.begin());
+    return out;
+  };
+  over.histogram_ = turned(histogram_);
+  over.area_ = turned(area_);
+  over.strength_ = turned(strength_);
+  over.coherent_high_ = turned(coherent_low_);
+  over.coherent_low_ = turned(coherent_high_);
+  for (auto below = below_.rbegin(); below != below_.rend(); ++below) over.below_.push_back(below_.back() - *below);
+  for (auto t = rim_.rbegin(); t != rim_.rend(); ++t) over.rim_.push_back(1 - *t);
+  return over;
+}
+
 double ValueCurves::share_above(double t) const {
   const auto step = static_cast<std::size_t>(std::clamp(std::ceil(t * kSteps - 1e-6), 0.0, static_cast<double>(kSteps)));
   const std::int64_t all = below_.back();

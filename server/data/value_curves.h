@@ -17,6 +17,8 @@ class ValueCurves {
   using Curve = std::array<double, kBins>;
 
   explicit ValueCurves(const ProxyGrid& proxy);
+  /// Of the field turned over: 1 - f.
+  ValueCurves mirrored() const;
 
   static double middle(int bin) { return (bin + 0.5) / kBins; }
   static int bin_of(double t) { return std::clamp(static_cast<int>(t * kBins), 0, kBins - 1); }
@@ -46,6 +48,7 @@ class ValueCurves {
   static double at(const Curve& curve, double t);
 
  private:
+  ValueCurves() = default;
   static constexpr int kSteps = 1 << 16;
   Curve histogram_{}, area_{}, strength_{}, coherent_high_{}, coherent_low_{};
   std::vector<std::int64_t> below_;  // [kSteps + 1] samples in all steps below

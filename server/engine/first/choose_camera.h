@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "data/proxy_grid.h"
-#include "engine/first/choose_layers.h"
+#include "engine/first/layer_choice.h"
 #include "scene/camera.h"
 
 namespace isostrata {

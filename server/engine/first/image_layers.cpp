@@ -101,7 +101,7 @@ Shells image_shells(const ValueCurves& curves, const Reference& ref) {
            strength[static_cast<std::size_t>(b - 1)] > 0.7 * strength[static_cast<std::size_t>(found.front())])
       --b;
     shells.outer = ValueCurves::middle(b);
-    shells.outer_reason = "the first boundary above the background";
+    shells.outer_reason = "the first boundary beside the background";
   } else if (const auto gap = first_gap(curves, ground); gap && curves.share_above(*gap) >= 0.28 * object) {
     shells.outer = *gap;
     shells.outer_reason = "where the background's values end and the object's begin";
@@ -118,12 +118,12 @@ Shells image_shells(const ValueCurves& curves, const Reference& ref) {
     shells.inner_reason = "where the object's commonest values end";
   } else {
     shells.inner = fifth;
-    shells.inner_reason = "the highest fifth of the object";
+    shells.inner_reason = "the fifth of the object that is farthest from the background";
     double grown = 0.18;
     while (grown < 0.5 && curves.coherence(curves.value_above(grown * held), true) < 0.65) grown *= 1.2;
     if (grown > 0.18 && grown < 0.5) {
       shells.inner = curves.value_above(grown * held);
-      shells.inner_reason = "the highest " + percent(grown) + " of the object: what is higher is noise";
+      shells.inner_reason = "the " + percent(grown) + " of the object that are farthest from the background: what is farther is noise";
     } else if (grown >= 0.5) {
       double best = 0;
       for (const int b : found) {
@@ -141,7 +141,7 @@ Shells image_shells(const ValueCurves& curves, const Reference& ref) {
   }
   if (shells.inner > 1 - 0.05 * (1 - shells.outer)) {
     shells.inner = (shells.outer + 1) / 2;
-    shells.inner_reason = "midway to the highest value";
+    shells.inner_reason = "midway to the farthest value";
   }
   return shells;
 }

@@ -220,6 +220,49 @@ TEST(FirstView, OfLabelsThatFillTheDomainShowsEachAndOfManyTheLargest) {
   EXPECT_EQ(largest.layers.size(), 8u) << "of twelve";
 }
 
+/// Grains around random points, numbered as those come.
+std::function<double(Vec3d)> grains(int count) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> place(-1, 1);
+  std::vector<Vec3d> middles;
+  for (int i = 0; i < count; ++i) middles.push_back({place(random), place(random), place(random)});
+  return [middles](Vec3d p) {
+    const auto nearest = std::min_element(middles.begin(), middles.end(), [&](Vec3d a, Vec3d b) { return length(p - a) < length(p - b); });
+    return static_cast<double>(nearest - middles.begin()) + 1;
+  };
+}
+
+TEST(FirstView, OfManyGrainsShowsTheLargest) {
+  const FirstView view = view_of_data(*field_dataset<std::int16_t>({64, 64, 64}, grains(60)));
+  EXPECT_EQ(view.kind, "labels");
+  EXPECT_EQ(view.layers.size(), 8u);
+  const FirstView of_reals = view_of_data(*field_dataset<float>({64, 64, 64}, grains(60)));
+  ASSERT_EQ(of_reals.layers.size(), 8u) << "many programs write labels as reals";
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(of_reals.layers[i].name, view.layers[i].name);
+}
+
+/// What is dark on a bright ground is as much an object as what is bright on a dark one: the layers of f and of -f are the same solids.
+TEST(FirstView, OfAnObjectBelowItsBackgroundIsThatOfTheFieldTurnedOver) {
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> noise(0, 20);
+  std::vector<double> values;
+  const auto object = [&](Vec3d p) { return (length(p) < 0.4 ? 3050 : length(p) < 0.7 ? 2650 : 0) + noise(random); };
+  const auto bright = field_dataset({48, 48, 48}, [&](Vec3d p) { return values.emplace_back(object(p)); });
+  std::size_t next = 0;
+  const auto dark = field_dataset({48, 48, 48}, [&](Vec3d) { return -values[next++]; });
+  const FirstView of_bright = view_of_data(*bright), of_dark = view_of_data(*dark);
+  EXPECT_EQ(of_bright.kind, "image");
+  EXPECT_EQ(of_dark.kind, "image");
+  ASSERT_EQ(of_bright.layers.size(), 2u);
+  ASSERT_EQ(of_dark.layers.size(), 2u);
+  EXPECT_GT(of_bright.layers[0].lower, 100);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(of_dark.layers[i].upper, -of_bright.layers[i].lower, 20) << i;
+    EXPECT_NEAR(of_dark.layers[i].lower, -of_bright.layers[i].upper, 20) << i;
+  }
+  expect_sound(of_dark, *dark);
+}
+
 TEST(FirstView, OfLabelsInsideAnotherLooksThroughThatOne) {
   const auto nested = field_dataset<std::uint8_t>({40, 40, 40}, [](Vec3d p) { return length(p) > 0.9 ? 0 : length(p) > 0.7 ? 1 : length(p) > 0.5 ? 2 : p.x > 0 ? 3 : 7; });
   const FirstView view = view_of_data(*nested);
@@ -237,8 +280,14 @@ TEST(FindLabels, AreFewWholeNumbersThatHoldTogether) {
   EXPECT_EQ(values(field_dataset<std::uint8_t>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4; })), (std::vector<double>{2, 4, 9}));
   EXPECT_TRUE(values(field_dataset<std::uint8_t>({20, 20, 20}, [&](Vec3d) { return random() % 4; })).empty()) << "noise";
   EXPECT_TRUE(values(field_dataset<std::uint8_t>({20, 20, 20}, [](Vec3d p) { return p.x > 0; })).empty()) << "a mask";
-  EXPECT_TRUE(values(field_dataset<float>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4; })).empty()) << "not whole by type";
+  EXPECT_EQ(values(field_dataset<float>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4; })), (std::vector<double>{2, 4, 9})) << "whole, though not by type";
+  EXPECT_TRUE(values(field_dataset<float>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4.5; })).empty());
   EXPECT_TRUE(values(field_dataset<std::int16_t>({50, 20, 20}, [](Vec3d p) { return std::round(p.x * 100); })).empty()) << "many values";
+  EXPECT_EQ(values(field_dataset<std::int16_t>({64, 64, 64}, grains(60))).size(), 60u);
+  const auto rounded = [](Vec3d p) { return std::round(120 * std::exp(-2 * dot(p, p)) + 40 * std::sin(3 * p.x)); };
+  EXPECT_TRUE(values(field_dataset<std::int16_t>({200, 60, 60}, rounded)).empty()) << "a smooth quantity, of which most neighbours are alike";
+  const auto in_nothing = [&](Vec3d p) { return length(p) < 0.5 ? rounded(p) : 0; };
+  EXPECT_TRUE(values(field_dataset<std::uint8_t>({200, 60, 60}, in_nothing)).empty());
 }
 
 TEST(FirstView, OfASheetIsBandsFromItsBroadSide) {
