@@ -257,8 +257,10 @@ TEST(FirstView, OfAnObjectBelowItsBackgroundIsThatOfTheFieldTurnedOver) {
   ASSERT_EQ(of_dark.layers.size(), 2u);
   EXPECT_GT(of_bright.layers[0].lower, 100);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_NEAR(of_dark.layers[i].upper, -of_bright.layers[i].lower, 20) << i;
-    EXPECT_NEAR(of_dark.layers[i].lower, -of_bright.layers[i].upper, 20) << i;
+    const FirstLayer& turned = of_dark.layers[1 - i];  // layers rise
+    EXPECT_NEAR(turned.upper, -of_bright.layers[i].lower, 20) << i;
+    EXPECT_NEAR(turned.lower, -of_bright.layers[i].upper, 20) << i;
+    EXPECT_EQ(turned.surface.opacity, of_bright.layers[i].surface.opacity) << i;
   }
   expect_sound(of_dark, *dark);
 }
