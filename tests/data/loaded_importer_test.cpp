@@ -10,11 +10,11 @@
 #include <algorithm>
 #include <chrono>
 #include <future>
-#include <ios>
 #include <thread>
 
 #include "data/files.h"
 #include "data/importer_request.h"
+#include "support/read_process.h"
 #include "support/run_isostrata.h"
 
 namespace isostrata {
@@ -31,15 +31,6 @@ std::string field(int value) {
          "POINT_DATA 8\nSCALARS f float 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 " + std::to_string(value) + "\n";
 }
 
-/// A file of /proc; empty once the process is gone, which it may be while this reads.
-std::string of_process(const fs::path& file) {
-  try {
-    return test::read_bytes(file);
-  } catch (const std::ios_base::failure&) {
-    return {};
-  }
-}
-
 /// Those that `parent` has made, by the first 15 letters of their names.
 std::vector<pid_t> children(const std::string& name, pid_t parent) {
   std::vector<pid_t> found;
@@ -47,7 +38,7 @@ std::vector<pid_t> children(const std::string& name, pid_t parent) {
   for (fs::directory_iterator it("/proc", error), end; !error && it != end; it.increment(error)) {
     const std::string id = it->path().filename().string();
     if (id.find_first_not_of("0123456789") != std::string::npos) continue;
-    const std::string stat = of_process(it->path() / "stat");
+    const std::string stat = testing::read_process(it->path() / "stat");
     const auto open = stat.find('('), close = stat.rfind(')');
     if (open == std::string::npos || stat.substr(open + 1, close - open - 1) != name) continue;
     char state = 0;
@@ -170,7 +161,7 @@ TEST(LoadedImporter, IfItsProcessIsKilledReadersEndAndTheNextFileStartsAnother) 
   const pid_t reader = busy.readers().at(0);
   kill(first, SIGKILL);
   EXPECT_EQ(busy.said.get(), "unavailable");
-  EXPECT_TRUE(in_time([&] { return kill(reader, 0) != 0 || of_process("/proc/" + std::to_string(reader) + "/stat").find(") Z") != std::string::npos; }));
+  EXPECT_TRUE(in_time([&] { return kill(reader, 0) != 0 || testing::read_process("/proc/" + std::to_string(reader) + "/stat").find(") Z") != std::string::npos; }));
   EXPECT_NE(forking(), first);
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "rank/by_ranks.h"
+#include "support/read_process.h"
 #include "support/served.h"
 
 namespace isostrata::testing {
@@ -25,7 +26,7 @@ std::vector<Living> descendants() {
   for (const auto& entry : fs::directory_iterator("/proc")) {
     const std::string name = entry.path().filename().string();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    const std::string stat = read_text(entry.path() / "stat"), line = read_text(entry.path() / "cmdline");
+    const std::string stat = read_process(entry.path() / "stat"), line = read_process(entry.path() / "cmdline");
     const auto end = stat.rfind(')');
     if (end == std::string::npos || stat.substr(end + 2, 1) == "Z") continue;
     std::istringstream fields(stat.substr(end + 4));
