@@ -33,7 +33,7 @@ HWY_INLINE V mean_transmittance(D d, V tau) {
   return sum;
 }
 
-/// Of body_shading.h, to 1e-4.
+/// m of body_shading.h, to 1e-4.
 template <class D, class V>
 HWY_INLINE V middle_of_light(D d, V alpha) {
   const V one = hn::Set(d, 1.0f), through = hn::Sub(one, alpha);
