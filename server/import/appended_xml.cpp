@@ -2,12 +2,12 @@
 
 #include <vtkXMLUtilities.h>
 
-#include <charconv>
 #include <cstring>
 #include <map>
 #include <string>
 
 #include "data/import_door.h"
+#include "import/parsed_number.h"
 
 namespace isostrata {
 namespace {
@@ -28,12 +28,6 @@ std::optional<ScalarType> vtk_type(std::string_view name) {
 std::string_view attribute(vtkXMLDataElement* element, const char* name) {
   const char* text = element->GetAttribute(name);
   return text ? text : "";
-}
-
-std::optional<std::uint64_t> number(std::string_view text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
 bool is_aligned(const FileArray& array) { return reinterpret_cast<std::uintptr_t>(array.values.data()) % size_of(array.type) == 0; }
@@ -75,9 +69,9 @@ std::optional<AppendedXml::Piece> AppendedXml::only_piece(std::string_view kind)
 
 std::optional<FileArray> AppendedXml::array(vtkXMLDataElement* element, std::uint64_t tuples) const {
   const auto type = vtk_type(attribute(element, "type"));
-  const auto offset = number(attribute(element, "offset"));
+  const auto offset = parsed_number<std::uint64_t>(attribute(element, "offset"));
   const std::string_view said = attribute(element, "NumberOfComponents");
-  const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : number(said);
+  const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : parsed_number<std::uint64_t>(said);
   if (std::string_view(element->GetName()) != "DataArray" || !type || !offset || !components || *components > 1000 ||
       attribute(element, "format") != "appended" || element->GetNumberOfNestedElements() > 0)
     return std::nullopt;

@@ -40,8 +40,6 @@ class AppendedXml {
 };
 
 std::string_view attribute(vtkXMLDataElement* element, const char* name);
-/// Nothing where it isn't one whole number.
-std::optional<std::uint64_t> number(std::string_view text);
 
 /// Whether typed values may be read where they lie.
 bool is_aligned(const FileArray& array);

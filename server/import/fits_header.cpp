@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include "import/imported.h"
+#include "import/parsed_number.h"
 
 namespace isostrata {
 namespace {
@@ -70,19 +70,17 @@ std::optional<double> FitsHeader::real(const std::string& key) const {
   std::string word = text(key);
   std::replace(word.begin(), word.end(), 'D', 'E');
   if (word.starts_with('+')) word.erase(0, 1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return !word.empty() && error == std::errc{} && end == word.data() + word.size() && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  const std::optional<double> value = parsed_number<double>(word);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::int64_t FitsHeader::whole(const std::string& key, std::int64_t otherwise) const {
   std::string word = text(key);
   if (word.empty()) return otherwise;
   if (word.starts_with('+')) word.erase(0, 1);
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size()) throw Error(ErrorCode::bad_data, name_ + ": " + key + " is '" + word.substr(0, 20) + "'; expected a whole number");
-  return value;
+  const std::optional<std::int64_t> value = parsed_number<std::int64_t>(word);
+  if (!value) throw Error(ErrorCode::bad_data, name_ + ": " + key + " is '" + word.substr(0, 20) + "'; expected a whole number");
+  return *value;
 }
 
 }  // namespace isostrata

@@ -5,7 +5,6 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
-#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -23,6 +22,7 @@
 #include "import/confine.h"
 #include "import/fork_for_files.h"
 #include "import/memory_limit.h"
+#include "import/parsed_number.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
 #include "import/vtk_messages.h"
@@ -52,11 +52,9 @@ constexpr const char* kUsage =
 }
 
 std::uint64_t number(const std::string& text) {
-  std::uint64_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || at != end) throw Error(ErrorCode::invalid_argument, "'" + text + "' is not a number");
-  return value;
+  const auto value = isostrata::parsed_number<std::uint64_t>(text);
+  if (!value) throw Error(ErrorCode::invalid_argument, "'" + text + "' is not a number");
+  return *value;
 }
 
 void run(const std::vector<std::string>& words) {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <map>
 
 #include "base/error.h"
 #include "import/imported.h"
+#include "import/parsed_number.h"
 
 namespace isostrata {
 namespace {
@@ -39,19 +39,10 @@ std::vector<std::string> words(std::string_view text) {
 std::optional<double> real(std::string_view text) {
   text = trim(text);
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
+  return parsed_number<double>(text);
 }
 
-std::optional<std::int64_t> integer(std::string_view text) {
-  text = trim(text);
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
+std::optional<std::int64_t> integer(std::string_view text) { return parsed_number<std::int64_t>(trim(text)); }
 
 /// Fields of one header, and how to complain about them.
 class Fields {

@@ -18,6 +18,7 @@
 #include "data/import_door.h"
 #include "import/appended_xml.h"
 #include "import/declared_time.h"
+#include "import/parsed_number.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
 
@@ -123,7 +124,7 @@ std::optional<Imported> meta_image_in_place(const ReadRequest& request, const Me
   std::string_view sizes = header.field("DimSize");
   for (int a = 0; a < 3; ++a) {
     const auto space = std::min(sizes.find(' '), sizes.size());
-    const auto size = number(sizes.substr(0, space));
+    const auto size = parsed_number<std::uint64_t>(sizes.substr(0, space));
     if (!size || __builtin_mul_overflow(points, *size, &points)) return std::nullopt;
     sizes = sizes.substr(std::min(sizes.find_first_not_of(' ', space), sizes.size()));
   }
@@ -134,7 +135,7 @@ std::optional<Imported> meta_image_in_place(const ReadRequest& request, const Me
   if (const std::string_view skip = header.field("HeaderSize"); skip == "-1") {
     from = mapped->bytes().size() - bytes;
   } else if (!skip.empty()) {
-    const auto given = number(skip);
+    const auto given = parsed_number<std::uint64_t>(skip);
     if (!given || (header.local() && *given != 0)) return std::nullopt;
     from += *given;
   }

@@ -13,6 +13,7 @@
 #include "import/appended_file.h"
 #include "import/appended_xml.h"
 #include "import/declared_time.h"
+#include "import/parsed_number.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -73,7 +74,7 @@ bool add_cells(const AppendedXml& xml, vtkXMLDataElement* cells, std::uint64_t c
 }
 
 std::optional<MeshArrays> arrays_of(const AppendedXml& xml, vtkXMLDataElement* piece) {
-  const auto points = number(attribute(piece, "NumberOfPoints")), cells = number(attribute(piece, "NumberOfCells"));
+  const auto points = parsed_number<std::uint64_t>(attribute(piece, "NumberOfPoints")), cells = parsed_number<std::uint64_t>(attribute(piece, "NumberOfCells"));
   if (!points || !cells || *points == 0 || *cells == 0) return std::nullopt;
   MeshArrays out;
   for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "import/appended_xml.h"
+#include "import/parsed_number.h"
 
 namespace isostrata {
 namespace {
@@ -28,7 +29,7 @@ std::optional<double> positive(std::string_view text) {
   return value && *value != 0 ? std::optional(std::abs(*value)) : std::nullopt;
 }
 std::int64_t count(std::string_view text, std::int64_t otherwise) {
-  const std::optional<std::uint64_t> value = number(text);
+  const std::optional<std::uint64_t> value = parsed_number<std::uint64_t>(text);
   return value && *value >= 1 && *value <= static_cast<std::uint64_t>(kMostPlanes) ? static_cast<std::int64_t>(*value) : text.empty() ? otherwise : 0;
 }
 bool too_many(const TiffStack& stack) {
@@ -158,7 +159,7 @@ bool take_pages(TiffStack& stack, vtkXMLDataElement* pixels, std::string_view or
   if (blocks.empty())
     for (std::int64_t n = 0; n < stack.planes(); ++n) stack.pages[in_order(stack, order, n)] = n;
   for (vtkXMLDataElement* block : blocks) {
-    const auto whole = [&](const char* name) { return static_cast<std::int64_t>(std::min<std::uint64_t>(number(attribute(block, name)).value_or(0), kMostPlanes)); };
+    const auto whole = [&](const char* name) { return static_cast<std::int64_t>(std::min<std::uint64_t>(parsed_number<std::uint64_t>(attribute(block, name)).value_or(0), kMostPlanes)); };
     const std::int64_t page = whole("IFD"), z = whole("FirstZ"), c = whole("FirstC") / samples, t = whole("FirstT");
     if (z >= stack.slices || c >= stack.channels || t >= stack.frames) {
       why = "OME-TIFF's description has a plane beyond its own " + counts(stack) + ": its pages are read as slices";
