@@ -50,7 +50,7 @@ void FairTurns::charge(Time now) {
   for (std::size_t c = 0; c < kClasses; ++c) {
     const bool has = c == static_cast<std::size_t>(it->second.of);
     if (has)
-      passed_over_[c] = std::max(passed_over_[c] - 3 * passed, Time{0});
+      passed_over_[c] = std::max(passed_over_[c] - patience_of(it->second.of) * passed, Time{0});
     else if (waits[c] && c > static_cast<std::size_t>(it->second.of))
       passed_over_[c] += passed;
   }
@@ -59,7 +59,7 @@ void FairTurns::charge(Time now) {
 bool FairTurns::is_before(Id a, Id b) const {
   const Work &x = works_.at(a), &y = works_.at(b);
   if (x.of != y.of) {
-    const bool x_is_due = passed_over(x.of) >= kPatience, y_is_due = passed_over(y.of) >= kPatience;
+    const bool x_is_due = is_passed_over(x.of), y_is_due = is_passed_over(y.of);
     if (x_is_due != y_is_due) return x_is_due;
     return x.of < y.of;
   }
@@ -94,7 +94,7 @@ FairTurns::Id FairTurns::holder(Time now) {
   }
   holder_ = next;
   turn_began_ = now;
-  due_ = next != 0 && passed_over(works_.at(next).of) >= kPatience;
+  due_ = next != 0 && is_passed_over(works_.at(next).of);
   if (next != 0) works_.at(next).goes_on = false;
   return holder_;
 }

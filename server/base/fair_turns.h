@@ -3,7 +3,7 @@
 // One piece of work at a time has the turn. Work of a more urgent class takes it at once, and so does work of a session that is
 // more than a turn behind; else it goes, after each kTurn, to the session that has had least time (start-time fair queueing after Goyal, Vin, Cheng, "Start-time Fair Queueing: A
 // Scheduling Algorithm for Integrated Services Packet Switching Networks", 1996, with sessions as flows). Less urgent classes are
-// not starved: what was passed over for kPatience gets one turn.
+// not starved: what was passed over for as long as patience_of() says gets one turn.
 #pragma once
 
 #include <array>
@@ -20,7 +20,8 @@ enum class WorkClass : std::uint8_t {
   frame,      // pictures that somebody waits for with a hand on the mouse
   scene,      // opening and extracting what they show
   still,      // single pictures, numbers
-  background  // exports, and what is made in advance
+  background,  // exports, and what will be looked at soon
+  idle         // what nobody waits for
 };
 
 /// Not thread-safe. Times are of any one clock that does not go back.
@@ -31,7 +32,8 @@ class FairTurns {
   static constexpr Time kTurn = std::chrono::milliseconds(15);
   /// So much less than the others' a session's time may be that comes back after a pause: it does not save up while it is away.
   static constexpr Time kCredit = std::chrono::milliseconds(100);
-  static constexpr Time kPatience = 3 * kTurn;  // a quarter of the time is the least that a class gets
+  /// Turns of others that a class is passed over for, by one of its own: a quarter of the time is the least that it gets; a sixteenth, if nobody waits for it.
+  static constexpr std::int64_t patience_of(WorkClass of) { return of == WorkClass::idle ? 15 : 3; }
 
   /// Work that wants the turn from now on, until end().
   Id begin(std::uint64_t session, WorkClass of, Time now);
@@ -54,13 +56,13 @@ class FairTurns {
     WorkClass of = WorkClass::frame;
     bool goes_on = true;  // said so since its turn began, or has had none
   };
-  static constexpr std::size_t kClasses = 5;
+  static constexpr std::size_t kClasses = 6;
 
   void charge(Time now);
   Id best() const;
   bool is_before(Id a, Id b) const;
   bool takes_at_once(const Work& next, const Work& has) const;
-  Time passed_over(WorkClass of) const { return passed_over_[static_cast<std::size_t>(of)]; }
+  bool is_passed_over(WorkClass of) const { return passed_over_[static_cast<std::size_t>(of)] >= patience_of(of) * kTurn; }
 
   std::map<Id, Work> works_;
   std::map<std::uint64_t, Session> sessions_;  // that have work, and those whose time is not forgotten yet

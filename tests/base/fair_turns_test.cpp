@@ -124,6 +124,17 @@ TEST_F(FairTurnsTest, LessUrgentWorkGetsAQuarterOfTheTimeHoweverMuchIsDrawn) {
   EXPECT_EQ(jobs_[frames].done + jobs_[still].done, 4s);
 }
 
+TEST_F(FairTurnsTest, WhatNobodyWaitsForGetsASixteenthOfTheTimeAndAllThatIsLeft) {
+  const auto frames = begin(1, WorkClass::frame, 4s);
+  const auto idle = begin(2, WorkClass::idle);
+  pass(3s);
+  EXPECT_GE(jobs_[idle].done, 150ms);
+  EXPECT_LE(jobs_[idle].done, 200ms);
+  pass(5s);
+  EXPECT_EQ(jobs_[frames].left, 0ms);
+  EXPECT_EQ(jobs_[idle].done, 4s);
+}
+
 TEST_F(FairTurnsTest, WorkThatDoesNotGoOnLosesItsTurnUntilItDoes) {
   const auto hangs = begin(1, WorkClass::frame), other = begin(2, WorkClass::background);
   jobs_[hangs].goes_on = false;
@@ -150,7 +161,7 @@ TEST_F(FairTurnsTest, NoTimeIsLostAndEverythingEnds) {
     jobs_.clear();
     std::mt19937 random(seed);
     for (int i = 0; i < 60; ++i) {
-      begin(random() % 5, static_cast<WorkClass>(random() % 4), std::chrono::milliseconds(1 + random() % 100));
+      begin(random() % 5, static_cast<WorkClass>(random() % 6), std::chrono::milliseconds(1 + random() % 100));
       pass(std::chrono::milliseconds(random() % 60));
     }
     pass(60 * 100ms);

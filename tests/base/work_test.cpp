@@ -124,7 +124,7 @@ TEST(Work, ManySessionsWithLoopsInsideLoopsAllEnd) {
   for (std::uint64_t session = 0; session < 8; ++session)
     threads.emplace_back([&, session] {
       for (int round = 0; round < 10; ++round) {
-        const Work work(session, static_cast<WorkClass>(session % 4), {nullptr, session != 5});
+        const Work work(session, static_cast<WorkClass>(session % 6), {nullptr, session != 5});
         parallel_for(10, 1, [&](std::int64_t, std::int64_t) {
           parallel_for(20, 1, [&](std::int64_t begin, std::int64_t end) {
             be_busy(5us);
