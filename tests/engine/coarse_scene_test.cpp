@@ -309,9 +309,9 @@ TEST(CoarseScenes, FindTheirErrorOnceAndNotOfWhatIsLargerThanMemory) {
   CoarseScenes scenes(1000);
   const auto coarse = scenes.extract_for_motion(whole, torus_scene(), 3, Task{});
   ASSERT_TRUE(coarse && coarse->coarse_error);
-  scenes.find_error(*coarse, static_cast<std::uint64_t>(whole->grid.point_count()), Task{});  // a value has four bytes
+  scenes.find_error(coarse->dataset, coarse->array, static_cast<std::uint64_t>(whole->grid.point_count()), Task{});  // a value has four bytes
   EXPECT_FALSE(coarse->coarse_error->get());
-  scenes.find_error(*coarse, 1 << 30, Task{});
+  scenes.find_error(coarse->dataset, coarse->array, 1 << 30, Task{});
   ASSERT_TRUE(coarse->coarse_error->get());
   const auto stride = moving_stride(whole->grid, 3);
   EXPECT_EQ(coarse->coarse_error->get()->largest, coarse_error(*whole, *coarse->dataset, stride, coarse->array, Task{}).largest);

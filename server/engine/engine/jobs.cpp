@@ -118,7 +118,7 @@ void Jobs::post(const ExportRequest& request) {
 }
 
 void Jobs::post(const MeasureRequest& request, std::shared_ptr<const ExtractedScene> ready) {
-  answer(counters_, request.session, WorkClass::still, request, [this, ready = std::move(ready)](const MeasureRequest& of, const Task& task) {
+  answer(counters_, request.session, WorkClass::idle, request, [this, ready = std::move(ready)](const MeasureRequest& of, const Task& task) {
     return LayersMeasured{of.session, of.request, of.scene.revision, measured(of, ready, task)};
   });
 }

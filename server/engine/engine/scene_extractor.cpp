@@ -38,7 +38,7 @@ void SceneExtractor::extract(const ExtractionJob& job) {
     if (job.before.extracted) ahead_.read_step(*extracted, job.scene, job.before.scene);
   }
   ports_.done(job, extracted, failure);
-  if (extracted && job.coarse) ahead_.find_error(extracted);
+  if (extracted && job.coarse) ahead_.find_error(*extracted);
 }
 
 /// All points; if they take long to be found, every n-th point first.

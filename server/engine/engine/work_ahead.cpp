@@ -67,7 +67,7 @@ void WorkAhead::prepare_tetrahedra(SessionKey session, const ExtractedScene& ext
   (wanted.waited_for ? movers_ : preparers_).post(of, [this, of, wanted, dataset = extracted.dataset, array = extracted.array, task] {
     const Doing extracting(options_.board, Stage::extracting, 0, 0);
     try {
-      const Work work(of, wanted.waited_for ? WorkClass::scene : WorkClass::background, {task.get(), true, extracting.waiting()});
+      const Work work(of, wanted.waited_for ? WorkClass::scene : WorkClass::idle, {task.get(), true, extracting.waiting()});
       if (wanted.what == Preparation::What::base)
         shared_.bases.make(dataset, array, *task);
       else
@@ -106,18 +106,19 @@ void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, c
       return;
     }
     if (!coarse) return;
-    find_error(coarse);
+    find_error(*coarse);
     ports_.take_coarse(session, extracted, std::move(coarse), scene);
   });
 }
 
-void WorkAhead::find_error(const Extracted& coarse) {
-  if (!coarse->coarse_error || coarse->coarse_error->get()) return;
-  preparers_.post(0, [this, coarse] {
+// What waits here holds no layers: a hand makes new ones at every move, in the memory of those before.
+void WorkAhead::find_error(const ExtractedScene& coarse) {
+  if (!coarse.coarse_error || coarse.coarse_error->get()) return;
+  preparers_.post(0, [this, dataset = coarse.dataset, array = coarse.array] {
     try {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
-      const Work work(0, WorkClass::background, {&ahead_task_, true, extracting.waiting()});
-      shared_.coarse.find_error(*coarse, options_.max_bytes, ahead_task_);
+      const Work work(0, WorkClass::idle, {&ahead_task_, true, extracting.waiting()});
+      shared_.coarse.find_error(dataset, array, options_.max_bytes, ahead_task_);
     } catch (const std::exception&) {  // the pictures do without it
     }
   });

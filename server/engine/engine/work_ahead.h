@@ -66,7 +66,7 @@ class WorkAhead {
   /// Of a scene that rests, or has just been seen for the first time, and takes long to draw, the same of every n-th point, for the next hand that turns it.
   void prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene);
   /// How far a coarse picture may be from that of all points, beside everything else.
-  void find_error(const Extracted& coarse);
+  void find_error(const ExtractedScene& coarse);
   /// Cancels what is being made; nothing is prepared afterwards.
   void stop();
 

@@ -130,22 +130,22 @@ std::shared_ptr<CoarseScenes::FoundError> CoarseScenes::Lent::error_of(const std
   return at == arrays.end() ? nullptr : errors[static_cast<std::size_t>(at - arrays.begin())];
 }
 
-void CoarseScenes::find_error(const ExtractedScene& coarse, std::uint64_t most_bytes, const Task& task) {
+void CoarseScenes::find_error(const std::shared_ptr<const Dataset>& coarse, const std::string& array, std::uint64_t most_bytes, const Task& task) {
   std::shared_ptr<const Dataset> whole;
   std::shared_ptr<FoundError> error;
   Stride stride{};
   {
     const std::lock_guard lock(mutex_);
-    const Lent* lent = lent_of(coarse.dataset);
+    const Lent* lent = lent_of(coarse);
     whole = lent ? lent->whole.lock() : nullptr;
-    if (!whole || !coarse.coarse_error) return;
-    error = lent->error_of(coarse.array);
+    error = lent ? lent->error_of(array) : nullptr;
+    if (!whole || !error) return;
     stride = lent->stride;
   }
-  const std::uint64_t bytes = static_cast<std::uint64_t>(whole->grid.point_count()) * size_of(whole->array(coarse.array).type);
+  const std::uint64_t bytes = static_cast<std::uint64_t>(whole->grid.point_count()) * size_of(whole->array(array).type);
   if (bytes > most_bytes || !error->begin()) return;
-  error->set(whole->grid.structured() ? coarse_error(*whole, *coarse.dataset, stride, coarse.array, task)
-                                      : sampled_error(*whole, *coarse.dataset, coarse.array, task));
+  error->set(whole->grid.structured() ? coarse_error(*whole, *coarse, stride, array, task)
+                                      : sampled_error(*whole, *coarse, array, task));
 }
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,

@@ -38,9 +38,9 @@ class CoarseScenes {
   /// first have every second one along each axis.
   std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task);
 
-  /// Finds how far the field of a coarse scene of these is from that of all points (ExtractedScene::coarse_error), once for each dataset and array, unless the
-  /// array takes more than most_bytes: what is larger than memory is not read for it. Throws cancelled; then nobody will find it.
-  void find_error(const ExtractedScene& coarse, std::uint64_t most_bytes, const Task& task);
+  /// Finds how far the field of these scenes' dataset is from that of all points (ExtractedScene::coarse_error), once for each dataset and array, unless
+  /// the array takes more than most_bytes: what is larger than memory is not read for it. Throws cancelled; then nobody will find it.
+  void find_error(const std::shared_ptr<const Dataset>& coarse, const std::string& array, std::uint64_t most_bytes, const Task& task);
 
  private:
   using Stride = std::array<std::int64_t, 3>;

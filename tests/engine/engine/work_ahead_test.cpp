@@ -1,4 +1,4 @@
-// What is made before anybody waits for it: pure rules.
+// What is made before anybody waits for it: pure rules, and what it holds.
 #include "engine/engine/work_ahead.h"
 
 #include <gtest/gtest.h>
@@ -108,6 +108,26 @@ TEST_F(ToPrepare, OtherGridsAndWhatIsCutAlreadyNeedNothing) {
   ExtractedScene cut = extracted(0.5, dataset_);
   cut.base = std::make_shared<const BaseTetrahedra>();
   EXPECT_EQ(prepared(cut, nullptr), Preparation{});
+}
+
+TEST(WorkAhead, WhatWaitsToBeComparedHoldsNoLayers) {
+  OpenDatasets datasets(Catalogue::from_sources({"torus:65"}), {}, nullptr);
+  SharedMeshes shared(1000, std::uint64_t{1} << 30);
+  const auto whole = make_analytic("torus:65", {}, Task{});
+  Scene scene;
+  scene.array = whole->arrays[0].name;
+  scene.intervals.resize(1);
+  scene.intervals[0].lower = 0.1;
+  WorkAhead ahead({.max_bytes = std::uint64_t{1} << 30}, datasets, shared,
+                  {.wants_coarse = [](auto&&...) { return false; }, .take_coarse = [](auto&&...) {}});
+  std::vector<std::weak_ptr<const ExtractedScene>> moved;
+  for (int i = 0; i < 20; ++i) {
+    scene.intervals[0].upper = 0.5 - 0.01 * i;
+    const auto coarse = shared.coarse.extract_for_motion(whole, scene, 1, Task{});
+    ahead.find_error(*coarse);
+    moved.push_back(coarse);
+  }
+  for (const auto& of : moved) EXPECT_TRUE(of.expired());
 }
 
 }  // namespace
