@@ -37,6 +37,7 @@ void SharedFrames::leave(Viewer& viewer) {
 
 void SharedFrames::scene_changed(TimePoint now) {
   making_.forget_kept();
+  if (measured_ && measured_->request != 0 && !same_extraction(measured_->scene, scene_)) give_up_measuring();
   for (const auto& [key, viewer] : people_.viewers()) {
     viewer->frames.scene_changed(scene_.revision, ports_.drawable(), now);
     viewer->bands.clear();
@@ -266,13 +267,21 @@ void SharedFrames::tell_layers(Viewer& viewer) {
     if (measured_->facts) viewer.outbox->send(message());
     return;
   }
-  measured_ = {scene_, std::nullopt};
-  engine_.ask(MeasureRequest{session_, 0, scene_}, [this, message](const EngineEvent& event, TimePoint) {
+  measured_ = {scene_, 0, std::nullopt};
+  measured_->request = engine_.ask(MeasureRequest{session_, 0, scene_}, [this, message](const EngineEvent& event, TimePoint) {
+    if (measured_ && isostrata::request_of(event) == measured_->request) measured_->request = 0;
     const auto* ready = std::get_if<LayersMeasured>(&event);
     if (!ready || !measured_ || ready->revision != measured_->scene.revision) return;
     measured_->facts = to_wire(*ready);
     if (same_extraction(measured_->scene, scene_)) people_.tell(message());
   });
+}
+
+/// A hand that moves layers does not wait for what they were.
+void SharedFrames::give_up_measuring() {
+  engine_.forget(measured_->request);
+  engine_.post(CancelRequest{session_, 0, measured_->request, true});
+  measured_.reset();
 }
 
 // ---- video ----

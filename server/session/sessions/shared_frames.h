@@ -50,6 +50,7 @@ class SharedFrames {
   /// What the layers of a scene hold, for whoever sees them at rest.
   struct Measured {
     Scene scene;
+    RequestId request = 0;                // that has not been answered; 0: none
     std::optional<v1::LayerFacts> facts;  // nothing: not known yet, or it failed
   };
 
@@ -63,6 +64,7 @@ class SharedFrames {
   void give(Viewer& viewer, FrameOrder order, const FrameReady& ready, TimePoint now);
   void send_bands(Viewer& viewer, TimePoint now);
   void tell_layers(Viewer& viewer);
+  void give_up_measuring();
   void forget(RequestId request);
   void leave_ordered(Viewer& viewer);
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "session/asked_engine.h"
@@ -107,6 +108,32 @@ TEST_F(FramesOfASession, WhatLayersHoldIsMeasuredOnceAndToldToEachAtRest) {
   frames_.scene_changed(now_);
   rest();
   EXPECT_EQ(asked<MeasureRequest>().size(), 2u);
+}
+
+TEST_F(FramesOfASession, LayersThatMoveAreNotMeasuredAnyMoreAndACameraStopsNothing) {
+  come(1);
+  rest();
+  const RequestId measure = asked<MeasureRequest>().begin()->first;
+  const auto cancelled = [&] {
+    return std::ranges::count_if(engine_.posted, [&](const EngineRequest& of) {
+      const auto* cancel = std::get_if<CancelRequest>(&of);
+      return cancel && cancel->session == 1 && cancel->request == measure && cancel->superseded;
+    });
+  };
+  ++scene_.revision;
+  scene_.camera.emplace().eye.x = 9;
+  frames_.scene_changed(now_);
+  EXPECT_EQ(cancelled(), 0);
+  ++scene_.revision;
+  scene_.intervals[0].upper = 3;
+  frames_.scene_changed(now_);
+  EXPECT_EQ(cancelled(), 1);
+  EXPECT_FALSE(engine_.listeners.contains(measure));
+  scene_.intervals[0].upper = 4;
+  frames_.scene_changed(now_);
+  EXPECT_EQ(cancelled(), 1);
+  rest();
+  EXPECT_EQ(asked<MeasureRequest>().size(), 2u) << "what it rests at is measured";
 }
 
 TEST_F(FramesOfASession, WhatWasMeasuredOfAnOlderSceneIsNotTold) {
