@@ -10,6 +10,7 @@
 #include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/mesh/partitioned_items.h"
+#include "extraction/mesh/passing_array.h"
 
 namespace isostrata {
 namespace {
@@ -25,7 +26,7 @@ struct PlacedCell {
 };
 
 /// Two zero bits between any two of the lowest 21.
-std::uint64_t spread(std::uint64_t x) {
+inline std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 32) & 0x001f00000000ffffu;
   x = (x | x << 16) & 0x001f0000ff0000ffu;
   x = (x | x << 8) & 0x100f00f00f00f00fu;
@@ -83,23 +84,36 @@ CellClusters::CellClusters(const Grid& grid, std::uint64_t max_bytes, const Task
   if (count > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorCode::too_large, "clusters of cells: " + std::to_string(count) + " cells; expected fewer than 2^32");
   check_budget("the clusters of " + std::to_string(count) + " cells",
-               static_cast<std::uint64_t>(count) * (sizeof(PlacedCell) + sizeof(std::uint32_t)), max_bytes);
+               static_cast<std::uint64_t>(count) * (sizeof(PlacedCell) + sizeof(std::uint64_t)), max_bytes);
   task.report(0, "indexing");
   const Curve curve(finite_bounds(grid, task));
-  const auto place = [&](std::int64_t cell) {
-    std::array<std::int64_t, kMaxCellVertices> ids;
-    const int n = grid.cell_points(cell, ids);
-    Vec3d sum;
-    for (int v = 0; v < n; ++v) sum = sum + grid.point(ids[v]) * (1.0 / n);
-    return PlacedCell{curve.code(sum), static_cast<std::uint32_t>(cell)};
-  };
+  PassingArray<std::uint64_t> codes(static_cast<std::size_t>(count));
+  const auto& shape = std::get<UnstructuredGrid>(grid.shape);
+  std::visit(
+      [&](auto points) {
+        parallel_for(count, 1 << 13, [&](std::int64_t begin, std::int64_t end) {
+          task.check();
+          for (auto cell = static_cast<std::size_t>(begin); cell < static_cast<std::size_t>(end); ++cell) {
+            const std::int64_t first = shape.offsets[cell], last = shape.offsets[cell + 1];
+            const double share = 1.0 / static_cast<double>(last - first);
+            Vec3d sum;
+            for (std::int64_t i = first; i < last; ++i) {
+              const auto& p = points[static_cast<std::size_t>(shape.connectivity[static_cast<std::size_t>(i)])];
+              sum = sum + Vec3d{p.x, p.y, p.z} * share;
+            }
+            codes[cell] = curve.code(sum);
+          }
+        });
+      },
+      shape.points);
   auto parts = partition_items<PlacedCell>(std::int64_t{1} << kPartBits, count, "the clusters of the cells", max_bytes, task,
                                            [&](std::int64_t begin, std::int64_t end, const auto& emit) {
                                              for (std::int64_t cell = begin; cell < end; ++cell) {
-                                               const PlacedCell at = place(cell);
+                                               const PlacedCell at{codes[static_cast<std::size_t>(cell)], static_cast<std::uint32_t>(cell)};
                                                emit(static_cast<std::int64_t>(at.code >> (3 * kBitsPerAxis - kPartBits)), at);
                                              }
                                            });
+  codes = PassingArray<std::uint64_t>();
   cells_.resize(static_cast<std::size_t>(count));
   parallel_for(parts.parts(), 8, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t part = begin; part < end; ++part) {

@@ -18,7 +18,7 @@ class CellClusters {
  public:
   static constexpr std::int64_t kCells = 256;
 
-  /// O(cells log cells), on the pool; 20 bytes a cell while it is made. The result does not depend on threads. Throws
+  /// O(cells log cells), on the pool; 24 bytes a cell while it is made. The result does not depend on threads. Throws
   /// invalid_argument (a structured grid), too_large (2^32 cells or more, or more than max_bytes), cancelled.
   CellClusters(const Grid& grid, std::uint64_t max_bytes, const Task& task);
 

@@ -103,11 +103,9 @@ struct Site {
 
 class OrderedExtraction {
  public:
-  OrderedExtraction(const Grid& grid, const PointArray& array, const OrderedTetrahedra& tetrahedra, const OrderedArray& values,
-                    const IsoRules& rules, const ExtractOptions& options, const Task& task)
-      : grid_(grid),
-        array_(array),
-        of_(tetrahedra),
+  OrderedExtraction(const Grid& grid, const OrderedTetrahedra& tetrahedra, const OrderedArray& values, const IsoRules& rules,
+                    const ExtractOptions& options, const Task& task)
+      : of_(tetrahedra),
         values_(values),
         rules_(rules),
         options_(options),
@@ -135,9 +133,7 @@ class OrderedExtraction {
     for (const MeshSums& sums : sums_) sums.add_to(mesh_.summaries);
     sums_ = {};
     number_ = {};
-    if (options_.facets)
-      mesh_.facets = of_.open_faces.empty() ? boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_)
-                                            : boundary_facets(mesh_, labels_, open_, options_.max_bytes, task_);
+    if (options_.facets) mesh_.facets = boundary_facets(mesh_, labels_, open_, options_.max_bytes, task_);
     task_.report(1.0, "extracted");
     return std::move(mesh_);
   }
@@ -392,7 +388,7 @@ class OrderedExtraction {
     mesh_.cell_runs.resize(runs_before_.back());
     mesh_.active_cells = static_cast<std::int64_t>(runs_before_.back());
     if (options_.facets) labels_.resize(tetrahedra);
-    if (options_.facets && !of_.open_faces.empty()) open_.resize(mesh_.cell_runs.size());
+    if (options_.facets) open_.resize(mesh_.cell_runs.size());
     sums_.resize(records_.size());
     for_each_block<Nothing>(task_, "extracting", 0.6, options_.facets ? 0.8 : 1.0, static_cast<std::int64_t>(records_.size()),
                             [&](std::int64_t chunk, Nothing&) {
@@ -508,8 +504,6 @@ class OrderedExtraction {
     return handedness_of(0, box).tolerance;
   }
 
-  const Grid& grid_;
-  const PointArray& array_;
   const OrderedTetrahedra& of_;
   const OrderedArray& values_;
   const IsoRules& rules_;
@@ -532,18 +526,18 @@ class OrderedExtraction {
   bool usually_negative_ = false;
   Buffer<std::uint32_t> number_;  // [points and edges of the grid] of the mesh's points there, where there are some
   Buffer<FacetLabels> labels_;    // [nt] where facets are wanted
-  Buffer<std::uint8_t> open_;     // [runs] there, too, where the layout knows its open faces
+  Buffer<std::uint8_t> open_;     // [runs] there, too
   std::vector<MeshSums> sums_;    // [chunks]
 };
 
 }  // namespace
 
-std::optional<IntervalMesh> extract_ordered(const Grid& grid, const PointArray& array, const OrderedTetrahedra& tetrahedra,
-                                            const OrderedArray& values, std::span<const Interval> intervals,
-                                            const ExtractOptions& options, const Task& task) {
+std::optional<IntervalMesh> extract_ordered(const Grid& grid, const OrderedTetrahedra& tetrahedra, const OrderedArray& values,
+                                            std::span<const Interval> intervals, const ExtractOptions& options,
+                                            const Task& task) {
   const IsoRules rules(intervals, options.complement);
   if (rules.isovalues().size() > kMaxThresholds) return std::nullopt;
-  return OrderedExtraction(grid, array, tetrahedra, values, rules, options, task).run();
+  return OrderedExtraction(grid, tetrahedra, values, rules, options, task).run();
 }
 
 }  // namespace isostrata

@@ -332,7 +332,7 @@ std::optional<IntervalMesh> extract_unstructured(const Grid& grid, const PointAr
   if (grid.structured()) return std::nullopt;
   if (options.ordered)
     if (const OrderedField field = options.ordered->find(grid, array, task); field.tetrahedra)
-      if (auto mesh = extract_ordered(grid, array, *field.tetrahedra, *field.values, intervals, options, task)) return mesh;
+      if (auto mesh = extract_ordered(grid, *field.tetrahedra, *field.values, intervals, options, task)) return mesh;
   const IsoRules rules(intervals, options.complement);
   if (grid.cell_count() > std::numeric_limits<std::uint32_t>::max() ||
       grid.point_count() > std::numeric_limits<std::uint32_t>::max() ||

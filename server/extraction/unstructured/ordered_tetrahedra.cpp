@@ -10,11 +10,11 @@
 #include "base/finite.h"
 #include "base/parallel.h"
 #include "extraction/cells/cell_geometry.h"
-#include "extraction/mesh/keyed_lists.h"
 #include "extraction/mesh/list_pool.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/unstructured/cell_clusters.h"
-#include "extraction/unstructured/sorted_tetrahedron.h"
+#include "extraction/unstructured/number_edges.h"
+#include "extraction/unstructured/small_table.h"
 
 namespace isostrata {
 namespace {
@@ -34,54 +34,16 @@ class Maker {
 
   std::shared_ptr<const OrderedTetrahedra> make() {
     order_cells();
-    number_points();
     sort_vertices();
     if (repeats_points_.load()) return nullptr;
-    number_edges();
+    number_points();
     list_blocks();
-    find_open_faces();
+    take_edges(number_edges(vertices_, out_->point_count(), task_));
     return std::move(out_);
   }
 
  private:
   const std::int64_t* ids_of(std::size_t t) const { return shape_.connectivity.data() + shape_.offsets[out_->cells[t]]; }
-
-  /// Where the grid ends depends on no array, for all of these cells take part. Every tetrahedron tells its faces to the first of their edges, by their
-  /// third vertices: what only one has told is open.
-  void find_open_faces() {
-    rank_ = {};
-    struct Face {
-      std::uint32_t third;
-      std::uint32_t of;  // 4 times the tetrahedron, and the place of the vertex that the face does not have, in the order of ids
-    };
-    std::array<std::uint8_t, 4> face_without{};  // vertex of the cell -> face of the cell
-    const auto& faces = topology(CellType::tetrahedron).faces;
-    for (std::size_t f = 0; f < faces.size(); ++f)
-      face_without[static_cast<std::size_t>(6 - faces[f].vertex[0] - faces[f].vertex[1] - faces[f].vertex[2])] = static_cast<std::uint8_t>(f);
-    try {
-      const auto told = list_by_key<Face>(static_cast<std::int64_t>(out_->edge_count()), static_cast<std::int64_t>(out_->count()), kPerTask,
-                                          "the faces of the grid", max_bytes_, [&](std::int64_t begin, std::int64_t end, const auto& emit) {
-                                            task_.check();
-                                            for (std::int64_t t = begin; t < end; ++t)
-                                              for (const Side& side : kSides)
-                                                emit(out_->edges[t][side.edge], Face{vertices_[t][side.third], static_cast<std::uint32_t>(4 * t + side.missing)});
-                                          });
-      out_->open_faces.resize(out_->count());
-      std::fill(out_->open_faces.begin(), out_->open_faces.end(), std::uint8_t{0});
-      each(told.keys(), [&](std::size_t edge) {
-        const std::span<const Face> about = told.of(static_cast<std::int64_t>(edge));
-        for (const Face& face : about) {
-          if (std::any_of(about.begin(), about.end(), [&](const Face& other) { return other.third == face.third && other.of != face.of; })) continue;
-          const std::size_t t = face.of / 4;
-          const unsigned vertex = out_->turns[t] >> 2 * (face.of % 4) & 3u;
-          std::atomic_ref(out_->open_faces[t]).fetch_or(static_cast<std::uint8_t>(1u << face_without[vertex]), std::memory_order_relaxed);
-        }
-      });
-    } catch (const Error& error) {
-      if (error.code() != ErrorCode::too_large) throw;  // each extraction finds out for its own cells
-    }
-    vertices_ = {};
-  }
 
   void order_cells() {
     const CellClusters clusters(grid_, max_bytes_, task_);
@@ -104,24 +66,26 @@ class Maker {
     task_.check();
   }
 
+  /// In the order in which the cells name them first. vertices_ then has these numbers.
   void number_points() {
-    rank_.resize(static_cast<std::size_t>(grid_.point_count()));
-    std::fill(rank_.begin(), rank_.end(), kNone);
+    Buffer<std::uint32_t> rank(static_cast<std::size_t>(grid_.point_count()));
+    std::fill(rank.begin(), rank.end(), kNone);
     for (std::size_t t = 0; t < out_->count(); ++t) {
-      const std::int64_t* const ids = ids_of(t);
-      for (int v = 0; v < 4; ++v) {
-        std::uint32_t& rank = rank_[static_cast<std::size_t>(ids[v])];
-        if (rank != kNone) continue;
-        rank = static_cast<std::uint32_t>(out_->ids.size());
-        out_->ids.push_back(static_cast<std::uint32_t>(ids[v]));
+      std::array<std::uint32_t, 4> of_cell;
+      for (std::size_t i = 0; i < 4; ++i) of_cell[out_->turns[t] >> 2 * i & 3u] = vertices_[t][i];
+      for (const std::uint32_t id : of_cell) {
+        if (rank[id] != kNone) continue;
+        rank[id] = static_cast<std::uint32_t>(out_->ids.size());
+        out_->ids.push_back(id);
       }
+      for (std::uint32_t& vertex : vertices_[t]) vertex = rank[vertex];
       if (t % (1 << 16) == 0) task_.check();
     }
     std::visit(
         [&](auto points) {
           auto& to = out_->positions.emplace<Buffer<std::remove_cv_t<typename decltype(points)::value_type>>>();
           to.resize(out_->point_count());
-          for (std::size_t p = 0; p < to.size(); ++p) to[p] = points[out_->ids[p]];
+          each(to.size(), [&](std::size_t p) { to[p] = points[out_->ids[p]]; });
         },
         shape_.points);
   }
@@ -146,7 +110,7 @@ class Maker {
     for (int i = 0; i < 4; ++i) {
       for (int j = 0; j < i; ++j) odd ^= vertex[j] > vertex[i];
       turn |= static_cast<unsigned>(vertex[i]) << 2 * i;
-      vertices_[t][i] = rank_[static_cast<std::size_t>(ids[vertex[i]])];
+      vertices_[t][i] = static_cast<std::uint32_t>(ids[vertex[i]]);
       if (i > 0 && ids[vertex[i]] == ids[vertex[i - 1]]) repeats_points_.store(true, std::memory_order_relaxed);
     }
     std::array<Vec3d, 4> p;
@@ -161,42 +125,27 @@ class Maker {
     out_->turns[t] = static_cast<std::uint16_t>(turn);
   }
 
-  /// Every tetrahedron tells the lower end of each of its edges of the other one: the lists without their repeats are the edges.
-  void number_edges() {
-    const auto count = static_cast<std::int64_t>(out_->count()), points = static_cast<std::int64_t>(out_->point_count());
-    auto told = list_by_key<std::uint32_t>(points, count, kPerTask, "the edges of the grid", max_bytes_,
-                                           [&](std::int64_t begin, std::int64_t end, const auto& emit) {
-                                             task_.check();
-                                             for (std::int64_t t = begin; t < end; ++t) {
-                                               const auto& v = vertices_[t];
-                                               for (const auto& [a, b] : kEnds) emit(v[a], v[b]);
-                                             }
-                                           });
-    std::vector<std::uint32_t> first(static_cast<std::size_t>(points) + 1);
-    each(points, [&](std::size_t a) {
-      const auto list = told.of(static_cast<std::int64_t>(a));
-      std::sort(list.begin(), list.end());
-      first[a] = static_cast<std::uint32_t>(std::unique(list.begin(), list.end()) - list.begin());
-    });
-    out_->ends.resize(running_sum(first));
-    out_->first_edge.assign(first.begin(), first.end());
-    each(points, [&](std::size_t a) {
-      std::copy_n(told.of(static_cast<std::int64_t>(a)).begin(), first[a + 1] - first[a], out_->ends.begin() + first[a]);
-    });
-    out_->begins.resize(out_->edge_count());
-    each(points, [&](std::size_t a) {
-      std::fill(out_->begins.begin() + first[a], out_->begins.begin() + first[a + 1],
+  void take_edges(NumberedEdges made) {
+    vertices_ = {};
+    out_->begins.resize(made.ends.size());
+    each(out_->point_count(), [&](std::size_t a) {
+      std::fill(out_->begins.begin() + made.first[a], out_->begins.begin() + made.first[a + 1],
                 static_cast<std::uint8_t>(a % OrderedTetrahedra::kPointBlock));
     });
-    out_->edges.resize(out_->count());
-    each(count, [&](std::size_t t) {
-      const auto& v = vertices_[t];
-      for (std::size_t e = 0; e < 6; ++e) {
-        const std::uint32_t a = v[kEnds[e][0]], b = v[kEnds[e][1]];
-        const auto at = std::lower_bound(out_->ends.begin() + first[a], out_->ends.begin() + first[a + 1], b);
-        out_->edges[t][e] = static_cast<std::uint32_t>(at - out_->ends.begin());
-      }
+    std::array<std::uint8_t, 4> face_without{};  // vertex of the cell -> face of the cell
+    const auto& faces = topology(CellType::tetrahedron).faces;
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      face_without[static_cast<std::size_t>(6 - faces[f].vertex[0] - faces[f].vertex[1] - faces[f].vertex[2])] = static_cast<std::uint8_t>(f);
+    each(out_->count(), [&](std::size_t t) {
+      unsigned open = 0;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (made.open[t] >> i & 1) open |= 1u << face_without[out_->turns[t] >> 2 * i & 3u];
+      made.open[t] = static_cast<std::uint8_t>(open);
     });
+    out_->first_edge = std::move(made.first);
+    out_->ends = std::move(made.ends);
+    out_->edges = std::move(made.edges);
+    out_->open_faces = std::move(made.open);
   }
 
   /// Names the vertices by their places among the points of their blocks.
@@ -208,19 +157,21 @@ class Maker {
     std::vector<std::span<const std::uint32_t>> lists(blocks);
     parallel_for(static_cast<std::int64_t>(blocks), 1 << 12, [&](std::int64_t begin, std::int64_t end) {
       task_.check();
-      std::vector<std::uint32_t> listed_in(out_->point_count(), kNone), place(out_->point_count()), list;
+      SmallTable places;
+      std::vector<std::uint32_t> list;
       for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
         list.clear();
+        places.start(4 * kBlock);
         BlockCorners corners;
         for (std::size_t t = b * kBlock; t < std::min(out_->count(), (b + 1) * kBlock); ++t)
           for (std::size_t v = 0; v < 4; ++v) {
             const std::uint32_t point = vertices_[t][v];
-            if (listed_in[point] != b) {
-              listed_in[point] = static_cast<std::uint32_t>(b);
-              place[point] = static_cast<std::uint32_t>(list.size());
+            SmallTable::Entry& place = places.at(point);
+            if (place.key == SmallTable::kFree) {
+              place = {point, static_cast<std::uint32_t>(list.size())};
               list.push_back(point);
             }
-            corners.of[v][t % kBlock] = static_cast<std::uint8_t>(place[point]);
+            corners.of[v][t % kBlock] = static_cast<std::uint8_t>(place.value);
           }
         out_->corners[b] = corners;
         lists[b] = pool.keep(list);
@@ -235,26 +186,19 @@ class Maker {
   }
 
   template <class Visit>
-  void each(std::int64_t count, const Visit& visit) {
-    parallel_for(count, kPerTask, [&](std::int64_t begin, std::int64_t end) {
+  void each(std::size_t count, const Visit& visit) {
+    parallel_for(static_cast<std::int64_t>(count), kPerTask, [&](std::int64_t begin, std::int64_t end) {
       task_.check();
       for (std::int64_t i = begin; i < end; ++i) visit(static_cast<std::size_t>(i));
     });
   }
-
-  static constexpr std::array<std::array<std::uint8_t, 2>, 6> kEnds = kSortedEdges;
-  struct Side {
-    std::uint8_t edge, third, missing;  // a face: the first of its edges in kEnds, and vertices in the order of ids
-  };
-  static constexpr std::array<Side, 4> kSides{{{0, 2, 3}, {0, 3, 2}, {1, 3, 1}, {3, 3, 0}}};
 
   const Grid& grid_;
   const UnstructuredGrid& shape_;
   const std::uint64_t max_bytes_;
   const Task& task_;
   std::shared_ptr<OrderedTetrahedra> out_ = std::make_shared<OrderedTetrahedra>();
-  Buffer<std::uint32_t> rank_;                     // [grid points]
-  Buffer<std::array<std::uint32_t, 4>> vertices_;  // [nt] points, by global id
+  Buffer<std::array<std::uint32_t, 4>> vertices_;  // [nt] points of the grid, then of out_, by global id
   std::atomic<bool> repeats_points_{false};
 };
 
@@ -325,8 +269,8 @@ std::shared_ptr<const OrderedTetrahedra> OrderedTetrahedra::make(const Grid& gri
 }
 
 std::uint64_t OrderedTetrahedra::foreseen_bytes(const Grid& grid) {
-  // 32 bytes a cell for the faces as they are told, with the rest of what is kept; about 7 edges for 6 tetrahedra.
-  return static_cast<std::uint64_t>(grid.cell_count()) * (38 + 16 + 32 + 8) + static_cast<std::uint64_t>(grid.point_count()) * 48;
+  // Beside what is kept the vertices and the corners by point; about 7 edges for 6 tetrahedra.
+  return static_cast<std::uint64_t>(grid.cell_count()) * (38 + 16 + 12 + 12) + static_cast<std::uint64_t>(grid.point_count()) * 48;
 }
 
 std::uint64_t OrderedTetrahedra::bytes() const {

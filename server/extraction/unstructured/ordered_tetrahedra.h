@@ -72,7 +72,7 @@ class OrderedTetrahedra {
   Buffer<std::array<std::uint32_t, 6>> edges;            // [nt] between vertices 01, 02, 03, 12, 13, 23
   Buffer<std::uint32_t> cells;                           // [nt] of the grid
   Buffer<std::uint16_t> turns;                           // [nt] TetrahedronTurn
-  Buffer<std::uint8_t> open_faces;                       // [nt] bit k: nobody shares face k of the grid's cell; empty: there was no room to find out
+  Buffer<std::uint8_t> open_faces;                       // [nt] bit k: nobody shares face k of the grid's cell
   Buffer<std::uint32_t> ids;                             // [np] of the grid
   std::variant<Buffer<Vec3f>, Buffer<Vec3d>> positions;  // [np]
   Buffer<std::uint32_t> first_edge;                      // [np + 1] of the edges that run from a point

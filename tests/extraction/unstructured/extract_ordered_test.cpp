@@ -37,7 +37,7 @@ IntervalMesh extract_by_layout(const Grid& grid, const PointArray& array, const 
   ExtractOptions options;
   options.facets = true;
   options.complement = complement;
-  auto mesh = extract_ordered(grid, array, *tetrahedra, *values, intervals, options, kQuiet);
+  auto mesh = extract_ordered(grid, *tetrahedra, *values, intervals, options, kQuiet);
   if (!mesh) throw std::runtime_error("extract_ordered does not reach this request");
   return std::move(*mesh);
 }
@@ -216,7 +216,7 @@ TEST(ExtractOrdered, RefusesWhatNeedsTooMuchMemoryAndCanBeCancelled) {
   for (const std::uint64_t bytes : {100u, 20'000u, 400'000u}) {
     options.max_bytes = bytes;
     try {
-      extract_ordered(dataset->grid, dataset->arrays[0], *tetrahedra, *values, all, options, kQuiet);
+      extract_ordered(dataset->grid, *tetrahedra, *values, all, options, kQuiet);
       FAIL() << bytes << " bytes are not enough";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::too_large);
@@ -225,7 +225,7 @@ TEST(ExtractOrdered, RefusesWhatNeedsTooMuchMemoryAndCanBeCancelled) {
   options.max_bytes = kPlenty;
   Task cancelled;
   cancelled.cancel();
-  EXPECT_THROW(extract_ordered(dataset->grid, dataset->arrays[0], *tetrahedra, *values, all, options, cancelled), Error);
+  EXPECT_THROW(extract_ordered(dataset->grid, *tetrahedra, *values, all, options, cancelled), Error);
 }
 
 TEST(OrderedTetrahedra, AreOnlyMadeOfTetrahedraWithFourPoints) {
