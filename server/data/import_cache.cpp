@@ -84,7 +84,7 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
 }
 
 /// What the entry was made of, and by which reader; nothing where that cannot be told.
-std::optional<std::string> origin_of(const fs::path& file, const OpenOptions& options) {
+std::optional<std::string> origin_of(const fs::path& file, const ImportOptions& options) {
   const auto files = source_files(file);
   if (!files) return std::nullopt;
   const fs::path reader = options.importer.empty() ? default_importer() : options.importer;
@@ -193,7 +193,7 @@ void place_facts(const Dataset& dataset, const fs::path& entry) {
     set_place_of_facts(dataset.arrays[i].storage, entry, "array_" + std::to_string(i) + ".");
 }
 
-std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& origin, const fs::path& file, const OpenOptions& options) {
+std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& origin, const fs::path& file, const ImportOptions& options) {
   if (text_of(entry / kOriginFile) != origin) return nullptr;
   const auto known = read_measures(entry / kMeasures);
   if (!known) return nullptr;
@@ -243,13 +243,13 @@ bool can_be_cached(const ImportCache& cache, const fs::path& file) {
   return may_lie_in_place(file) || stamp_of(file).bytes <= cache.max_bytes / 2;
 }
 
-std::shared_ptr<const Dataset> find_import_cached(const fs::path& file, const OpenOptions& options, const ImportCache& cache) {
+std::shared_ptr<const Dataset> find_import_cached(const fs::path& file, const ImportOptions& options, const ImportCache& cache) {
   check_source(file, options);
   const auto origin = can_be_cached(cache, file) ? origin_of(file, options) : std::nullopt;
   return origin && prepare(cache.folder) ? find(place_of(cache, *origin), *origin, file, options) : nullptr;
 }
 
-std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const OpenOptions& options, const ImportCache& cache, const Task& task) {
+std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const ImportOptions& options, const ImportCache& cache, const Task& task) {
   check_source(file, options);
   const auto origin = can_be_cached(cache, file) ? origin_of(file, options) : std::nullopt;
   if (!origin || !prepare(cache.folder)) return open_import(file, options, task);
@@ -270,7 +270,7 @@ std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const Op
     return open_import(file, options, task);  // the disk of the cache is full, say
   }
   std::shared_ptr<const Dataset> dataset = map_import(folder->path(), file, options, ImportFiles::left);
-  if (stopwatch.elapsed_ms() >= 1000 * cache.least_seconds && origin_of(file, options) == origin) {  // else it was written to while it was read
+  if (has_own_grid(*dataset, options) && stopwatch.elapsed_ms() >= 1000 * cache.least_seconds && origin_of(file, options) == origin) {  // else it was written to while it was read
     std::ofstream(folder->path() / kMeasures, std::ios::binary) << to_text(measures_of(*dataset));
     std::ofstream(folder->path() / kOriginFile, std::ios::binary) << *origin;
     const std::uint64_t bytes = bytes_in(folder->path());

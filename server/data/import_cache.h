@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "data/dataset.h"
+#include "data/import_door.h"
 
 namespace isostrata {
 
@@ -34,11 +35,11 @@ bool can_be_cached(const ImportCache& cache, const std::filesystem::path& file);
 
 /// As open_import. Maps the entry if there is one of the files as they are now; else reads them, and keeps what took long enough. A folder that
 /// cannot be written is as none. Any thread, any process.
-std::shared_ptr<const Dataset> open_import_cached(const std::filesystem::path& file, const OpenOptions& options, const ImportCache& cache,
+std::shared_ptr<const Dataset> open_import_cached(const std::filesystem::path& file, const ImportOptions& options, const ImportCache& cache,
                                                   const Task& task);
 
 /// Only where there is an entry of the files as they are now; else null.
-std::shared_ptr<const Dataset> find_import_cached(const std::filesystem::path& file, const OpenOptions& options, const ImportCache& cache);
+std::shared_ptr<const Dataset> find_import_cached(const std::filesystem::path& file, const ImportOptions& options, const ImportCache& cache);
 
 /// Something small that was made of a file, kept between the imports and as they are. Any thread, any process. Throws not_found where there is no such file.
 class KeptWork {

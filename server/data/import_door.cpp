@@ -103,7 +103,11 @@ bool may_lie_in_place(const fs::path& file) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
-void check_source(const fs::path& file, const OpenOptions& options) {
+bool has_own_grid(const Dataset& dataset, const ImportOptions& options) {
+  return !options.like || !dataset.grid.storage || dataset.grid.storage != options.like->grid.storage;
+}
+
+void check_source(const fs::path& file, const ImportOptions& options) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   const int opened = open_beneath(file, O_PATH);
@@ -119,14 +123,15 @@ void check_source(const fs::path& file, const OpenOptions& options) {
     throw Error(ErrorCode::not_found, file.string() + ": no step " + std::to_string(options.step) + "; steps count from 0");
 }
 
-void import_into(const fs::path& directory, const fs::path& file, const OpenOptions& options, const Task& task) {
+void import_into(const fs::path& directory, const fs::path& file, const ImportOptions& options, const Task& task) {
   const std::string name = file.filename().string();
   task.report(0, "reading");
   const auto cpu_seconds = static_cast<std::uint64_t>(std::clamp(std::ceil(options.timeout_s), 1.0, 1e6)) + 1;
   ChildResult result;
   try {
-    const std::vector<std::string> words{fs::absolute(file).string(), directory.string(), std::to_string(options.step),
+    std::vector<std::string> words{fs::absolute(file).string(), directory.string(), std::to_string(options.step),
                                          std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())};
+    if (options.like) words.push_back(std::to_string(options.like->step));
     const auto on_line = [&](std::string_view line) {
       if (!line.starts_with("progress ")) return;
       double fraction = 0;
@@ -147,7 +152,7 @@ void import_into(const fs::path& directory, const fs::path& file, const OpenOpti
   task.report(0.9, "checking");
 }
 
-std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptions& options, const Task& task) {
+std::shared_ptr<const Dataset> open_import(const fs::path& file, const ImportOptions& options, const Task& task) {
   check_source(file, options);
   const TemporaryDirectory directory(temporary_base(), "isostrata-import-");
   import_into(directory.path(), file, options, task);
@@ -156,7 +161,7 @@ std::shared_ptr<const Dataset> open_import(const fs::path& file, const OpenOptio
   return dataset;
 }
 
-std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const OpenOptions& options, const fs::path& keep,
+std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const ImportOptions& options, const fs::path& keep,
                                                    const Task& task) {
   check_source(file, options);
   const auto [name, origin] = kept_name(file, options.step);
@@ -175,8 +180,10 @@ std::shared_ptr<const Dataset> open_import_keeping(const fs::path& file, const O
     kept->files.emplace(temporary_base(), "isostrata-import-");
     import_into(kept->files->path(), file, options, task);
     kept->dataset = map_import(kept->files->path(), file, options, ImportFiles::left);
-    std::ofstream(kept->files->path() / kOriginFile, std::ios::binary) << origin;
-    if (!kept->files->move_to(place)) kept->files.reset();  // there is one already
+    if (has_own_grid(*kept->dataset, options)) {
+      std::ofstream(kept->files->path() / kOriginFile, std::ios::binary) << origin;
+      if (!kept->files->move_to(place)) kept->files.reset();  // there is one already
+    }
   }
   task.report(1, "reading");
   return {kept, kept->dataset.get()};

@@ -64,7 +64,7 @@ class Mapping {
 
 class Manifest {
  public:
-  Manifest(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files, bool checked)
+  Manifest(const fs::path& directory, const fs::path& file, const ImportOptions& options, ImportFiles files, bool checked)
       : directory_(directory), file_(file), name_(file.filename().string()), options_(options), files_(files), checked_(checked) {
     const fs::path path = directory / "manifest.json";
     std::error_code error;
@@ -162,7 +162,7 @@ class Manifest {
  private:
   fs::path directory_, file_;
   std::string name_;
-  const OpenOptions& options_;
+  const ImportOptions& options_;
   const ImportFiles files_;
   const bool checked_;
   json::object root_;
@@ -376,14 +376,15 @@ ImportMeasures measures_of(const Dataset& dataset) {
   return measures;
 }
 
-std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files,
+std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& file, const ImportOptions& options, ImportFiles files,
                                     const ImportMeasures* known, ImportValues values_are) {
   Manifest manifest(directory, file, options, files, known != nullptr);
   if (manifest.integer(manifest.need(manifest.root(), "format"), "format", 0, 1 << 20) != 1)
     manifest.refuse("is of another version than this server");
   auto dataset = std::make_shared<Dataset>();
   dataset->name = without_mark(file).string();
-  dataset->grid = map_grid(manifest);
+  const bool like = options.like && manifest.text(manifest.need(manifest.root(), "grid"), "the kind of grid") == "like";
+  dataset->grid = like ? options.like->grid : map_grid(manifest);
   dataset->arrays = map_arrays(manifest, dataset->grid, known, !known && values_are == ImportValues::measured);
 
   const std::int64_t times = manifest.integer(manifest.need(manifest.root(), "times"), "the number of time steps", 1, kMostTimes);
@@ -398,6 +399,11 @@ std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& f
   const json::value& notes = manifest.need(manifest.root(), "notes");
   if (!notes.is_array() || notes.get_array().size() > kMostNotes) manifest.refuse("wrote no list of at most 1000 notes");
   for (const json::value& note : notes.get_array()) dataset->notes.push_back(manifest.text(note, "a note"));
+  if (like) {
+    dataset->bounds = options.like->bounds;
+    dataset->cell_types = options.like->cell_types;
+    return dataset;
+  }
   if (!known) {
     dataset->bounds = dataset->grid.bounds();
     dataset->cell_types = count_cell_types(dataset->grid);

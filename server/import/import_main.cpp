@@ -34,7 +34,7 @@ using isostrata::Error;
 using isostrata::ErrorCode;
 
 constexpr const char* kUsage =
-    "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS require|try|off, or --fork-for-files (started by isostrata, not by people)\n";
+    "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS require|try|off [LIKE], or --fork-for-files (started by isostrata, not by people)\n";
 
 /// Readers that met damage were seen to crash in their destructors, so nothing is destroyed at the end: everything is on disk, or
 /// said.
@@ -64,6 +64,7 @@ void run(const std::vector<std::string>& words) {
   request.scratch = output;
   request.step = static_cast<int>(number(words[2]));
   request.max_bytes = number(words[3]);
+  if (words.size() == 7) request.like_step = static_cast<int>(number(words[6]));
   double reported = -1;
   request.progress = [reported](double fraction) mutable {
     if (fraction < reported + 0.01) return;
@@ -88,7 +89,7 @@ void run(const std::vector<std::string>& words) {
 
 /// words: those of the usage.
 [[noreturn]] void read_one(const std::vector<std::string>& words) {
-  if (words.size() != 6) {
+  if (words.size() != 6 && words.size() != 7) {
     std::fprintf(stderr, "%s", kUsage);
     end(2);
   }

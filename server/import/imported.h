@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,7 @@ struct Block {
   std::string name;               // what the file calls it; may be empty
   FileArray global_points;        // int64, of a piece of a partition (data/partition.h): the numbers of its points in the whole; else without values
   bool jumps = false;             // a point array has other values on the two sides of a seam
+  bool like = false;              // the grid is that of ReadRequest::like, and not given; all arrays are on its points
 };
 
 /// One time step of one file.
@@ -52,6 +54,8 @@ struct ReadRequest {
   std::filesystem::path file;     // absolute
   std::filesystem::path scratch;  // a folder in which a reader may make files; what is none of the dataset's goes in the end
   int step = 0;
+  std::optional<int> like_step;  // of the same file: what the caller has in memory
+  std::filesystem::path like;    // a single file that holds like_step alone, as `file` does the step; or empty
   bool times_only = false;  // readers that know the times without reading the rest return those, and no block
   int depth = 0;            // of lists within lists
   std::uint64_t max_bytes = 0;  // of all arrays together

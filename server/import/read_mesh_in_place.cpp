@@ -152,6 +152,24 @@ std::span<const Point> points_of(const FileArray& array) {
   return {reinterpret_cast<const Point*>(array.values.data()), array.values.size() / sizeof(Point)};
 }
 
+bool same_bytes(const FileArray& a, const FileArray& b) {
+  return a.type == b.type && a.values.size() == b.values.size() && std::memcmp(a.values.data(), b.values.data(), a.values.size()) == 0;
+}
+
+/// Whether the file that the caller has in memory holds the very same mesh; also no where that cannot be told.
+bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
+  if (request.like.empty() || std::any_of(arrays.values.begin(), arrays.values.end(), [](const FileArray& array) { return array.on_cells; })) return false;
+  try {
+    const auto xml = AppendedXml::open(request.like);
+    const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
+    const auto other = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
+    return other && same_bytes(arrays.types, other->types) && same_bytes(arrays.ends, other->ends) && same_bytes(arrays.ids, other->ids) &&
+           same_bytes(arrays.points, other->points);
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 std::optional<Imported> vtu_in_place(const ReadRequest& request) {
@@ -160,6 +178,14 @@ std::optional<Imported> vtu_in_place(const ReadRequest& request) {
   auto arrays = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
   if (!arrays) return std::nullopt;
   check_step(request, 1);
+  Imported imported;
+  Block& block = imported.blocks.emplace_back();
+  imported.times = {declared_time(request.file).value_or(0)};
+  if (is_like(request, *arrays)) {
+    block.like = true;
+    block.arrays = std::move(arrays->values);
+    return imported;
+  }
   const std::uint64_t cells = arrays->types.values.size(), ids = arrays->ids.values.size() / size_of(arrays->ids.type);
   check_bytes(request, 9 * cells + 8 * ids + arrays->points.values.size(), request.file.filename().string());
   UnstructuredGrid grid;
@@ -171,12 +197,9 @@ std::optional<Imported> vtu_in_place(const ReadRequest& request) {
   const auto points = static_cast<std::int64_t>(std::visit([](auto span) { return span.size(); }, grid.points));
   if (!set_cells(*arrays, points, request, grid, *keep)) return std::nullopt;
   keep->push_back(arrays->points.storage);
-  Imported imported;
-  Block& block = imported.blocks.emplace_back();
   block.grid.shape = grid;
   block.grid.storage = keep;
   block.arrays = std::move(arrays->values);
-  imported.times = {declared_time(request.file).value_or(0)};
   return imported;
 }
 

@@ -43,6 +43,13 @@ struct Listed {
 constexpr int kDeepestLists = 4;
 constexpr std::size_t kMostSteps = 1'000'000;
 
+/// Of a step that is one file, and the only one there.
+const Listed* in_memory(const ReadRequest& request, const std::vector<Listed>& steps) {
+  if (!request.like_step || *request.like_step >= static_cast<int>(steps.size())) return nullptr;
+  const Listed& like = steps[static_cast<std::size_t>(*request.like_step)];
+  return like.files.size() == 1 && like.step == 0 ? &like : nullptr;
+}
+
 Imported read_listed(const ReadRequest& request, const std::vector<Listed>& steps) {
   check_step(request, steps.size());
   Imported imported;
@@ -54,6 +61,8 @@ Imported read_listed(const ReadRequest& request, const std::vector<Listed>& step
     ReadRequest part = request;
     part.file = file;
     part.step = wanted.step;
+    part.like_step.reset();
+    if (const Listed* const like = in_memory(request, steps); like && wanted.files.size() == 1) part.like = like->files.front();
     ++part.depth;
     Imported one = read_file(part);
     for (Block& block : one.blocks) imported.blocks.push_back(std::move(block));
@@ -126,7 +135,8 @@ Imported read_pvd(const ReadRequest& request) {
   for (const auto& [time, names] : files) {
     Listed& step = steps.emplace_back();
     step.time = time;
-    if (static_cast<int>(steps.size()) - 1 != request.step) continue;  // the others may not be there yet
+    const int number = static_cast<int>(steps.size()) - 1;
+    if (number != request.step && number != request.like_step) continue;  // the others may not be there yet
     for (const std::string& file : names) {
       step.files.push_back(referred_file(request.file, file));
       if (recognise(step.files.back()).kind == FileKind::pvd) throw Error(ErrorCode::bad_data, name + ": lists another list, '" + file + "'");
@@ -166,7 +176,7 @@ Imported read_series_file(const ReadRequest& request) {
   for (const auto& [time, file] : files) {
     Listed& step = steps.emplace_back();
     step.time = time;
-    if (static_cast<int>(steps.size()) - 1 == request.step) step.files.push_back(referred_file(request.file, file));
+    if (const int number = static_cast<int>(steps.size()) - 1; number == request.step || number == request.like_step) step.files.push_back(referred_file(request.file, file));
   }
   return read_listed(request, steps);
 }

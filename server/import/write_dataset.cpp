@@ -86,7 +86,12 @@ json::array write_points(const PointSpan& points, Writer& writer) {
           std::visit([](auto span) { return static_cast<std::int64_t>(span.size()); }, points)};
 }
 
-void write_grid(const Grid& grid, Writer& writer, json::object& manifest) {
+void write_grid(const Block& block, Writer& writer, json::object& manifest) {
+  if (block.like) {
+    manifest["grid"] = "like";
+    return;
+  }
+  const Grid& grid = block.grid;
   manifest["grid"] = grid.kind_name();
   if (grid.structured()) {
     const auto d = grid.dims();
@@ -204,11 +209,12 @@ class ArrayWriter {
 }  // namespace
 
 void write_dataset(Imported imported, const ReadRequest& request, const std::filesystem::path& directory) {
-  const Block block = append_blocks(imported, request);
+  const bool like = imported.blocks.size() == 1 && imported.blocks.front().like;
+  const Block block = like ? std::move(imported.blocks.front()) : append_blocks(imported, request);
   Writer writer(directory, request);
   json::object manifest;
   manifest["format"] = 1;
-  write_grid(block.grid, writer, manifest);
+  write_grid(block, writer, manifest);
 
   std::set<std::string> point_names;
   for (const FileArray& array : block.arrays)

@@ -27,7 +27,7 @@ struct Cell {
 
 struct MeshInPlace : ::testing::Test {
   Scratch data;
-  OpenOptions options;
+  ImportOptions options;
   MeshInPlace() { options.importer = fs::path(isostrata::places::binaries()) / "isostrata-import"; }
 
   struct Ways {
@@ -35,6 +35,9 @@ struct MeshInPlace : ::testing::Test {
     std::size_t off = 0;      // where values begin, of 8
     bool by_vtk = false;      // with marks of ghosts, all 0, which are VTK's reader's to understand
     bool long_head = true;    // lengths of 64 bits
+    bool of_cells = true;     // values on cells, too
+    double first = -3.25;     // value
+    float moved = 0;          // the first point, by so much
     std::function<void(std::vector<Cell>&)> change = [](auto&) {};
   };
 
@@ -66,9 +69,10 @@ struct MeshInPlace : ::testing::Test {
     std::vector<std::int16_t> vectors;
     for (int p = 0; p < 1000; ++p) {
       for (const float at : {0.5f * static_cast<float>(p % 10), 0.25f * static_cast<float>(p % 7), 1.0f * static_cast<float>(p)}) positions.push_back(at);
-      values.push_back(p - 3.25);
+      values.push_back(p + ways.first);
       for (const int v : {1, p, -2}) vectors.push_back(static_cast<std::int16_t>(v));
     }
+    positions[0] += ways.moved;
     const auto bytes_of = [](const auto& all) { return std::string(reinterpret_cast<const char*>(all.data()), all.size() * sizeof all[0]); };
     const std::string integers = ways.wide ? "Int64" : "Int32";
     std::vector<Array> arrays{{"PointData", "type=\"Float64\" Name=\"f\"", bytes_of(values), 8 * kPoints},
@@ -78,6 +82,7 @@ struct MeshInPlace : ::testing::Test {
                               {"Cells", "type=\"" + integers + "\" Name=\"connectivity\"", numbers(ids), 0},
                               {"Cells", "type=\"" + integers + "\" Name=\"offsets\"", numbers(ends), 0},
                               {"Cells", "type=\"UInt8\" Name=\"types\"", types, 0}};
+    if (!ways.of_cells) arrays.erase(arrays.begin() + 2);
     if (ways.by_vtk) arrays.insert(arrays.begin() + 3, {"CellData", "type=\"UInt8\" Name=\"vtkGhostType\"", std::string(cells.size(), '\0'), 0});
     std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"" +
                        std::string(ways.long_head ? " header_type=\"UInt64\"" : "") +
@@ -178,6 +183,66 @@ TEST_F(MeshInPlace, TwoOfThemAreBlocksOfOneDataset) {
   const auto& cells = std::get<UnstructuredGrid>(both->grid.shape);
   EXPECT_EQ(cells.connectivity[4], 4);
   EXPECT_EQ(cells.types[70'004], static_cast<std::uint8_t>(CellType::hexahedron));
+}
+
+TEST_F(MeshInPlace, AStepOnTheMeshOfOneInMemoryBringsItsValuesAlone) {
+  const auto swapped = [](std::vector<Cell>& cells) { std::swap(cells[5].ids[0], cells[5].ids[1]); };
+  const std::vector<Ways> steps{{.of_cells = false},
+                                {.wide = false, .of_cells = false, .first = 1},
+                                {.off = 3, .of_cells = false, .first = 2},
+                                {.of_cells = false, .moved = 0.5f},
+                                {.of_cells = false, .change = swapped},
+                                {}};
+  std::string list = "{\"file-series-version\": \"1.0\", \"files\": [";
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const std::string name = "step_" + std::to_string(i) + ".vtu";
+    write(name, steps[i]);
+    list += std::string(i ? ", " : "") + "{\"name\": \"" + name + "\", \"time\": " + std::to_string(i) + "}";
+  }
+  data.write("all.vtu.series", list + "]}");
+  for (const fs::path& file : {data / "step_*.vtu", data / "all.vtu.series"}) {
+    SCOPED_TRACE(file);
+    options.like = nullptr;
+    options.step = 0;
+    const auto first = open_import(file, options, Task());
+    for (int step = 1; step < static_cast<int>(steps.size()); ++step) {
+      SCOPED_TRACE(step);
+      options.step = step;
+      options.like = nullptr;
+      const auto alone = open_import(file, options, Task());
+      options.like = first;
+      const auto beside = open_import(file, options, Task());
+      EXPECT_EQ(beside->grid.storage == first->grid.storage, step == 2) << "that alone has the first one's mesh, as it was written";
+      expect_same(*beside, *alone);
+      EXPECT_EQ(beside->step, step);
+      EXPECT_EQ(beside->bounds.lower, alone->bounds.lower);
+      EXPECT_EQ(beside->cell_types, alone->cell_types);
+    }
+  }
+}
+
+TEST_F(MeshInPlace, AStepThatNeedsOneInMemoryIsNotKeptForOthers) {
+  ImportCache cache;
+  cache.folder = data / "cache";
+  cache.least_seconds = 0;
+  write("step_0.vtu", {.of_cells = false});
+  write("step_1.vtu", {.of_cells = false, .first = 1});
+  options.step = 0;
+  options.like = open_import_cached(data / "step_*.vtu", options, cache, Task());
+  options.step = 1;
+  const auto beside = open_import_cached(data / "step_*.vtu", options, cache, Task());
+  EXPECT_EQ(beside->grid.storage, options.like->grid.storage);
+  EXPECT_EQ(use_of(cache).entries, 1);
+  options.like = nullptr;
+  expect_same(*open_import_cached(data / "step_*.vtu", options, cache, Task()), *beside);
+  const fs::path kept = data / "kept";
+  fs::create_directory(kept);
+  options.step = 0;
+  options.like = open_import_keeping(data / "step_*.vtu", options, kept, Task());
+  options.step = 1;
+  const auto again = open_import_keeping(data / "step_*.vtu", options, kept, Task());
+  EXPECT_EQ(again->grid.storage, options.like->grid.storage);
+  EXPECT_EQ(std::distance(fs::directory_iterator(kept), fs::directory_iterator()), 1);
 }
 
 TEST_F(MeshInPlace, LeavesNothingBesideTheDatasetsFilesInTheCache) {

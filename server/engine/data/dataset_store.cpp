@@ -27,11 +27,13 @@ struct DatasetStore::Loading {
 };
 
 DatasetStore::DatasetStore(DatasetStoreOptions options)
-    : DatasetStore(options, [options](const std::string& source, int step, const Task& task) { return open(options, source, step, task); }) {}
+    : DatasetStore(options, [options](const std::string& source, int step, const Task& task, std::shared_ptr<const Dataset> like) {
+        return open(options, source, step, task, {}, std::move(like));
+      }) {}
 
 std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task,
-                                                  const Region& part) {
-  OpenOptions open;
+                                                  const Region& part, std::shared_ptr<const Dataset> like) {
+  ImportOptions open({}, std::move(like));
   open.step = step;
   open.importer = options.importer;
   open.max_bytes = options.max_bytes;
@@ -42,12 +44,13 @@ std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& opt
     } catch (const Error& error) {
       if (error.code() != ErrorCode::unsupported) throw;  // an unstructured grid has no parts
     }
-  if (!options.cache && !is_analytic(source)) {
+  if (is_analytic(source)) return open_dataset(source, open, task);
+  if (!options.cache) {
     auto kept = import_cache() ? find_import_cached(source, open, *import_cache()) : nullptr;
     return kept ? kept : open_import(source, open, task);
   }
-  if (options.keep.empty() || is_analytic(source) || (import_cache() && can_be_cached(*import_cache(), source))) return open_dataset(source, open, task);
-  return open_import_keeping(source, open, options.keep, task);
+  if (import_cache() && (options.keep.empty() || can_be_cached(*import_cache(), source))) return open_import_cached(source, open, *import_cache(), task);
+  return options.keep.empty() ? open_import(source, open, task) : open_import_keeping(source, open, options.keep, task);
 }
 
 namespace {
@@ -55,7 +58,7 @@ namespace {
 /// The dataset on the other's grid, where they are the same: one mesh for all steps, by whose place in memory others know it. The dataset as it was
 /// read stays with it, for its files may have to.
 std::shared_ptr<const Dataset> on_grid_of(const std::shared_ptr<const Dataset>& other, std::shared_ptr<const Dataset> dataset) {
-  if (!other || !dataset->grid.storage || !same_grid(other->grid, dataset->grid)) return dataset;
+  if (!other || !dataset->grid.storage || dataset->grid.storage == other->grid.storage || !same_grid(other->grid, dataset->grid)) return dataset;
   struct Shared {
     Dataset dataset;
     std::shared_ptr<const Dataset> as_read;
@@ -139,7 +142,7 @@ std::shared_ptr<const Dataset> DatasetStore::acquire(const std::string& source, 
 
 std::shared_ptr<const Dataset> DatasetStore::borrow(const std::string& source, int step, const Task& task) {
   auto dataset = held(source, step);
-  return dataset ? dataset : loader_(source, step, task);
+  return dataset ? dataset : loader_(source, step, task, nullptr);
 }
 
 std::shared_ptr<const Dataset> DatasetStore::held(const std::string& source, int step) const {
@@ -159,7 +162,7 @@ void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional
   try {
     std::optional<Work> work;
     if (session) work.emplace(*session, WorkClass::scene, Work::Options{&loading->task});
-    dataset = on_grid_of(like, loader_(key.first, key.second, loading->task));
+    dataset = on_grid_of(like, loader_(key.first, key.second, loading->task, like));
   } catch (const std::bad_alloc&) {
     failure = std::make_exception_ptr(Error(ErrorCode::too_large, "the dataset does not fit in memory"));
   } catch (...) {

@@ -33,13 +33,15 @@ struct DatasetStoreOptions {
 /// mutex_.
 class DatasetStore {
  public:
-  using Loader = std::function<std::shared_ptr<const Dataset>(const std::string& source, int step, const Task& task)>;
+  /// like: another step of it that is held, or null.
+  using Loader = std::function<std::shared_ptr<const Dataset>(const std::string& source, int step, const Task& task, std::shared_ptr<const Dataset> like)>;
 
   explicit DatasetStore(DatasetStoreOptions options);
   /// What it loads with: open_dataset, keeping what was imported where the options say so. `source` is a path or the name of analytic data.
   /// `part`: of a structured grid, in place of the options' (`unsupported` of others); values beside it are not read if they can be mapped in place.
+  /// `like`: as ImportOptions (import_door.h).
   static std::shared_ptr<const Dataset> open(const DatasetStoreOptions& options, const std::string& source, int step, const Task& task,
-                                             const Region& part = {});
+                                             const Region& part = {}, std::shared_ptr<const Dataset> like = nullptr);
   /// Loads by another function, for which `source` may stand for anything.
   DatasetStore(DatasetStoreOptions options, Loader loader);
   /// Cancels what is loading and waits for it.

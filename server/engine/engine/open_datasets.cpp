@@ -31,7 +31,7 @@ OpenDatasets::OpenDatasets(Catalogue catalogue, DatasetStoreOptions store, Scene
     : options_(std::move(store)),
       ranks_(ranks),
       catalogue_(std::move(catalogue)),
-      store_(options_, [this](const std::string& id, int step, const Task& task) { return load(id, step, task); }) {}
+      store_(options_, [this](const std::string& id, int step, const Task& task, std::shared_ptr<const Dataset> like) { return load(id, step, task, std::move(like)); }) {}
 
 CatalogueEntry OpenDatasets::entry(const std::string& id) const {
   const std::lock_guard lock(catalogue_mutex_);
@@ -56,12 +56,12 @@ std::set<std::string> OpenDatasets::update(std::vector<CatalogueEntry> entries) 
 }
 
 // One version of a dataset is never mixed with another: what was read is of the files that the catalogue lists, or it is not used.
-std::shared_ptr<const Dataset> OpenDatasets::load(const std::string& id, int step, const Task& task) const {
+std::shared_ptr<const Dataset> OpenDatasets::load(const std::string& id, int step, const Task& task, std::shared_ptr<const Dataset> like) const {
   const CatalogueEntry of = entry(id);
   const Region part = part_of_id(id);
   if (ranks_ && part != Region{})
     throw Error(ErrorCode::unsupported, of.name + ": ranks open whole datasets; expected no region and no stride, or those of the server");
-  auto dataset = ranks_ ? ranks_->open({of.source, of.id}, step, task) : DatasetStore::open(options_, of.source, step, task, part);
+  auto dataset = ranks_ ? ranks_->open({of.source, of.id}, step, task) : DatasetStore::open(options_, of.source, step, task, part, std::move(like));
   check_unchanged(of);
   return dataset;
 }

@@ -71,7 +71,7 @@ class OpenDatasets {
   Statistics statistics(const std::string& id, const std::shared_ptr<const Dataset>& dataset, const PointArray& array, const Task& task) const;
 
  private:
-  std::shared_ptr<const Dataset> load(const std::string& id, int step, const Task& task) const;
+  std::shared_ptr<const Dataset> load(const std::string& id, int step, const Task& task, std::shared_ptr<const Dataset> like) const;
   std::shared_ptr<const Dataset> acquire_held(const CatalogueEntry& of, int step, const Task& task);
   void look_for_steps(const CatalogueEntry& of, const Dataset& first_step, const Task& task);
   FirstView view_of_series(const CatalogueEntry& of, const std::shared_ptr<const Dataset>& first_step, const Task& task);

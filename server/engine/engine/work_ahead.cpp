@@ -25,9 +25,10 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   if (extracted.base || (same_steps && previous->request == request) || !only_tetrahedra(*extracted.dataset)) return {};
   const bool played = previous && !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
   const bool opened = !same_steps && !played;
+  const bool may_be_played = opened && extracted.dataset->times.size() > 1;
   if (opened && base_tetrahedra_bytes(*extracted.dataset) > facts.max_bytes / kLittle) return {};
   const bool waited_for = !opened;  // what yields to all that is played would be made once that ends
-  if (!played && facts.renderer_cuts && cuts_exactly(scene, extracted.array) && !facts.has_base())
+  if (!played && !may_be_played && facts.renderer_cuts && cuts_exactly(scene, extracted.array) && !facts.has_base())
     return same_steps && previous->request.intervals == request.intervals ? Preparation{} : Preparation{What::base, waited_for};
   const bool lay_out = request.terms.empty() && !request.time && !facts.knows_order();
   return lay_out ? Preparation{What::order, waited_for} : Preparation{};
@@ -47,21 +48,26 @@ void WorkAhead::stop() {
 
 /// One at a time. A hand that moves, or who plays, waits for it, and does not wait for what was begun for later and yields to everything: that is begun
 /// anew. Null: not now.
-std::shared_ptr<Task> WorkAhead::begin_preparation(bool waited_for) {
+std::shared_ptr<Task> WorkAhead::begin_preparation(const Preparation& wanted, const Grid& grid) {
   const std::lock_guard lock(mutex_);
-  if (stopping_ || (preparation_.task && (preparation_.waited_for || !waited_for))) return nullptr;
+  if (stopping_ || (preparation_.task && (preparation_.of.waited_for || !wanted.waited_for))) return nullptr;
   if (preparation_.task) preparation_.task->cancel();
-  preparation_ = {std::make_shared<Task>(), waited_for};
+  preparation_ = {std::make_shared<Task>(), wanted, grid.storage};
   return preparation_.task;
+}
+
+bool WorkAhead::is_laid_out_for_later(const Grid& grid) const {
+  const std::lock_guard lock(mutex_);
+  return preparation_.task && preparation_.of == Preparation{Preparation::What::order, false} && preparation_.grid.lock() == grid.storage;
 }
 
 void WorkAhead::prepare_tetrahedra(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous,
                                    bool renderer_cuts) {
   const Preparation wanted = to_prepare(extracted, scene, previous,
                                         {renderer_cuts, options_.max_bytes, [&] { return shared_.bases.find(extracted.dataset, extracted.array) != nullptr; },
-                                         [&] { return shared_.ordered.knows(extracted.dataset->grid); }});
+                                         [&] { return shared_.ordered.knows(extracted.dataset->grid) && !is_laid_out_for_later(extracted.dataset->grid); }});
   if (wanted.what == Preparation::What::nothing) return;
-  const std::shared_ptr<Task> task = begin_preparation(wanted.waited_for);
+  const std::shared_ptr<Task> task = begin_preparation(wanted, extracted.dataset->grid);
   if (!task) return;
   const SessionKey of = wanted.waited_for ? session : 0;
   (wanted.waited_for ? movers_ : preparers_).post(of, [this, of, wanted, dataset = extracted.dataset, array = extracted.array, task] {

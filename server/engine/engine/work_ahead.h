@@ -34,7 +34,7 @@ struct GridFacts {
   std::function<bool()> has_base;     // it has been made; both are asked only if that matters
   std::function<bool()> knows_order;  // likewise
 };
-/// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others. Before a hand has moved, only if it takes little of the
+/// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others: a series is laid out for both. Before a hand has moved, only if it takes little of the
 /// memory. extracted: the scene's. previous: what was there before, or null.
 Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, const GridFacts& facts);
 
@@ -71,18 +71,21 @@ class WorkAhead {
   void stop();
 
  private:
-  std::shared_ptr<Task> begin_preparation(bool waited_for);
+  std::shared_ptr<Task> begin_preparation(const Preparation& wanted, const Grid& grid);
+  /// Whether a layout of it is being made that yields to everything.
+  bool is_laid_out_for_later(const Grid& grid) const;
 
   const WorkAheadOptions options_;
   OpenDatasets& datasets_;
   SharedMeshes& shared_;
   const Ports ports_;
   Task ahead_task_;   // of what nobody waits for
-  std::mutex mutex_;  // guards the next two
+  mutable std::mutex mutex_;  // guards the next two
   bool stopping_ = false;
   struct {
     std::shared_ptr<Task> task;  // null: none
-    bool waited_for = false;
+    Preparation of;
+    std::weak_ptr<const void> grid;  // its storage
   } preparation_;             // of tetrahedra
   Lanes preparers_{{1, 10}};  // of what may be needed
   Lanes movers_{{1, 0}};      // of what a hand that moves needs, by session

@@ -26,7 +26,7 @@ std::shared_ptr<const Dataset> made(const std::string& name, std::size_t floats)
 
 TEST(DatasetStore, LoadsOnceHoweverManyAsk) {
   std::atomic<int> loads{0};
-  DatasetStore store({}, [&](const std::string& source, int, const Task&) {
+  DatasetStore store({}, [&](const std::string& source, int, const Task&, const auto&) {
     ++loads;
     std::this_thread::sleep_for(50ms);
     return made(source, 10);
@@ -45,7 +45,7 @@ TEST(DatasetStore, LoadsOnceHoweverManyAsk) {
 TEST(DatasetStore, LoadingEndsOnlyWhenNobodyWaitsAnyMore) {
   std::atomic<bool> cancelled{false};
   std::atomic<bool> go{false};
-  DatasetStore store({}, [&](const std::string& source, int, const Task& task) {
+  DatasetStore store({}, [&](const std::string& source, int, const Task& task, const auto&) {
     while (!go) {
       if (task.cancelled()) cancelled = true;
       task.check();
@@ -77,7 +77,7 @@ TEST(DatasetStore, DropsTheLeastRecentlyUsedThatNobodyHolds) {
   int loads = 0;
   DatasetStoreOptions options;
   options.max_bytes = 250 * sizeof(float);
-  DatasetStore store(options, [&](const std::string& source, int, const Task&) {
+  DatasetStore store(options, [&](const std::string& source, int, const Task&, const auto&) {
     ++loads;
     return made(source, 100);
   });
@@ -95,7 +95,7 @@ TEST(DatasetStore, DropsTheLeastRecentlyUsedThatNobodyHolds) {
 
 TEST(DatasetStore, AFailureIsToldToEveryoneAndNotRemembered) {
   int loads = 0;
-  DatasetStore store({}, [&](const std::string& source, int, const Task&) -> std::shared_ptr<const Dataset> {
+  DatasetStore store({}, [&](const std::string& source, int, const Task&, const auto&) -> std::shared_ptr<const Dataset> {
     if (++loads == 1) throw Error(ErrorCode::bad_data, "the first time it is broken");
     return made(source, 1);
   });
@@ -111,7 +111,7 @@ TEST(DatasetStore, AFailureIsToldToEveryoneAndNotRemembered) {
 
 TEST(DatasetStore, WhatIsBorrowedTakesNobodysPlace) {
   int loads = 0;
-  DatasetStore store({.max_bytes = 100}, [&](const std::string& source, int, const Task&) {
+  DatasetStore store({.max_bytes = 100}, [&](const std::string& source, int, const Task&, const auto&) {
     ++loads;
     return made(source, 20);
   });
@@ -146,7 +146,7 @@ std::shared_ptr<const Dataset> tetrahedron(const std::string& name, int step, do
 }
 
 TEST(DatasetStore, StepsOnOneMeshShareItAndOthersKeepTheirs) {
-  DatasetStore store({}, [](const std::string& source, int step, const Task&) { return tetrahedron(source, step, step == 2 ? 0.5 : 0); });
+  DatasetStore store({}, [](const std::string& source, int step, const Task&, const auto&) { return tetrahedron(source, step, step == 2 ? 0.5 : 0); });
   const auto first = store.acquire("a", 0, Task()), second = store.acquire("a", 1, Task()), moved = store.acquire("a", 2, Task());
   const auto other = store.acquire("b", 0, Task());
   EXPECT_EQ(second->grid.storage, first->grid.storage);
@@ -158,7 +158,7 @@ TEST(DatasetStore, StepsOnOneMeshShareItAndOthersKeepTheirs) {
 }
 
 TEST(DatasetStore, AStepOnAMeshThatIsThereCountsByItsArrays) {
-  DatasetStore store({}, [](const std::string& source, int step, const Task&) { return tetrahedron(source, step, 0); });
+  DatasetStore store({}, [](const std::string& source, int step, const Task&, const auto&) { return tetrahedron(source, step, 0); });
   const auto first = store.acquire("a", 0, Task());
   const std::uint64_t one = store.held_bytes();
   const auto second = store.acquire("a", 1, Task());
@@ -168,7 +168,7 @@ TEST(DatasetStore, AStepOnAMeshThatIsThereCountsByItsArrays) {
 TEST(DatasetStore, RoomForAStepIsHalfOfWhatIsLeftUnused) {
   DatasetStoreOptions options;
   options.max_bytes = 8 * 100 * sizeof(float);
-  DatasetStore store(options, [](const std::string& source, int, const Task&) { return made(source, 100); });
+  DatasetStore store(options, [](const std::string& source, int, const Task&, const auto&) { return made(source, 100); });
   const auto first = store.acquire("a", 0, Task());
   EXPECT_FALSE(store.has_room_for("a", 0)) << "it is there";
   EXPECT_TRUE(store.has_room_for("a", 1));

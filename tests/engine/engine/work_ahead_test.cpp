@@ -72,6 +72,14 @@ TEST_F(ToPrepare, WhatHasJustBeenOpenedIsMadeReadyForLaterIfItTakesLittle) {
   EXPECT_EQ(prepared(extracted(0.5, dataset_), nullptr), Preparation{});
 }
 
+TEST_F(ToPrepare, ASeriesThatHasJustBeenOpenedIsLaidOutForItsOtherSteps) {
+  auto series = std::make_shared<Dataset>(*dataset_);
+  series->times = {0, 1};
+  EXPECT_EQ(prepared(extracted(0.5, series), nullptr), (Preparation{What::order, false}));
+  const ExtractedScene before = extracted(0.5, series), moved = extracted(0.4, series);
+  EXPECT_EQ(prepared(moved, &before), (Preparation{What::base, true})) << "a hand at one of its steps";
+}
+
 TEST_F(ToPrepare, AHandThatMovesAnEndWaitsForIt) {
   const ExtractedScene before = extracted(0.5, dataset_), moved = extracted(0.4, dataset_);
   max_bytes_ = 1;
