@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <condition_variable>
 #include <csignal>
-#include <deque>
-#include <fstream>
 #include <future>
 #include <mutex>
 #include <thread>
 
+#include "worker/death_cause.h"
 #include "worker/death_history.h"
 #include "worker/request_ledger.h"
 #include "worker/watchdog.h"
+#include "worker/worker_device.h"
 #include "worker/worker_process.h"
+#include "worker/worker_queue.h"
 
 namespace isostrata {
 namespace {
@@ -25,37 +26,6 @@ constexpr auto kAnnounceEvery = milliseconds(500);
 constexpr auto kGoodbye = milliseconds(1000);  // for a worker to end by itself
 constexpr int kMostNeverReady = 3;             // deaths in a row with nothing drawn between: then whoever waits is told
 constexpr auto kBusyRetry = std::chrono::seconds(30);  // for a moment in which nobody waits for a picture
-constexpr std::size_t kMaxQueue = 20000;       // messages to a worker that does not read
-
-std::string seconds_of(milliseconds time) {
-  const auto ms = time.count();
-  return ms % 1000 == 0 ? std::to_string(ms / 1000) + " s" : std::to_string(ms) + " ms";
-}
-
-// Of this control group, as far as the kernel says.
-long killed_for_memory() {
-  std::ifstream groups("/proc/self/cgroup");
-  for (std::string line; std::getline(groups, line);) {
-    if (!line.starts_with("0::")) continue;
-    std::ifstream events("/sys/fs/cgroup" + line.substr(3) + "/memory.events");
-    long count = 0;
-    for (std::string name; events >> name >> count;)
-      if (name == "oom_kill") return count;
-  }
-  return 0;
-}
-
-// "drawing and extracting"
-std::string stages_of(const std::vector<ActivityFacts>& at) {
-  std::vector<Stage> stages;
-  for (const ActivityFacts& of : at)
-    if (of.stage != Stage::idle && std::find(stages.begin(), stages.end(), of.stage) == stages.end()) stages.push_back(of.stage);
-  if (stages.empty()) return "idle";
-  std::string text;
-  for (std::size_t i = 0; i < stages.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == stages.size() ? " and " : ", ") + to_string(stages[i]);
-  return text;
-}
 
 }  // namespace
 
@@ -66,8 +36,7 @@ class WorkerEngine::Impl {
         worker_(std::move(worker)),
         sink_(std::move(sink)),
         catalogue_(options_.catalogue),
-        choice_(options_.renderer_choice),
-        retry_(worker_.retry_pause) {
+        drawing_(options_.renderer_choice, worker_.retry_pause) {
     auto first = first_.get_future();
     keeper_ = std::thread([this] { keep(); });
     try {
@@ -105,14 +74,15 @@ class WorkerEngine::Impl {
   const Catalogue& catalogue() const { return options_.catalogue; }
   std::string device() const {
     std::lock_guard lock(mutex_);
-    return device_ + instead_;
+    return drawing_.name() + drawing_.instead();
   }
   EngineFacts facts() const {
     std::lock_guard lock(mutex_);
     EngineFacts facts = facts_;
     facts.trouble = trouble_;
-    facts.device = device_ + instead_;
-    facts.device_is_software = is_software_device(device_);
+    facts.device = drawing_.name() + drawing_.instead();
+    facts.device_is_software = is_software_device(drawing_.name());
+    if (!drawing_.instead().empty()) facts.fallback = drawing_.instead().substr(1);
     return facts;
   }
 
@@ -144,43 +114,10 @@ class WorkerEngine::Impl {
 
   // ---- to the worker ----
 
-  static RequestFailed cancelled(const CancelRequest& cancel) {
-    return {cancel.session, cancel.request, 0, ErrorCode::cancelled, "cancelled"};
-  }
-
-  /// With mutex_ held. A scene replaces one of the same session that still waits; what ends a request that still waits takes it
-  /// away. So the queue cannot grow by what one session repeats, however long the worker does not read.
+  /// With mutex_ held.
   std::optional<EngineEvent> enqueue(EngineRequest request) {
-    const auto waits = [this](RequestId number) {
-      return std::find_if(queue_.begin(), queue_.end(), [&](const ToWorker& of) {
-        const auto* waiting = std::get_if<EngineRequest>(&of);
-        return waiting && answered_request_of(*waiting) == number;
-      });
-    };
-    if (auto* update = std::get_if<SceneUpdate>(&request)) {
-      for (ToWorker& of : queue_)
-        if (auto* waiting = std::get_if<EngineRequest>(&of))
-          if (auto* older = std::get_if<SceneUpdate>(waiting); older && older->session == update->session) {
-            *older = std::move(*update);
-            return std::nullopt;
-          }
-    } else if (const auto* forget = std::get_if<ForgetFrame>(&request)) {
-      if (const auto it = waits(forget->request); it != queue_.end()) {
-        queue_.erase(it);
-        return std::nullopt;
-      }
-    } else if (const auto* cancel = std::get_if<CancelRequest>(&request); cancel && cancel->request != 0) {
-      if (const auto it = waits(cancel->request); it != queue_.end()) {
-        queue_.erase(it);
-        return ledger_.hear(cancelled(*cancel));
-      }
-    }
-    const RequestId number = answered_request_of(request);
-    if (queue_.size() >= kMaxQueue && number != 0)
-      return ledger_.hear(RequestFailed{session_of(request), number, 0, ErrorCode::unavailable,
-                                        "the renderer's process does not take requests at the moment"});
-    queue_.push_back(std::move(request));
-    return std::nullopt;
+    auto answer = queue_.put(std::move(request));
+    return answer ? ledger_.hear(std::move(*answer)) : std::nullopt;
   }
 
   void write(Life& life) {
@@ -190,8 +127,7 @@ class WorkerEngine::Impl {
         std::unique_lock lock(mutex_);
         queued_.wait(lock, [&] { return life.closed || !queue_.empty(); });
         if (life.closed) return;
-        message = std::move(queue_.front());
-        queue_.pop_front();
+        message = queue_.take();
       }
       try {
         life.process.channel().send(to_bytes(*message));
@@ -243,7 +179,7 @@ class WorkerEngine::Impl {
       std::lock_guard lock(mutex_);
       heard = ledger_.hear(std::move(event));
       if (heard)
-        if (auto* frame = std::get_if<FrameReady>(&*heard)) frame->device += instead_;
+        if (auto* frame = std::get_if<FrameReady>(&*heard)) frame->device += drawing_.instead();
     }
     if (heard) sink_(std::move(*heard));
   }
@@ -255,17 +191,12 @@ class WorkerEngine::Impl {
       life.ready = true;
       trouble_.clear();
       never_ready_ = 0;
-      if (trying_device_) retry_.draws(Clock::now());
-      if (std::exchange(trying_device_, false)) {
-        instead_.clear();
-        facts_.fallback.clear();
-      }
-      device_ = ready.device;
+      drawing_.draws(ready.device, Clock::now());
       facts_.process = life.process.id();
       facts_.renderer_trial = ready.renderer_trial;
       facts_.shut_in = ready.shut_in;
       events = ledger_.unannounce();
-      for (EngineRequest& request : ledger_.begin_life()) queue_.push_back(std::move(request));
+      for (EngineRequest& request : ledger_.begin_life()) queue_.push(std::move(request));
       living_ = true;
     }
     queued_.notify_all();
@@ -334,8 +265,7 @@ class WorkerEngine::Impl {
     std::vector<EngineEvent> events;
     {
       std::lock_guard lock(mutex_);
-      trying_device_ = true;
-      choice_ = options_.renderer_choice;
+      drawing_.try_again();
       events = ledger_.unannounce();
       for (EngineEvent& event : ledger_.end_life({}, "", false)) events.push_back(std::move(event));
     }
@@ -356,8 +286,7 @@ class WorkerEngine::Impl {
     Life life(process);
     {
       std::lock_guard lock(mutex_);
-      queue_.clear();
-      queue_.push_back(setup());
+      queue_.begin(setup());
       given_up_ = false;
       facts_.own_process = true;
       ++facts_.processes;
@@ -413,7 +342,7 @@ class WorkerEngine::Impl {
         }
         ready = life.ready;
         const auto due_at = ledger_.idle() ? Clock::now() : Clock::now() - kBusyRetry;
-        if (ready && !instead_.empty() && retry_.due(due_at)) {
+        if (ready && drawing_.retry_is_due(due_at)) {
           retires_ = true;
           return "ended for another one";
         }
@@ -474,7 +403,7 @@ class WorkerEngine::Impl {
   /// Settles what the dead one leaves; false where there shall be no other.
   bool bury(const std::string& cause, const std::vector<ActivityFacts>& at, const std::exception_ptr& error, bool ran) {
     const std::string what = "the renderer's process was " + cause;
-    bool fall_back = false, trial = false, nobody_draws = false;
+    bool fall_back = false, nobody_draws = false;
     std::vector<EngineEvent> events;
     {
       std::lock_guard lock(mutex_);
@@ -484,10 +413,9 @@ class WorkerEngine::Impl {
         ++facts_.deaths;
       }
       facts_.last_death = cause;
-      trial = ran && retry_.on_trial(now) && (trying_device_ || instead_.empty());
-      fall_back = trial || (ran && history_.too_many() && instead_.empty());
+      const bool native_already = drawing_.is_native();
+      fall_back = ran && drawing_.died(cause, history_.too_many(), now);
       nobody_draws = ++never_ready_ >= kMostNeverReady && !fall_back;
-      const bool native_already = !instead_.empty() || choice_.renderer == "native" || choice_.device == "native";
       events = ledger_.unannounce();
       for (EngineEvent& event : ledger_.end_life(at, what, native_already)) events.push_back(std::move(event));
     }
@@ -500,16 +428,6 @@ class WorkerEngine::Impl {
     }
     if (fall_back) {
       std::lock_guard lock(mutex_);
-      if (!trying_device_) given_up_device_ = device_.empty() ? "renderer " + choice_.renderer : device_;
-      trying_device_ = false;
-      instead_ = " in place of " + given_up_device_ + ", whose process died " +
-                 (trial ? "again when it was tried"
-                        : std::to_string(DeathHistory::kMost) + " times in " + std::to_string(DeathHistory::kWindow.count()) + " s") +
-                 ", the last time " + cause;
-      if (choice_.renderer != "native" && choice_.device != "native")
-        instead_ += "; it is tried again in " + seconds_of(retry_.gave_up(Clock::now()));
-      choice_ = {"native", "native"};
-      facts_.fallback = instead_.substr(1);
       history_.forgive();
       ledger_.forgive();
     } else if (!started_once_ && history_.too_many()) {
@@ -522,7 +440,7 @@ class WorkerEngine::Impl {
       despair(what);
       return true;
     }
-    if (fall_back) log("worker_fallback", "native draws from now on" + instead_);
+    if (fall_back) log("worker_fallback", "native draws from now on" + drawing_.instead());
     {
       std::lock_guard lock(mutex_);
       for (EngineEvent& event : ledger_.announce(what + "; another one takes over", 0)) events.push_back(std::move(event));
@@ -534,8 +452,8 @@ class WorkerEngine::Impl {
   WorkerSetup setup() const {
     WorkerSetup setup;
     setup.catalogue = catalogue_.entries();
-    setup.renderer = choice_.renderer;
-    setup.device = choice_.device;
+    setup.renderer = drawing_.choice().renderer;
+    setup.device = drawing_.choice().device;
     setup.max_bytes = options_.store.max_bytes;
     setup.importer = options_.store.importer.string();
     setup.import_timeout_s = options_.store.timeout_s;
@@ -558,19 +476,14 @@ class WorkerEngine::Impl {
   bool stopping_ = false;
   bool given_up_ = false;  // by a viewer
   bool living_ = false;    // the worker of today is told what is asked
-  std::deque<ToWorker> queue_;
+  WorkerQueue queue_;
   RequestLedger ledger_;
   DeathHistory history_;
   Catalogue catalogue_;  // with what was told since
-  RendererChoice choice_;
-  std::string device_;
-  DeviceRetry retry_;
-  std::string instead_;          // as in Engine
-  std::string given_up_device_;  // that instead_ speaks of
-  std::string trouble_;          // why no worker can draw
-  int never_ready_ = 0;          // deaths since a worker could draw
-  bool trying_device_ = false;   // the next worker is on the device that was given up
-  bool retires_ = false;         // the worker ends for that; of keeper_
+  WorkerDevice drawing_;
+  std::string trouble_;   // why no worker can draw
+  int never_ready_ = 0;   // deaths since a worker could draw
+  bool retires_ = false;  // the worker ends so that the device that was given up is tried again; of keeper_
   EngineFacts facts_;
 
   std::thread keeper_;
