@@ -49,8 +49,8 @@ void take_packing(ZarrArray& array, const json::object& attributes, bool fill_is
   };
   const std::optional<double> scale = number("scale_factor"), offset = number("add_offset");
   const bool real = array.half || array.stored == ScalarType::float32 || array.stored == ScalarType::float64;
-  if (real || (!scale && !offset)) return;
-  ZarrPacking packing{scale.value_or(1), offset.value_or(0), number("_FillValue")};
+  if (real || array.packing || (!scale && !offset)) return;
+  ZarrPacking packing{scale.value_or(1), offset.value_or(0), false, number("_FillValue")};
   if (!packing.none && fill_is_none)
     std::visit(
         [&](auto of) {

@@ -25,10 +25,12 @@ struct ZarrShards {
   bool sum = false;                  // its crc32c follows it
 };
 
-/// Whole numbers that stand for others, as netCDF's conventions pack them: value = offset + scale * stored.
+/// Whole numbers that stand for others: value = offset + scale * stored, as netCDF's conventions pack them, or offset + stored / scale, as the filter
+/// "fixedscaleoffset" does.
 struct ZarrPacking {
   double scale = 1, offset = 0;
-  std::optional<double> none;  // the stored number that is no value
+  bool divides = false;
+  std::optional<double> none{};  // the stored number that is no value
 };
 
 struct ZarrArray {

@@ -31,6 +31,40 @@ bool take_bits(const ZarrArray& array, std::string_view text, std::array<std::by
   return true;
 }
 
+/// "<u2" as the type and order of bytes of what the array's chunks hold; nothing where it is none.
+std::optional<ZarrArray> stored_as(const ZarrArray& array, const std::string& type) {
+  if (type.size() < 2 || std::string_view("<>|=").find(type[0]) == std::string_view::npos) return std::nullopt;
+  ZarrArray other = array;
+  take_zarr_type(other, std::string_view(type).substr(1));
+  other.swap = type[0] == '>' && other.stored_width() > 1;
+  return other;
+}
+
+/// Whether a filter's settings say that it takes and makes numbers as the chunks have them.
+void check_own_type(const ZarrArray& array, std::string_view id, const json::object& settings) {
+  const std::string from = text_in(settings, "dtype"), to = text_in(settings, "astype");
+  const auto own = [&](const std::string& type) {
+    const auto other = stored_as(array, type);
+    return other && other->stored == array.stored && other->half == array.half && other->swap == array.swap;
+  };
+  if (!own(from) || (!to.empty() && !own(to)))
+    unsupported(array, "the filter '" + std::string(id) + "' makes '" + (to.empty() ? from : to).substr(0, 20) + "' of '" + from.substr(0, 20) + "'; expected the array's own type");
+}
+
+void take_fixed_scale_offset(ZarrArray& array, const json::object& settings) {
+  const std::string to = text_in(settings, "astype");
+  const auto stored = stored_as(array, to);
+  const json::value *scale = member(settings, "scale"), *offset = member(settings, "offset");
+  const bool real = array.type == ScalarType::float32 || array.type == ScalarType::float64;
+  if (!real || array.half || array.delta || array.packing || !stored || stored->half || stored->type == ScalarType::float32 || stored->type == ScalarType::float64)
+    unsupported(array, "the filter 'fixedscaleoffset' makes '" + to.substr(0, 20) + "'; expected whole numbers of real ones of 4 or 8 bytes");
+  if (!scale || !scale->is_number() || !offset || !offset->is_number() || !(std::abs(scale->to_number<double>()) > 0))
+    bad(array, "the filter 'fixedscaleoffset' has no 'scale' other than 0 and 'offset'");
+  array.stored = stored->stored;
+  array.swap = stored->swap;
+  array.packing = ZarrPacking{scale->to_number<double>(), offset->to_number<double>(), true};
+}
+
 }  // namespace
 
 std::vector<std::int64_t> zarr_sizes(const ZarrArray& array, const json::object& of, const char* name) {
@@ -63,16 +97,18 @@ void take_zarr_type(ZarrArray& array, std::string_view name) {
   unsupported(array, "an array of type '" + std::string(name.substr(0, 40)) + "'; expected whole or real numbers of 1, 2, 4 or 8 bytes, or bool");
 }
 
-void take_zarr_delta(ZarrArray& array, const json::object& settings) {
-  const std::string from = text_in(settings, "dtype"), to = text_in(settings, "astype");
-  ZarrArray other = array;
-  const auto own = [&](const std::string& type) {
-    if (type.size() < 2 || std::string_view("<>|=").find(type[0]) == std::string_view::npos) return false;
-    take_zarr_type(other, std::string_view(type).substr(1));
-    return other.stored == array.stored && !other.half && (size_of(array.stored) == 1 || (type[0] == '>') == array.swap);
-  };
-  if (array.half || !own(from) || (!to.empty() && !own(to))) unsupported(array, "the filter 'delta' makes '" + (to.empty() ? from : to).substr(0, 20) + "' of '" + from.substr(0, 20) + "'; expected the array's own type");
-  array.delta = true;
+bool take_zarr_filter(ZarrArray& array, std::string_view id, const json::object& settings) {
+  if (id == "fixedscaleoffset") {
+    take_fixed_scale_offset(array, settings);
+  } else if (id == "delta" && !array.delta && !array.half) {
+    check_own_type(array, id, settings);
+    array.delta = true;
+  } else if (id == "quantize" && !array.packing) {
+    check_own_type(array, id, settings);
+  } else {
+    return id == "bitround";
+  }
+  return true;
 }
 
 void take_zarr_fill(ZarrArray& array, const json::value* value) {

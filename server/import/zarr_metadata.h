@@ -25,8 +25,9 @@ std::vector<std::int64_t> zarr_sizes(const ZarrArray& array, const boost::json::
 /// Version 2's name without its order of bytes ("u2"), or version 3's ("uint16").
 void take_zarr_type(ZarrArray& array, std::string_view name);
 
-/// The settings of the filter "delta": differences of the array's own type. Throws unsupported for those of another type.
-void take_zarr_delta(ZarrArray& array, const boost::json::object& settings);
+/// A filter of numbers by numcodecs' name and settings; they come in the order in which values went through them. False if it is none of those that are
+/// known: delta, fixedscaleoffset, and quantize and bitround, which leave nothing to undo. Throws unsupported for one that makes another type than expected.
+bool take_zarr_filter(ZarrArray& array, std::string_view id, const boost::json::object& settings);
 
 /// What chunks that are not there hold; null is 0. After the type.
 void take_zarr_fill(ZarrArray& array, const boost::json::value* value);

@@ -29,7 +29,8 @@ void unpack(std::span<const std::byte> from, const ZarrPacking& packing, std::ve
   for (std::size_t i = 0; i < from.size() / sizeof(From); ++i) {
     std::memcpy(&number, from.data() + i * sizeof(From), sizeof number);
     const auto stored = static_cast<double>(number);
-    const To value = packing.none == stored ? std::numeric_limits<To>::quiet_NaN() : static_cast<To>(packing.offset + packing.scale * stored);
+    const double whole = packing.divides ? stored / packing.scale : packing.scale * stored;
+    const To value = packing.none == stored ? std::numeric_limits<To>::quiet_NaN() : static_cast<To>(packing.offset + whole);
     std::memcpy(room.data() + i * sizeof(To), &value, sizeof value);
   }
 }

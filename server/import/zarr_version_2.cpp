@@ -24,9 +24,9 @@ void take_version_2(ZarrArray& array, const json::object& of) {
   for (const json::value& filter : filters ? *filters : json::array{}) {
     const json::object& settings = filter.is_object() ? filter.get_object() : none;
     const std::string id = filter.is_object() ? text_in(settings, "id") : shown(filter);
-    if (id == "delta" && !array.delta && array.codecs.empty()) take_zarr_delta(array, settings);
-    else if (id == "shuffle") array.codecs.push_back(zarr_codec(id, settings, array.file));
-    else unsupported(array, "its values went through the filter '" + id.substr(0, 60) + "'; expected delta, then shuffle, or none");
+    if (array.codecs.empty() && take_zarr_filter(array, id, settings)) continue;
+    if (id == "shuffle") array.codecs.push_back(zarr_codec(id, settings, array.file));
+    else unsupported(array, "its values went through the filter '" + id.substr(0, 60) + "'; expected fixedscaleoffset, quantize, bitround, delta and shuffle, in this order, or none");
   }
   if (const json::value* compressor = member(of, "compressor")) {
     const json::object* named = compressor->if_object();

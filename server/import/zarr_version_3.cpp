@@ -79,8 +79,8 @@ void take_codecs(ZarrArray& array, const json::object& of) {
     }
     if (one.name == "transpose" && !as_bytes && !array.delta) {
       transpose(array, *one.settings);
-    } else if (one.name == "numcodecs.delta" && !as_bytes && !array.delta) {
-      take_zarr_delta(array, *one.settings);
+    } else if (!as_bytes && one.name.starts_with("numcodecs.") && take_zarr_filter(array, std::string_view(one.name).substr(10), *one.settings)) {
+      continue;
     } else if (one.name == "bytes" && !as_bytes) {
       array.swap = swapped(array, *one.settings, array.stored_width());
       as_bytes = true;

@@ -262,6 +262,34 @@ TEST(ZarrNumbers, DifferencesAreSummedUpAndShuffledBytesPutInOrder) {
   EXPECT_EQ(values_of(*open(write_one(scratch, ">u2", R"("fill_value":0,"filters":[{"id":"delta","dtype":">u2"},{"id":"shuffle","elementsize":2}])", shuffled))), expected);
 }
 
+TEST(ZarrNumbers, ScaledNumbersAreWhatTheyWereMadeOfAlsoAsDifferences) {
+  const Scratch scratch;
+  std::string bytes, differences;
+  int before = 0;
+  for (const int stored : {0, 1, -2, 333, -32768, 32767, 6, 7}) {
+    put(bytes, static_cast<std::int16_t>(stored), true);
+    put(differences, static_cast<std::int16_t>(stored - before), true);
+    before = stored;
+  }
+  std::vector<double> expected;
+  for (const int stored : {0, 1, -2, 333, -32768, 32767, 6, 7}) expected.push_back(stored / 10.0 + 1000);
+  const std::string filter = R"({"id":"fixedscaleoffset","dtype":"<f8","astype":">i2","scale":10,"offset":1000})";
+  const auto data = open(write_one(scratch, "<f8", R"("fill_value":-1.5,"filters":[)" + filter + "]", bytes));
+  EXPECT_EQ(data->arrays.front().type, ScalarType::float64);
+  EXPECT_EQ(values_of(*data), expected);
+  fs::remove(scratch / "n.zarr/0.0.0");
+  EXPECT_EQ(values_of(*open(scratch / "n.zarr")), std::vector<double>(8, -1.5));
+  EXPECT_EQ(values_of(*open(write_one(scratch, "<f8", R"("fill_value":0,"filters":[)" + filter + R"(,{"id":"delta","dtype":">i2"}])", differences))), expected);
+}
+
+TEST(ZarrNumbers, RoundedOnesAreReadAsTheyAre) {
+  const Scratch scratch;
+  std::string bytes;
+  for (int i = 0; i < 8; ++i) put(bytes, 0.125f * static_cast<float>(i));
+  const std::string filters = R"("fill_value":0,"filters":[{"id":"quantize","digits":3,"dtype":"<f4","astype":"<f4"},{"id":"bitround","keepbits":5}])";
+  EXPECT_EQ(values_of(*open(write_one(scratch, "<f4", filters, bytes))), (std::vector<double>{0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875}));
+}
+
 TEST(ZarrNumbers, PackedNumbersAreWhatTheyStandForAndTheFillValueIsNone) {
   const Scratch scratch;
   std::string bytes;

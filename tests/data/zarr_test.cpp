@@ -176,7 +176,8 @@ TEST(Zarr, WhatIsNotReadIsRefusedByItsName) {
                                                        {"\"<u2\"", R"([["r","<u1"],["g","<u1"]])", "one number in each point"},
                                                        {"\"compressor\":null", R"("compressor":{"id":"lzma"})", "'lzma'"},
                                                        {"\"filters\":null", R"("filters":[{"id":"delta"}])", "the filter 'delta'"},
-                                                       {"\"filters\":null", R"("filters":[{"id":"fixedscaleoffset"}])", "the filter 'fixedscaleoffset'"}}) {
+                                                       {"\"filters\":null", R"("filters":[{"id":"fixedscaleoffset","astype":"|u1","scale":10,"offset":0}])", "expected whole numbers of real ones"},
+                                                       {"\"filters\":null", R"("filters":[{"id":"categorize"}])", "the filter 'categorize'"}}) {
     SCOPED_TRACE(by);
     const Scratch scratch;
     expect_refused(write_array(scratch, replaced(kArray, what, by)), ErrorCode::unsupported, "a.zarr/.zarray", why);
