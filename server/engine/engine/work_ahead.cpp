@@ -27,7 +27,7 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   const bool opened = !same_steps && !played;
   const bool may_be_played = opened && extracted.dataset->times.size() > 1;
   if (opened && base_tetrahedra_bytes(*extracted.dataset) > facts.max_bytes / kLittle) return {};
-  const bool waited_for = !opened;  // what yields to all that is played would be made once that ends
+  const bool waited_for = !opened && !(played && facts.reads_next());  // what yields to all that is played would be made once that ends
   if (!played && !may_be_played && facts.renderer_cuts && cuts_exactly(scene, extracted.array) && !facts.has_base())
     return same_steps && previous->request.intervals == request.intervals ? Preparation{} : Preparation{What::base, waited_for};
   const bool lay_out = request.terms.empty() && !request.time && !facts.knows_order();
@@ -65,7 +65,11 @@ void WorkAhead::prepare_tetrahedra(SessionKey session, const ExtractedScene& ext
                                    bool renderer_cuts) {
   const Preparation wanted = to_prepare(extracted, scene, previous,
                                         {renderer_cuts, options_.max_bytes, [&] { return shared_.bases.find(extracted.dataset, extracted.array) != nullptr; },
-                                         [&] { return shared_.ordered.knows(extracted.dataset->grid) && !is_laid_out_for_later(extracted.dataset->grid); }});
+                                         [&] { return shared_.ordered.knows(extracted.dataset->grid) && !is_laid_out_for_later(extracted.dataset->grid); },
+                                         [&] {
+                                           const int step = extracted.dataset->step, next = 2 * step - previous->dataset->step;
+                                           return next >= 0 && next < static_cast<int>(extracted.dataset->times.size()) && !datasets_.holds(scene.dataset, next);
+                                         }});
   if (wanted.what == Preparation::What::nothing) return;
   const std::shared_ptr<Task> task = begin_preparation(wanted, extracted.dataset->grid);
   if (!task) return;

@@ -24,7 +24,7 @@ std::optional<int> step_ahead(const Scene& scene, const Scene& before, int steps
 /// What is made of a grid of tetrahedra.
 struct Preparation {
   enum class What { nothing, base, order } what = What::nothing;  // the mesh that a renderer cuts, or what extraction splits sooner
-  bool waited_for = false;  // by a hand that moves, or by who plays; else it is for later, and yields to everything
+  bool waited_for = false;  // by a hand that moves, or by who plays what is in memory; else it is for later, and yields to everything
 
   bool operator==(const Preparation&) const = default;
 };
@@ -33,6 +33,7 @@ struct GridFacts {
   std::uint64_t max_bytes = 0;        // --max-memory
   std::function<bool()> has_base;     // it has been made; both are asked only if that matters
   std::function<bool()> knows_order;  // likewise
+  std::function<bool()> reads_next;   // the step that will be asked for after a played one has to be read: that is what who plays waits for
 };
 /// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others: a series is laid out for both. Before a hand has moved, only if it takes little of the
 /// memory. extracted: the scene's. previous: what was there before, or null.

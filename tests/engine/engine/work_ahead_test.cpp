@@ -56,11 +56,11 @@ class ToPrepare : public ::testing::Test {
   }
   Preparation prepared(const ExtractedScene& of, const ExtractedScene* previous) {
     return to_prepare(of, scene(of.request.intervals[0].upper), previous,
-                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }});
+                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return reads_next_; }});
   }
 
   std::shared_ptr<const Dataset> dataset_ = opened("tets:6");
-  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false;
+  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false, reads_next_ = false;
   std::uint64_t max_bytes_ = std::uint64_t{1} << 30;
 };
 
@@ -108,6 +108,8 @@ TEST_F(ToPrepare, StepsThatArePlayedOnOneMeshShareItsOrder) {
   next_step->step = 1;
   const ExtractedScene before = extracted(0.5, dataset_);
   EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, true}));
+  reads_next_ = true;
+  EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, false})) << "who plays waits for the disk";
   EXPECT_EQ(prepared(extracted(0.5, opened("tets:6")), &before), (Preparation{What::base, false})) << "another mesh has been opened";
 }
 
