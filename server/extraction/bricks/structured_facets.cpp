@@ -15,7 +15,7 @@ constexpr std::int64_t kBricksPerFacetTask = 16;
 
 }  // namespace
 
-std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active,
+Buffer<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active,
                                              const IntervalMesh& mesh, std::uint64_t max_bytes, const Task& task) {
   const HexahedronGather& gather = hexahedron_gather();
   const std::span<const ActiveBrick> bricks = active.bricks();
@@ -41,7 +41,7 @@ std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray&
 
   std::vector<std::uint32_t> first(bricks.size());  // tetrahedra of earlier bricks
   for (std::size_t b = 1; b < bricks.size(); ++b) first[b] = first[b - 1] + bricks[b - 1].tetrahedra;
-  std::vector<BoundaryFacet> facets(before.back());
+  Buffer<BoundaryFacet> facets(before.back());
   parallel_for(count, kBricksPerFacetTask, [&](std::int64_t begin, std::int64_t end) {
     for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
       task.check();

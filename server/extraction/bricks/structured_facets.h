@@ -13,7 +13,7 @@ namespace isostrata {
 
 /// What boundary_facets gives for the mesh that was written from the records, in the order of its tetrahedra. Throws too_large,
 /// cancelled.
-std::vector<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active,
+Buffer<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active,
                                              const IntervalMesh& mesh, std::uint64_t max_bytes, const Task& task);
 
 }  // namespace isostrata

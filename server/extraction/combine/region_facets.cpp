@@ -141,13 +141,13 @@ class EndFinder {
 
 }  // namespace
 
-std::vector<BoundaryFacet> region_facets(const RegionMesh& mesh, std::span<const RangeOfField> ranges,
+Buffer<BoundaryFacet> region_facets(const RegionMesh& mesh, std::span<const RangeOfField> ranges,
                                          std::span<const std::uint16_t> own, std::uint64_t max_bytes, const Task& task) {
   task.report(0.9, "facets");
   const std::vector<std::uint8_t> single = find_single_facets(mesh, max_bytes, task);
   const EndFinder ends(mesh, ranges);
   const std::int64_t blocks = (mesh.count() + kTetrahedraPerBlock - 1) / kTetrahedraPerBlock;
-  std::vector<std::vector<BoundaryFacet>> found(blocks);
+  std::vector<Buffer<BoundaryFacet>> found(blocks);
   std::atomic<std::uint64_t> total{0};
   parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t b = begin; b < end; ++b) {
@@ -173,7 +173,7 @@ std::vector<BoundaryFacet> region_facets(const RegionMesh& mesh, std::span<const
       check_budget(std::to_string(so_far) + " boundary facets", 2 * so_far * sizeof(BoundaryFacet), max_bytes);
     }
   });
-  std::vector<BoundaryFacet> facets;
+  Buffer<BoundaryFacet> facets;
   facets.reserve(total.load());
   for (auto& some : found) {
     facets.insert(facets.end(), some.begin(), some.end());

@@ -22,7 +22,7 @@ struct RangeOfField {
 /// which the cut gave them. own[label] is the range that is looked at first. A facet of one tetrahedron alone with no such
 /// reason is left out, so that count_unmatched_facets shows the crack that it is. In the order of the tetrahedra.
 /// O(tetrahedra + facets * ranges of terms). Throws too_large, cancelled.
-std::vector<BoundaryFacet> region_facets(const RegionMesh& mesh, std::span<const RangeOfField> ranges,
+Buffer<BoundaryFacet> region_facets(const RegionMesh& mesh, std::span<const RangeOfField> ranges,
                                          std::span<const std::uint16_t> own, std::uint64_t max_bytes, const Task& task);
 
 }  // namespace isostrata

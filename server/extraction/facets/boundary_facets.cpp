@@ -125,13 +125,13 @@ std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& ar
                            : open_faces_unstructured(grid, runs, max_bytes, task);
 }
 
-std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
+Buffer<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task) {
   task.report(0.8, "facets");
   return boundary_facets(mesh, labels, open_cell_faces(grid, array, mesh.cell_runs, max_bytes, task), max_bytes, task);
 }
 
-std::vector<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<const FacetLabels> labels, std::span<const std::uint8_t> open,
+Buffer<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<const FacetLabels> labels, std::span<const std::uint8_t> open,
                                            std::uint64_t max_bytes, const Task& task) {
   const std::span<const CellRun> runs = mesh.cell_runs;
   const auto count = static_cast<std::int64_t>(runs.size());
@@ -165,7 +165,7 @@ std::vector<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<c
   });
   for (std::int64_t b = 0; b < blocks; ++b) before[b + 1] += before[b];
   check_budget(std::to_string(before[blocks]) + " boundary facets", before[blocks] * sizeof(BoundaryFacet), max_bytes);
-  std::vector<BoundaryFacet> facets(before[blocks]);
+  Buffer<BoundaryFacet> facets(before[blocks]);
   parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t b = begin; b < end; ++b) {
       task.check();

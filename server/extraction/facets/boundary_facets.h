@@ -32,10 +32,10 @@ std::vector<std::uint8_t> open_cell_faces(const Grid& grid, const PointArray& ar
 
 /// Facets on the lower and upper isosurfaces, and those in cell faces that no other cell shares. Hidden and absent cells do not
 /// count as sharing. labels: [nt]. In the order of the tetrahedra. Throws too_large, cancelled.
-std::vector<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
+Buffer<BoundaryFacet> boundary_facets(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                            std::span<const FacetLabels> labels, std::uint64_t max_bytes, const Task& task);
 /// The same where open_cell_faces of the mesh's runs is known.
-std::vector<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<const FacetLabels> labels, std::span<const std::uint8_t> open,
+Buffer<BoundaryFacet> boundary_facets(const IntervalMesh& mesh, std::span<const FacetLabels> labels, std::span<const std::uint8_t> open,
                                            std::uint64_t max_bytes, const Task& task);
 
 /// Facets of tetrahedra that are not in mesh.facets and do not meet exactly one other such facet of the same interval, with

@@ -110,7 +110,7 @@ std::vector<std::uint8_t> open_in_group(const IntervalMesh& mesh, const Task& ta
 
 }  // namespace
 
-std::vector<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Task& task) {
+Buffer<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Task& task) {
   std::vector<std::uint8_t> open = open_in_group(mesh, task);
   const auto count = static_cast<std::int64_t>(mesh.tetrahedra.size());
   const KeyRanges ranges = KeyRanges::of(static_cast<std::int64_t>(mesh.positions.size()), count);
@@ -156,7 +156,7 @@ std::vector<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Ta
     total += part.size();
     for (const FacetName name : part) open[name / 4] = static_cast<std::uint8_t>(open[name / 4] | 1u << (name % 4));
   }
-  std::vector<BoundaryFacet> facets;
+  Buffer<BoundaryFacet> facets;
   facets.reserve(total);
   for (std::int64_t t = 0; t < count; ++t)
     for (int f = 0; open[t] != 0 && f < 4; ++f) {

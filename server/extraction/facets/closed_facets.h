@@ -12,6 +12,6 @@ namespace isostrata {
 /// as mesh.facets do where the mesh was extracted with facets. For meshes that were not; asking the extraction for them is
 /// cheaper. The labels are not known (all are domain). In the order of the tetrahedra. O(tetrahedra) expected, parallel; about
 /// 40 bytes for each tetrahedron. Throws cancelled.
-std::vector<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Task& task);
+Buffer<BoundaryFacet> find_closed_facets(const IntervalMesh& mesh, const Task& task);
 
 }  // namespace isostrata

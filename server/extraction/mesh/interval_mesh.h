@@ -98,7 +98,7 @@ struct IntervalMesh {
   Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices, grouped by cell: see cell_runs
   Buffer<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries
   Buffer<CellRun> cell_runs;                        // [active cells] each cell once, those near one another close together
-  std::vector<BoundaryFacet> facets;                // empty unless asked for
+  Buffer<BoundaryFacet> facets;                // empty unless asked for
   std::vector<IntervalSummary> summaries;           // one per interval of the request, in its order; then per term that adds
   std::int64_t cells = 0;                           // of the grid, hidden ones included
   std::int64_t active_cells = 0;                    // active in at least one interval

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kFacetsPerChunk = 64;
 
 /// Where each facet goes, so that they stand by interval: counts by blocks, then places.
-void place_facets(const std::vector<BoundaryFacet>& facets, std::size_t intervals, FacetSet& set,
+void place_facets(const Buffer<BoundaryFacet>& facets, std::size_t intervals, FacetSet& set,
                   std::vector<std::uint32_t>& first) {
   constexpr std::int64_t kPerBlock = 1 << 15;
   const auto count = static_cast<std::int64_t>(facets.size());
@@ -51,9 +51,9 @@ void place_facets(const std::vector<BoundaryFacet>& facets, std::size_t interval
 FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are) {
   FacetSet set;
   const std::size_t intervals = mesh.summaries.size();
-  std::vector<BoundaryFacet> found;
+  Buffer<BoundaryFacet> found;
   if (mesh.facets.empty() && !mesh.tetrahedra.empty()) found = find_closed_facets(mesh, Task());
-  const std::vector<BoundaryFacet>& facets = mesh.facets.empty() ? found : mesh.facets;
+  const Buffer<BoundaryFacet>& facets = mesh.facets.empty() ? found : mesh.facets;
   set.points.resize(facets.size());
   set.parts.resize(facets.size());
   std::vector<std::uint32_t> first;

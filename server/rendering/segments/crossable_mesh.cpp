@@ -12,9 +12,9 @@ namespace isostrata {
 
 CrossableMesh make_crossable(const IntervalMesh& mesh) {
   CrossableMesh out;
-  std::vector<BoundaryFacet> found;
+  Buffer<BoundaryFacet> found;
   if (mesh.facets.empty()) found = find_closed_facets(mesh, Task());
-  const std::vector<BoundaryFacet>& facets = mesh.facets.empty() ? found : mesh.facets;
+  const Buffer<BoundaryFacet>& facets = mesh.facets.empty() ? found : mesh.facets;
   // Rays that leave and enter all the time, thin layers, have more crossings than tetrahedra are worth.
   constexpr std::size_t kTetrahedraPerFacet = 2;
   if (facets.size() * kTetrahedraPerFacet > mesh.tetrahedra.size()) return out;
