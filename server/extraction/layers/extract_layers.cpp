@@ -24,6 +24,7 @@ void combine_terms(const LayerRequest& request, const Dataset& dataset, const Po
   const auto extract = [&](const Grid& grid, const PointArray& on, std::span<const Interval> intervals, ExtractOptions options) {
     options.strict = request.triangulation == Triangulation::strict;
     options.ordered = aids.ordered;
+    options.faces = aids.faces;
     return extract_intervals(grid, on, intervals, options, task);
   };
   Combined combined =
@@ -99,6 +100,7 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   options.max_bytes = request.max_bytes;
   options.bricks = aids.bricks;
   options.ordered = aids.ordered;
+  options.faces = aids.faces;
   if (!request.terms.empty()) {
     combine_terms(request, dataset, array, carry, aids, layers, task);
     return layers;

@@ -66,6 +66,7 @@ struct Layers {
 using StepSource = std::function<std::shared_ptr<const Dataset>(int step, const Task& task)>;
 
 class BrickMemory;    // brick_memory.h
+class FaceMemory;     // face_memory.h
 class KeptSpaceTime;  // extract_at_time.h
 class OrderedMemory;  // ordered_memory.h
 
@@ -77,6 +78,7 @@ using Extractor = std::function<IntervalMesh(const Grid& grid, const PointArray&
 struct LayerAids {
   BrickMemory* bricks = nullptr;     // as ExtractOptions::bricks
   OrderedMemory* ordered = nullptr;  // as ExtractOptions::ordered
+  FaceMemory* faces = nullptr;       // as ExtractOptions::faces
   KeptSpaceTime* kept = nullptr;     // keeps the volume between two steps for the next slice
   Extractor extractor;  // called in place of extract_intervals where that is all there is to do: one field, no terms, tables
 };

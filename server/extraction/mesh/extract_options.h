@@ -6,6 +6,7 @@
 namespace isostrata {
 
 class BrickMemory;
+class FaceMemory;
 class OrderedMemory;
 
 struct ExtractOptions {
@@ -18,6 +19,7 @@ struct ExtractOptions {
   std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, where the mesh would need more
   BrickMemory* bricks = nullptr;           // keeps what the next extraction of the same field can use: structured grids only
   OrderedMemory* ordered = nullptr;        // used where it has the grid: grids of tetrahedra only
+  FaceMemory* faces = nullptr;             // used where it has the grid: unstructured grids only
 };
 
 }  // namespace isostrata

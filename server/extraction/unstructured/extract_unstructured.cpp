@@ -21,6 +21,7 @@
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/mesh/open_ends.h"
 #include "extraction/unstructured/extract_ordered.h"
+#include "extraction/unstructured/face_memory.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "extraction/unstructured/sorted_tetrahedron.h"
 #include "extraction/unstructured/unstructured_cases.h"
@@ -88,13 +89,24 @@ class UnstructuredExtraction {
     locate_points();
     write_tetrahedra();
     summarise();
-    if (options_.facets) mesh_.facets = boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_);
+    if (options_.facets) find_facets();
     task_.report(1.0, "extracted");
     return std::move(mesh_);
   }
 
  private:
   struct Nothing {};
+
+  void find_facets() {
+    const auto known = options_.faces ? options_.faces->find(grid_, array_) : nullptr;
+    if (!known) {
+      mesh_.facets = boundary_facets(grid_, array_, mesh_, labels_, options_.max_bytes, task_);
+      return;
+    }
+    std::vector<std::uint8_t> open(mesh_.cell_runs.size());
+    for (std::size_t r = 0; r < open.size(); ++r) open[r] = (*known)[static_cast<std::size_t>(mesh_.cell_runs[r].cell)];
+    mesh_.facets = boundary_facets(mesh_, labels_, open, options_.max_bytes, task_);
+  }
 
   /// Turns [b + 1] counts into [blocks + 1] starts.
   static void accumulate(std::vector<std::uint64_t>& counts) {

@@ -5,31 +5,12 @@
 #include "base/error.h"
 
 namespace isostrata {
-namespace {
-
-/// The same for as long as the grid is in memory.
-struct GridPlace {
-  const void* connectivity;
-  const void* points;
-  const void* hidden;
-};
-
-GridPlace place_of(const Grid& grid) {
-  const auto& shape = std::get<UnstructuredGrid>(grid.shape);
-  return {shape.connectivity.data(),
-          std::visit([](auto points) { return static_cast<const void*>(points.data()); }, shape.points),
-          grid.hidden_cells.data()};
-}
-
-}  // namespace
 
 OrderedMemory::Place OrderedMemory::at(const Grid& grid) {
   entries_.remove_if([](const Entry& entry) { return entry.made && entry.storage.expired(); });
-  const GridPlace place = place_of(grid);
+  const GridPlace place = GridPlace::of(grid);
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
-    if (it->connectivity != place.connectivity || it->points != place.points || it->hidden != place.hidden ||
-        it->storage.expired())
-      continue;
+    if (it->place != place || it->storage.expired()) continue;
     entries_.splice(entries_.begin(), entries_, it);
     return it;
   }
@@ -92,8 +73,7 @@ void OrderedMemory::make(const Grid& grid, const Task& task) {
     changed_.wait_for(lock, std::chrono::milliseconds(20));
     task.check();
   }
-  const GridPlace place = place_of(grid);
-  entries_.push_front({place.connectivity, place.points, place.hidden, grid.storage, false, nullptr, 0, {}});
+  entries_.push_front({GridPlace::of(grid), grid.storage, false, nullptr, 0, {}});
   const Place making = entries_.begin();
   if (foreseen > max_bytes_) {
     making->made = true;

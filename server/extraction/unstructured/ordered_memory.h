@@ -11,6 +11,7 @@
 #include "base/task.h"
 #include "data/array.h"
 #include "data/grid.h"
+#include "extraction/unstructured/grid_place.h"
 #include "extraction/unstructured/ordered_tetrahedra.h"
 
 namespace isostrata {
@@ -47,10 +48,8 @@ class OrderedMemory {
     std::uint64_t bytes = 0;
   };
   struct Entry {
-    const void* connectivity = nullptr;
-    const void* points = nullptr;
-    const void* hidden = nullptr;
-    std::weak_ptr<const void> storage;  // while it lives, the places above are taken
+    GridPlace place;
+    std::weak_ptr<const void> storage;  // while it lives, the place is taken
     bool made = false;
     std::shared_ptr<const OrderedTetrahedra> tetrahedra;  // null: not made yet, or it cannot be
     std::uint64_t bytes = 0;
