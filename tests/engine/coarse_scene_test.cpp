@@ -99,6 +99,34 @@ TEST(CoarseScenes, AreTheScenesOfEveryNthPoint) {
   EXPECT_EQ(scenes.extract(steps, torus_scene(), Task{})->dataset, coarse->dataset) << "made once for as long as it is held";
 }
 
+/// Of more cells than are moved as they are.
+std::shared_ptr<const Dataset> large_mesh() { return make_analytic("tets:45", {}, Task{}); }
+
+TEST(CoarseScenes, SamplesOfAMeshThatWereMadeInAdvanceAreCutAndKeptAsLongAsTheMeshIsThere) {
+  auto mesh = large_mesh();
+  CoarseScenes scenes(1000);
+  const auto samples = [&] { return std::weak_ptr<const Dataset>(scenes.extract_for_motion(mesh, torus_scene(), 1, Task{})->dataset); };
+  EXPECT_TRUE(samples().expired()) << "nobody has them";
+  scenes.keep_samples(mesh, torus_scene(), Task{});
+  const auto kept = samples();
+  EXPECT_FALSE(kept.expired());
+  EXPECT_EQ(samples().lock(), kept.lock());
+  EXPECT_GT(scenes.held_bytes(), 0u);
+  mesh.reset();
+  EXPECT_EQ(scenes.held_bytes(), 0u);
+  EXPECT_TRUE(kept.expired());
+}
+
+TEST(CoarseScenes, WhoAsksForWhatIsBeingMadeGetsTheSame) {
+  const auto mesh = large_mesh();
+  CoarseScenes scenes(1000);
+  std::array<std::shared_ptr<const ExtractedScene>, 2> moved;
+  std::thread other([&] { moved[0] = scenes.extract_for_motion(mesh, torus_scene(), 1, Task{}); });
+  moved[1] = scenes.extract_for_motion(mesh, torus_scene(), 1, Task{});
+  other.join();
+  EXPECT_EQ(moved[0]->dataset, moved[1]->dataset);
+}
+
 TEST(CoarseScenes, AreNotMadeWhereTheWholeIsThereAsSoonOrSeveralStepsAreShown) {
   const auto whole = make_analytic("torus:20", {}, Task{});
   const StepSource steps = [&](int, const Task&) { return whole; };

@@ -34,7 +34,7 @@ void SceneExtractor::extract(const ExtractionJob& job) {
   }
   job.operation->finish();
   if (extracted && !job.coarse) {
-    ahead_.prepare_tetrahedra(job.session, *extracted, job.scene, job.before.extracted.get(), renderer.cuts_intervals);
+    ahead_.prepare_mesh(job.session, *extracted, job.scene, job.before.extracted.get(), renderer.cuts_intervals);
     if (job.before.extracted) ahead_.read_step(*extracted, job.scene, job.before.scene);
   }
   ports_.done(job, extracted, failure);
@@ -51,6 +51,7 @@ SceneExtractor::Extracted SceneExtractor::extract_all(const ExtractionJob& job, 
   SceneAids aids;
   aids.bricks = &shared_.bricks;
   aids.ordered = &shared_.ordered;
+  aids.faces = &shared_.faces;
   aids.bases = &shared_.bases;
   leave_to(renderer, aids);
   aids.max_bytes = ports_.room_for(job.session, false);

@@ -22,12 +22,17 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   constexpr std::uint64_t kLittle = 8;  // of the memory
   const LayerRequest& request = extracted.request;
   const bool same_steps = previous && previous->steps == extracted.steps;
-  if (extracted.base || (same_steps && previous->request == request) || !only_tetrahedra(*extracted.dataset)) return {};
+  if (extracted.base || (same_steps && previous->request == request)) return {};
   const bool played = previous && !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
   const bool opened = !same_steps && !played;
   const bool may_be_played = opened && extracted.dataset->times.size() > 1;
-  if (opened && base_tetrahedra_bytes(*extracted.dataset) > facts.max_bytes / kLittle) return {};
   const bool waited_for = !opened && !(played && facts.reads_next());  // what yields to all that is played would be made once that ends
+  if (const Grid& grid = extracted.dataset->grid; !only_tetrahedra(*extracted.dataset)) {
+    const bool looks_for_faces = !grid.structured() && !grid.flat() && request.facets && request.values == FieldValues::interpolated && !request.time;
+    const bool little = FaceMemory::foreseen_bytes(grid) <= facts.max_bytes / kLittle;
+    return looks_for_faces && little && !facts.knows_faces() ? Preparation{What::faces, waited_for} : Preparation{};
+  }
+  if (opened && base_tetrahedra_bytes(*extracted.dataset) > facts.max_bytes / kLittle) return {};
   if (!played && !may_be_played && facts.renderer_cuts && cuts_exactly(scene, extracted.array) && !facts.has_base())
     return same_steps && previous->request.intervals == request.intervals ? Preparation{} : Preparation{What::base, waited_for};
   const bool lay_out = request.terms.empty() && !request.time && !facts.knows_order();
@@ -61,15 +66,16 @@ bool WorkAhead::is_laid_out_for_later(const Grid& grid) const {
   return preparation_.task && preparation_.of == Preparation{Preparation::What::order, false} && preparation_.grid.lock() == grid.storage;
 }
 
-void WorkAhead::prepare_tetrahedra(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous,
-                                   bool renderer_cuts) {
+void WorkAhead::prepare_mesh(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous,
+                             bool renderer_cuts) {
   const Preparation wanted = to_prepare(extracted, scene, previous,
                                         {renderer_cuts, options_.max_bytes, [&] { return shared_.bases.find(extracted.dataset, extracted.array) != nullptr; },
                                          [&] { return shared_.ordered.knows(extracted.dataset->grid) && !is_laid_out_for_later(extracted.dataset->grid); },
                                          [&] {
                                            const int step = extracted.dataset->step, next = 2 * step - previous->dataset->step;
                                            return next >= 0 && next < static_cast<int>(extracted.dataset->times.size()) && !datasets_.holds(scene.dataset, next);
-                                         }});
+                                         },
+                                         [&] { return shared_.faces.knows(extracted.dataset->grid); }});
   if (wanted.what == Preparation::What::nothing) return;
   const std::shared_ptr<Task> task = begin_preparation(wanted, extracted.dataset->grid);
   if (!task) return;
@@ -80,8 +86,10 @@ void WorkAhead::prepare_tetrahedra(SessionKey session, const ExtractedScene& ext
       const Work work(of, wanted.waited_for ? WorkClass::scene : WorkClass::idle, {task.get(), true, extracting.waiting()});
       if (wanted.what == Preparation::What::base)
         shared_.bases.make(dataset, array, *task);
-      else
+      else if (wanted.what == Preparation::What::order)
         shared_.ordered.make(dataset->grid, *task);
+      else
+        shared_.faces.make(dataset->grid, *task);
     } catch (const std::exception&) {  // extraction goes on without it
     }
     const std::lock_guard lock(mutex_);
@@ -103,7 +111,8 @@ void WorkAhead::read_step(const ExtractedScene& extracted, const Scene& scene, c
 }
 
 void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene) {
-  if (options_.by_ranks || tetrahedra_of(*extracted) < options_.least_coarse_tetrahedra || extracted->base || !can_be_coarse(*extracted, scene)) return;
+  if (options_.by_ranks || extracted->base || !can_be_coarse(*extracted, scene)) return;
+  if (tetrahedra_of(*extracted) < options_.least_coarse_tetrahedra) return prepare_samples(session, extracted, scene);
   movers_.post(session, [this, session, extracted, scene] {
     if (!ports_.wants_coarse(session, extracted, scene_bytes(*extracted) / 3)) return;
     Extracted coarse;
@@ -118,6 +127,20 @@ void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, c
     if (!coarse) return;
     find_error(*coarse);
     ports_.take_coarse(session, extracted, std::move(coarse), scene);
+  });
+}
+
+void WorkAhead::prepare_samples(SessionKey session, const Extracted& extracted, const Scene& scene) {
+  const Grid& grid = extracted->dataset->grid;
+  if (grid.structured()) return;
+  movers_.post(session, [this, session, extracted, scene, bytes = 16 * static_cast<std::uint64_t>(grid.point_count())] {
+    if (!ports_.wants_coarse(session, extracted, bytes)) return;
+    try {
+      const Doing extracting(options_.board, Stage::extracting, 0, 0);
+      const Work work(session, WorkClass::scene, {&ahead_task_, true, extracting.waiting()});
+      shared_.coarse.keep_samples(extracted->dataset, scene, ahead_task_);
+    } catch (const std::exception&) {  // a hand that moves layers makes them
+    }
   });
 }
 

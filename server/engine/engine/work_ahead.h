@@ -1,4 +1,4 @@
-// What is made before anybody waits for it: the next step of a series, grids of tetrahedra that layers will be cut out of, scenes of every n-th point,
+// What is made before anybody waits for it: the next step of a series, meshes that layers will be cut out of, scenes of every n-th point,
 // and how far those may be off.
 #pragma once
 
@@ -21,9 +21,10 @@ namespace isostrata {
 /// Who goes from one step to the next will go on: the step after `scene`'s. Nothing: `before` was not the step beside it, or there is none.
 std::optional<int> step_ahead(const Scene& scene, const Scene& before, int steps);
 
-/// What is made of a grid of tetrahedra.
+/// What is made of a mesh.
 struct Preparation {
-  enum class What { nothing, base, order } what = What::nothing;  // the mesh that a renderer cuts, or what extraction splits sooner
+  // Of tetrahedra the mesh that a renderer cuts, or what extraction splits sooner; of other cells the faces that extraction need not look for.
+  enum class What { nothing, base, order, faces } what = What::nothing;
   bool waited_for = false;  // by a hand that moves, or by who plays what is in memory; else it is for later, and yields to everything
 
   bool operator==(const Preparation&) const = default;
@@ -31,9 +32,10 @@ struct Preparation {
 struct GridFacts {
   bool renderer_cuts = false;         // the renderer of now cuts intervals
   std::uint64_t max_bytes = 0;        // --max-memory
-  std::function<bool()> has_base;     // it has been made; both are asked only if that matters
+  std::function<bool()> has_base;     // it has been made; all are asked only if that matters
   std::function<bool()> knows_order;  // likewise
   std::function<bool()> reads_next;   // the step that will be asked for after a played one has to be read: that is what who plays waits for
+  std::function<bool()> knows_faces;  // likewise
 };
 /// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others: a series is laid out for both. Before a hand has moved, only if it takes little of the
 /// memory. extracted: the scene's. previous: what was there before, or null.
@@ -62,9 +64,10 @@ class WorkAhead {
   WorkAhead(WorkAheadOptions options, OpenDatasets& datasets, SharedMeshes& shared, Ports ports);
 
   /// After an extraction. scene, previous, before: as in to_prepare and step_ahead. renderer_cuts: the renderer of now does.
-  void prepare_tetrahedra(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, bool renderer_cuts);
+  void prepare_mesh(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, bool renderer_cuts);
   void read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before);
   /// Of a scene that rests, or has just been seen for the first time, and takes long to draw, the same of every n-th point, for the next hand that turns it.
+  /// Of other scenes on a large mesh the samples of it that a hand which moves its layers cuts.
   void prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene);
   /// How far a coarse picture may be from that of all points, beside everything else.
   void find_error(const ExtractedScene& coarse);
@@ -75,6 +78,7 @@ class WorkAhead {
   std::shared_ptr<Task> begin_preparation(const Preparation& wanted, const Grid& grid);
   /// Whether a layout of it is being made that yields to everything.
   bool is_laid_out_for_later(const Grid& grid) const;
+  void prepare_samples(SessionKey session, const Extracted& extracted, const Scene& scene);
 
   const WorkAheadOptions options_;
   OpenDatasets& datasets_;

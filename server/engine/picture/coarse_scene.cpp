@@ -1,7 +1,9 @@
 #include "engine/picture/coarse_scene.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <variant>
 
 #include "base/stopwatch.h"
 #include "data/region.h"
@@ -91,33 +93,75 @@ bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene) {
   return extracted.dataset && stride_for_motion(*extracted.dataset, scene, 1) != kAllPoints;
 }
 
+std::shared_ptr<const Dataset> CoarseScenes::make_coarse(const std::shared_ptr<const Dataset>& whole, const Stride& stride,
+                                                         const std::vector<std::string>& arrays, const Task& task) {
+  if (stride == kSamples) return sampled(*whole, most_samples(whole->grid), arrays, task);
+  if (stride != kFewerSamples) return coarser(*whole, stride, arrays, task);
+  const auto samples = coarse_of(whole, kSamples, arrays, task);
+  Stride every_second = kAllPoints;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (leaves_enough(samples->grid.dims()[a], 2)) every_second[a] = 2;
+  // It keeps the samples, for the next hand that is slower.
+  const auto both = std::make_shared<std::pair<std::shared_ptr<const Dataset>, std::shared_ptr<const Dataset>>>(samples, coarser(*samples, every_second, arrays, task));
+  return {both, both->second.get()};
+}
+
+void CoarseScenes::drop_what_is_gone() {
+  for (Lent& of : lent_)
+    if (of.whole.expired()) of.kept.reset();
+  std::erase_if(lent_, [](const Lent& of) { return !of.making && of.coarse.expired(); });
+}
+
 std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<const Dataset>& whole, const Stride& stride,
                                                        const std::vector<std::string>& arrays, const Task& task) {
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(lent_, [](const Lent& of) { return of.coarse.expired(); });
-    for (const Lent& of : lent_)
-      if (of.whole.lock() == whole && of.stride == stride && of.arrays == arrays)
-        if (auto coarse = of.coarse.lock()) return coarse;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    drop_what_is_gone();
+    const auto at = std::find_if(lent_.begin(), lent_.end(), [&](const Lent& of) { return of.whole.lock() == whole && of.stride == stride && of.arrays == arrays; });
+    if (at == lent_.end()) break;
+    if (auto coarse = at->coarse.lock()) return coarse;
+    changed_.wait_for(lock, std::chrono::milliseconds(5));
+    task.check();
   }
+  const auto making = lent_.insert(lent_.end(), Lent{.whole = whole, .coarse = {}, .stride = stride, .arrays = arrays, .errors = {}, .making = true, .kept = nullptr});
+  for (std::size_t n = 0; n < arrays.size(); ++n) making->errors.push_back(std::make_shared<FoundError>());
+  lock.unlock();
   std::shared_ptr<const Dataset> coarse;
-  if (stride == kSamples) {
-    coarse = sampled(*whole, most_samples(whole->grid), arrays, task);
-  } else if (stride == kFewerSamples) {
-    const auto samples = coarse_of(whole, kSamples, arrays, task);
-    Stride every_second = kAllPoints;
-    for (std::size_t a = 0; a < 3; ++a)
-      if (leaves_enough(samples->grid.dims()[a], 2)) every_second[a] = 2;
-    // It keeps the samples, for the next hand that is slower.
-    const auto both = std::make_shared<std::pair<std::shared_ptr<const Dataset>, std::shared_ptr<const Dataset>>>(samples, coarser(*samples, every_second, arrays, task));
-    coarse = {both, both->second.get()};
-  } else {
-    coarse = coarser(*whole, stride, arrays, task);
+  try {
+    coarse = make_coarse(whole, stride, arrays, task);
+  } catch (...) {
+    lock.lock();
+    lent_.erase(making);
+    changed_.notify_all();
+    throw;
   }
-  const std::lock_guard lock(mutex_);
-  lent_.push_back({whole, coarse, stride, arrays, {}});
-  for (std::size_t n = 0; n < arrays.size(); ++n) lent_.back().errors.push_back(std::make_shared<FoundError>());
+  lock.lock();
+  making->coarse = coarse;
+  making->making = false;
+  changed_.notify_all();
   return coarse;
+}
+
+void CoarseScenes::keep_samples(const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task) {
+  constexpr std::ptrdiff_t kMostKept = 2;
+  if (stride_for_motion(*whole, scene, 1) != kSamples) return;
+  const auto samples = coarse_of(whole, kSamples, arrays_of(scene, *whole), task);
+  const std::lock_guard lock(mutex_);
+  for (Lent& of : lent_)
+    if (of.coarse.lock() == samples) of.kept = samples;
+  auto too_many = std::count_if(lent_.begin(), lent_.end(), [](const Lent& of) { return of.kept != nullptr; }) - kMostKept;
+  for (Lent& of : lent_)  // the oldest first
+    if (too_many > 0 && of.kept) of.kept.reset(), --too_many;
+}
+
+std::uint64_t CoarseScenes::held_bytes() {
+  const std::lock_guard lock(mutex_);
+  drop_what_is_gone();
+  std::uint64_t bytes = 0;
+  for (const Lent& of : lent_)
+    if (of.kept)
+      for (const PointArray& array : of.kept->arrays) bytes += std::visit([](auto values) { return values.size_bytes(); }, array.values);
+  return bytes;
 }
 
 const CoarseScenes::Lent* CoarseScenes::lent_of(const std::shared_ptr<const Dataset>& coarse) const {

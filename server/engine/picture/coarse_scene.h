@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <condition_variable>
 #include <cstdint>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -23,7 +25,8 @@ std::array<std::int64_t, 3> moving_stride(const Grid& grid, int level);
 /// Whether extract_for_motion of the scene has something to make, on the grid of `extracted`, which is of all points.
 bool can_be_coarse(const ExtractedScene& extracted, const Scene& scene);
 
-/// Lends coarser datasets to scenes, and makes each once for as long as a scene has it. Any thread may call any function. Lock: mutex_.
+/// Lends coarser datasets to scenes, and makes each once for as long as a scene has it: who asks meanwhile waits for it. Any thread may call any function.
+/// Lock: mutex_.
 class CoarseScenes {
  public:
   /// Grids of more cells have a coarser picture first.
@@ -38,6 +41,12 @@ class CoarseScenes {
   /// first have every second one along each axis.
   std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task);
 
+  /// Makes what extract_for_motion samples a mesh for, and keeps it as long as the mesh is there, of the newest meshes. Nothing of other grids: what
+  /// they are coarsened to is made in a moment. Throws cancelled.
+  void keep_samples(const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task);
+  /// Of what is kept so.
+  std::uint64_t held_bytes();
+
   /// Finds how far the field of these scenes' dataset is from that of all points (ExtractedScene::coarse_error), once for each dataset and array, unless
   /// the array takes more than most_bytes: what is larger than memory is not read for it. Throws cancelled; then nobody will find it.
   void find_error(const std::shared_ptr<const Dataset>& coarse, const std::string& array, std::uint64_t most_bytes, const Task& task);
@@ -51,15 +60,20 @@ class CoarseScenes {
     Stride stride;
     std::vector<std::string> arrays;
     std::vector<std::shared_ptr<FoundError>> errors;  // of each array
+    bool making = false;                              // by some thread; there is no coarse one yet
+    std::shared_ptr<const Dataset> kept;              // in advance; else null
     std::shared_ptr<FoundError> error_of(const std::string& array) const;  // null: it has no such array
   };
   /// Null: it is not lent any more. With mutex_ held.
   const Lent* lent_of(const std::shared_ptr<const Dataset>& coarse) const;
   std::shared_ptr<const Dataset> coarse_of(const std::shared_ptr<const Dataset>& whole, const Stride& stride, const std::vector<std::string>& arrays, const Task& task);
+  std::shared_ptr<const Dataset> make_coarse(const std::shared_ptr<const Dataset>& whole, const Stride& stride, const std::vector<std::string>& arrays, const Task& task);
+  void drop_what_is_gone();  // with mutex_ held
 
   const std::int64_t least_cells_;
   std::mutex mutex_;
-  std::vector<Lent> lent_;
+  std::condition_variable changed_;  // something has been made, or will not be
+  std::list<Lent> lent_;
 };
 
 }  // namespace isostrata

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
+
 #include "data/analytic.h"
 #include "extraction/surfaces/base_tetrahedra.h"
 
@@ -56,11 +58,12 @@ class ToPrepare : public ::testing::Test {
   }
   Preparation prepared(const ExtractedScene& of, const ExtractedScene* previous) {
     return to_prepare(of, scene(of.request.intervals[0].upper), previous,
-                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return reads_next_; }});
+                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return reads_next_; },
+                       [this] { return knows_faces_; }});
   }
 
   std::shared_ptr<const Dataset> dataset_ = opened("tets:6");
-  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false, reads_next_ = false;
+  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false, reads_next_ = false, knows_faces_ = false;
   std::uint64_t max_bytes_ = std::uint64_t{1} << 30;
 };
 
@@ -113,11 +116,48 @@ TEST_F(ToPrepare, StepsThatArePlayedOnOneMeshShareItsOrder) {
   EXPECT_EQ(prepared(extracted(0.5, opened("tets:6")), &before), (Preparation{What::base, false})) << "another mesh has been opened";
 }
 
+TEST_F(ToPrepare, TheFacesOfOtherCellsAreLookedForOnce) {
+  const auto mesh = opened("mixed:6");
+  ExtractedScene before = extracted(0.5, mesh), moved = extracted(0.4, mesh);
+  before.request.facets = moved.request.facets = true;
+  EXPECT_EQ(prepared(before, nullptr), (Preparation{What::faces, false}));
+  EXPECT_EQ(prepared(moved, &before), (Preparation{What::faces, true})) << "a hand waits";
+  knows_faces_ = true;
+  EXPECT_EQ(prepared(moved, &before), Preparation{});
+  knows_faces_ = false;
+  before.request.facets = false;
+  EXPECT_EQ(prepared(before, nullptr), Preparation{}) << "none are asked for";
+}
+
 TEST_F(ToPrepare, OtherGridsAndWhatIsCutAlreadyNeedNothing) {
   EXPECT_EQ(prepared(extracted(0.5, opened("torus:12")), nullptr), Preparation{});
   ExtractedScene cut = extracted(0.5, dataset_);
   cut.base = std::make_shared<const BaseTetrahedra>();
   EXPECT_EQ(prepared(cut, nullptr), Preparation{});
+}
+
+TEST(WorkAhead, AHandThatMovesLayersOfALargeMeshFindsItsSamples) {
+  OpenDatasets datasets(Catalogue::from_sources({"tets:45"}), {}, nullptr);
+  SharedMeshes shared(1000, std::uint64_t{1} << 30);
+  auto extracted = std::make_shared<ExtractedScene>();
+  extracted->dataset = make_analytic("tets:45", {}, Task{});
+  extracted->mesh = std::make_shared<const IntervalMesh>();
+  Scene scene;
+  scene.array = extracted->dataset->arrays[0].name;
+  scene.intervals.resize(1);
+  std::promise<bool> asked;
+  {
+    WorkAhead ahead({.max_bytes = std::uint64_t{1} << 30, .least_coarse_tetrahedra = 1'000'000}, datasets, shared,
+                    {.wants_coarse =
+                         [&](auto&&...) {
+                           asked.set_value(true);
+                           return true;
+                         },
+                     .take_coarse = [](auto&&...) { ADD_FAILURE() << "few tetrahedra are turned as they are"; }});
+    ahead.prepare_motion(1, extracted, scene);
+    asked.get_future().wait();
+  }  // waits for what has begun
+  EXPECT_GT(shared.coarse.held_bytes(), 0u);
 }
 
 TEST(WorkAhead, WhatWaitsToBeComparedHoldsNoLayers) {
