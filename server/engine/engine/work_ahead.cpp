@@ -71,11 +71,11 @@ void WorkAhead::prepare_mesh(SessionKey session, const ExtractedScene& extracted
   const Preparation wanted = to_prepare(extracted, scene, previous,
                                         {renderer_cuts, options_.max_bytes, [&] { return shared_.bases.find(extracted.dataset, extracted.array) != nullptr; },
                                          [&] { return shared_.ordered.knows(extracted.dataset->grid) && !is_laid_out_for_later(extracted.dataset->grid); },
+                                         [&] { return shared_.faces.knows(extracted.dataset->grid); },
                                          [&] {
                                            const int step = extracted.dataset->step, next = 2 * step - previous->dataset->step;
                                            return next >= 0 && next < static_cast<int>(extracted.dataset->times.size()) && !datasets_.holds(scene.dataset, next);
-                                         },
-                                         [&] { return shared_.faces.knows(extracted.dataset->grid); }});
+                                         }});
   if (wanted.what == Preparation::What::nothing) return;
   const std::shared_ptr<Task> task = begin_preparation(wanted, extracted.dataset->grid);
   if (!task) return;

@@ -34,8 +34,8 @@ struct GridFacts {
   std::uint64_t max_bytes = 0;        // --max-memory
   std::function<bool()> has_base;     // it has been made; all are asked only if that matters
   std::function<bool()> knows_order;  // likewise
-  std::function<bool()> reads_next;   // the step that will be asked for after a played one has to be read: that is what who plays waits for
   std::function<bool()> knows_faces;  // likewise
+  std::function<bool()> reads_next;   // the step that will be asked for after a played one has to be read: that is what who plays waits for
 };
 /// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others: a series is laid out for both. Before a hand has moved, only if it takes little of the
 /// memory. extracted: the scene's. previous: what was there before, or null.

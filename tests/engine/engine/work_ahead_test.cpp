@@ -58,8 +58,8 @@ class ToPrepare : public ::testing::Test {
   }
   Preparation prepared(const ExtractedScene& of, const ExtractedScene* previous) {
     return to_prepare(of, scene(of.request.intervals[0].upper), previous,
-                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return reads_next_; },
-                       [this] { return knows_faces_; }});
+                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return knows_faces_; },
+                       [this] { return reads_next_; }});
   }
 
   std::shared_ptr<const Dataset> dataset_ = opened("tets:6");
