@@ -51,6 +51,7 @@ struct Viewer {
   bool takes_bands = false;       // lossless pictures in pieces
   bool refines = false;           // wants pictures of more samples after them
   std::deque<Band> bands;         // of the newest one, that have not been sent
+  bool awaits_layers = false;     // and what its layers hold has not been told
   StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
   RequestId ordered_request = 0;  // not started
 

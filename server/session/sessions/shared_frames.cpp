@@ -41,6 +41,7 @@ void SharedFrames::scene_changed(TimePoint now) {
   for (const auto& [key, viewer] : people_.viewers()) {
     viewer->frames.scene_changed(scene_.revision, ports_.drawable(), now);
     viewer->bands.clear();
+    viewer->awaits_layers = false;
   }
 }
 
@@ -72,6 +73,7 @@ void SharedFrames::pump(TimePoint now) {
 
 void SharedFrames::pump(Viewer& viewer, TimePoint now) {
   send_bands(viewer, now);
+  if (viewer.awaits_layers && viewer.bands.empty() && viewer.frames.in_flight() == 0) tell_layers(viewer);
   if (viewer.frames.withdraw_order()) leave_ordered(viewer);
   if (viewer.stream != 0 && (!viewer.frames.visible() || viewer.frames.stalled(now))) leave_stream(viewer, now);
   use_format(viewer, now);
@@ -244,7 +246,7 @@ void SharedFrames::give(Viewer& viewer, FrameOrder order, const FrameReady& read
   }
   frame.set_input_seq(viewer.input_of(ready.revision));
   viewer.outbox->send_frame(std::move(frame), std::move(payload));
-  if (order.phase == FramePhase::lossless && order.samples == 1 && ready.revision == scene_.revision) tell_layers(viewer);
+  if (order.phase == FramePhase::lossless && order.samples == 1 && ready.revision == scene_.revision) viewer.awaits_layers = true;
 }
 
 void SharedFrames::send_bands(Viewer& viewer, TimePoint now) {
@@ -256,8 +258,9 @@ void SharedFrames::send_bands(Viewer& viewer, TimePoint now) {
   }
 }
 
-/// At rest, so that no picture waits for it, and once for as long as the layers stay what they are.
+/// At rest, once the exact picture is on the screen, so that no picture waits for it; and once for as long as the layers stay what they are.
 void SharedFrames::tell_layers(Viewer& viewer) {
+  viewer.awaits_layers = false;
   const auto message = [this] {
     v1::ServerMessage told;
     *told.mutable_layer_facts() = *measured_->facts;

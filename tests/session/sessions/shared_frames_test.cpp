@@ -40,20 +40,24 @@ class FramesOfASession : public ::testing::Test {
       if (const auto* of = std::get_if<Request>(&engine_.asked[i])) found[i + 1] = *of;
     return found;
   }
+  /// Asks for pictures, and draws them.
+  void answer_pictures() {
+    frames_.pump(now_);
+    for (const auto& [id, request] : asked<FrameRequest>())
+      if (const auto it = engine_.listeners.find(id); it != engine_.listeners.end()) {
+        it->second(FrameStarted{1, id}, now_);
+        FrameReady ready{1, id, scene_.revision};
+        ready.lossless = request.lossless;
+        ready.width = request.width;
+        ready.height = request.height;
+        ready.bytes = std::make_shared<const Bytes>(1000, std::uint8_t{7});
+        engine_.answer(id, ready, now_);
+      }
+  }
   /// Draws what is waited for until everyone has the lossless picture of the scene.
   void rest() {
     for (int i = 0; i < 100; ++i, now_ += std::chrono::milliseconds(50)) {
-      frames_.pump(now_);
-      for (const auto& [id, request] : asked<FrameRequest>())
-        if (const auto it = engine_.listeners.find(id); it != engine_.listeners.end()) {
-          it->second(FrameStarted{1, id}, now_);
-          FrameReady ready{1, id, scene_.revision};
-          ready.lossless = request.lossless;
-          ready.width = request.width;
-          ready.height = request.height;
-          ready.bytes = std::make_shared<const Bytes>(1000, std::uint8_t{7});
-          engine_.answer(id, ready, now_);
-        }
+      answer_pictures();
       for (auto& [key, viewer] : viewers_)
         if (!outboxes_[key].frames.empty()) viewer.frames.acknowledged(outboxes_[key].frames.back().frame_id(), now_);
     }
@@ -134,6 +138,19 @@ TEST_F(FramesOfASession, LayersThatMoveAreNotMeasuredAnyMoreAndACameraStopsNothi
   EXPECT_EQ(cancelled(), 1);
   rest();
   EXPECT_EQ(asked<MeasureRequest>().size(), 2u) << "what it rests at is measured";
+}
+
+TEST_F(FramesOfASession, LayersAreMeasuredOnceTheExactPictureHasArrived) {
+  Viewer& viewer = come(1);
+  for (int i = 0; i < 10 && (outboxes_[1].frames.empty() || outboxes_[1].frames.back().phase() != v1::FRAME_PHASE_LOSSLESS); ++i, now_ += std::chrono::milliseconds(200)) {
+    if (!outboxes_[1].frames.empty()) viewer.frames.acknowledged(outboxes_[1].frames.back().frame_id(), now_);
+    answer_pictures();
+  }
+  frames_.pump(now_);
+  EXPECT_EQ(asked<MeasureRequest>().size(), 0u) << "it is on its way";
+  viewer.frames.acknowledged(outboxes_[1].frames.back().frame_id(), now_);
+  frames_.pump(now_);
+  EXPECT_EQ(asked<MeasureRequest>().size(), 1u);
 }
 
 TEST_F(FramesOfASession, WhatWasMeasuredOfAnOlderSceneIsNotTold) {
