@@ -113,9 +113,14 @@ bool for_parts(const FileArray& array, const Visit& visit) {
   return true;
 }
 
+/// Of each cell.
+std::span<const std::uint8_t> types_of(const MeshArrays& arrays) {
+  return {reinterpret_cast<const std::uint8_t*>(arrays.types.values.data()), arrays.types.values.size()};
+}
+
 /// Cells of the four kinds whose ids are all points; nothing for others.
 bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest& request, UnstructuredGrid& grid, std::vector<std::shared_ptr<const void>>& keep) {
-  const std::span<const std::uint8_t> types(reinterpret_cast<const std::uint8_t*>(arrays.types.values.data()), arrays.types.values.size());
+  const std::span<const std::uint8_t> types = types_of(arrays);
   AppendedFile<std::int64_t> offsets(request, "offsets.bin"), connectivity(request, "connectivity.bin");
   offsets.add(std::array<std::int64_t, 1>{0});
   std::size_t cell = 0;
@@ -173,9 +178,13 @@ bool same_bytes(const FileArray& a, const FileArray& b) {
   return here && there ? same_in_files(*here, *there, a.values.size()) : std::memcmp(a.values.data(), b.values.data(), a.values.size()) == 0;
 }
 
-/// Whether the file that the caller has in memory holds the very same mesh; also no where that cannot be told.
+/// Whether the file that the caller has in memory holds the very same mesh, which is its grid as it is: VTK's reader divides other cells, about points that
+/// no file has. Also no where that cannot be told.
 bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
-  if (request.like.empty() || std::any_of(arrays.values.begin(), arrays.values.end(), [](const FileArray& array) { return array.on_cells; })) return false;
+  const auto types = types_of(arrays);
+  if (request.like.empty() || !std::all_of(types.begin(), types.end(), [](std::uint8_t type) { return holds_volume(type); }) ||
+      std::any_of(arrays.values.begin(), arrays.values.end(), [](const FileArray& array) { return array.on_cells; }))
+    return false;
   try {
     const auto xml = AppendedXml::open(request.like);
     const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;

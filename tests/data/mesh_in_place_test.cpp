@@ -221,6 +221,22 @@ TEST_F(MeshInPlace, AStepOnTheMeshOfOneInMemoryBringsItsValuesAlone) {
   }
 }
 
+TEST_F(MeshInPlace, AStepOfCellsThatAreDividedIsReadWhole) {
+  const auto quadratic = [](std::vector<Cell>& cells) {
+    cells[1] = {25, {}};
+    for (std::int64_t i = 0; i < 20; ++i) cells[1].ids.push_back(20 + i);
+  };
+  write("step_0.vtu", {.of_cells = false, .change = quadratic});
+  write("step_1.vtu", {.of_cells = false, .first = 1, .change = quadratic});
+  const fs::path file = data / "step_*.vtu";
+  options.step = 1;
+  const auto alone = open_import(file, options, Task());
+  options.step = 0;
+  options.like = open_import(file, options, Task());
+  options.step = 1;
+  expect_same(*open_import(file, options, Task()), *alone);
+}
+
 TEST_F(MeshInPlace, AStepThatNeedsOneInMemoryIsNotKeptForOthers) {
   ImportCache cache;
   cache.folder = data / "cache";
