@@ -84,7 +84,7 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
 }
 
 /// What the entry was made of, and by which reader; nothing where that cannot be told.
-std::optional<std::string> origin_of(const fs::path& file, const ImportOptions& options) {
+std::optional<std::string> origin_of(const fs::path& file, const OpenOptions& options) {
   const auto files = source_files(file);
   if (!files) return std::nullopt;
   const fs::path reader = options.importer.empty() ? default_importer() : options.importer;

@@ -107,7 +107,7 @@ bool has_own_grid(const Dataset& dataset, const ImportOptions& options) {
   return !options.like || !dataset.grid.storage || dataset.grid.storage != options.like->grid.storage;
 }
 
-void check_source(const fs::path& file, const ImportOptions& options) {
+void check_source(const fs::path& file, const OpenOptions& options) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   const int opened = open_beneath(file, O_PATH);
@@ -130,7 +130,7 @@ void import_into(const fs::path& directory, const fs::path& file, const ImportOp
   ChildResult result;
   try {
     std::vector<std::string> words{fs::absolute(file).string(), directory.string(), std::to_string(options.step),
-                                         std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())};
+                                   std::to_string(options.max_bytes), std::to_string(cpu_seconds), to_string(sandbox())};
     if (options.like) words.push_back(std::to_string(options.like->step));
     const auto on_line = [&](std::string_view line) {
       if (!line.starts_with("progress ")) return;

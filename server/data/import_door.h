@@ -1,8 +1,8 @@
 // The door to isostrata-import, the child process that parses foreign files. A broken or hostile file can end the child and
 // nothing else: whatever it writes is checked before any other code reads it.
 //
-// The child gets: FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS SANDBOX [LIKE] (the step that the caller has), an environment of at most five variables, a process group of its
-// own, and takes its own rights away before it looks at the file (SECURITY.md). DIRECTORY is new, private (0700), below $TMPDIR or /tmp, and removed
+// The child gets: FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS SANDBOX [LIKE] (the step that the caller has), an environment of at most five variables,
+// a process group of its own, and takes its own rights away before it looks at the file (SECURITY.md). DIRECTORY is new, private (0700), below $TMPDIR or /tmp, and removed
 // before open_import returns or throws. Into it the child writes raw little-endian files and, last, manifest.json:
 //
 //   {"format":1, "grid":"uniform"|"rectilinear"|"curvilinear"|"unstructured"|"like", "dims":[ni,nj,nk] (structured grids),
@@ -19,8 +19,8 @@
 //   cells_N.bin         [cells] of its cell_type, if it is cell_averaged
 //   times.bin           float64[times]
 //
-// The grid "like" is that of step LIKE, and no file holds it. File names are fixed, and "in_file" leads to a regular file beside the one that was asked for, or below, which the child may read anyhow: so the
-// manifest cannot name anything else. Files are mapped read-only and unlinked; they live as long as the Dataset. What is mapped in place
+// The grid "like" is that of step LIKE, and no file holds it. File names are fixed, and "in_file" leads to a regular file beside the one that was asked
+// for, or below, which the child may read anyhow: so the manifest cannot name anything else. Files are mapped read-only and unlinked; they live as long as the Dataset. What is mapped in place
 // (source_mapping.h) stays where it is.
 #pragma once
 
@@ -62,7 +62,7 @@ std::shared_ptr<const Dataset> open_import_keeping(const std::filesystem::path& 
                                                    const std::filesystem::path& keep, const Task& task);
 
 /// Whether there is a `file` to read, which does not lead out of what is served. Throws not_found.
-void check_source(const std::filesystem::path& file, const ImportOptions& options);
+void check_source(const std::filesystem::path& file, const OpenOptions& options);
 
 /// The first half on its own: has a child read `file` into `directory`, which is the caller's, new and empty, after
 /// check_source. Throws as open_import does.

@@ -64,7 +64,7 @@ class Mapping {
 
 class Manifest {
  public:
-  Manifest(const fs::path& directory, const fs::path& file, const ImportOptions& options, ImportFiles files, bool checked)
+  Manifest(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files, bool checked)
       : directory_(directory), file_(file), name_(file.filename().string()), options_(options), files_(files), checked_(checked) {
     const fs::path path = directory / "manifest.json";
     std::error_code error;
@@ -162,7 +162,7 @@ class Manifest {
  private:
   fs::path directory_, file_;
   std::string name_;
-  const ImportOptions& options_;
+  const OpenOptions& options_;
   const ImportFiles files_;
   const bool checked_;
   json::object root_;

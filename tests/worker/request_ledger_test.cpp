@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "worker/requests.h"
+
 namespace isostrata {
 namespace {
 
@@ -12,12 +14,6 @@ Scene scene(std::uint64_t revision, double upper = 0.5) {
   scene.intervals.push_back({1, 0.2, upper});
   scene.camera = Camera{};
   return scene;
-}
-FrameRequest frame(SessionKey session, RequestId request) {
-  FrameRequest frame;
-  frame.session = session;
-  frame.request = request;
-  return frame;
 }
 FrameReady picture(SessionKey session, RequestId request) {
   FrameReady ready;

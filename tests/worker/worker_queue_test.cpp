@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "worker/requests.h"
+
 namespace isostrata {
 namespace {
 
@@ -10,12 +12,6 @@ SceneUpdate scene(SessionKey session, int step) {
   update.session = session;
   update.scene.step = step;
   return update;
-}
-FrameRequest frame(SessionKey session, RequestId number) {
-  FrameRequest request;
-  request.session = session;
-  request.request = number;
-  return request;
 }
 template <class T>
 const T* as(const ToWorker& message) {
