@@ -31,6 +31,10 @@ Work::~Work() {
   CorePool::instance().end(*this);
 }
 
+void lend_urgency(Work* maker) {
+  if (maker && current) CorePool::instance().lend_urgency(*current, *maker);
+}
+
 void checkpoint() {
   if (!current) return;
   pulse();
@@ -83,6 +87,13 @@ void CorePool::end(Work& work) {
   const auto now = now_ns();
   works_.erase(work.id_);
   turns_.end(work.id_, now);
+  look(now);
+}
+
+void CorePool::lend_urgency(const Work& from, Work& to) {
+  const std::lock_guard lock(mutex_);
+  const auto now = now_ns();
+  turns_.lend_urgency(from.id_, to.id_, now);
   look(now);
 }
 

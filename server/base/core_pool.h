@@ -34,6 +34,8 @@ class CorePool {
 
   void begin(Work& work);
   void end(Work& work);
+  /// Of `from`, if that is more urgent.
+  void lend_urgency(const Work& from, Work& to);
   /// Returns when the work may go on. Throws cancelled.
   void step(Work& work);
 

@@ -31,6 +31,12 @@ void FairTurns::end(Id id, Time now) {
   std::erase_if(sessions_, [this](const auto& of) { return of.second.works == 0 && of.second.used <= least_ - kCredit; });
 }
 
+void FairTurns::lend_urgency(Id from, Id to, Time now) {
+  charge(now);
+  const auto lender = works_.find(from), maker = works_.find(to);
+  if (lender != works_.end() && maker != works_.end()) maker->second.of = std::min(maker->second.of, lender->second.of);
+}
+
 void FairTurns::step(Id id) {
   if (const auto it = works_.find(id); it != works_.end()) it->second.goes_on = true;
 }

@@ -38,6 +38,8 @@ class FairTurns {
   /// Work that wants the turn from now on, until end().
   Id begin(std::uint64_t session, WorkClass of, Time now);
   void end(Id id, Time now);
+  /// `from` waits for `to`, which is as urgent as `from` from now on, if it was less.
+  void lend_urgency(Id from, Id to, Time now);
   /// The work goes on. Work that did not say so in a whole turn (it waits for a disk, or is at what cannot be divided) gets no other
   /// one before it does.
   void step(Id id);

@@ -26,13 +26,12 @@ class Work {
   Work& operator=(const Work&) = delete;
 
   std::uint64_t session() const { return session_; }
-  WorkClass work_class() const { return class_; }
   bool cancelled() const { return options_.task && options_.task->cancelled(); }
 
  private:
   friend class CorePool;
   const std::uint64_t session_;
-  const WorkClass class_;
+  const WorkClass class_;  // that it began with
   const Options options_;
   Work* const before_;
   FairTurns::Id id_ = 0;
@@ -41,6 +40,9 @@ class Work {
 
 /// Of this thread; null where there is none.
 Work* current_work();
+
+/// This thread waits for what another's work makes, which is as urgent from now on as what waits. Any thread may call it. maker: null, or alive.
+void lend_urgency(Work* maker);
 
 /// Makes another thread's work this thread's: for threads that it starts. `of` must live as long.
 class WorkScope {

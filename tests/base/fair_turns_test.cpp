@@ -135,6 +135,19 @@ TEST_F(FairTurnsTest, WhatNobodyWaitsForGetsASixteenthOfTheTimeAndAllThatIsLeft)
   EXPECT_EQ(jobs_[idle].done, 4s);
 }
 
+TEST_F(FairTurnsTest, WhatUrgentWorkWaitsForIsAsUrgent) {
+  const auto still = begin(1, WorkClass::still), made_ahead = begin(0, WorkClass::idle, 100ms), waits = begin(2, WorkClass::scene);
+  pass(1s);
+  EXPECT_LE(jobs_[made_ahead].done, 1000ms / 16 + FairTurns::kTurn);
+  jobs_[waits].goes_on = false;
+  const auto left = jobs_[made_ahead].left;
+  turns_.lend_urgency(jobs_[waits].id, jobs_[made_ahead].id, now_);
+  turns_.lend_urgency(jobs_[still].id, jobs_[made_ahead].id, now_);  // makes nothing less urgent
+  pass(3 * left);  // the still is due meanwhile
+  EXPECT_LE(jobs_[made_ahead].left, 0ms);
+  turns_.lend_urgency(jobs_[waits].id, jobs_[made_ahead].id, now_);  // it has ended
+}
+
 TEST_F(FairTurnsTest, WorkThatDoesNotGoOnLosesItsTurnUntilItDoes) {
   const auto hangs = begin(1, WorkClass::frame), other = begin(2, WorkClass::background);
   jobs_[hangs].goes_on = false;

@@ -98,6 +98,34 @@ TEST(Work, ABlockThatWaitsForItsTurnLeavesItsThreadToOthers) {
   still.join();
 }
 
+TEST(Work, WhatAnotherWaitsForIsAsUrgent) {
+  constexpr int kBlocks = 100;
+  std::atomic<Work*> maker{nullptr};
+  std::atomic<int> still_blocks{0};
+  std::atomic<bool> is_lent{false}, is_made{false};
+  std::thread still([&] {
+    const Work work(1, WorkClass::still, {});
+    for (; !is_made; still_blocks += is_lent) be_busy(1ms), checkpoint();
+  });
+  std::thread making([&] {
+    Work work(0, WorkClass::idle, {});
+    maker = &work;
+    while (!is_lent) checkpoint();
+    for (int i = 0; i < kBlocks; ++i) be_busy(1ms), checkpoint();
+    is_made = true;
+  });
+  while (!maker) std::this_thread::yield();
+  {
+    const Work waits(2, WorkClass::scene, {});
+    lend_urgency(maker);
+    is_lent = true;
+    making.join();
+  }
+  still.join();
+  EXPECT_LT(still_blocks, kBlocks) << "idle work would have had a sixteenth of the time";
+  lend_urgency(nullptr);  // and a thread without work has nothing to lend
+}
+
 TEST(Work, WaitingForATurnHasAPulse) {
   Pulse pulse{0};
   std::atomic<bool> waits{false}, goes_on{true};

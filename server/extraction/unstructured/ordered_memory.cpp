@@ -70,10 +70,11 @@ void OrderedMemory::make(const Grid& grid, const Task& task) {
     const Place found = at(grid);
     if (found == entries_.end()) break;
     if (found->made) return;
+    lend_urgency(found->maker);
     changed_.wait_for(lock, std::chrono::milliseconds(20));
     task.check();
   }
-  entries_.push_front({GridPlace::of(grid), grid.storage, false, nullptr, 0, {}});
+  entries_.push_front({GridPlace::of(grid), grid.storage, false, current_work(), nullptr, 0, {}});
   const Place making = entries_.begin();
   if (foreseen > max_bytes_) {
     making->made = true;
@@ -96,6 +97,7 @@ void OrderedMemory::make(const Grid& grid, const Task& task) {
     entries_.erase(making);
   } else {
     making->made = true;
+    making->maker = nullptr;
     making->tetrahedra = made;
     making->bytes = made ? made->bytes() : 0;
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/task.h"
+#include "base/work.h"
 #include "data/array.h"
 #include "data/grid.h"
 #include "extraction/unstructured/grid_place.h"
@@ -34,7 +35,7 @@ class OrderedMemory {
   OrderedField find(const Grid& grid, const PointArray& array, const Task& task);
   /// Whether make() has nothing left to do.
   bool knows(const Grid& grid);
-  /// Lays the grid out, some ten times the cost of an extraction; waits where another thread is at it. Notes grids that are not
+  /// Lays the grid out, some ten times the cost of an extraction; waits where another thread is at it, which then is in as much of a hurry. Notes grids that are not
   /// of tetrahedra, or too large to be kept, and does no more about them. Throws cancelled.
   void make(const Grid& grid, const Task& task);
 
@@ -51,6 +52,7 @@ class OrderedMemory {
     GridPlace place;
     std::weak_ptr<const void> storage;  // while it lives, the place is taken
     bool made = false;
+    Work* maker = nullptr;  // of the thread that is at it, if it has one
     std::shared_ptr<const OrderedTetrahedra> tetrahedra;  // null: not made yet, or it cannot be
     std::uint64_t bytes = 0;
     std::list<Values> arrays;  // last used first
