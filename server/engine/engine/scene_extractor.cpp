@@ -59,6 +59,7 @@ SceneExtractor::Extracted SceneExtractor::extract_all(const ExtractionJob& job, 
   const bool shows_it = is_whole(before.extracted) && before.scene.dataset == scene.dataset && before.scene.array == scene.array;
   if (!ranks_ && !shows_it)
     if (auto first = shared_.coarse.extract(steps, scene, task)) ports_.first_look(job, std::move(first));
+  if (!ranks_ && before.extracted) ahead_.lay_out_played(job.session, scene, *before.extracted, before.scene, steps, task);
   const auto extract_now = [&] { return extract_by(ranks_, {source.source, source.id}, steps, scene, before.extracted, task, aids); };
   try {
     return extract_now();

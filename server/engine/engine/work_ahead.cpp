@@ -26,7 +26,7 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   const bool played = previous && !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
   const bool opened = !same_steps && !played;
   const bool may_be_played = opened && extracted.dataset->times.size() > 1;
-  const bool waited_for = !opened && !(played && facts.reads_next());  // what yields to all that is played would be made once that ends
+  const bool waited_for = !opened;
   if (const Grid& grid = extracted.dataset->grid; !only_tetrahedra(*extracted.dataset)) {
     const bool looks_for_faces = !grid.structured() && !grid.flat() && request.facets && request.values == FieldValues::interpolated && !request.time;
     const bool little = FaceMemory::foreseen_bytes(grid) <= facts.max_bytes / kLittle;
@@ -51,36 +51,41 @@ void WorkAhead::stop() {
   ahead_task_.cancel();
 }
 
-/// One at a time. A hand that moves, or who plays, waits for it, and does not wait for what was begun for later and yields to everything: that is begun
-/// anew. Null: not now.
+/// One at a time. A hand that moves, or who plays, waits for it, and does not wait for what was begun for later and yields to everything: if that is the
+/// layout it goes on in a hurry, else it is begun anew. Null: not now.
 std::shared_ptr<Task> WorkAhead::begin_preparation(const Preparation& wanted, const Grid& grid) {
   const std::lock_guard lock(mutex_);
   if (stopping_ || (preparation_.task && (preparation_.of.waited_for || !wanted.waited_for))) return nullptr;
-  if (preparation_.task) preparation_.task->cancel();
-  preparation_ = {std::make_shared<Task>(), wanted, grid.storage};
+  const bool goes_on = preparation_.task && wanted.what == Preparation::What::order && is_being_made(wanted.what, grid);
+  if (preparation_.task && !goes_on) preparation_.task->cancel();
+  preparation_ = {goes_on ? preparation_.task : std::make_shared<Task>(), wanted, grid.storage};
   return preparation_.task;
 }
 
-bool WorkAhead::is_laid_out_for_later(const Grid& grid) const {
+bool WorkAhead::is_being_made(Preparation::What what, const Grid& grid) const {
+  return preparation_.task && preparation_.of.what == what && preparation_.grid.lock() == grid.storage;
+}
+
+bool WorkAhead::has_order(const Grid& grid) {
+  if (!shared_.ordered.knows(grid)) return false;
   const std::lock_guard lock(mutex_);
-  return preparation_.task && preparation_.of == Preparation{Preparation::What::order, false} && preparation_.grid.lock() == grid.storage;
+  return !is_being_made(Preparation::What::order, grid) || preparation_.of.waited_for;
 }
 
 void WorkAhead::prepare_mesh(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous,
                              bool renderer_cuts) {
   const Preparation wanted = to_prepare(extracted, scene, previous,
                                         {renderer_cuts, options_.max_bytes, [&] { return shared_.bases.find(extracted.dataset, extracted.array) != nullptr; },
-                                         [&] { return shared_.ordered.knows(extracted.dataset->grid) && !is_laid_out_for_later(extracted.dataset->grid); },
-                                         [&] { return shared_.faces.knows(extracted.dataset->grid); },
-                                         [&] {
-                                           const int step = extracted.dataset->step, next = 2 * step - previous->dataset->step;
-                                           return next >= 0 && next < static_cast<int>(extracted.dataset->times.size()) && !datasets_.holds(scene.dataset, next);
-                                         }});
+                                         [&] { return has_order(extracted.dataset->grid); }, [&] { return shared_.faces.knows(extracted.dataset->grid); }});
+  prepare(session, wanted, extracted.dataset, extracted.array);
+}
+
+void WorkAhead::prepare(SessionKey session, const Preparation& wanted, const std::shared_ptr<const Dataset>& dataset, const std::string& array) {
   if (wanted.what == Preparation::What::nothing) return;
-  const std::shared_ptr<Task> task = begin_preparation(wanted, extracted.dataset->grid);
+  const std::shared_ptr<Task> task = begin_preparation(wanted, dataset->grid);
   if (!task) return;
   const SessionKey of = wanted.waited_for ? session : 0;
-  (wanted.waited_for ? movers_ : preparers_).post(of, [this, of, wanted, dataset = extracted.dataset, array = extracted.array, task] {
+  (wanted.waited_for ? movers_ : preparers_).post(of, [this, of, wanted, dataset, array, task] {
     const Doing extracting(options_.board, Stage::extracting, 0, 0);
     try {
       const Work work(of, wanted.waited_for ? WorkClass::scene : WorkClass::idle, {task.get(), true, extracting.waiting()});
@@ -95,6 +100,21 @@ void WorkAhead::prepare_mesh(SessionKey session, const ExtractedScene& extracted
     const std::lock_guard lock(mutex_);
     if (preparation_.task == task) preparation_ = {};
   });
+}
+
+void WorkAhead::lay_out_played(SessionKey session, const Scene& scene, const ExtractedScene& previous, const Scene& before, const StepSource& steps,
+                               const Task& task) {
+  const LayerRequest& request = previous.request;
+  const bool cuts_mesh = previous.dataset && !previous.base && !previous.bricks && previous.parts.empty() && request.terms.empty() && !request.time;
+  if (!cuts_mesh || !step_ahead(scene, before, static_cast<int>(previous.dataset->times.size()))) return;
+  const auto dataset = steps(scene.step, task);
+  if (dataset->grid.storage != previous.dataset->grid.storage || !only_tetrahedra(*dataset)) return;
+  if (!has_order(dataset->grid)) prepare(session, {Preparation::What::order, true}, dataset, previous.array);
+  try {
+    shared_.ordered.make(dataset->grid, task);
+  } catch (const std::exception&) {  // extraction goes on without it
+    task.check();
+  }
 }
 
 void WorkAhead::read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before) {
@@ -133,13 +153,13 @@ void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, c
 void WorkAhead::prepare_samples(SessionKey session, const Extracted& extracted, const Scene& scene) {
   const Grid& grid = extracted->dataset->grid;
   if (grid.structured()) return;
-  movers_.post(session, [this, session, extracted, scene, bytes = 16 * static_cast<std::uint64_t>(grid.point_count())] {
+  preparers_.post(0, [this, session, extracted, scene, bytes = 16 * static_cast<std::uint64_t>(grid.point_count())] {
     if (!ports_.wants_coarse(session, extracted, bytes)) return;
     try {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
-      const Work work(session, WorkClass::scene, {&ahead_task_, true, extracting.waiting()});
+      const Work work(0, WorkClass::idle, {&ahead_task_, true, extracting.waiting()});
       shared_.coarse.keep_samples(extracted->dataset, scene, ahead_task_);
-    } catch (const std::exception&) {  // a hand that moves layers makes them
+    } catch (const std::exception&) {  // a hand that moves layers makes them, as it does if it is sooner
     }
   });
 }

@@ -25,7 +25,7 @@ std::optional<int> step_ahead(const Scene& scene, const Scene& before, int steps
 struct Preparation {
   // Of tetrahedra the mesh that a renderer cuts, or what extraction splits sooner; of other cells the faces that extraction need not look for.
   enum class What { nothing, base, order, faces } what = What::nothing;
-  bool waited_for = false;  // by a hand that moves, or by who plays what is in memory; else it is for later, and yields to everything
+  bool waited_for = false;  // by a hand that moves, or by who plays; else it is for later, and yields to everything
 
   bool operator==(const Preparation&) const = default;
 };
@@ -35,7 +35,6 @@ struct GridFacts {
   std::function<bool()> has_base;     // it has been made; all are asked only if that matters
   std::function<bool()> knows_order;  // likewise
   std::function<bool()> knows_faces;  // likewise
-  std::function<bool()> reads_next;   // the step that will be asked for after a played one has to be read: that is what who plays waits for
 };
 /// Whoever looks at layers will move their ends, and steps on one mesh will be followed by others: a series is laid out for both. Before a hand has moved, only if it takes little of the
 /// memory. extracted: the scene's. previous: what was there before, or null.
@@ -65,6 +64,9 @@ class WorkAhead {
 
   /// After an extraction. scene, previous, before: as in to_prepare and step_ahead. renderer_cuts: the renderer of now does.
   void prepare_mesh(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, bool renderer_cuts);
+  /// Before the extraction of a step that others will follow: waits for their mesh to be laid out, which takes about as long as one extraction without
+  /// that saves in two. Throws cancelled, what steps throw.
+  void lay_out_played(SessionKey session, const Scene& scene, const ExtractedScene& previous, const Scene& before, const StepSource& steps, const Task& task);
   void read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before);
   /// Of a scene that rests, or has just been seen for the first time, and takes long to draw, the same of every n-th point, for the next hand that turns it.
   /// Of other scenes on a large mesh the samples of it that a hand which moves its layers cuts.
@@ -76,8 +78,10 @@ class WorkAhead {
 
  private:
   std::shared_ptr<Task> begin_preparation(const Preparation& wanted, const Grid& grid);
-  /// Whether a layout of it is being made that yields to everything.
-  bool is_laid_out_for_later(const Grid& grid) const;
+  void prepare(SessionKey session, const Preparation& wanted, const std::shared_ptr<const Dataset>& dataset, const std::string& array);
+  bool is_being_made(Preparation::What what, const Grid& grid) const;  // with mutex_ held
+  /// Or its layout is being made by who is in a hurry.
+  bool has_order(const Grid& grid);
   void prepare_samples(SessionKey session, const Extracted& extracted, const Scene& scene);
 
   const WorkAheadOptions options_;

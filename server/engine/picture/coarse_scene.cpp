@@ -120,10 +120,11 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
     const auto at = std::find_if(lent_.begin(), lent_.end(), [&](const Lent& of) { return of.whole.lock() == whole && of.stride == stride && of.arrays == arrays; });
     if (at == lent_.end()) break;
     if (auto coarse = at->coarse.lock()) return coarse;
+    lend_urgency(at->maker);
     changed_.wait_for(lock, std::chrono::milliseconds(5));
     task.check();
   }
-  const auto making = lent_.insert(lent_.end(), Lent{.whole = whole, .coarse = {}, .stride = stride, .arrays = arrays, .errors = {}, .making = true, .kept = nullptr});
+  const auto making = lent_.insert(lent_.end(), Lent{.whole = whole, .coarse = {}, .stride = stride, .arrays = arrays, .errors = {}, .making = true, .maker = current_work(), .kept = nullptr});
   for (std::size_t n = 0; n < arrays.size(); ++n) making->errors.push_back(std::make_shared<FoundError>());
   lock.unlock();
   std::shared_ptr<const Dataset> coarse;
@@ -138,6 +139,7 @@ std::shared_ptr<const Dataset> CoarseScenes::coarse_of(const std::shared_ptr<con
   lock.lock();
   making->coarse = coarse;
   making->making = false;
+  making->maker = nullptr;
   changed_.notify_all();
   return coarse;
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/work.h"
 #include "engine/picture/extracted_scene.h"
 
 namespace isostrata {
@@ -61,6 +62,7 @@ class CoarseScenes {
     std::vector<std::string> arrays;
     std::vector<std::shared_ptr<FoundError>> errors;  // of each array
     bool making = false;                              // by some thread; there is no coarse one yet
+    Work* maker = nullptr;                            // of that thread
     std::shared_ptr<const Dataset> kept;              // in advance; else null
     std::shared_ptr<FoundError> error_of(const std::string& array) const;  // null: it has no such array
   };

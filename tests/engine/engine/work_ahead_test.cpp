@@ -58,12 +58,11 @@ class ToPrepare : public ::testing::Test {
   }
   Preparation prepared(const ExtractedScene& of, const ExtractedScene* previous) {
     return to_prepare(of, scene(of.request.intervals[0].upper), previous,
-                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return knows_faces_; },
-                       [this] { return reads_next_; }});
+                      {renderer_cuts_, max_bytes_, [this] { return has_base_; }, [this] { return knows_order_; }, [this] { return knows_faces_; }});
   }
 
   std::shared_ptr<const Dataset> dataset_ = opened("tets:6");
-  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false, reads_next_ = false, knows_faces_ = false;
+  bool renderer_cuts_ = true, has_base_ = false, knows_order_ = false, knows_faces_ = false;
   std::uint64_t max_bytes_ = std::uint64_t{1} << 30;
 };
 
@@ -111,8 +110,6 @@ TEST_F(ToPrepare, StepsThatArePlayedOnOneMeshShareItsOrder) {
   next_step->step = 1;
   const ExtractedScene before = extracted(0.5, dataset_);
   EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, true}));
-  reads_next_ = true;
-  EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, false})) << "who plays waits for the disk";
   EXPECT_EQ(prepared(extracted(0.5, opened("tets:6")), &before), (Preparation{What::base, false})) << "another mesh has been opened";
 }
 
@@ -134,6 +131,51 @@ TEST_F(ToPrepare, OtherGridsAndWhatIsCutAlreadyNeedNothing) {
   ExtractedScene cut = extracted(0.5, dataset_);
   cut.base = std::make_shared<const BaseTetrahedra>();
   EXPECT_EQ(prepared(cut, nullptr), Preparation{});
+}
+
+/// Steps of tets:6 on one mesh.
+class LayOutPlayed : public ::testing::Test {
+ protected:
+  static constexpr int kSteps = 4;
+  LayOutPlayed() {
+    for (int step = 0; step < kSteps; ++step) {
+      auto dataset = step == 0 ? make_analytic("tets:6", {}, Task{}) : steps_[0];
+      auto copy = std::make_shared<Dataset>(*dataset);
+      copy->step = step;
+      copy->times.assign(kSteps, 0);
+      steps_.push_back(std::move(copy));
+    }
+    before_.dataset = steps_[0];
+    before_.array = steps_[0]->arrays[0].name;
+  }
+  bool lays_out(int step, int before) {
+    SharedMeshes shared(1000, std::uint64_t{1} << 30);
+    WorkAhead ahead({.max_bytes = std::uint64_t{1} << 30}, datasets_, shared, {.wants_coarse = [](auto&&...) { return false; }, .take_coarse = [](auto&&...) {}});
+    ahead.lay_out_played(1, at_step(step), before_, at_step(before), [this](int of, const Task&) { return steps_.at(static_cast<std::size_t>(of)); }, Task{});
+    return shared.ordered.find(steps_[0]->grid, steps_[0]->arrays[0], Task{}).tetrahedra != nullptr;
+  }
+
+  OpenDatasets datasets_{Catalogue::from_sources({"tets:6"}), {}, nullptr};
+  std::vector<std::shared_ptr<const Dataset>> steps_;
+  ExtractedScene before_;
+};
+
+TEST_F(LayOutPlayed, AStepThatAnotherWillFollowWaitsForTheLayoutOfTheirMesh) {
+  EXPECT_TRUE(lays_out(1, 0));
+  EXPECT_TRUE(lays_out(1, 2)) << "backwards";
+  EXPECT_FALSE(lays_out(3, 2)) << "nothing follows the last one";
+  EXPECT_FALSE(lays_out(3, 1)) << "a jump";
+}
+
+TEST_F(LayOutPlayed, WhatIsNotSplitSoonerByItDoesNotWait) {
+  before_.base = std::make_shared<const BaseTetrahedra>();
+  EXPECT_FALSE(lays_out(1, 0)) << "is cut where it is drawn";
+  before_.base.reset();
+  before_.request.terms.resize(1);
+  EXPECT_FALSE(lays_out(1, 0)) << "combined ranges have a grid of their own";
+  before_.request.terms.clear();
+  steps_[1] = make_analytic("tets:6", {}, Task{});
+  EXPECT_FALSE(lays_out(1, 0)) << "the mesh has moved";
 }
 
 TEST(WorkAhead, AHandThatMovesLayersOfALargeMeshFindsItsSamples) {
