@@ -14,6 +14,7 @@ namespace {
 constexpr double kUnits = 1ll << 36;              // whole parts of the array's range
 constexpr double kPointsAStep = 1.5;              // along each side of a cell
 constexpr std::int64_t kMostCellPoints = 40'000'000;  // in all cells, about
+constexpr std::int64_t kManyCells = 1'000'000;        // below that all are spread in no time
 
 /// Sums of whole numbers: their order does not matter.
 class Samples {
@@ -32,16 +33,21 @@ class Samples {
     const Vec3d p = (world - proxy_.corner) / proxy_.scale;
     return {p.x * inverse_.x + 0.5, p.y * inverse_.y + 0.5, p.z * inverse_.z + 0.5};
   }
-  void add(Vec3d at, double share) {
+  std::size_t index(Vec3d at) const {
     std::size_t s = 0;
-    for (int a = 2; a >= 0; --a) {
-      const int n = proxy_.dims[static_cast<std::size_t>(a)];
-      s = s * static_cast<std::size_t>(n) + static_cast<std::size_t>(std::clamp(static_cast<int>(at[a]), 0, n - 1));
-    }
+    for (int a = 2; a >= 0; --a) s = s * static_cast<std::size_t>(proxy_.dims[static_cast<std::size_t>(a)]) + box(at, a);
+    return s;
+  }
+  std::size_t box(Vec3d at, int axis) const {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(at[axis]), 0, proxy_.dims[static_cast<std::size_t>(axis)] - 1));
+  }
+  void add(Vec3d at, double share) {
+    const std::size_t s = index(at);
     if (counts_[s].load(std::memory_order_relaxed) >= (1 << 24)) return;  // the sum stays within its 63 bits
     sums_[s].fetch_add(std::llround(share * kUnits), std::memory_order_relaxed);
     counts_[s].fetch_add(1, std::memory_order_relaxed);
   }
+  std::size_t size() const { return n_; }
   std::vector<float> means() const {
     std::vector<float> values(n_, std::numeric_limits<float>::quiet_NaN());
     for (std::size_t s = 0; s < n_; ++s)
@@ -83,7 +89,7 @@ constexpr std::array<int, 8> as_hexahedron(CellType type) {
   }
 }
 
-double reach(Vec3d v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double reach_of(Vec3d v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 /// How many points along u, v and w.
 std::array<int, 3> points_along(const Corners& c, std::int64_t most) {
@@ -93,7 +99,7 @@ std::array<int, 3> points_along(const Corners& c, std::int64_t most) {
   for (std::size_t a = 0; a < 3; ++a) {
     double longest = 0;
     for (const auto& [from, to] : kEdges[a])
-      longest = std::max(longest, reach(c[static_cast<std::size_t>(to)].at - c[static_cast<std::size_t>(from)].at));
+      longest = std::max(longest, reach_of(c[static_cast<std::size_t>(to)].at - c[static_cast<std::size_t>(from)].at));
     n[a] = static_cast<int>(std::clamp(std::ceil(kPointsAStep * longest), 1.0, 2.0 * kMostProxySamples));
   }
   while (static_cast<std::int64_t>(n[0]) * n[1] * n[2] > most) {
@@ -133,7 +139,41 @@ Corner middle(const Corners& c, int points) {
   return {sum.at / static_cast<double>(points), sum.share / points};
 }
 
-bool usable(const Corner& corner) { return std::isfinite(reach(corner.at)) && std::isfinite(corner.share); }
+struct Extent {
+  Vec3d low, high;
+
+  Extent(const Corners& own, int points) : low(own[0].at), high(low) {
+    for (int v = 1; v < points; ++v) {
+      const Vec3d p = own[static_cast<std::size_t>(v)].at;
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  double reach() const { return reach_of(high - low); }
+};
+
+/// The boxes in which a small cell has its middle. A small cell all of whose boxes are among them need not be spread: each gets some cell's middle.
+class Middles {
+ public:
+  explicit Middles(const ProxyGrid& proxy, std::size_t n) : proxy_(proxy), in_(std::make_unique<std::atomic<bool>[]>(n)) {}
+
+  void mark(std::size_t box) { in_[box].store(true, std::memory_order_relaxed); }
+  /// In all boxes from that of `low` to that of `high`.
+  bool are_in_all(const Samples& samples, Vec3d low, Vec3d high) const {
+    const std::size_t nx = static_cast<std::size_t>(proxy_.dims[0]), ny = static_cast<std::size_t>(proxy_.dims[1]);
+    for (std::size_t k = samples.box(low, 2); k <= samples.box(high, 2); ++k)
+      for (std::size_t j = samples.box(low, 1); j <= samples.box(high, 1); ++j)
+        for (std::size_t i = samples.box(low, 0); i <= samples.box(high, 0); ++i)
+          if (!in_[i + nx * (j + ny * k)].load(std::memory_order_relaxed)) return false;
+    return true;
+  }
+
+ private:
+  const ProxyGrid& proxy_;
+  std::unique_ptr<std::atomic<bool>[]> in_;
+};
+
+bool usable(const Corner& corner) { return std::isfinite(reach_of(corner.at)) && std::isfinite(corner.share); }
 
 }  // namespace
 
@@ -142,44 +182,48 @@ std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const
   const std::int64_t cells = grid.cell_count();
   const std::int64_t most = std::max<std::int64_t>(64, 4 * kMostCellPoints / std::max<std::int64_t>(cells, 1));
   const double half = array.upper / 2 - array.lower / 2;
-  std::visit(
-      [&](auto values) {
-        parallel_for(cells, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
-          task.check();
-          std::array<std::int64_t, kMaxCellVertices> ids;
-          for (std::int64_t cell = begin; cell < end; ++cell) {
-            if (grid.hidden(cell)) continue;
-            const int points = grid.cell_points(cell, ids);
-            Corners own;
-            bool good = points > 0 && points <= 8;
-            for (int v = 0; v < points && good; ++v) {
-              const std::int64_t id = ids[static_cast<std::size_t>(v)];
-              Corner& corner = own[static_cast<std::size_t>(v)];
-              const auto value = static_cast<double>(values[static_cast<std::size_t>(id)]);
-              corner = {samples.scaled(grid.point(id)), (value / 2 - array.lower / 2) / half};
-              good = usable(corner) && value != missing;
-              corner.share = std::clamp(corner.share, 0.0, 1.0);
+  const auto each_cell = [&](const auto& visit) {
+    std::visit(
+        [&](auto values) {
+          parallel_for(cells, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+            task.check();
+            std::array<std::int64_t, kMaxCellVertices> ids;
+            for (std::int64_t cell = begin; cell < end; ++cell) {
+              if (grid.hidden(cell)) continue;
+              const int points = grid.cell_points(cell, ids);
+              Corners own;
+              bool good = points > 0 && points <= 8;
+              for (int v = 0; v < points && good; ++v) {
+                const std::int64_t id = ids[static_cast<std::size_t>(v)];
+                Corner& corner = own[static_cast<std::size_t>(v)];
+                const auto value = static_cast<double>(values[static_cast<std::size_t>(id)]);
+                corner = {samples.scaled(grid.point(id)), (value / 2 - array.lower / 2) / half};
+                good = usable(corner) && value != missing;
+                corner.share = std::clamp(corner.share, 0.0, 1.0);
+              }
+              if (good) visit(cell, own, points, Extent(own, points));
             }
-            if (!good) continue;
-            Vec3d low = own[0].at, high = low;
-            for (int v = 1; v < points; ++v) {
-              const Vec3d p = own[static_cast<std::size_t>(v)].at;
-              low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-              high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-            }
-            if (reach(high - low) * kPointsAStep <= 1) {
-              const Corner at = middle(own, points);
-              samples.add(at.at, at.share);
-              continue;
-            }
-            const std::array<int, 8> as = as_hexahedron(grid.cell_type(cell));
-            Corners corners;
-            for (std::size_t c = 0; c < 8; ++c) corners[c] = own[static_cast<std::size_t>(as[c])];
-            spread(corners, most, samples);
-          }
-        });
-      },
-      array.values);
+          });
+        },
+        array.values);
+  };
+  Middles middles(proxy, samples.size());
+  if (cells >= kManyCells)
+    each_cell([&](std::int64_t, const Corners& own, int points, const Extent& extent) {
+      if (extent.reach() * kPointsAStep <= 2) middles.mark(samples.index(middle(own, points).at));
+    });
+  each_cell([&](std::int64_t cell, const Corners& own, int points, const Extent& extent) {
+    const double along = extent.reach() * kPointsAStep;
+    if (along <= 1 || (along <= 2 && cells >= kManyCells && middles.are_in_all(samples, extent.low, extent.high))) {
+      const Corner at = middle(own, points);
+      samples.add(at.at, at.share);
+      return;
+    }
+    const std::array<int, 8> as = as_hexahedron(grid.cell_type(cell));
+    Corners corners;
+    for (std::size_t c = 0; c < 8; ++c) corners[c] = own[static_cast<std::size_t>(as[c])];
+    spread(corners, most, samples);
+  });
   return samples.means();
 }
 

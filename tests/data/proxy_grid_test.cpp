@@ -38,7 +38,7 @@ OwnedMesh cubes(int n, std::uint64_t seed = 0) {
 double wavy(Vec3d p) { return std::sin(2 * p.x) + p.y * p.z; }
 
 TEST(ProxyGrid, DoesNotDependOnTheOrderOfCellsNorOnThreads) {
-  for (const int n : {5, 40}) {
+  for (const int n : {5, 40, 100}) {
     const auto straight = mesh_dataset(cubes(n), wavy), shuffled = mesh_dataset(cubes(n, 42), wavy);
     const ProxyGrid a = make_proxy(*straight, straight->arrays[0], Task()),
                     b = make_proxy(*shuffled, shuffled->arrays[0], Task());
