@@ -20,7 +20,6 @@ namespace isostrata {
 /// What extract_intervals gives, whose contract holds here too; cells and points in the order of `tetrahedra`. Nothing where
 /// there are more than 255 different ends. Precondition: both were made of this grid and one of its arrays. Any thread.
 std::optional<IntervalMesh> extract_ordered(const Grid& grid, const OrderedTetrahedra& tetrahedra, const OrderedArray& values,
-                                            std::span<const Interval> intervals, const ExtractOptions& options,
-                                            const Task& task);
+                                            std::span<const Interval> intervals, const ExtractOptions& options, const Task& task);
 
 }  // namespace isostrata
