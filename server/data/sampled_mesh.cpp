@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/buffer.h"
 #include "base/finite.h"
 #include "base/parallel.h"
 
@@ -43,6 +44,16 @@ struct Lattice {
   }
 };
 
+/// [points] A point belongs to some twenty cells.
+Buffer<Vec3d> places_of(const Grid& grid, const Lattice& lattice, const Task& task) {
+  Buffer<Vec3d> places(static_cast<std::size_t>(grid.point_count()));
+  parallel_for(grid.point_count(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+    task.check();
+    for (std::int64_t id = begin; id < end; ++id) places[static_cast<std::size_t>(id)] = lattice.place(grid.point(id));
+  });
+  return places;
+}
+
 /// Lattice points of a box; empty: there is none.
 struct Range {
   std::array<std::int64_t, 3> first{}, last{};
@@ -58,8 +69,10 @@ struct Range {
         empty = true;
         return;
       }
-      first[axis] = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(low - more)));
-      last[axis] = static_cast<std::int64_t>(std::min(std::floor(high + more), static_cast<double>(lattice.dims[axis] - 1)));
+      const double from = std::max(0.0, low - more);
+      first[axis] = static_cast<std::int64_t>(from);
+      first[axis] += static_cast<double>(first[axis]) < from;
+      last[axis] = static_cast<std::int64_t>(std::min(high + more, static_cast<double>(lattice.dims[axis] - 1)));
       empty = empty || last[axis] < first[axis];
     }
   }
@@ -95,11 +108,12 @@ void visit_inside(const std::array<Vec3d, 4>& p, const Lattice& lattice, double 
   const Vec3d vw = cross(v, w), wu = cross(w, u), uv = cross(u, v);
   const double volume = dot(u, vw);
   if (!(std::abs(volume) > 0)) return;
+  const double share = 1 / volume;
   for (std::int64_t k = range.first[2]; k <= range.last[2]; ++k)
     for (std::int64_t j = range.first[1]; j <= range.last[1]; ++j)
       for (std::int64_t i = range.first[0]; i <= range.last[0]; ++i) {
         const Vec3d d = Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} - p[0];
-        const double b = dot(d, vw) / volume, c = dot(d, wu) / volume, e = dot(d, uv) / volume, a = 1 - b - c - e;
+        const double b = dot(d, vw) * share, c = dot(d, wu) * share, e = dot(d, uv) * share, a = 1 - b - c - e;
         if (std::min({a, b, c, e}) >= -beyond) visit(static_cast<std::size_t>(i + lattice.dims[0] * (j + lattice.dims[1] * k)), std::array{a, b, c, e});
       }
 }
@@ -163,6 +177,7 @@ std::shared_ptr<const Dataset> sampled(const Dataset& mesh, std::int64_t most_po
   std::vector<Filled> filled;
   for (const std::string& name : arrays) filled.emplace_back(mesh.array(name), lattice.size());
   const Grid& grid = mesh.grid;
+  const Buffer<Vec3d> place_of = places_of(grid, lattice, task);
   parallel_for(grid.cell_count(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
     task.check();
     std::array<std::int64_t, kMaxCellVertices> ids;
@@ -170,10 +185,10 @@ std::shared_ptr<const Dataset> sampled(const Dataset& mesh, std::int64_t most_po
     for (std::int64_t cell = begin; cell < end; ++cell) {
       if (grid.hidden(cell)) continue;
       const auto corners = static_cast<std::size_t>(grid.cell_points(cell, ids));
-      for (std::size_t v = 0; v < corners; ++v) places[v] = lattice.place(grid.point(ids[v]));
+      for (std::size_t v = 0; v < corners; ++v) places[v] = place_of[static_cast<std::size_t>(ids[v])];
       const auto pieces = tetrahedra_of(grid.cell_type(cell));
       const double beyond = pieces.size() == 1 ? kBeyondTetrahedron : kBeyondPiece;
-      if (Range(std::span(places).first(corners), lattice, beyond).empty) continue;
+      if (pieces.size() > 1 && Range(std::span(places).first(corners), lattice, beyond).empty) continue;
       for (const Four& of : pieces)
         visit_inside({places[of[0]], places[of[1]], places[of[2]], places[of[3]]}, lattice, beyond, [&](std::size_t at, const std::array<double, 4>& weights) {
           for (const Filled& array : filled) {
