@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "base/buffer.h"
 #include "base/parallel.h"
 
 namespace isostrata {
@@ -15,6 +16,7 @@ constexpr double kUnits = 1ll << 36;              // whole parts of the array's 
 constexpr double kPointsAStep = 1.5;              // along each side of a cell
 constexpr std::int64_t kMostCellPoints = 40'000'000;  // in all cells, about
 constexpr std::int64_t kManyCells = 1'000'000;        // below that all are spread in no time
+constexpr std::int64_t kManyCellsAPoint = 3;          // as of tetrahedra: a point's corner is found once, not by each of its cells
 
 /// Sums of whole numbers: their order does not matter.
 class Samples {
@@ -173,6 +175,8 @@ class Middles {
   std::unique_ptr<std::atomic<bool>[]> in_;
 };
 
+constexpr Corner kNoCorner{{}, std::numeric_limits<double>::quiet_NaN()};
+
 bool usable(const Corner& corner) { return std::isfinite(reach_of(corner.at)) && std::isfinite(corner.share); }
 
 }  // namespace
@@ -182,6 +186,23 @@ std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const
   const std::int64_t cells = grid.cell_count();
   const std::int64_t most = std::max<std::int64_t>(64, 4 * kMostCellPoints / std::max<std::int64_t>(cells, 1));
   const double half = array.upper / 2 - array.lower / 2;
+  const auto corner_at = [&](std::int64_t id, const auto& values) {
+    const auto value = static_cast<double>(values[static_cast<std::size_t>(id)]);
+    const Corner corner{samples.scaled(grid.point(id)), (value / 2 - array.lower / 2) / half};
+    return usable(corner) && value != missing ? Corner{corner.at, std::clamp(corner.share, 0.0, 1.0)} : kNoCorner;
+  };
+  Buffer<Corner> corners_of_points;
+  if (const std::int64_t points = grid.point_count(); points > 0 && cells / points >= kManyCellsAPoint) {
+    corners_of_points.resize(static_cast<std::size_t>(points));
+    std::visit(
+        [&](auto values) {
+          parallel_for(points, 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+            task.check();
+            for (std::int64_t id = begin; id < end; ++id) corners_of_points[static_cast<std::size_t>(id)] = corner_at(id, values);
+          });
+        },
+        array.values);
+  }
   const auto each_cell = [&](const auto& visit) {
     std::visit(
         [&](auto values) {
@@ -196,10 +217,8 @@ std::vector<float> sample_cells(const Grid& grid, const PointArray& array, const
               for (int v = 0; v < points && good; ++v) {
                 const std::int64_t id = ids[static_cast<std::size_t>(v)];
                 Corner& corner = own[static_cast<std::size_t>(v)];
-                const auto value = static_cast<double>(values[static_cast<std::size_t>(id)]);
-                corner = {samples.scaled(grid.point(id)), (value / 2 - array.lower / 2) / half};
-                good = usable(corner) && value != missing;
-                corner.share = std::clamp(corner.share, 0.0, 1.0);
+                corner = corners_of_points.empty() ? corner_at(id, values) : corners_of_points[static_cast<std::size_t>(id)];
+                good = !std::isnan(corner.share);
               }
               if (good) visit(cell, own, points, Extent(own, points));
             }

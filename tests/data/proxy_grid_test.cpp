@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "base/parallel.h"
@@ -48,6 +51,41 @@ TEST(ProxyGrid, DoesNotDependOnTheOrderOfCellsNorOnThreads) {
     EXPECT_EQ(a.values, b.values) << n;
     EXPECT_EQ(b.values, c.values) << n;
     EXPECT_EQ(a.fill, 1);
+  }
+}
+
+/// Six tetrahedra in each of n^3 cubes over [-1, 1]; but those with the point `without`.
+OwnedMesh tetrahedra(int n, std::int64_t without = -1) {
+  OwnedMesh mesh;
+  const OwnedMesh hexahedra = cubes(n);
+  mesh.points = hexahedra.points;
+  constexpr std::array<std::array<std::size_t, 4>, 6> kSix{{{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}}};
+  for (std::size_t c = 0; c < hexahedra.connectivity.size(); c += 8)
+    for (const auto& of : kSix) {
+      std::vector<std::int64_t> ids;
+      for (const std::size_t v : of) ids.push_back(hexahedra.connectivity[c + v]);
+      if (std::find(ids.begin(), ids.end(), without) == ids.end()) mesh.add(CellType::tetrahedron, ids);
+    }
+  return mesh;
+}
+
+TEST(ProxyGrid, LeavesOutCellsWithAValueThatIsNotFiniteHoweverManyCellsAPointHas) {
+  constexpr int n = 12;
+  constexpr std::int64_t at = 5 + 13 * (6 + 13 * 4);
+  const OwnedMesh all = tetrahedra(n);
+  const Vec3d there = all.points[at];
+  const auto infinite = mesh_dataset(all, [&](Vec3d p) { return length(p - there) < 1e-9 ? std::numeric_limits<double>::infinity() : wavy(p); });
+  const auto hole = mesh_dataset(tetrahedra(n, at), wavy);
+  OwnedMesh few_cells = tetrahedra(n, at);
+  for (int i = 0; i < 5000; ++i) few_cells.points.push_back({0, 0, 0});  // that no cell has
+  const auto spare = mesh_dataset(few_cells, wavy);
+  const ProxyGrid a = make_proxy(*infinite, infinite->arrays[0], Task()), b = make_proxy(*hole, hole->arrays[0], Task()),
+                  c = make_proxy(*spare, spare->arrays[0], Task());
+  EXPECT_LT(b.fill, 1);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t s = 0; s < a.size(); ++s) {
+    ASSERT_TRUE(a.values[s] == b.values[s] || (std::isnan(a.values[s]) && std::isnan(b.values[s]))) << s;
+    ASSERT_TRUE(a.values[s] == c.values[s] || (std::isnan(a.values[s]) && std::isnan(c.values[s]))) << s;
   }
 }
 
