@@ -34,7 +34,8 @@ constexpr const char* kMeasures = "measures.json";
 constexpr const char* kWork = "work.bin";
 constexpr const char* kEntry = "read-";
 constexpr const char* kNew = "new-";
-constexpr int kVersion = 3;  // of what an entry looks like, and of what is made of a file
+constexpr int kLessWithoutGrid = 10;  // values that were found in a large file, beside its mesh, take next to no room
+constexpr int kVersion = 4;  // of what an entry looks like, and of what is made of a file
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -83,7 +84,7 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
   }
 }
 
-/// What the entry was made of, and by which reader; nothing where that cannot be told.
+/// What an entry with a grid of its own was made of, and by which reader; nothing where that cannot be told.
 std::optional<std::string> origin_of(const fs::path& file, const OpenOptions& options) {
   const auto files = source_files(file);
   if (!files) return std::nullopt;
@@ -92,6 +93,9 @@ std::optional<std::string> origin_of(const fs::path& file, const OpenOptions& op
   return std::to_string(kVersion) + ' ' + std::to_string(stamp.bytes) + ' ' + std::to_string(stamp.changed) + "\nstep " +
          std::to_string(options.step) + '\n' + fs::absolute(file).string() + '\n' + *files;
 }
+
+/// Of an entry that has no grid: that of step LIKE is its own, as long as these are the files.
+std::string origin_beside(const std::string& origin, const Dataset& like) { return origin + "like " + std::to_string(like.step) + '\n'; }
 
 fs::path place_of(const ImportCache& cache, const std::string& origin) {
   return cache.folder / (kEntry + std::to_string(std::hash<std::string>{}(origin)));
@@ -219,6 +223,14 @@ std::shared_ptr<const Dataset> find(const fs::path& entry, const std::string& or
   return dataset;
 }
 
+/// With a grid of its own, or on that of options.like.
+std::shared_ptr<const Dataset> find_either(const ImportCache& cache, const std::string& origin, const fs::path& file, const ImportOptions& options) {
+  auto own = find(place_of(cache, origin), origin, file, options);
+  if (own || !options.like) return own;
+  const std::string beside = origin_beside(origin, *options.like);
+  return find(place_of(cache, beside), beside, file, options);
+}
+
 bool prepare(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
@@ -246,15 +258,14 @@ bool can_be_cached(const ImportCache& cache, const fs::path& file) {
 std::shared_ptr<const Dataset> find_import_cached(const fs::path& file, const ImportOptions& options, const ImportCache& cache) {
   check_source(file, options);
   const auto origin = can_be_cached(cache, file) ? origin_of(file, options) : std::nullopt;
-  return origin && prepare(cache.folder) ? find(place_of(cache, *origin), *origin, file, options) : nullptr;
+  return origin && prepare(cache.folder) ? find_either(cache, *origin, file, options) : nullptr;
 }
 
 std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const ImportOptions& options, const ImportCache& cache, const Task& task) {
   check_source(file, options);
   const auto origin = can_be_cached(cache, file) ? origin_of(file, options) : std::nullopt;
   if (!origin || !prepare(cache.folder)) return open_import(file, options, task);
-  const fs::path place = place_of(cache, *origin);
-  if (auto dataset = find(place, *origin, file, options)) {
+  if (auto dataset = find_either(cache, *origin, file, options)) {
     task.report(1, "reading");
     return dataset;
   }
@@ -270,9 +281,13 @@ std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const Im
     return open_import(file, options, task);  // the disk of the cache is full, say
   }
   std::shared_ptr<const Dataset> dataset = map_import(folder->path(), file, options, ImportFiles::left);
-  if (has_own_grid(*dataset, options) && stopwatch.elapsed_ms() >= 1000 * cache.least_seconds && origin_of(file, options) == origin) {  // else it was written to while it was read
+  const bool own = has_own_grid(*dataset, options);
+  const double least_ms = 1000 * cache.least_seconds / (own ? 1 : kLessWithoutGrid);
+  if (stopwatch.elapsed_ms() >= least_ms && origin_of(file, options) == origin) {  // else it was written to while it was read
+    const std::string of_entry = own ? *origin : origin_beside(*origin, *options.like);
+    const fs::path place = place_of(cache, of_entry);
     std::ofstream(folder->path() / kMeasures, std::ios::binary) << to_text(measures_of(*dataset));
-    std::ofstream(folder->path() / kOriginFile, std::ios::binary) << *origin;
+    std::ofstream(folder->path() / kOriginFile, std::ios::binary) << of_entry;
     const std::uint64_t bytes = bytes_in(folder->path());
     std::error_code error;
     if (bytes <= cache.max_bytes / 2 && fs::space(cache.folder, error).available >= bytes && !error) {

@@ -1,9 +1,10 @@
 // What was read from foreign files once, kept between runs: servers and commands of one user share it.
 //
-// An entry is a folder with the files that the import child wrote (import_door.h), what was measured of them, and, written last, its origin: the files
-// that it was read from with their sizes and times, the step, and the reader. A folder without an origin is nobody's and goes. An entry is put in
-// place by one rename, so whoever is killed leaves nothing half done. After the machine has started anew an entry is checked once more, for what
-// was written shortly before it stopped may not be on the disk; and each time on a machine that cannot keep the import child out of the cache.
+// An entry is a folder with the files that the import child wrote (import_door.h), what was measured of them, and, written last, its origin: the
+// files that it was read from with their sizes and times, the step, and the reader. A folder without an origin is nobody's and goes. An entry of a
+// step that lies on another's mesh has the values alone, and is found by who has that one. An entry is put in place by one rename, so whoever is
+// killed leaves nothing half done. After the machine has started anew an entry is checked once more, for what was written shortly before it stopped
+// may not be on the disk; and each time on a machine that cannot keep the import child out of the cache.
 #pragma once
 
 #include <cstddef>

@@ -68,7 +68,7 @@ void check_source(const std::filesystem::path& file, const OpenOptions& options)
 /// check_source. Throws as open_import does.
 void import_into(const std::filesystem::path& directory, const std::filesystem::path& file, const ImportOptions& options, const Task& task);
 
-/// Whether it shares no grid with options.like: what does is none of the file's alone, and not to be kept for others.
+/// Whether it shares no grid with options.like: what does has none in its own files.
 bool has_own_grid(const Dataset& dataset, const ImportOptions& options);
 
 enum class ImportFiles { unlinked, left };

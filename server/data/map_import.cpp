@@ -399,24 +399,14 @@ std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& f
   const json::value& notes = manifest.need(manifest.root(), "notes");
   if (!notes.is_array() || notes.get_array().size() > kMostNotes) manifest.refuse("wrote no list of at most 1000 notes");
   for (const json::value& note : notes.get_array()) dataset->notes.push_back(manifest.text(note, "a note"));
-  if (like) {
-    dataset->bounds = options.like->bounds;
-    dataset->cell_types = options.like->cell_types;
-    return dataset;
-  }
-  if (!known) {
-    dataset->bounds = dataset->grid.bounds();
-    dataset->cell_types = count_cell_types(dataset->grid);
-    return dataset;
-  }
-  if (known->arrays.size() != dataset->arrays.size()) manifest.refuse("wrote another number of arrays than was measured");
-  for (std::size_t i = 0; i < dataset->arrays.size(); ++i) {
+  if (known && known->arrays.size() != dataset->arrays.size()) manifest.refuse("wrote another number of arrays than was measured");
+  for (std::size_t i = 0; known && i < dataset->arrays.size(); ++i) {
     dataset->arrays[i].lower = known->arrays[i].lower;
     dataset->arrays[i].upper = known->arrays[i].upper;
     dataset->arrays[i].nan_count = known->arrays[i].nan_count;
   }
-  dataset->bounds = known->bounds;
-  dataset->cell_types = known->cell_types;
+  dataset->bounds = like ? options.like->bounds : known ? known->bounds : dataset->grid.bounds();
+  dataset->cell_types = like ? options.like->cell_types : known ? known->cell_types : count_cell_types(dataset->grid);
   return dataset;
 }
 

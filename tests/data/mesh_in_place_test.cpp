@@ -5,6 +5,7 @@
 #include <fstream>
 #include <functional>
 #include <set>
+#include <utility>
 
 #include "data/files.h"
 #include "data/import_cache.h"
@@ -237,7 +238,7 @@ TEST_F(MeshInPlace, AStepOfCellsThatAreDividedIsReadWhole) {
   expect_same(*open_import(file, options, Task()), *alone);
 }
 
-TEST_F(MeshInPlace, AStepThatNeedsOneInMemoryIsNotKeptForOthers) {
+TEST_F(MeshInPlace, AStepThatNeedsOneInMemoryIsKeptForWhoHasThatOne) {
   ImportCache cache;
   cache.folder = data / "cache";
   cache.least_seconds = 0;
@@ -248,9 +249,25 @@ TEST_F(MeshInPlace, AStepThatNeedsOneInMemoryIsNotKeptForOthers) {
   options.step = 1;
   const auto beside = open_import_cached(data / "step_*.vtu", options, cache, Task());
   EXPECT_EQ(beside->grid.storage, options.like->grid.storage);
-  EXPECT_EQ(use_of(cache).entries, 1);
+  EXPECT_EQ(use_of(cache).entries, 2);
+  const auto found = find_import_cached(data / "step_*.vtu", options, cache);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->grid.storage, options.like->grid.storage);
+  expect_same(*found, *beside);
+  const auto first = std::exchange(options.like, nullptr);
+  EXPECT_FALSE(find_import_cached(data / "step_*.vtu", options, cache)) << "its mesh is not at hand";
+  const auto whole = open_import_cached(data / "step_*.vtu", options, cache, Task());
+  expect_same(*whole, *beside);
+  EXPECT_EQ(use_of(cache).entries, 3);
+  options.step = 0;
+  options.like = whole;
+  EXPECT_NE(find_import_cached(data / "step_*.vtu", options, cache)->grid.storage, whole->grid.storage) << "its own";
+  options.step = 1;
+  options.like = first;
+  write("step_0.vtu", {.of_cells = false, .moved = 0.5f});
+  EXPECT_FALSE(find_import_cached(data / "step_*.vtu", options, cache)) << "that was another mesh";
+  write("step_0.vtu", {.of_cells = false});
   options.like = nullptr;
-  expect_same(*open_import_cached(data / "step_*.vtu", options, cache, Task()), *beside);
   const fs::path kept = data / "kept";
   fs::create_directory(kept);
   options.step = 0;

@@ -156,8 +156,9 @@ void DatasetStore::load(std::shared_ptr<Loading> loading, Key key, std::optional
   std::exception_ptr failure;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [of, held] : held_)
-      if (of.first == key.first) like = held.dataset;  // one step stands for the others: a mesh that moves is another at each
+    // One step stands for the others: a mesh that moves is another at each. The first, which is the same one at the next run: what is kept on its mesh is found.
+    const auto first = held_.lower_bound({key.first, 0});
+    if (first != held_.end() && first->first.first == key.first) like = first->second.dataset;
   }
   try {
     std::optional<Work> work;
