@@ -85,7 +85,8 @@ void WorkAhead::prepare(SessionKey session, const Preparation& wanted, const std
   const std::shared_ptr<Task> task = begin_preparation(wanted, dataset->grid);
   if (!task) return;
   const SessionKey of = wanted.waited_for ? session : 0;
-  (wanted.waited_for ? movers_ : preparers_).post(of, [this, of, wanted, dataset, array, task] {
+  Lanes& lanes = wanted.waited_for ? movers_ : wanted.what == Preparation::What::order ? layouts_ : preparers_;
+  lanes.post(of, [this, of, wanted, dataset, array, task] {
     const Doing extracting(options_.board, Stage::extracting, 0, 0);
     try {
       const Work work(of, wanted.waited_for ? WorkClass::scene : WorkClass::idle, {task.get(), true, extracting.waiting()});

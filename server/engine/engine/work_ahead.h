@@ -97,6 +97,7 @@ class WorkAhead {
     std::weak_ptr<const void> grid;  // its storage
   } preparation_;             // of tetrahedra
   Lanes preparers_{{1, 10}};  // of what may be needed
+  Lanes layouts_{{1, 0}};     // of series: who plays one will wait for it, and a nice thread stays nice
   Lanes movers_{{1, 0}};      // of what a hand that moves needs, by session
   Lanes ahead_{{1, 0}};       // of steps that will be asked for, by dataset
 };
