@@ -137,8 +137,9 @@ class Engine::Impl {
     };
     return {.take = take,
             .wait = [this](std::chrono::milliseconds longest, auto& order) { return sessions_.wait_for_turn(longest, order); },
-            .draw = [this](Renderer& renderer, PictureOrder order, const std::string& instead) {
-              return frames_.draw(renderer, std::move(order), instead, FrameMaker::On::render_thread);
+            .next_between = [this](const FrameRequest& of) { return sessions_.next_between(of); },
+            .draw = [this](Renderer& renderer, PictureOrder order, const std::string& instead, const std::function<void()>& between) {
+              return frames_.draw(renderer, std::move(order), instead, FrameMaker::On::render_thread, between);
             }};
   }
 

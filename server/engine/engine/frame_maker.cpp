@@ -3,13 +3,14 @@
 #include <utility>
 
 #include "base/work.h"
+#include "engine/engine/sliced_renderer.h"
 #include "engine/messages/failure_of.h"
 
 namespace isostrata {
 
 void FrameMaker::draw_on(const std::string& device) { software_ = is_software_device(device); }
 
-// A drawing that runs in loops of ours has a pulse. One that a device does for us has none, so it gets time by its size.
+// A drawing that runs in loops of ours has a pulse. One that a device does for us has none, so it gets time by its size; between slices it is looked at anew.
 std::uint32_t FrameMaker::patience_for(const FrameRequest& request) const {
   const std::int64_t pixels = std::int64_t{request.width} * request.height;
   return static_cast<std::uint32_t>(1 + pixels / (1 << 22)) * (software_ ? 6 : 1);
@@ -20,22 +21,33 @@ void FrameMaker::fail(const PictureOrder& order, const std::exception_ptr& why) 
   ports_.send(failure_of(why, order.request.session, order.request.request, order.scene.revision));
 }
 
-std::optional<std::string> FrameMaker::draw(Renderer& renderer, PictureOrder order, const std::string& instead, On thread) {
+std::optional<std::string> FrameMaker::draw(Renderer& renderer, PictureOrder order, const std::string& instead, On thread,
+                                            const std::function<void()>& between) {
   const FrameRequest& request = order.request;
   const bool in_lane = thread == On::lane;
   // On the board before it is said: whoever hears of it and looks finds it there.
   std::optional<Doing> drawing;
-  if (in_lane)
-    drawing.emplace(board_, Stage::drawing, request.session, request.request, 0, patience_for(request));
-  else
-    drawing.emplace(Doing::OnRenderThread{}, board_, Stage::drawing, request.session, request.request, patience_for(request));
+  const auto begin = [&] {
+    if (in_lane)
+      drawing.emplace(board_, Stage::drawing, request.session, request.request, 0, patience_for(request));
+    else
+      drawing.emplace(Doing::OnRenderThread{}, board_, Stage::drawing, request.session, request.request, patience_for(request));
+  };
+  begin();
+  SlicedRenderer in_slices(renderer, kSliceSamples, [&] {
+    order.task->check();
+    drawing.reset();
+    between();
+    begin();
+    order.task->check();
+  });
   ports_.send(FrameStarted{request.session, request.request});
   try {
     if (const std::uint64_t bytes = is_still(request) && !order.room ? still_bytes(request, order.scene) : 0)
       order.room = ports_.lend(request.session, bytes, "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height));
     DrawnPicture drawn = [&] {
       const Work work(request.session, class_of(request), {in_lane ? order.task.get() : nullptr, in_lane, drawing->waiting()});
-      return draw_picture(renderer, order, instead);
+      return draw_picture(between ? in_slices : renderer, order, instead);
     }();
     drawing.reset();
     order.extracted.reset();

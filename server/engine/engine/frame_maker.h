@@ -44,11 +44,12 @@ class FrameMaker {
   /// What a device does for us has no pulse, so a frame gets time by its size, and more of a device that is software. Before the first order.
   void draw_on(const std::string& device);
 
-  /// Who calls: the thread of a device, which is everybody's, so that turns are taken between pictures; or a lane of the session's, which may wait for its
-  /// turn and end in the middle, and where a still is encoded, too.
+  /// Who calls: the thread of a device, which is everybody's, so that turns are taken between pictures and the slices of large ones; or a lane of the
+  /// session's, which may wait for its turn and end in the middle, and where a still is encoded, too.
   enum class On { render_thread, lane };
-  /// instead: is added to the device's name. Returns why the device failed, if it did.
-  std::optional<std::string> draw(Renderer& renderer, PictureOrder order, const std::string& instead, On thread);
+  /// instead: is added to the device's name. between: is called between two slices, if there is one; the order may end there, too. Returns why the device
+  /// failed, if it did.
+  std::optional<std::string> draw(Renderer& renderer, PictureOrder order, const std::string& instead, On thread, const std::function<void()>& between = {});
   /// Answers an order that cannot be drawn.
   void fail(const PictureOrder& order, const std::exception_ptr& why);
 

@@ -281,6 +281,13 @@ RenderThread::Ports::Turn LiveSessions::wait_for_turn(std::chrono::milliseconds 
   return stopping_ ? Turn::end : order ? Turn::draw : Turn::idle;
 }
 
+std::optional<PictureOrder> LiveSessions::next_between(const FrameRequest& of) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_) return std::nullopt;
+  const Session* const own = is_still(of) ? nullptr : find(of.session);
+  return turns_.next(sessions_, [&](Session& session) { return &session == own ? std::nullopt : session.pictures.next(session.latest, PictureKind::frame); });
+}
+
 std::optional<PictureOrder> LiveSessions::next_in_lane(SessionKey key, PictureKind kind) {
   std::vector<Extracted> given_back;
   std::optional<PictureOrder> order;

@@ -92,6 +92,8 @@ class LiveSessions {
   void draw_by(const RendererTraits& renderer, bool in_lanes);
   /// As RenderThread::Ports. Sessions take turns.
   RenderThread::Ports::Turn wait_for_turn(std::chrono::milliseconds longest, std::optional<PictureOrder>& order);
+  /// The same. Frames alone, and of the session itself only beside a still of its own: a frame comes after those before it.
+  std::optional<PictureOrder> next_between(const FrameRequest& of);
   /// As DrawLanes::Ports. A large still comes with its room, or waits for others that work, or is refused when it is drawn.
   std::optional<PictureOrder> next_in_lane(SessionKey session, PictureKind kind);
   void free_lane(SessionKey session, PictureKind kind);

@@ -9,6 +9,7 @@
 
 #include "base/as_error.h"
 #include "encoding/encode_still.h"
+#include "engine/engine/sliced_renderer.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/draw_lit.h"
 #include "engine/picture/interval_facts.h"
@@ -39,8 +40,6 @@ void encode_video(StreamEncoders& streams, const Image& image, const FrameReques
     throw EncoderFailed(error.code(), error.what());
   }
 }
-
-constexpr std::int64_t kFrameSamples = std::int64_t{2} << 20;  // that are drawn at once of a frame: little beside one of one sample
 
 /// Of several samples a pixel, with its annotations. Given up between its parts where the task is cancelled.
 DrawResult draw_sampled(Renderer& renderer, const Still& still, const Task& task) {
@@ -74,7 +73,7 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   const DepthLight& light = order.scene.light;
   DrawResult result;
   if (request.samples > 1) {
-    result = draw_sampled(renderer, {input, std::exchange(drawn.annotations, {}), request.samples, kFrameSamples, light}, *order.task);
+    result = draw_sampled(renderer, {input, std::exchange(drawn.annotations, {}), request.samples, kSliceSamples, light}, *order.task);
   } else {
     if (!drawn.annotations.empty()) {
       ask_for_annotated(input, request.lossless || light.any());  // what is lit is floats anyway

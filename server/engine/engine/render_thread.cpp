@@ -49,6 +49,24 @@ void RenderThread::run(const Make& make, std::promise<std::string>& started) {
   draw_all(std::move(renderer));
 }
 
+/// Between its slices others' frames have up to three quarters of the time, and one of them at least.
+std::optional<std::string> RenderThread::draw(Renderer& renderer, PictureOrder order, const std::string& instead) {
+  constexpr double kOthers = 3;
+  std::optional<std::string> failure;
+  Stopwatch slice;
+  const auto between = [&, of = order.request] {
+    const double longest_ms = kOthers * slice.elapsed_ms();
+    for (const Stopwatch others; !failure && others.elapsed_ms() < longest_ms;) {
+      auto frame = ports_.next_between(of);
+      if (!frame) break;
+      failure = ports_.draw(renderer, std::move(*frame), instead, {});
+    }
+    slice = {};
+  };
+  auto own = ports_.draw(renderer, std::move(order), instead, between);
+  return own ? own : failure;
+}
+
 void RenderThread::draw_all(std::unique_ptr<Renderer> renderer) {
   DeviceFailures failures;
   std::string instead;  // what is drawn by, and why; empty: what was asked for
@@ -60,7 +78,7 @@ void RenderThread::draw_all(std::unique_ptr<Renderer> renderer) {
       if (board_) ++board_->slots[ActivityBoard::kRenderThread].pulse;
       continue;
     }
-    const bool too_often = failures.note(ports_.draw(*renderer, std::move(*order), instead));
+    const bool too_often = failures.note(draw(*renderer, std::move(*order), instead));
     if (!too_often || !instead.empty()) continue;
     try {
       auto replacement = fallback_();

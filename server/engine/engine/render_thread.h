@@ -42,8 +42,10 @@ class RenderThread {
     enum class Turn { draw, idle, end };
     /// Waits for the next picture: it is `order`, or there was none for so long, or there will be none.
     std::function<Turn(std::chrono::milliseconds longest, std::optional<PictureOrder>& order)> wait;
-    /// Returns why the device failed, if it did. Does not throw.
-    std::function<std::optional<std::string>(Renderer& renderer, PictureOrder order, const std::string& instead)> draw;
+    /// What can be drawn between two slices of `of`, by turns. Nothing: nobody waits.
+    std::function<std::optional<PictureOrder>(const FrameRequest& of)> next_between;
+    /// between: as FrameMaker::draw. Returns why the device failed, if it did. Does not throw.
+    std::function<std::optional<std::string>(Renderer& renderer, PictureOrder order, const std::string& instead, const std::function<void()>& between)> draw;
   };
 
   /// Waits until the renderer is there, and throws what `make` throws. fallback: makes the replacement. board: as EngineOptions.
@@ -57,6 +59,7 @@ class RenderThread {
  private:
   void run(const Make& make, std::promise<std::string>& started);
   void draw_all(std::unique_ptr<Renderer> renderer);
+  std::optional<std::string> draw(Renderer& renderer, PictureOrder order, const std::string& instead);
 
   const Make fallback_;
   ActivityBoard* const board_;

@@ -49,7 +49,9 @@ AnyImage finished(FloatImage&& band, const DrawInput& input) {
   return resolved(band, input.background, input.transparent);
 }
 
-void add(DrawFacts& sum, const DrawFacts& part) {
+}  // namespace
+
+void add_part(DrawFacts& sum, const DrawFacts& part) {
   const double order_ms = sum.order_ms + part.order_ms, draw_ms = sum.draw_ms + part.draw_ms,
                readback_ms = sum.readback_ms + part.readback_ms;
   const std::int64_t fragments = sum.fragments + part.fragments, tetrahedra = std::max(sum.tetrahedra, part.tetrahedra);
@@ -60,8 +62,6 @@ void add(DrawFacts& sum, const DrawFacts& part) {
   sum.fragments = fragments;
   sum.tetrahedra = tetrahedra;
 }
-
-}  // namespace
 
 DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, const StillRows& put) {
   const DrawInput& input = still.input;
@@ -111,7 +111,7 @@ DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, c
       part.width = columns * samples;
       part.height = rows * samples;
       DrawResult result = renderer.draw(part);
-      add(facts, result.facts);
+      add_part(facts, result.facts);
       if (plain) {  // columns is the whole width
         put(result.image);
         continue;

@@ -33,6 +33,8 @@ using StillRows = std::function<void(const AnyImage& rows)>;
 /// of the picture. Of a lit one rows wait for those below, at most a tenth of its height in all. Throws what the renderer throws,
 /// invalid_argument for `samples` and light, and cancelled between bands.
 DrawFacts draw_still(Renderer& renderer, const Still& still, const Task& task, const StillRows& put);
+/// The facts of a picture whose parts are drawn one after another: times and fragments are sums.
+void add_part(DrawFacts& sum, const DrawFacts& part);
 inline constexpr std::size_t kStillBytes = std::size_t{1} << 30;
 
 /// How a frame must be asked for so that annotations can be painted under it too: floats where every bit counts (frames at

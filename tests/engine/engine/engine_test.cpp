@@ -100,6 +100,46 @@ TEST_F(EngineTest, AStreamThatIsClosedWhileItsFrameIsDrawnAnswersWithoutOne) {
   EXPECT_EQ(failure_of(1).code, ErrorCode::cancelled);
 }
 
+/// Of eight slices on a device that cannot be interrupted.
+FrameRequest large_still(SessionKey session, RequestId request) {
+  FrameRequest wanted;
+  wanted.session = session;
+  wanted.request = request;
+  wanted.width = wanted.height = 4096;
+  wanted.still = StillFormat::jpeg;
+  return wanted;
+}
+
+TEST_F(EngineTest, FramesAreDrawnBetweenTheSlicesOfALargeStill) {
+  control_->delay_ms = 50;
+  for (const SessionKey session : {1, 2}) engine_->post(SceneUpdate{session, scene(7)});
+  engine_->post(frame(1, 1));
+  frame_of(1);  // the scenes are there
+  engine_->post(frame(2, 2));
+  frame_of(2);
+  engine_->post(large_still(1, 3));
+  wait_for<FrameStarted>([](const FrameStarted& f) { return f.request == 3; });
+  engine_->post(frame(2, 4));
+  engine_->post(frame(1, 5));
+  frame_of(4);
+  frame_of(5);
+  EXPECT_LT(control_->drawn, 2 + 8 + 2) << "the still goes on";
+  EXPECT_EQ(frame_of(3).width, 4096);
+  EXPECT_EQ(control_->drawn, 2 + 8 + 2);
+}
+
+TEST_F(EngineTest, AStillThatNobodyWaitsForEndsAfterTheSlice) {
+  control_->delay_ms = 50;
+  engine_->post(SceneUpdate{1, scene(7)});
+  engine_->post(frame(1, 1));
+  frame_of(1);
+  engine_->post(large_still(1, 2));
+  wait_for<FrameStarted>([](const FrameStarted& f) { return f.request == 2; });
+  engine_->post(ForgetFrame{1, 2});
+  EXPECT_EQ(failure_of(2).code, ErrorCode::cancelled);
+  EXPECT_LT(control_->drawn, 1 + 8);
+}
+
 TEST_F(EngineTest, AnEncoderThatCannotIsToldApartFromADrawingThatFailed) {
   engine_->post(SceneUpdate{1, scene(7)});
   FrameRequest wanted = frame(1, 1);
