@@ -18,7 +18,7 @@ namespace {
 
 class Slices : public ::testing::TestWithParam<const char*> {
  protected:
-  Slices() : renderer_(make_renderer({GetParam(), GetParam() == std::string("native") ? "native" : test_device()})) {
+  Slices() : renderer_(make_renderer({GetParam(), GetParam() == std::string("native") ? "native" : testing::test_device()})) {
     const auto dataset = make_analytic("torus:20", {}, Task{});
     scene_.array = dataset->arrays[0].name;
     scene_.intervals.resize(1);
