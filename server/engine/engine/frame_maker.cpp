@@ -34,7 +34,7 @@ std::optional<std::string> FrameMaker::draw(Renderer& renderer, PictureOrder ord
       drawing.emplace(Doing::OnRenderThread{}, board_, Stage::drawing, request.session, request.request, patience_for(request));
   };
   begin();
-  SlicedRenderer in_slices(renderer, kSliceSamples, [&] {
+  SlicedRenderer in_slices(renderer, class_of(request) == WorkClass::still ? kSliceSamples : kFrameSliceSamples, [&] {
     order.task->check();
     drawing.reset();
     between();

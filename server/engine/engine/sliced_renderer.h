@@ -10,7 +10,8 @@
 
 namespace isostrata {
 
-inline constexpr std::int64_t kSliceSamples = std::int64_t{2} << 20;  // little beside a frame
+inline constexpr std::int64_t kSliceSamples = std::int64_t{2} << 20;   // of a still: little beside a frame
+inline constexpr std::int64_t kFrameSliceSamples = 4096 * 2160;  // of a frame: what a screen shows is drawn at once, for each slice costs the scene's vertices again
 
 /// Draws as `of`, which must live as long: the same pixels, whole rows at a time of what has more samples than a slice. `between` is called before each
 /// slice but the very first, also of the next picture; what it throws, draw throws. The renderer's thread.
