@@ -22,6 +22,7 @@
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/config_file.h"
+#include "main/picture_arguments.h"
 #include "main/ranks.h"
 #include "main/sandbox_option.h"
 #include "main/server_log.h"
@@ -56,6 +57,7 @@ struct ServeArguments {
   std::string renderer = "auto", device = "auto";
   std::size_t max_sessions = 32;
   std::size_t max_viewers = 64;
+  std::string max_viewer_size = "4096x2160";
   std::string state_dir;
   long session_ttl_s = 600;
   long idle_timeout_s = 0;
@@ -248,6 +250,8 @@ void serve(ServeArguments arguments) {
   options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
   options.max_viewers = arguments.max_viewers;
+  const auto [width, height] = parse_size(arguments.max_viewer_size);
+  options.max_viewer_pixels = std::int64_t{width} * height;
   options.ends = job_end(log);
   options.warn = [&log](const std::string& what) { log.warn("journal", what); };
   options.session_ttl = std::chrono::seconds(arguments.session_ttl_s);
@@ -338,6 +342,11 @@ void add_serve_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--max-viewers", arguments->max_viewers, "Connections of one session at a time")
       ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command
+      ->add_option("--max-viewer-size", arguments->max_viewer_size,
+                   "WIDTHxHEIGHT: as many pixels as this have the pictures and stills of those who may only look")
+      ->type_name("SIZE")
       ->capture_default_str();
   command
       ->add_option("--state-dir", arguments->state_dir,

@@ -1,6 +1,8 @@
 // Who is in a session and what each may do: roles, invitations, limits, commands that are sent twice.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "session/people_messages.h"
 
 namespace isostrata {
@@ -237,6 +239,29 @@ TEST_F(People, ADatasetThatAnotherOneOvertookEndsOnNobodysWord) {
   const auto done = owner_->outbox.newest([](const auto& m) { return m.has_done(); }).done();
   EXPECT_TRUE(done.cancelled());
   EXPECT_TRUE(done.superseded());
+}
+
+TEST(SessionLimits, WhoMayOnlyLookHasStillsOfTheSizeThatTheOwnerAllows) {
+  SessionsOptions options;
+  options.max_viewer_pixels = 640 * 360;
+  SessionsOnAClock s(options);
+  const auto owner = s.connect(s.looking());
+  s.open();
+  s.say(*owner, invite(v1::ROLE_VIEWER));
+  const auto guest = s.connect(s.looking(), s.sessions->admit(invitation_of(*owner).token()).value());
+  v1::ClientMessage still;
+  still.mutable_request_still()->set_width(641);
+  still.mutable_request_still()->set_height(360);
+  s.say(*guest, still);
+  EXPECT_EQ(guest->outbox.error().code(), "too_large");
+  EXPECT_NE(guest->outbox.error().message().find("at most 230400 for who may only look"), std::string::npos) << guest->outbox.error().message();
+  const auto errors = [](const FakeClient& of) { return std::count_if(of.outbox.messages.begin(), of.outbox.messages.end(), [](const auto& m) { return m.has_error(); }); };
+  still.mutable_request_still()->set_width(640);
+  s.say(*guest, still);
+  EXPECT_EQ(errors(*guest), 1);
+  still.mutable_request_still()->set_width(1280);
+  s.say(*owner, still);
+  EXPECT_EQ(errors(*owner), 0);
 }
 
 TEST(SessionLimits, SayWhichAndHowMany) {

@@ -74,6 +74,7 @@ SessionsOptions sessions_options(const ServerOptions& options, const FrameEngine
   SessionsOptions sessions;
   sessions.max_sessions = options.max_sessions;
   sessions.max_viewers = options.max_viewers;
+  sessions.max_viewer_pixels = options.max_viewer_pixels;
   sessions.session_ttl = options.session_ttl;
   sessions.warn = options.warn;
   if (!options.state_dir.empty()) sessions.journal = options.state_dir / "sessions";

@@ -28,6 +28,7 @@ struct ServerOptions {
   std::filesystem::path tls_certificate, tls_key;  // PEM; both or none: without them the port speaks plain HTTP
   std::size_t max_sessions = 32;
   std::size_t max_viewers = 64;  // connections of one session
+  std::int64_t max_viewer_pixels = 4096 * 2160;  // of a picture of who may only look
   std::chrono::seconds session_ttl{600};
   std::chrono::seconds idle_timeout{0};  // ends after that long without a connection; 0: never
   // How long one client may stand still before it is given up; the others never wait for it.

@@ -33,7 +33,7 @@ class TokenBucket {
   TimePoint filled_{};
 };
 
-constexpr std::int64_t kMaxViewerPixels = 4096 * 2160;  // of one picture, moving or still
+constexpr std::int64_t kMaxViewerPixels = 4096 * 2160;  // of one picture, moving or still, unless the owner says otherwise
 constexpr double kViewerPixelsPerSecond = 30 * 1920 * 1080;
 constexpr double kViewerStillsPerSecond = 0.5, kViewerStillsAtOnce = 4;  // of each of them
 

@@ -57,6 +57,7 @@ struct Viewer {
 
   v1::Viewport viewport;                   // as it was asked for
   TokenBucket stills{kViewerStillsPerSecond, kViewerStillsAtOnce};  // that it may ask for where it may only look
+  std::int64_t most_pixels = kMaxViewerPixels;  // of its pictures, there
   TimePoint pays_at{};  // the next picture for it alone waits until then
 
   v1::Role role = v1::ROLE_CONTROLLER;
@@ -65,7 +66,7 @@ struct Viewer {
   std::string address;     // at the other end of its connection, where that is known
   ObservedActs acts;
 
-  /// That its frames are made for. Who may only look gets pictures of at most kMaxViewerPixels, of the same shape.
+  /// That its frames are made for. Who may only look gets pictures of at most most_pixels, of the same shape.
   void set_viewport(const v1::Viewport& wanted, TimePoint now);
   /// Why it may not have this still; else one is taken from what it may ask for.
   std::optional<v1::Error> refuse_still(const v1::RequestStill& still, TimePoint now);

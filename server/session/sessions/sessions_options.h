@@ -13,12 +13,14 @@
 #include "encoding/encoder.h"
 #include "engine/messages/frame_engine.h"
 #include "session/pacing/frame_scheduler.h"
+#include "session/pacing/viewer_budget.h"
 
 namespace isostrata {
 
 struct SessionsOptions {
   std::size_t max_sessions = 32;
   std::size_t max_viewers = 64;  // of one session
+  std::int64_t max_viewer_pixels = kMaxViewerPixels;  // of a picture of who may only look
   Duration session_ttl = std::chrono::minutes(10);  // a session that nobody uses is kept that long
   Duration stall_time = FrameScheduler::kStall;     // without an acknowledgement: nothing more is drawn for that viewer
   std::string server_name = "isostrata";            // with its version, for Welcome

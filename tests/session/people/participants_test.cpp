@@ -140,6 +140,10 @@ TEST_F(ParticipantsOfASession, WhoMayOnlyLookHasSmallerPicturesFromThatMomentOn)
   EXPECT_EQ(say(owner, role_of(2, v1::ROLE_VIEWER)), "");
   EXPECT_LE(static_cast<std::int64_t>(other.viewer.frames.width()) * other.viewer.frames.height(), kMaxViewerPixels);
   EXPECT_NEAR(other.viewer.frames.aspect(), 4, 0.01);
+  other.viewer.most_pixels = 10'000;
+  other.viewer.set_viewport(wall, kNow);
+  EXPECT_EQ(other.viewer.frames.width(), 200);
+  EXPECT_EQ(other.viewer.frames.height(), 50);
   EXPECT_EQ(say(owner, role_of(2, v1::ROLE_CONTROLLER)), "");
   EXPECT_EQ(other.viewer.frames.width(), 16000) << "as it was asked for";
 }
