@@ -235,6 +235,21 @@ TEST_F(TightMemory, ScenesThatNobodyLooksAtAreGivenBackAndMadeAgain) {
   engine_.reset();
 }
 
+TEST_F(TightMemory, ScenesThatAreMadeAtOnceAndThatNobodyHasSeenMakeWay) {
+  constexpr SessionKey kSessions = 10;
+  const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
+  const std::uint64_t one = scene_bytes(*extract_scene(data, of_session(kSessions), nullptr, Task{}));
+  EngineOptions options;
+  options.catalogue = Catalogue::from_sources({"torus:32"});
+  options.renderer_choice = {"native", "native"};
+  options.store.max_bytes = dataset_bytes(*data) + one + one / 2;
+  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  for (SessionKey s = 1; s <= kSessions; ++s) engine_->post(SceneUpdate{s, of_session(s)});
+  for (SessionKey s = 1; s <= kSessions; ++s) EXPECT_FALSE(picture(s, s).empty()) << "session " << s;
+  for (const EngineEvent& event : events_) EXPECT_FALSE(std::holds_alternative<RequestFailed>(event));
+  engine_.reset();
+}
+
 // 10 bytes a pixel: one of these fits and two do not.
 TEST_F(TightMemory, LargeStillsWaitForEachOtherAndNoFrameWaitsForThem) {
   EngineOptions options;

@@ -52,6 +52,10 @@ void LiveSessions::take(const FrameRequest& request) {
     const std::lock_guard lock(mutex_);
     if (stopping_) return;
     Session* session = find(request.session);
+    // What was too large beside what others had may fit by now.
+    if (session && session->latest.failure() && session->latest.failure()->code == ErrorCode::too_large &&
+        memory_.altogether(request.session, may_go()) > session->room)
+      session->latest.forget_failure();
     if (!session || !session->latest.scene() || session->latest.scene()->dataset.empty()) {
       failed = RequestFailed{request.session, request.request, 0, ErrorCode::not_found, "no dataset is open: there is nothing to draw"};
     } else if (session->latest.failure()) {
@@ -155,6 +159,7 @@ void LiveSessions::take_extracted(const ExtractionJob& of, Extracted extracted, 
   std::vector<Extracted> given_back;
   {
     const std::lock_guard lock(mutex_);
+    memory_.end_next_scene(of.session);
     Session* session = session_of(of);
     if (!session) return;
     LatestExtraction& latest = session->latest;
@@ -212,11 +217,20 @@ std::vector<LiveSessions::Extracted> LiveSessions::take_back(const std::vector<S
 }
 
 std::uint64_t LiveSessions::room_for_scene(SessionKey key, bool altogether) {
+  constexpr std::chrono::milliseconds kPatience{10'000}, kLook{20};
   SceneMemory::Room room;
   std::vector<Extracted> given_back;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    if (altogether) memory_.end_next_scene(key);  // others may have it while this one waits
+    for (auto until = std::chrono::steady_clock::now() + kPatience; altogether && std::chrono::steady_clock::now() < until;) {
+      const Session* session = find(key);
+      const auto running = session ? session->latest.running() : nullptr;
+      if (stopping_ || !running || running->task().cancelled() || memory_.leave_most(key, may_go())) break;
+      changed_.wait_for(lock, kLook);
+    }
     room = memory_.for_next_scene(key, altogether, may_go());
+    if (Session* const session = find(key)) session->room = room.bytes;
     given_back = take_back(room.gone);
   }
   let_go(std::move(given_back));

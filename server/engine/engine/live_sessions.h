@@ -74,7 +74,7 @@ class LiveSessions {
 
   // ---- memory ----
 
-  /// What the session's next scene may take. Others make room, or go altogether.
+  /// What the session's next scene may take, until take_extracted. Others make room, or go altogether: then this waits a while for who is at work.
   std::uint64_t room_for_scene(SessionKey session, bool altogether);
   /// Begins a work of the session if at least as many bytes are free as it takes, after others have made room. Returns how many.
   std::uint64_t begin_work(SessionKey session, std::uint64_t bytes);
@@ -107,6 +107,7 @@ class LiveSessions {
   struct Session {
     LatestExtraction latest;
     DrawQueue pictures;
+    std::uint64_t room = 0;  // that its last scene was given
   };
   // With mutex_ held:
   Session* find(SessionKey key);

@@ -40,9 +40,9 @@ class SceneLedger {
   /// The sessions without whose scenes the rest is at most `most`, the longest unseen first, of those that may go. Fewer where
   /// that does not suffice.
   std::vector<SessionKey> too_many(std::uint64_t most, const std::function<bool(SessionKey)>& may_go) const {
-    std::map<std::uint64_t, SessionKey> by_age;
+    std::multimap<std::uint64_t, SessionKey> by_age;  // several may never have been seen
     for (const auto& [session, entry] : entries_)
-      if (entry.bytes > 0) by_age[entry.seen] = session;
+      if (entry.bytes > 0) by_age.emplace(entry.seen, session);
     std::vector<SessionKey> gone;
     std::uint64_t left = total_;
     for (const auto& [seen, session] : by_age) {

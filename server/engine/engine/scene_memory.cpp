@@ -39,12 +39,28 @@ bool SceneMemory::begin_work_in_free(std::uint64_t bytes) {
 }
 
 SceneMemory::Room SceneMemory::for_next_scene(SessionKey session, bool altogether, const MayGo& may_go) {
-  const std::uint64_t most = for_scenes(), own = scenes_.bytes_of(session);
+  const std::uint64_t most = less(for_scenes(), begun_by_others(session)), own = scenes_.bytes_of(session);
   Room room;
   room.gone = leave(altogether ? 0 : less(most, 2 * own), session, may_go);
+  const std::uint64_t left = less(most, scenes_.bytes() - own);
+  const std::uint64_t given = altogether ? left : std::max(left / 4 * 3, std::min(left, own + own / 4));
+  begun_[session] = given;
   // What a renderer makes of it comes on top; and who has little room is told so by the extraction, with the numbers.
-  room.bytes = less(most, scenes_.bytes() - own) / 2;
+  room.bytes = given / 2;
   return room;
+}
+
+std::uint64_t SceneMemory::begun_by_others(SessionKey session) const {
+  std::uint64_t bytes = 0;
+  for (const auto& [of, given] : begun_)
+    if (of != session) bytes += given;
+  return bytes;
+}
+
+std::uint64_t SceneMemory::altogether(SessionKey session, const MayGo& may_go) const {
+  std::uint64_t in_use = less(scenes_.bytes(), scenes_.bytes_of(session));
+  for (const SessionKey other : scenes_.too_many(0, [&](SessionKey of) { return of != session && may_go(of); })) in_use -= scenes_.bytes_of(other);
+  return less(for_scenes(), begun_by_others(session) + in_use) / 2;
 }
 
 std::vector<SessionKey> SceneMemory::make_way_for(SessionKey session, const MayGo& may_go) { return leave(for_scenes(), session, may_go); }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <vector>
 
 #include "engine/engine/scene_ledger.h"
@@ -46,18 +47,26 @@ class SceneMemory {
   void end_work(std::uint64_t bytes) { scenes_.end_work(bytes); }
   bool any_work() const { return scenes_.in_work() > 0; }
 
-  /// For the session's next scene, which takes the place of its last. Others make room for one as large as its last, or go altogether.
+  /// For the session's next scene, which takes the place of its last. Others make room for one as large as its last, or go altogether. Nobody knows yet
+  /// what it takes, so it is given three quarters of what is left, or all, until it is there: who begins meanwhile has the rest.
   Room for_next_scene(SessionKey session, bool altogether, const MayGo& may_go);
+  void end_next_scene(SessionKey session) { begun_.erase(session); }
+  /// What for_next_scene would give altogether: all but what others have in use, or is given to scenes that they make.
+  std::uint64_t altogether(SessionKey session, const MayGo& may_go) const;
+  /// Whether that is at least three quarters of what there is for scenes: there is nobody to wait for.
+  bool leave_most(SessionKey session, const MayGo& may_go) const { return altogether(session, may_go) >= for_scenes() / 2 / 4 * 3; }
   /// Who goes, because the session's scene has grown, so that all are within the limit again.
   std::vector<SessionKey> make_way_for(SessionKey session, const MayGo& may_go);
 
  private:
   std::uint64_t for_scenes() const;
+  std::uint64_t begun_by_others(SessionKey session) const;
   std::vector<SessionKey> leave(std::uint64_t most, SessionKey but, const MayGo& may_go);
 
   const std::uint64_t max_bytes_;
   const std::function<std::uint64_t()> held_elsewhere_;
   SceneLedger scenes_;
+  std::map<SessionKey, std::uint64_t> begun_;  // what is given to scenes that are being made
 };
 
 }  // namespace isostrata

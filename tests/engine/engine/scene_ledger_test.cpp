@@ -19,6 +19,13 @@ TEST(SceneLedger, TheLongestUnseenGoFirstAndNoMoreThanMust) {
   EXPECT_EQ(ledger.too_many(250, kAll), (std::vector<SessionKey>{2, 3}));
 }
 
+TEST(SceneLedger, ThoseThatNobodyHasEverSeenGoFirstAndAllOfThem) {
+  SceneLedger ledger;
+  ledger.see(2);
+  for (SessionKey s = 1; s <= 4; ++s) ledger.hold(s, 100);
+  EXPECT_EQ(ledger.too_many(100, kAll), (std::vector<SessionKey>{1, 3, 4}));
+}
+
 TEST(SceneLedger, WhatIsInUseStaysAndWhatHoldsNothingIsNotNamed) {
   SceneLedger ledger;
   for (SessionKey s = 1; s <= 3; ++s) {

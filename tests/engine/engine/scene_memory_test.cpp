@@ -69,10 +69,35 @@ TEST_F(SceneMemoryTest, WhoIsLookedAtGoesLast) {
   EXPECT_EQ(memory_.begin_work(kNobody, 400 * kMb, kAll).gone, std::vector<SessionKey>{kNew});
 }
 
+TEST_F(SceneMemoryTest, ScenesThatAreMadeAtTheSameTimeHaveNoMoreThanThereIsInAll) {
+  const auto first = memory_.for_next_scene(kOwn, false, kAll), second = memory_.for_next_scene(kNew, false, kAll),
+             third = memory_.for_next_scene(kNobody, false, kAll);
+  EXPECT_GT(third.bytes, 0u);
+  EXPECT_LE(2 * (first.bytes + second.bytes + third.bytes), 900 * kMb);
+  EXPECT_GT(first.bytes, second.bytes);
+  EXPECT_FALSE(memory_.leave_most(kNew, kAll)) << "another one is being made, and may take much";
+  memory_.end_next_scene(kOwn);
+  memory_.end_next_scene(kNobody);
+  memory_.hold(kOwn, 300 * kMb);
+  EXPECT_TRUE(memory_.leave_most(kNew, kAll));
+  EXPECT_FALSE(memory_.leave_most(kNew, kNone)) << "others are at theirs";
+  EXPECT_EQ(memory_.altogether(kNew, kAll), 900 * kMb / 2);
+  EXPECT_EQ(memory_.altogether(kNew, kNone), (900 - 300) * kMb / 2);
+  EXPECT_EQ(memory_.for_next_scene(kNew, true, kAll).bytes, 900 * kMb / 2) << "its own first part is none of others'";
+  EXPECT_EQ(memory_.for_next_scene(kOld, true, kAll).bytes, 0u);
+}
+
+TEST_F(SceneMemoryTest, WhatTheLastOneTookAndAQuarterMoreIsGivenIfItIsThere) {
+  memory_.hold(kOwn, 500 * kMb);
+  EXPECT_EQ(memory_.for_next_scene(kOwn, false, kNone).bytes, (900 - 400) * kMb / 2);
+  memory_.hold(kOwn, 320 * kMb);
+  EXPECT_EQ(memory_.for_next_scene(kOwn, false, kNone).bytes, 400 * kMb / 2);
+}
+
 TEST_F(SceneMemoryTest, TheNextSceneHasHalfOfWhatOthersLeaveForARendererMakesAsMuchOfIt) {
   const auto next = memory_.for_next_scene(kOwn, false, kAll);
   EXPECT_EQ(next.gone, std::vector<SessionKey>{kOld}) << "its last one, and another as large, need 400 of 900";
-  EXPECT_EQ(next.bytes, (900 - 200) * kMb / 2);
+  EXPECT_EQ(next.bytes, (900 - 200) * kMb / 4 * 3 / 2);
   const auto altogether = memory_.for_next_scene(kOwn, true, kAll);
   EXPECT_EQ(altogether.gone, std::vector<SessionKey>{kNew});
   EXPECT_EQ(altogether.bytes, 900 * kMb / 2);
