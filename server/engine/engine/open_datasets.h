@@ -42,6 +42,7 @@ class OpenDatasets {
   StepSource whole_steps(const CatalogueEntry& of);
   /// Whether a step that nobody has asked for may be read ahead.
   bool has_room_for(const std::string& id, int step) const { return store_.has_room_for(id, step); }
+  bool holds(const std::string& id, int step) const { return store_.held(id, step) != nullptr; }
   std::uint64_t held_bytes() const { return store_.held_bytes(); }
 
   struct Glance {

@@ -26,7 +26,7 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   const bool played = previous && !same_steps && previous->dataset && previous->dataset->grid.storage == extracted.dataset->grid.storage;
   const bool opened = !same_steps && !played;
   const bool may_be_played = opened && extracted.dataset->times.size() > 1;
-  const bool waited_for = !opened;
+  const bool waited_for = !opened && !played;  // who plays has waited for it already, if that pays
   if (const Grid& grid = extracted.dataset->grid; !only_tetrahedra(*extracted.dataset)) {
     const bool looks_for_faces = !grid.structured() && !grid.flat() && request.facets && request.values == FieldValues::interpolated && !request.time;
     const bool little = FaceMemory::foreseen_bytes(grid) <= facts.max_bytes / kLittle;
@@ -38,6 +38,8 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   const bool lay_out = request.terms.empty() && !request.time && !facts.knows_order();
   return lay_out ? Preparation{What::order, waited_for} : Preparation{};
 }
+
+constexpr int kStepsThatPay = 3;  // a layout takes as long as three steps save by it
 
 WorkAhead::WorkAhead(WorkAheadOptions options, OpenDatasets& datasets, SharedMeshes& shared, Ports ports)
     : options_(options), datasets_(datasets), shared_(shared), ports_(std::move(ports)) {}
@@ -107,7 +109,10 @@ void WorkAhead::lay_out_played(SessionKey session, const Scene& scene, const Ext
                                const Task& task) {
   const LayerRequest& request = previous.request;
   const bool cuts_mesh = previous.dataset && !previous.base && !previous.bricks && previous.parts.empty() && request.terms.empty() && !request.time;
-  if (!cuts_mesh || !step_ahead(scene, before, static_cast<int>(previous.dataset->times.size()))) return;
+  const int steps_of_it = cuts_mesh ? static_cast<int>(previous.dataset->times.size()) : 0;
+  const auto next = step_ahead(scene, before, steps_of_it);
+  const int behind_it = scene.step > before.step ? steps_of_it - 1 - scene.step : scene.step;
+  if (!next || (behind_it < kStepsThatPay && !datasets_.holds(scene.dataset, *next))) return;  // what is there already is played once more
   const auto dataset = steps(scene.step, task);
   if (dataset->grid.storage != previous.dataset->grid.storage || !only_tetrahedra(*dataset)) return;
   if (!has_order(dataset->grid)) prepare(session, {Preparation::What::order, true}, dataset, previous.array);

@@ -25,7 +25,7 @@ std::optional<int> step_ahead(const Scene& scene, const Scene& before, int steps
 struct Preparation {
   // Of tetrahedra the mesh that a renderer cuts, or what extraction splits sooner; of other cells the faces that extraction need not look for.
   enum class What { nothing, base, order, faces } what = What::nothing;
-  bool waited_for = false;  // by a hand that moves, or by who plays; else it is for later, and yields to everything
+  bool waited_for = false;  // by a hand that moves; else it is for later, and yields to everything
 
   bool operator==(const Preparation&) const = default;
 };
@@ -64,8 +64,7 @@ class WorkAhead {
 
   /// After an extraction. scene, previous, before: as in to_prepare and step_ahead. renderer_cuts: the renderer of now does.
   void prepare_mesh(SessionKey session, const ExtractedScene& extracted, const Scene& scene, const ExtractedScene* previous, bool renderer_cuts);
-  /// Before the extraction of a step that others will follow: waits for their mesh to be laid out, which takes about as long as one extraction without
-  /// that saves in two. Throws cancelled, what steps throw.
+  /// Before the extraction of a step that several others will follow: waits for their mesh to be laid out. Throws cancelled, what steps throw.
   void lay_out_played(SessionKey session, const Scene& scene, const ExtractedScene& previous, const Scene& before, const StepSource& steps, const Task& task);
   void read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before);
   /// Of a scene that rests, or has just been seen for the first time, and takes long to draw, the same of every n-th point, for the next hand that turns it.

@@ -109,7 +109,7 @@ TEST_F(ToPrepare, StepsThatArePlayedOnOneMeshShareItsOrder) {
   auto next_step = std::make_shared<Dataset>(*dataset_);
   next_step->step = 1;
   const ExtractedScene before = extracted(0.5, dataset_);
-  EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, true}));
+  EXPECT_EQ(prepared(extracted(0.5, next_step), &before), (Preparation{What::order, false})) << "who plays a long series has waited for it";
   EXPECT_EQ(prepared(extracted(0.5, opened("tets:6")), &before), (Preparation{What::base, false})) << "another mesh has been opened";
 }
 
@@ -136,7 +136,7 @@ TEST_F(ToPrepare, OtherGridsAndWhatIsCutAlreadyNeedNothing) {
 /// Steps of tets:6 on one mesh.
 class LayOutPlayed : public ::testing::Test {
  protected:
-  static constexpr int kSteps = 4;
+  static constexpr int kSteps = 6;
   LayOutPlayed() {
     for (int step = 0; step < kSteps; ++step) {
       auto dataset = step == 0 ? make_analytic("tets:6", {}, Task{}) : steps_[0];
@@ -160,11 +160,13 @@ class LayOutPlayed : public ::testing::Test {
   ExtractedScene before_;
 };
 
-TEST_F(LayOutPlayed, AStepThatAnotherWillFollowWaitsForTheLayoutOfTheirMesh) {
+TEST_F(LayOutPlayed, AStepThatOthersWillFollowWaitsForTheLayoutOfTheirMesh) {
   EXPECT_TRUE(lays_out(1, 0));
-  EXPECT_TRUE(lays_out(1, 2)) << "backwards";
-  EXPECT_FALSE(lays_out(3, 2)) << "nothing follows the last one";
-  EXPECT_FALSE(lays_out(3, 1)) << "a jump";
+  EXPECT_TRUE(lays_out(2, 1));
+  EXPECT_TRUE(lays_out(4, 5)) << "backwards";
+  EXPECT_FALSE(lays_out(3, 2)) << "two that follow do not pay for it";
+  EXPECT_FALSE(lays_out(2, 3)) << "backwards, too";
+  EXPECT_FALSE(lays_out(2, 0)) << "a jump";
 }
 
 TEST_F(LayOutPlayed, WhatIsNotSplitSoonerByItDoesNotWait) {
