@@ -217,7 +217,7 @@ std::vector<LiveSessions::Extracted> LiveSessions::take_back(const std::vector<S
 }
 
 std::uint64_t LiveSessions::room_for_scene(SessionKey key, bool altogether) {
-  constexpr std::chrono::milliseconds kPatience{10'000}, kLook{20};
+  constexpr std::chrono::milliseconds kPatience{30'000}, kLook{20};
   SceneMemory::Room room;
   std::vector<Extracted> given_back;
   {
