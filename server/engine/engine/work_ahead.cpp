@@ -30,7 +30,7 @@ Preparation to_prepare(const ExtractedScene& extracted, const Scene& scene, cons
   if (const Grid& grid = extracted.dataset->grid; !only_tetrahedra(*extracted.dataset)) {
     const bool looks_for_faces = !grid.structured() && !grid.flat() && request.facets && request.values == FieldValues::interpolated && !request.time;
     const bool little = FaceMemory::foreseen_bytes(grid) <= facts.max_bytes / kLittle;
-    return looks_for_faces && little && !facts.knows_faces() ? Preparation{What::faces, waited_for} : Preparation{};
+    return looks_for_faces && little && !facts.knows_faces() ? Preparation{What::faces, !opened} : Preparation{};
   }
   if (opened && base_tetrahedra_bytes(*extracted.dataset) > facts.max_bytes / kLittle) return {};
   if (!played && !may_be_played && facts.renderer_cuts && cuts_exactly(scene, extracted.array) && !facts.has_base())

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "base/error.h"
+#include "base/pulse.h"
 
 namespace isostrata {
 
@@ -72,6 +73,7 @@ void OrderedMemory::make(const Grid& grid, const Task& task) {
     if (found->made) return;
     lend_urgency(found->maker);
     changed_.wait_for(lock, std::chrono::milliseconds(20));
+    pulse();  // waiting is no hanging
     task.check();
   }
   entries_.push_front({GridPlace::of(grid), grid.storage, false, current_work(), nullptr, 0, {}});

@@ -119,6 +119,11 @@ TEST_F(ToPrepare, TheFacesOfOtherCellsAreLookedForOnce) {
   before.request.facets = moved.request.facets = true;
   EXPECT_EQ(prepared(before, nullptr), (Preparation{What::faces, false}));
   EXPECT_EQ(prepared(moved, &before), (Preparation{What::faces, true})) << "a hand waits";
+  auto next_step = std::make_shared<Dataset>(*mesh);
+  next_step->step = 1;
+  ExtractedScene played = extracted(0.5, next_step);
+  played.request.facets = true;
+  EXPECT_EQ(prepared(played, &before), (Preparation{What::faces, true})) << "so does who plays";
   knows_faces_ = true;
   EXPECT_EQ(prepared(moved, &before), Preparation{});
   knows_faces_ = false;
