@@ -199,6 +199,14 @@ TEST_F(Neighbours, TheEngineEndsInTheMiddleOfAllThis) {
 
 class TightMemory : public ::testing::Test, protected HeardEvents {
  protected:
+  /// With --max-memory of so many.
+  void begin(std::uint64_t max_bytes) {
+    EngineOptions options;
+    options.catalogue = Catalogue::from_sources({"torus:32", "torus:96"});
+    options.renderer_choice = {"native", "native"};
+    options.store.max_bytes = max_bytes;
+    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  }
   static Scene of_session(SessionKey session) { return scene(1, 0.4 + 0.01 * static_cast<double>(session), "torus-32"); }
   Bytes picture(SessionKey session, RequestId request, double* extract_ms = nullptr) {
     engine_->post(frame(session, request, true));
@@ -213,11 +221,7 @@ TEST_F(TightMemory, ScenesThatNobodyLooksAtAreGivenBackAndMadeAgain) {
   constexpr SessionKey kSessions = 8;
   const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
   const std::uint64_t one = scene_bytes(*extract_scene(data, of_session(kSessions), nullptr, Task{}));
-  EngineOptions options;
-  options.catalogue = Catalogue::from_sources({"torus:32"});
-  options.renderer_choice = {"native", "native"};
-  options.store.max_bytes = dataset_bytes(*data) + 4 * one;
-  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  begin(dataset_bytes(*data) + 4 * one);
   std::vector<Bytes> first;
   RequestId request = 0;
   for (SessionKey s = 1; s <= kSessions; ++s) {
@@ -239,11 +243,7 @@ TEST_F(TightMemory, ScenesThatAreMadeAtOnceAndThatNobodyHasSeenMakeWay) {
   constexpr SessionKey kSessions = 10;
   const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
   const std::uint64_t one = scene_bytes(*extract_scene(data, of_session(kSessions), nullptr, Task{}));
-  EngineOptions options;
-  options.catalogue = Catalogue::from_sources({"torus:32"});
-  options.renderer_choice = {"native", "native"};
-  options.store.max_bytes = dataset_bytes(*data) + one + one / 2;
-  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  begin(dataset_bytes(*data) + one + one / 2);
   for (SessionKey s = 1; s <= kSessions; ++s) engine_->post(SceneUpdate{s, of_session(s)});
   for (SessionKey s = 1; s <= kSessions; ++s) EXPECT_FALSE(picture(s, s).empty()) << "session " << s;
   for (const EngineEvent& event : events_) EXPECT_FALSE(std::holds_alternative<RequestFailed>(event));
@@ -252,11 +252,7 @@ TEST_F(TightMemory, ScenesThatAreMadeAtOnceAndThatNobodyHasSeenMakeWay) {
 
 // 10 bytes a pixel: one of these fits and two do not.
 TEST_F(TightMemory, LargeStillsWaitForEachOtherAndNoFrameWaitsForThem) {
-  EngineOptions options;
-  options.catalogue = Catalogue::from_sources({"torus:32"});
-  options.renderer_choice = {"native", "native"};
-  options.store.max_bytes = 180'000'000;
-  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  begin(180'000'000);
   constexpr SessionKey kSessions = 3;
   for (SessionKey s = 1; s <= kSessions; ++s) {
     engine_->post(SceneUpdate{s, of_session(s)});
@@ -280,11 +276,7 @@ TEST_F(TightMemory, LargeStillsWaitForEachOtherAndNoFrameWaitsForThem) {
 }
 
 TEST_F(TightMemory, AStillThatNeverFitsIsRefusedWithTheNumbers) {
-  EngineOptions options;
-  options.catalogue = Catalogue::from_sources({"torus:32"});
-  options.renderer_choice = {"native", "native"};
-  options.store.max_bytes = 130'000'000;
-  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  begin(130'000'000);
   engine_->post(SceneUpdate{1, of_session(1)});
   FrameRequest wanted = frame(1, 1, true);
   wanted.width = wanted.height = 4096;
@@ -301,11 +293,7 @@ TEST_F(TightMemory, AnExportIsHeldToWhatIsFree) {
   const testing::TemporaryFolder folder;
   RequestId request = 0;
   const auto export_with = [&](std::uint64_t max_bytes, const Scene& of) {
-    EngineOptions options;
-    options.catalogue = Catalogue::from_sources({"torus:32", "torus:96"});
-    options.renderer_choice = {"native", "native"};
-    options.store.max_bytes = max_bytes;
-    engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+    begin(max_bytes);
     engine_->post(ExportRequest{1, ++request, of, (folder / (std::to_string(request) + ".vtu")).string(), {}});
   };
   export_with(200'000'000, of_session(1));
@@ -344,11 +332,7 @@ TEST(ExportRoom, FilesOfExportsTakeSoMuchOfTheDiskAndNoMore) {
 }
 
 TEST_F(TightMemory, ASceneThatDoesNotFitIsRefusedWithTheNumbers) {
-  EngineOptions options;
-  options.catalogue = Catalogue::from_sources({"torus:32"});
-  options.renderer_choice = {"native", "native"};
-  options.store.max_bytes = 400'000;
-  engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
+  begin(400'000);
   engine_->post(SceneUpdate{1, of_session(1)});
   engine_->post(frame(1, 1));
   const RequestFailed failed = failure_of(1);
