@@ -36,11 +36,16 @@ class KeptBlocks {
     return nullptr;
   }
   void give(void* at, std::size_t size) noexcept {
-    if (size > kMostKept) return std::free(at);
     const std::lock_guard lock(mutex_);
-    while (count_ == blocks_.size() || bytes_ + size > kMostKept) std::free(remove(0));
+    if (size > most_) return std::free(at);
+    while (count_ == blocks_.size() || bytes_ + size > most_) std::free(remove(0));
     blocks_[count_++] = {at, size};
     bytes_ += size;
+  }
+  void keep_at_most(std::size_t bytes) noexcept {
+    const std::lock_guard lock(mutex_);
+    most_ = std::min(bytes, kMostKept);
+    while (bytes_ > most_) std::free(remove(0));
   }
   void clear() noexcept {
     const std::lock_guard lock(mutex_);
@@ -67,7 +72,7 @@ class KeptBlocks {
 
   std::mutex mutex_;
   std::array<Block, 64> blocks_{};  // the oldest first
-  std::size_t count_ = 0, bytes_ = 0;
+  std::size_t count_ = 0, bytes_ = 0, most_ = kMostKept;
 };
 
 /// Never destroyed: arrays of static life may end after anything else.
@@ -108,6 +113,7 @@ void give_block(void* at, std::size_t bytes) noexcept {
     std::free(at);
 }
 
+void keep_at_most(std::size_t bytes) noexcept { kept().keep_at_most(bytes); }
 std::size_t kept_bytes() { return kept().bytes(); }
 void free_kept_blocks() noexcept { kept().clear(); }
 

@@ -9,7 +9,7 @@
 namespace isostrata {
 
 inline constexpr std::size_t kHugePage = std::size_t{2} << 20;
-/// No more is kept than this, the newest.
+/// No more is kept than this, the newest, unless somebody says less.
 inline constexpr std::size_t kMostKept = std::size_t{256} << 20;
 
 /// At least so many bytes, aligned to huge pages, for which the kernel is asked; freed by std::free. Null if there are none. Any thread.
@@ -21,6 +21,8 @@ void* take_block(std::size_t bytes);
 /// bytes: as it was taken. Any thread.
 void give_block(void* at, std::size_t bytes) noexcept;
 
+/// From now on no more is kept than this; at most kMostKept. Any thread.
+void keep_at_most(std::size_t bytes) noexcept;
 /// What is kept now, in bytes.
 std::size_t kept_bytes();
 /// Gives all of it back to the kernel.

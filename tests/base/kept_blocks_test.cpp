@@ -21,7 +21,10 @@ class KeptBlocks : public ::testing::Test {
     if (kept_bytes() == 0) GTEST_SKIP() << "nothing is kept under a sanitizer";
     free_kept_blocks();
   }
-  void TearDown() override { free_kept_blocks(); }
+  void TearDown() override {
+    keep_at_most(kMostKept);
+    free_kept_blocks();
+  }
 };
 
 TEST_F(KeptBlocks, WhatWasFreedIsTakenAgainBySizesThatAreNearlyTheSame) {
@@ -55,6 +58,25 @@ TEST_F(KeptBlocks, NoMoreIsKeptThanTheMostAndTheOldestGoesFirst) {
   const std::size_t before = kept_bytes();
   give_block(large, 2 * kMostKept);
   EXPECT_EQ(kept_bytes(), before);
+}
+
+TEST_F(KeptBlocks, WhoHasLittleMemoryKeepsLess) {
+  const std::size_t bytes = 4 << 20;
+  std::vector<void*> blocks;
+  for (int i = 0; i < 6; ++i) blocks.push_back(take_block(bytes));
+  for (void* const at : blocks) give_block(at, bytes);
+  EXPECT_EQ(kept_bytes(), 6 * bytes);
+  keep_at_most(3 * bytes);
+  EXPECT_EQ(kept_bytes(), 3 * bytes);
+  EXPECT_EQ(take_block(bytes), blocks.back()) << "the newest stay";
+  give_block(blocks.back(), bytes);
+  void* const larger = take_block(4 * bytes);
+  give_block(larger, 4 * bytes);
+  EXPECT_EQ(kept_bytes(), 3 * bytes) << "what is larger than all that may be kept drives nothing out";
+  keep_at_most(2 * kMostKept);
+  blocks = {take_block(200 << 20), take_block(200 << 20)};  // never touched
+  for (void* const at : blocks) give_block(at, 200 << 20);
+  EXPECT_LE(kept_bytes(), kMostKept);
 }
 
 TEST_F(KeptBlocks, BuffersOfManyThreadsNeverShareOne) {

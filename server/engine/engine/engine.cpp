@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
@@ -33,12 +35,14 @@ class Engine::Impl {
         operations_(sink),
         datasets_(options_.catalogue, options_.store, options_.ranks),
         shared_(options_.least_coarse_cells, max_memory()),
-        sessions_({max_memory(), [this] { return datasets_.held_bytes() + shared_.held_bytes(); }}, by_ranks(), operations_, ports_of_sessions(sink)),
+        sessions_({max_memory() - kept_at_most(), [this] { return datasets_.held_bytes() + shared_.held_bytes(); }}, by_ranks(), operations_,
+                  ports_of_sessions(sink)),
         frames_(options_.board, ports_of_frames(sink)),
         jobs_({max_memory(), options_.board, options_.ranks}, datasets_, operations_, memory_for_jobs(sessions_, max_memory()), sink),
         ahead_({max_memory(), options_.least_coarse_tetrahedra, by_ranks(), options_.board}, datasets_, shared_, ports_of_ahead()),
         extractor_(options_.board, options_.ranks, datasets_, shared_, ahead_, ports_of_extractor()),
         lanes_(frames_, renderers_, ports_of_lanes()) {
+    keep_at_most(kept_at_most());
     const RenderThread::Make asked_for = [choice = options_.renderer_choice] { return make_renderer(choice); };
     const RenderThread::Make native = [] { return make_renderer({"native", "native"}); };
     render_thread_ = std::make_unique<RenderThread>(options_.renderer ? options_.renderer : asked_for, options_.fallback_renderer ? options_.fallback_renderer : native,
@@ -61,6 +65,8 @@ class Engine::Impl {
 
  private:
   std::uint64_t max_memory() const { return options_.store.max_bytes; }
+  /// Blocks that were freed and wait to be used again: no scene may have their memory.
+  std::size_t kept_at_most() const { return static_cast<std::size_t>(std::min<std::uint64_t>(max_memory() / 16, kMostKept)); }
   bool by_ranks() const { return options_.ranks != nullptr; }
 
   // ---- requests ----
