@@ -27,7 +27,7 @@ SceneInterval scene_interval(const IntervalArgument& argument, std::size_t index
 
 }  // namespace
 
-std::array<int, 2> parse_size(std::string_view text) {
+std::array<int, 2> parse_size(std::string_view text, std::string_view what) {
   std::array<int, 2> size{};
   const auto cross = text.find('x');
   const auto parse = [](std::string_view part, int& value) {
@@ -36,7 +36,7 @@ std::array<int, 2> parse_size(std::string_view text) {
   };
   if (cross == std::string_view::npos || !parse(text.substr(0, cross), size[0]) || !parse(text.substr(cross + 1), size[1]))
     throw Error(ErrorCode::invalid_argument,
-                "size '" + std::string(text) + "': expected WIDTHxHEIGHT, each from 1 to " + std::to_string(kMaxSize));
+                std::string(what) + " '" + std::string(text) + "': expected WIDTHxHEIGHT, each from 1 to " + std::to_string(kMaxSize));
   return size;
 }
 

@@ -11,8 +11,8 @@
 
 namespace isostrata {
 
-/// "WIDTHxHEIGHT", each 1..16384. Throws invalid_argument.
-std::array<int, 2> parse_size(std::string_view text);
+/// "WIDTHxHEIGHT", each 1..16384. Throws invalid_argument, which says what it is of.
+std::array<int, 2> parse_size(std::string_view text, std::string_view what = "size");
 
 /// Scene intervals from --interval texts. Without any: four equal parts of the array's range in red, green, blue and yellow (the
 /// paper's Figure 4a). Throws invalid_argument; not_found where the array has no finite value.

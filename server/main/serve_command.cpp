@@ -250,7 +250,7 @@ void serve(ServeArguments arguments) {
   options.tls_key = arguments.tls_key;
   options.max_sessions = arguments.max_sessions;
   options.max_viewers = arguments.max_viewers;
-  const auto [width, height] = parse_size(arguments.max_viewer_size);
+  const auto [width, height] = parse_size(arguments.max_viewer_size, "--max-viewer-size");
   options.max_viewer_pixels = std::int64_t{width} * height;
   options.ends = job_end(log);
   options.warn = [&log](const std::string& what) { log.warn("journal", what); };
