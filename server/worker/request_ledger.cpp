@@ -42,6 +42,7 @@ RequestLedger::Outcome RequestLedger::ask(EngineRequest request) {
       outcome.event = failure(key, number, it->second.withheld);
       return outcome;
     }
+    if (is_frame(request) && it != sessions_.end()) it->second.rests = false;
     requests_[number] = {request, key, ++orders_};
   } else if (const auto* update = std::get_if<SceneUpdate>(&request)) {
     Session& session = sessions_[key];
@@ -71,6 +72,8 @@ RequestLedger::Outcome RequestLedger::ask(EngineRequest request) {
     return outcome;
   } else if (const auto* forget = std::get_if<ForgetFrame>(&request)) {
     if (requests_.erase(forget->request) == 0) return outcome;
+  } else if (std::holds_alternative<RestScene>(request)) {
+    if (const auto it = sessions_.find(key); it != sessions_.end()) it->second.rests = true;
   } else if (std::holds_alternative<CloseSession>(request)) {
     sessions_.erase(key);
     announced_.erase(key);
@@ -110,8 +113,11 @@ std::optional<EngineEvent> RequestLedger::hear(EngineEvent event) {
 std::vector<EngineRequest> RequestLedger::begin_life() {
   ++life_;
   std::vector<EngineRequest> all;
-  for (const auto& [key, session] : sessions_)
-    if (session.scene && session.withheld.empty()) all.emplace_back(SceneUpdate{key, *session.scene});
+  for (const auto& [key, session] : sessions_) {
+    if (!session.scene || !session.withheld.empty()) continue;
+    all.emplace_back(SceneUpdate{key, *session.scene});
+    if (session.rests) all.emplace_back(RestScene{key});
+  }
   std::vector<const Open*> open;
   for (const auto& [number, of] : requests_) open.push_back(&of);
   std::sort(open.begin(), open.end(), [](const Open* a, const Open* b) { return a->order < b->order; });

@@ -69,6 +69,7 @@ class RequestLedger {
   };
   struct Session {
     std::optional<Scene> scene;
+    bool rests = false;    // as RestScene says
     int deaths = 0;        // in a row, of workers that were at its scene
     std::string withheld;  // why; empty: it is not
   };

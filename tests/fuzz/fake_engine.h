@@ -80,6 +80,7 @@ class FakeEngine {
   void answer(const SceneUpdate& r) { send(OperationProgress{r.session, r.scene.revision, "extracting", 0.5, 0}); }
   void answer(const CancelRequest&) {}
   void answer(const ForgetFrame&) {}
+  void answer(const RestScene&) {}
   void answer(const CloseSession&) {}
   void answer(const CloseStream&) {}
   void answer(const CatalogueUpdate&) {}

@@ -72,6 +72,20 @@ TEST_F(RequestLedgerTest, WhatIsForgottenOrClosedIsNotToldAgain) {
   EXPECT_EQ(ledger.begin_life().size(), 1u);
 }
 
+TEST_F(RequestLedgerTest, WhatNobodyLookedAtGoesOnResting) {
+  ledger.ask(SceneUpdate{1, scene(1)});
+  ledger.ask(SceneUpdate{2, scene(1)});
+  ledger.ask(RestScene{1});
+  ledger.ask(RestScene{2});
+  ledger.ask(RestScene{3});
+  ledger.ask(frame(2, 20));
+  ledger.hear(picture(2, 20));
+  const auto told = ledger.begin_life();
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(std::get<RestScene>(told[1]).session, 1u);
+  EXPECT_EQ(std::get<SceneUpdate>(told[2]).session, 2u) << "somebody has seen it since";
+}
+
 TEST_F(RequestLedgerTest, OperationsOfADeadWorkerEndAndAreNotTakenForThoseOfTheNext) {
   const auto first = ledger.hear(OperationProgress{1, 5, "extracting", 0.5});
   const std::uint64_t old = std::get<OperationProgress>(*first).operation;

@@ -79,6 +79,7 @@ class Engine::Impl {
   void take(MeasureRequest& request) { jobs_.post(request, sessions_.ready_for(request.session, request.scene)); }
   void take(SceneUpdate& update) { sessions_.take(std::move(update)); }
   void take(FrameRequest& request) { sessions_.take(request); }
+  void take(RestScene& request) { sessions_.rest(request.session); }
   void take(ForgetFrame& request) { sessions_.forget(request); }
   void take(CancelRequest& request) { operations_.cancel(request); }
   void take(CatalogueUpdate& update) { sessions_.try_again(datasets_.update(std::move(update.entries))); }

@@ -2,7 +2,9 @@
 
 #include <malloc.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "base/kept_blocks.h"
@@ -63,6 +65,7 @@ void LiveSessions::take(const FrameRequest& request) {
       failed = *session->latest.failure();
       failed->request = request.request;
     } else {
+      session->rests = false;
       session->pictures.push(request);
       memory_.see(request.session);
       if (!is_still(request)) session->latest.ask_for(by_ranks_ ? 0 : request.coarse);
@@ -77,6 +80,19 @@ void LiveSessions::take(const FrameRequest& request) {
 void LiveSessions::forget(const ForgetFrame& of) {
   const std::lock_guard lock(mutex_);
   if (Session* session = find(of.session)) session->pictures.forget(of.request);
+}
+
+void LiveSessions::rest(SessionKey key) {
+  std::vector<Extracted> given_back;
+  {
+    const std::lock_guard lock(mutex_);
+    Session* session = find(key);
+    if (!session || !session->pictures.empty()) return;  // somebody waits: it is told again
+    session->rests = true;
+    if (session->latest.running()) session->latest.running()->supersede(0);
+    given_back = let_rest(key, *session);
+  }
+  let_go(std::move(given_back));
 }
 
 LiveSessions::Closed LiveSessions::close(SessionKey key) {
@@ -120,7 +136,7 @@ void LiveSessions::stop() {
 void LiveSessions::advance(SessionKey key, Session& session) {
   using Next = LatestExtraction::Next;
   LatestExtraction& latest = session.latest;
-  const Next next = stopping_ ? Next::nothing : latest.next(session.pictures.all_coarse());
+  const Next next = stopping_ || session.rests ? Next::nothing : latest.next(session.pictures.all_coarse());
   if (next == Next::overtake_at_once) latest.running()->supersede(0);
   if (next == Next::overtake_after_grace) latest.running()->supersede(kSupersededGraceMs);
   if (next != Next::extract && next != Next::extract_coarse) return;
@@ -178,6 +194,7 @@ void LiveSessions::take_extracted(const ExtractionJob& of, Extracted extracted, 
     advance(of.session, *session);
     draw_soon(of.session, *session);
     given_back = take_back(memory_.make_way_for(of.session, may_go()));
+    std::ranges::move(let_rest(of.session, *session), std::back_inserter(given_back));
   }
   let_go(std::move(given_back));
   for (RequestFailed& failed : failures) ports_.send(std::move(failed));
@@ -205,6 +222,13 @@ SceneMemory::MayGo LiveSessions::may_go() {
     const Session* session = find(key);
     return session && session->pictures.empty() && !session->latest.running();
   };
+}
+
+/// What it holds, if it rests and nothing of it is extracted any more.
+std::vector<LiveSessions::Extracted> LiveSessions::let_rest(SessionKey key, Session& session) {
+  if (!session.rests || !may_go()(key)) return {};
+  memory_.hold(key, 0);
+  return take_back({key});
 }
 
 /// What these sessions hold; the caller lets it go without the lock.

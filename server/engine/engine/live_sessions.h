@@ -52,6 +52,8 @@ class LiveSessions {
   /// What cannot be drawn is answered at once.
   void take(const FrameRequest& request);
   void forget(const ForgetFrame& of);
+  /// Until a picture is asked for, nothing is extracted for the session, and it holds nothing. If somebody waits for a picture, nothing happens.
+  void rest(SessionKey session);
   struct Closed {
     bool was_there = false, was_last = false;
   };
@@ -108,6 +110,7 @@ class LiveSessions {
     LatestExtraction latest;
     DrawQueue pictures;
     std::uint64_t room = 0;  // that its last scene was given
+    bool rests = false;
   };
   // With mutex_ held:
   Session* find(SessionKey key);
@@ -116,6 +119,7 @@ class LiveSessions {
   void draw_soon(SessionKey key, Session& session);
   std::optional<PictureOrder> next_still(SessionKey key, Session& session, std::vector<Extracted>& given_back);
   SceneMemory::MayGo may_go();
+  std::vector<Extracted> let_rest(SessionKey key, Session& session);
   std::vector<Extracted> take_back(const std::vector<SessionKey>& gone);
 
   const bool by_ranks_;

@@ -134,6 +134,11 @@ struct ForgetFrame {
   RequestId request = 0;
 };
 
+/// Nobody looks at the session any more: if no picture of it is waited for, what is extracted for it is let go, and is extracted again for the next one.
+struct RestScene {
+  SessionKey session = 0;
+};
+
 struct CloseSession {
   SessionKey session = 0;
 };
@@ -151,7 +156,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest>;
+                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 

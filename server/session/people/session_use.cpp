@@ -4,6 +4,12 @@
 
 namespace isostrata {
 
+bool SessionUse::goes_to_rest(TimePoint now, bool watched) {
+  if (!looked_ || now - *looked_ < (watched ? kHiddenRests : kUnwatchedRests)) return false;
+  looked_ = now;
+  return true;
+}
+
 bool SessionUse::come() {
   vanished_ = false;
   return std::exchange(abandoned_, false);

@@ -18,8 +18,16 @@ class SessionUse {
   /// Who vanished may come back so long.
   static constexpr Duration kComesBack = std::chrono::minutes(2);
 
+  /// So long after nobody looks any more, what is extracted for the session is let go: whoever loads a page again needs a moment, and who looks at
+  /// another page is back later.
+  static constexpr Duration kUnwatchedRests = std::chrono::seconds(15), kHiddenRests = std::chrono::minutes(5);
+
   TimePoint last() const { return last_; }
   void touch(TimePoint now) { last_ = now; }
+  /// Somebody sees it, or has asked for a picture of it or changed it.
+  void look(TimePoint now) { looked_ = now; }
+  /// Whether what is extracted for it has to be let go now; true again after as long, for somebody may have waited for a picture. watched: by hidden pages.
+  bool goes_to_rest(TimePoint now, bool watched);
   /// Somebody has changed what a dataset shows at first.
   void note_work() { worked_on_ = true; }
   /// Somebody comes. True if abandoned() is another than before, as of leave().
@@ -38,6 +46,7 @@ class SessionUse {
 
  private:
   TimePoint last_{};
+  std::optional<TimePoint> looked_;  // nothing: never
   bool worked_on_ = false;
   bool abandoned_ = false;
   bool vanished_ = false;  // somebody has, without a word, since somebody came

@@ -93,6 +93,7 @@ void Session::announce(TimePoint now) {
   frames_.note_told(told_, scene);
   told_ = scene;
   engine_.post(SceneUpdate{key_, std::move(scene)});
+  use_.look(now);
   const v1::State state = wire_state();
   for (const auto& [key, viewer] : people_.viewers()) viewer->outbox->send_state(state, viewer->heeded);
   keeper_.state_told(*this);
@@ -156,10 +157,18 @@ void Session::set_state(const v1::State& wanted, TimePoint now, Reply reply, std
   reply(std::move(outcome.error));
 }
 
+bool Session::seen() const {
+  return std::ranges::any_of(people_.viewers(), [](const auto& of) { return of.second->frames.visible(); });
+}
+
+void Session::let_rest(TimePoint now) {
+  if (seen()) return use_.look(now);
+  if (use_.goes_to_rest(now, watched())) engine_.post(RestScene{key_});
+}
+
 void Session::play_cycle(TimePoint now) {
   const Scene& scene = state_.scene;
-  const bool seen = std::ranges::any_of(people_.viewers(), [](const auto& of) { return of.second->frames.visible(); });
-  if (scene.mode != SceneMode::cycled || !scene.cycle.playing || !seen || scene.dataset.empty() || cycle_length(scene) < 2)
+  if (scene.mode != SceneMode::cycled || !scene.cycle.playing || !seen() || scene.dataset.empty() || cycle_length(scene) < 2)
     return cycle_.stop();
   if (const std::int64_t steps = cycle_.advance(scene.cycle.seconds, now); steps > 0 && advance_cycle(state_, steps))
     changed(now, Cause::clock);
@@ -220,6 +229,7 @@ void Session::ranges_read(std::shared_ptr<const DatasetFacts> before, TimePoint 
 
 void Session::try_drawing_again(TimePoint now) {
   engine_.post(SceneUpdate{key_, drawn()});
+  use_.look(now);
   draw_again(now);
 }
 
@@ -237,6 +247,7 @@ void Session::wake(TimePoint now) {
 
 RequestId Session::picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now) {
   use_.touch(now);
+  use_.look(now);
   announce(now);
   FrameRequest request{key_, 0, width, height, true, format == StillFormat::jpeg};
   request.still = format;

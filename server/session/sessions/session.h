@@ -126,6 +126,8 @@ class Session final : private SessionDataset::Audience {
   void draw_again(TimePoint now);
   /// Asks for the frames that are due.
   void pump(TimePoint now);
+  /// Has the engine let go what it extracted, if nobody has looked at it for a while.
+  void let_rest(TimePoint now);
   /// When pump may have something to do without an event.
   std::optional<TimePoint> wake_at(TimePoint now) const;
 
@@ -133,6 +135,7 @@ class Session final : private SessionDataset::Audience {
   Session(SessionKey key, EngineDoor& engine, SessionKeeper& keeper, std::string id, ResumeTokens resume);
 
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.facts(), viewer ? viewer->frames.aspect() : 1}; }
+  bool seen() const;
   bool drawable() const { return dataset_.facts() && !state_.scene.dataset.empty(); }
   /// The scene as the engine is told it.
   Scene drawn() const;

@@ -101,6 +101,7 @@ void Session::receive_still(Viewer& viewer, const v1::ClientMessage& message, Ti
   if (still.width() != 0 || still.height() != 0)
     if (auto error = check_size(still.width(), still.height())) return reply(std::move(error));
   if (auto error = viewer.refuse_still(still, now)) return reply(std::move(error));
+  use_.look(now);
   if (still.has_annotations()) return answers_.draw(viewer, still, message.seq());
   viewer.frames.request_still(static_cast<int>(still.width()), static_cast<int>(still.height()));
   frames_.pump(viewer, now);

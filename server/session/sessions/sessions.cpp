@@ -311,6 +311,7 @@ TimePoint Sessions::tick(TimePoint now) {
   for (auto& [key, session] : sessions_) {
     session->people().expire(clock);
     session->look_at_waiting(now);
+    session->let_rest(now);
     if (session->watched()) {
       if (keep) session_changed(*session, false);
       session->pump(now);

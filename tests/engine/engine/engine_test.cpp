@@ -53,6 +53,30 @@ TEST_F(EngineTest, OpeningTellsWhatThereIsAndNamesWhatThereIsNot) {
   EXPECT_EQ(failure_of(6).code, ErrorCode::not_found);
 }
 
+TEST_F(EngineTest, WhatNobodyLooksAtHoldsNothingAndIsMadeAgainForTheNextPicture) {
+  control_->delay_ms = 0;
+  engine_->post(SceneUpdate{1, scene(7)});
+  const auto picture = [&](RequestId request) {
+    engine_->post(frame(1, request));
+    return frame_of(request);
+  };
+  const FrameReady first = picture(1), second = picture(2);
+  EXPECT_GT(first.stages.extract_ms, 0);
+  EXPECT_EQ(second.stages.extract_ms, 0) << "of what is there";
+  engine_->post(RestScene{1});
+  engine_->post(RestScene{99});
+  engine_->post(SceneUpdate{1, scene(8)});  // a script that does not look
+  const FrameReady third = picture(3), fourth = picture(4);
+  EXPECT_GT(third.stages.extract_ms, 0) << "extracted for it";
+  EXPECT_EQ(third.revision, 8u);
+  EXPECT_EQ(*third.bytes, *first.bytes);
+  EXPECT_EQ(fourth.stages.extract_ms, 0) << "somebody looks again";
+  control_->delay_ms = 200;
+  engine_->post(frame(1, 5));
+  engine_->post(RestScene{1});
+  EXPECT_EQ(*frame_of(5).bytes, *first.bytes) << "who waits for a picture gets it";
+}
+
 enum class Shown { picture, key, follower };
 
 TEST_F(EngineTest, VideoBeginsWithAKeyFrameOnceItsEncoderIsOpenAndAgainWhereItIsAskedFor) {

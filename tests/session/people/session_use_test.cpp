@@ -38,6 +38,21 @@ TEST(SessionUseByPeople, WhoVanishedMayComeBackWhateverTheOthersSay) {
   EXPECT_TRUE(use.leave(true, false)) << "back, and done with it";
 }
 
+TEST(SessionUseByPeople, WhatNobodyLooksAtRestsSoonAndWhatHiddenPagesHaveLater) {
+  const auto later = [](Duration after) { return kNow + after; };
+  SessionUse use;
+  EXPECT_FALSE(use.goes_to_rest(later(std::chrono::hours(9)), false)) << "there is nothing yet";
+  use.look(kNow);
+  EXPECT_FALSE(use.goes_to_rest(later(SessionUse::kUnwatchedRests - std::chrono::seconds(1)), false));
+  EXPECT_FALSE(use.goes_to_rest(later(SessionUse::kUnwatchedRests), true));
+  EXPECT_TRUE(use.goes_to_rest(later(SessionUse::kUnwatchedRests), false));
+  EXPECT_FALSE(use.goes_to_rest(later(SessionUse::kUnwatchedRests + std::chrono::seconds(1)), false));
+  EXPECT_TRUE(use.goes_to_rest(later(2 * SessionUse::kUnwatchedRests), false)) << "somebody may have waited for a picture then";
+  use.look(kNow);
+  EXPECT_FALSE(use.goes_to_rest(later(SessionUse::kHiddenRests - std::chrono::seconds(1)), true));
+  EXPECT_TRUE(use.goes_to_rest(later(SessionUse::kHiddenRests), true));
+}
+
 TEST(RoomForANewSession, IsMadeByOneThatHoldsLeastAndOfThoseByTheLongestUnused) {
   const TimePoint old = kNow - std::chrono::hours(1), older = kNow - std::chrono::hours(2);
   std::vector<UnwatchedSession> all{{1, Holds::work, older}, {2, Holds::look, old}, {3, Holds::look, kNow}, {4, Holds::nothing, kNow}};
