@@ -162,6 +162,9 @@ test('every operation of the document can be called, and answers what the docume
   }
   await answers.call('getEngine');
   await answers.call('listParticipants', at);
+  await answers.call('putViewerSize', at, { width: 640, height: 360 });
+  expect((await answers.call('listParticipants', at)).json.viewerWidth).toBe(640);
+  expect((await answers.call('putViewerSize', at, { width: 640 })).text).toContain('the size is 640x0; expected 64x64 to 16384x16384');
   await answers.call('createInvitation', at, { role: 'ROLE_VIEWER', seconds: 3600 });
   const invitation = (await answers.call('listInvitations', at)).json.invitations[0].id as string;
   await answers.call('revokeInvitation', { session, invitation });

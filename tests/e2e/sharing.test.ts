@@ -69,6 +69,19 @@ test('the controller drags and the viewer sees it, and may not drag', async () =
   expect(owner.state.camera).toEqual(camera);
   await viewer.photograph('share-viewer.png');
 
+  // The owner has those who only look take less of the machine.
+  await owner.page.getByRole('button', { name: /^Share/ }).click();
+  await owner.page.getByLabel('Pictures of those who only look').selectOption({ label: 'at most 640 × 360' });
+  const pixels = async () => {
+    const { width, height } = await viewer.picture();
+    return width * height;
+  };
+  await expect.poll(pixels, { timeout: 20_000 }).toBeLessThanOrEqual(640 * 360);
+  await owner.photograph('share-size.png');
+  await owner.page.getByLabel('Pictures of those who only look').selectOption({ label: 'as large as their window' });
+  await viewer.exactPicture();
+  await owner.page.keyboard.press('Escape');
+
   // Control is given, and the link is taken back.
   await owner.page.getByRole('button', { name: /^Share/ }).click();
   await owner.page.getByRole('button', { name: 'Let control' }).click();

@@ -25,6 +25,13 @@ inline v1::ClientMessage revoke(const std::string& id) {
   return message;
 }
 
+inline v1::ClientMessage viewer_size(std::uint32_t width, std::uint32_t height) {
+  v1::ClientMessage message;
+  message.mutable_set_viewer_size()->set_width(width);
+  message.mutable_set_viewer_size()->set_height(height);
+  return message;
+}
+
 inline v1::Invitation invitation_of(const FakeClient& client) {
   return client.outbox.newest([](const auto& m) { return m.has_invitation(); }).invitation();
 }

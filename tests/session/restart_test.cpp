@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "session/fake_engine.h"
+#include "session/people_messages.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {
@@ -185,6 +186,17 @@ TEST_F(Restart, CommandsThatCameWhileTheDatasetWasOpenedAgainAreClaimedOneByOne)
   s_->open();
   EXPECT_EQ(s_->sessions->list().front()->entry().clients(0).last_command(), 3u);
   EXPECT_EQ(eye_x(), 3);
+}
+
+TEST_F(Restart, HowLargeThePicturesOfThoseWhoOnlyLookAreIsKept) {
+  const auto before = s_->connect(s_->looking());
+  s_->open();
+  s_->say(*before, viewer_size(640, 360));
+  const auto hello = s_->resuming(*before);
+  restart();
+  const auto after = s_->connect(hello);
+  EXPECT_EQ(after->outbox.participants().viewer_width(), 640u);
+  EXPECT_EQ(after->outbox.participants().viewer_height(), 360u);
 }
 
 TEST_F(Restart, NoSecretIsOnTheDisk) {

@@ -25,6 +25,14 @@ void invite(const Call& call) {
   call.reply(std::move(response));
 }
 
+void set_viewer_size(const Call& call) {
+  v1::SetViewerSize wanted;
+  if (auto error = parse_message(call.request.body, wanted)) return call.reply(problem(*error));
+  if (auto error = call.session->people().set_viewer_size(wanted, rest_now())) return call.reply(problem(*error));
+  call.session->pump(rest_now());
+  call.reply({204, "", "", {}});
+}
+
 void revoke(const Call& call) {
   if (!call.session->people().revoke(call.path.at("invitation")))
     return call.reply(problem(
@@ -42,6 +50,15 @@ void add_people_routes(std::vector<Route>& routes, RestContext&) {
                     .summary = "Who is connected to the session, and in which role",
                     .answers = {{200, "Everyone", "Participants"}},
                     .handler = [](Call call) { call.reply(message_response(200, call.session->people().to_wire())); }});
+  routes.push_back({.method = "PUT",
+                    .path = "/sessions/{session}/viewer-size",
+                    .id = "putViewerSize",
+                    .tag = "people",
+                    .summary = "How large pictures of those who may only look may be",
+                    .description = "As many pixels in any shape, but never more than the server allows. Participants tells it.",
+                    .body = RequestBody{"SetViewerSize", "0 and 0: as large as the server allows"},
+                    .answers = {{204, "It holds from the next picture on", ""}},
+                    .handler = [](Call call) { set_viewer_size(call); }});
   routes.push_back({.method = "GET",
                     .path = "/sessions/{session}/invitations",
                     .id = "listInvitations",

@@ -62,7 +62,7 @@ void SiteLog::viewer_left(const Session& session) {
 void SiteLog::asked(const Session& session, const Viewer& viewer, const std::string& act, std::uint64_t seq, const std::string& detail) {
   const std::string who = viewer.invitation.empty() ? "owner" : "guest";
   const std::string role = viewer.role == v1::ROLE_CONTROLLER ? "controller" : "viewer";
-  const bool of_people = act == "join" || act == "set_role" || act.ends_with("_invitation");
+  const bool of_people = act == "join" || act == "set_role" || act == "set_viewer_size" || act.ends_with("_invitation");
   LogLine line{.detail = !of_people,
                .event = "act",
                .message = plain(who + " " + (viewer.name.empty() ? "" : "'" + viewer.name + "' ") +

@@ -21,6 +21,9 @@ std::optional<ObservedAct> ObservedActs::note(const v1::ClientMessage& message, 
     case v1::ClientMessage::kSetRole:
       detail = name_of(message.set_role().role()) + (message.set_role().participant() ? " of w" + std::to_string(message.set_role().participant()) : "");
       break;
+    case v1::ClientMessage::kSetViewerSize:
+      detail = std::to_string(message.set_viewer_size().width()) + "x" + std::to_string(message.set_viewer_size().height());
+      break;
     case v1::ClientMessage::kCreateInvitation:
       detail = name_of(message.create_invitation().role());
       break;

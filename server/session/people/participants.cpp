@@ -4,9 +4,28 @@
 #include <utility>
 
 #include "session/commands/apply_command.h"
+#include "session/wire/limits.h"
 #include "session/wire/wire.h"
 
 namespace isostrata {
+namespace {
+
+constexpr std::uint32_t kLeastViewerSide = 64;
+
+// 0: as many as the server allows.
+std::int64_t pixels_of(const v1::SetViewerSize& size) { return std::int64_t{size.width()} * size.height(); }
+
+bool is_viewer_size(const v1::SetViewerSize& size) {
+  const auto fits = [](std::uint32_t side) { return side >= kLeastViewerSide && side <= static_cast<std::uint32_t>(kMaxSide); };
+  return (size.width() == 0 && size.height() == 0) || (fits(size.width()) && fits(size.height()));
+}
+
+}  // namespace
+
+void Participants::add(Viewer& viewer) {
+  viewers_[viewer.key] = &viewer;
+  viewer.session_pixels = pixels_of(viewer_size_);
+}
 
 Viewer* Participants::find(ViewerKey key) const {
   const auto it = viewers_.find(key);
@@ -41,6 +60,8 @@ v1::Participants Participants::to_wire() const {
     one.set_invited(!viewer->invitation.empty());
     one.set_client(viewer->client);
   }
+  all.set_viewer_width(viewer_size_.width());
+  all.set_viewer_height(viewer_size_.height());
   return all;
 }
 
@@ -61,6 +82,9 @@ std::optional<std::string> Participants::forbidden(const Viewer& viewer, const v
         return "who was invited may change the roles of those alone whom they have invited";
       break;
     }
+    case v1::ClientMessage::kSetViewerSize:
+      if (controls && !owner) return "who was invited may not change how large others' pictures are";
+      break;
     case v1::ClientMessage::kOpenDataset:
     case v1::ClientMessage::kReloadDataset:
     case v1::ClientMessage::kCancel:
@@ -77,6 +101,9 @@ bool Participants::answer(Viewer& viewer, const v1::ClientMessage& message, Time
   switch (message.body_case()) {
     case v1::ClientMessage::kSetRole:
       set_role(viewer, message.set_role(), now, reply);
+      return true;
+    case v1::ClientMessage::kSetViewerSize:
+      reply(set_viewer_size(message.set_viewer_size(), now));
       return true;
     case v1::ClientMessage::kCreateInvitation: {
       Invitations::Made made = invite(message.create_invitation(), viewer.invitation);
@@ -102,6 +129,28 @@ bool Participants::answer(Viewer& viewer, const v1::ClientMessage& message, Time
     default:
       return false;
   }
+}
+
+void Participants::restore(const v1::SetViewerSize& viewer_size) {
+  if (is_viewer_size(viewer_size)) viewer_size_ = viewer_size;
+}
+
+std::optional<v1::Error> Participants::set_viewer_size(const v1::SetViewerSize& wanted, TimePoint now) {
+  if (!is_viewer_size(wanted)) {
+    const std::string least = std::to_string(kLeastViewerSide), most = std::to_string(kMaxSide);
+    return wire_error("invalid_argument",
+                      "the size is " + std::to_string(wanted.width()) + "x" + std::to_string(wanted.height()) + "; expected " + least + "x" + least + " to " +
+                          most + "x" + most + ", or 0x0 for as large as the server allows",
+                      "width");
+  }
+  viewer_size_ = wanted;
+  ports_.kept_changed();
+  for (const auto& [key, viewer] : viewers_) {
+    viewer->session_pixels = pixels_of(viewer_size_);
+    if (viewer->viewport.width() > 0) viewer->set_viewport(v1::Viewport(viewer->viewport), now);
+  }
+  changed();
+  return std::nullopt;
 }
 
 void Participants::set_role(Viewer& viewer, const v1::SetRole& wanted, TimePoint now, const Reply& reply) {
@@ -132,21 +181,21 @@ void Participants::set_role(Viewer& viewer, const v1::SetRole& wanted, TimePoint
 Invitations::Made Participants::invite(const v1::CreateInvitation& wanted, const std::string& made_by) {
   expire(unix_ms_now());
   Invitations::Made made = invitations_.make(wanted, unix_ms_now(), made_by);
-  if (!made.error) ports_.invitations_changed();
+  if (!made.error) ports_.kept_changed();
   return made;
 }
 
 bool Participants::revoke(const std::string& invitation) {
   const auto over = invitations_.revoke(invitation);
   if (over.empty()) return false;
-  ports_.invitations_changed();
+  ports_.kept_changed();
   for (const std::string& one : over) ports_.invitation_ended(one);
   return true;
 }
 
 void Participants::expire(UnixMs now) {
   const auto over = invitations_.expire(now);
-  if (!over.empty()) ports_.invitations_changed();
+  if (!over.empty()) ports_.kept_changed();
   for (const std::string& invitation : over) ports_.invitation_ended(invitation);
 }
 

@@ -23,7 +23,7 @@ class Participants {
 
   struct Ports {
     std::function<void()> people_changed;       // who is there, or what one of them may do; before everyone is told
-    std::function<void()> invitations_changed;  // to be kept before anybody is told
+    std::function<void()> kept_changed;    // invitations, or how large pictures may be: to be kept before anybody is told
     /// Whoever came by it is to be cut off; not called back from within.
     std::function<void(const std::string& invitation)> invitation_ended;
   };
@@ -32,7 +32,7 @@ class Participants {
   // ---- who is there ----
 
   /// The viewer must live until remove(). Neither tells anybody: changed() does.
-  void add(Viewer& viewer) { viewers_[viewer.key] = &viewer; }
+  void add(Viewer& viewer);
   void remove(const Viewer& viewer) { viewers_.erase(viewer.key); }
   const std::map<ViewerKey, Viewer*>& viewers() const { return viewers_; }
   bool empty() const { return viewers_.empty(); }
@@ -53,6 +53,13 @@ class Participants {
   /// If the message is about people, which it must not be forbidden(), does what it asks for, and answers the viewer or the reply.
   bool answer(Viewer& viewer, const v1::ClientMessage& message, TimePoint now, const Reply& reply);
 
+  // ---- how large the pictures of those who may only look may be ----
+
+  const v1::SetViewerSize& viewer_size() const { return viewer_size_; }
+  void restore(const v1::SetViewerSize& viewer_size);
+  /// Tells everyone. Returns why not.
+  std::optional<v1::Error> set_viewer_size(const v1::SetViewerSize& wanted, TimePoint now);
+
   // ---- invitations ----
 
   const Invitations& invitations() const { return invitations_; }
@@ -71,6 +78,7 @@ class Participants {
   const Ports ports_;
   std::map<ViewerKey, Viewer*> viewers_;
   Invitations invitations_;
+  v1::SetViewerSize viewer_size_;
 };
 
 }  // namespace isostrata

@@ -13,11 +13,12 @@ void Viewer::set_viewport(const v1::Viewport& wanted, TimePoint now) {
   viewport = wanted;
   auto width = static_cast<int>(viewport.width()), height = static_cast<int>(viewport.height());
   const double pixels = static_cast<double>(width) * height;
-  if (role == v1::ROLE_VIEWER && pixels > static_cast<double>(most_pixels)) {
-    const double scale = std::sqrt(static_cast<double>(most_pixels) / pixels);
+  const std::int64_t most = most_pixels();
+  if (role == v1::ROLE_VIEWER && pixels > static_cast<double>(most)) {
+    const double scale = std::sqrt(static_cast<double>(most) / pixels);
     const auto scaled = [&](int side, int other) {
       return std::clamp(static_cast<int>(side * scale), 1,
-                        static_cast<int>(most_pixels / std::max(1, static_cast<int>(other * scale))));
+                        static_cast<int>(most / std::max(1, static_cast<int>(other * scale))));
     };
     const int wide = scaled(width, height);
     height = scaled(height, width);
@@ -29,10 +30,10 @@ void Viewer::set_viewport(const v1::Viewport& wanted, TimePoint now) {
 std::optional<v1::Error> Viewer::refuse_still(const v1::RequestStill& still, TimePoint now) {
   if (role != v1::ROLE_VIEWER) return std::nullopt;
   const auto pixels = static_cast<std::int64_t>(still.width()) * still.height();
-  if (pixels > most_pixels)
+  if (pixels > most_pixels())
     return wire_error("too_large",
                       std::to_string(still.width()) + "x" + std::to_string(still.height()) + " pixels; expected at most " +
-                          std::to_string(most_pixels) + " for who may only look",
+                          std::to_string(most_pixels()) + " for who may only look",
                       "width");
   if (const Duration wait = stills.wait(now); wait > Duration::zero())
     return wire_error("unavailable", "who may only look gets a still every " +

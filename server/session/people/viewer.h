@@ -1,6 +1,7 @@
 // One connection of a session: where its messages go, and its frames.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -57,7 +58,8 @@ struct Viewer {
 
   v1::Viewport viewport;                   // as it was asked for
   TokenBucket stills{kViewerStillsPerSecond, kViewerStillsAtOnce};  // that it may ask for where it may only look
-  std::int64_t most_pixels = kMaxViewerPixels;  // of its pictures, there
+  std::int64_t server_pixels = kMaxViewerPixels;  // of its pictures, there: as many as the server allows
+  std::int64_t session_pixels = 0;                // and as a controller of the session does; 0: no fewer
   TimePoint pays_at{};  // the next picture for it alone waits until then
 
   v1::Role role = v1::ROLE_CONTROLLER;
@@ -66,10 +68,12 @@ struct Viewer {
   std::string address;     // at the other end of its connection, where that is known
   ObservedActs acts;
 
-  /// That its frames are made for. Who may only look gets pictures of at most most_pixels, of the same shape.
+  /// That its frames are made for. Who may only look gets pictures of at most most_pixels(), of the same shape.
   void set_viewport(const v1::Viewport& wanted, TimePoint now);
   /// Why it may not have this still; else one is taken from what it may ask for.
   std::optional<v1::Error> refuse_still(const v1::RequestStill& still, TimePoint now);
+
+  std::int64_t most_pixels() const { return session_pixels > 0 ? std::min(server_pixels, session_pixels) : server_pixels; }
 
   /// The message `seq` is contained in `revision` and all later ones.
   void note_input(std::uint64_t seq, std::uint64_t revision);

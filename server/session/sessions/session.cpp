@@ -27,7 +27,7 @@ Session::Session(SessionKey key, EngineDoor& engine, SessionKeeper& keeper, std:
       resume_(std::move(resume)),
       scene_(state_),
       people_({.people_changed = [this] { keeper_.people_changed(*this); },
-               .invitations_changed = [this] { keeper_.session_changed(*this, true); },
+               .kept_changed = [this] { keeper_.session_changed(*this, true); },
                .invitation_ended = [this](const std::string& invitation) { keeper_.invitation_ended(*this, invitation); }}),
       dataset_(key, engine, *this),
       frames_(key, engine, people_, state_.scene,

@@ -14,6 +14,7 @@ Session::Session(SessionKey key, EngineDoor& engine, SessionKeeper& keeper, cons
       invitations.push_back({i.id(), i.token_hash(), i.role() == v1::ROLE_CONTROLLER ? v1::ROLE_CONTROLLER : v1::ROLE_VIEWER,
                              i.expires_unix_ms(), i.name(), i.made_by()});
   people_.restore(std::move(invitations));
+  people_.restore(kept.viewer_size());
   for (const auto& client : kept.clients()) commands_.restore({{client.id(), client.last_command()}, client.guest()});
   scene_.restore(kept.state(), kept.last_interval_id());
   const bool worked_on = state_.scene.revision > 2;  // nothing, and a first look
@@ -36,6 +37,7 @@ journal::Entry Session::entry() const {
     to.set_name(invitation.name);
     to.set_made_by(invitation.made_by);
   }
+  *entry.mutable_viewer_size() = people_.viewer_size();
   for (const ClientCommands::Newest& newest : commands_.all()) {
     const auto& [client, number] = newest.command;
     journal::Client& to = *entry.add_clients();

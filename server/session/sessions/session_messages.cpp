@@ -34,7 +34,7 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     return acknowledge(viewer, message.seq());
   const Reply reply = reply_to(viewer, message);
   if (const auto why = people_.forbidden(viewer, message)) return reply(wire_error("forbidden", *why));
-  if (people_.answer(viewer, message, now, reply)) return;
+  if (people_.answer(viewer, message, now, reply)) return pump(now);
   if (is_scene_command(message)) return command(message, &viewer, now, reply);
   switch (message.body_case()) {
     case v1::ClientMessage::kOpenDataset:

@@ -120,7 +120,7 @@ void Sessions::hello(Viewer& viewer, const v1::ClientMessage& message, TimePoint
   Session* session = refusal ? nullptr : place_for(viewer, hello, now, refusal);
   if (refusal) return refuse(viewer, std::move(*refusal), message.seq());
   introduce(viewer, hello, options_.moving_codecs);
-  viewer.most_pixels = options_.max_viewer_pixels;
+  viewer.server_pixels = options_.max_viewer_pixels;
   session->attach(viewer, now);
   observers_.viewer_joined(*session);
   observers_.asked(*session, viewer, "join", message.seq(), "");

@@ -43,7 +43,7 @@ TEST(ObservedActsOfAViewer, WhatPeopleDoToOthersIsToldEachTimeWithItsWords) {
     const auto act = acts.note(message, now);
     return act ? act->act + ": " + act->detail : "nothing";
   };
-  v1::ClientMessage open, role, own_role, invite, revoke;
+  v1::ClientMessage open, role, own_role, invite, revoke, size;
   open.mutable_open_dataset()->set_id("fin");
   open.mutable_open_dataset()->set_region("0:9,:,:");
   open.mutable_open_dataset()->set_stride("2");
@@ -52,12 +52,15 @@ TEST(ObservedActsOfAViewer, WhatPeopleDoToOthersIsToldEachTimeWithItsWords) {
   own_role.mutable_set_role()->set_role(v1::ROLE_VIEWER);
   invite.mutable_create_invitation()->set_role(v1::ROLE_VIEWER);
   revoke.mutable_revoke_invitation()->set_id("abc");
+  size.mutable_set_viewer_size()->set_width(640);
+  size.mutable_set_viewer_size()->set_height(360);
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(words(open), "open_dataset: fin 0:9,:,: 2");
     EXPECT_EQ(words(role), "set_role: controller of w7");
     EXPECT_EQ(words(own_role), "set_role: viewer");
     EXPECT_EQ(words(invite), "create_invitation: viewer");
     EXPECT_EQ(words(revoke), "revoke_invitation: abc");
+    EXPECT_EQ(words(size), "set_viewer_size: 640x360");
   }
 }
 

@@ -45,7 +45,7 @@ class ParticipantsOfASession : public ::testing::Test {
   std::vector<std::string> ended_;
   std::map<ViewerKey, Person> people_here_;
   Participants people_{{.people_changed = [this] { ++told_; },
-                        .invitations_changed = [this] { ++kept_; },
+                        .kept_changed = [this] { ++kept_; },
                         .invitation_ended = [this](const std::string& id) {
                           EXPECT_GT(kept_, 0) << "what is over is kept before anybody is cut off";
                           ended_.push_back(id);
@@ -140,12 +140,43 @@ TEST_F(ParticipantsOfASession, WhoMayOnlyLookHasSmallerPicturesFromThatMomentOn)
   EXPECT_EQ(say(owner, role_of(2, v1::ROLE_VIEWER)), "");
   EXPECT_LE(static_cast<std::int64_t>(other.viewer.frames.width()) * other.viewer.frames.height(), kMaxViewerPixels);
   EXPECT_NEAR(other.viewer.frames.aspect(), 4, 0.01);
-  other.viewer.most_pixels = 10'000;
+  other.viewer.server_pixels = 10'000;
   other.viewer.set_viewport(wall, kNow);
   EXPECT_EQ(other.viewer.frames.width(), 200);
   EXPECT_EQ(other.viewer.frames.height(), 50);
   EXPECT_EQ(say(owner, role_of(2, v1::ROLE_CONTROLLER)), "");
   EXPECT_EQ(other.viewer.frames.width(), 16000) << "as it was asked for";
+}
+
+TEST_F(ParticipantsOfASession, AControllerSaysHowLargeThePicturesOfThoseWhoOnlyLookAre) {
+  Person& owner = come(1);
+  Person& other = come(2, v1::ROLE_VIEWER);
+  v1::Viewport window;
+  window.set_width(2000);
+  window.set_height(1000);
+  for (Person* const one : {&owner, &other}) one->viewer.set_viewport(window, kNow);
+  EXPECT_EQ(say(owner, viewer_size(400, 200)), "");
+  EXPECT_EQ(kept_, 1);
+  EXPECT_EQ(other.viewer.frames.width(), 400);
+  EXPECT_EQ(other.viewer.frames.height(), 200);
+  EXPECT_EQ(owner.viewer.frames.width(), 2000);
+  EXPECT_EQ(other.outbox.participants().viewer_width(), 400u);
+  EXPECT_EQ(other.outbox.participants().viewer_height(), 200u);
+  v1::RequestStill still;
+  still.set_width(401);
+  still.set_height(200);
+  EXPECT_EQ(other.viewer.refuse_still(still, kNow)->code(), "too_large");
+  Person& late = come(3, v1::ROLE_VIEWER);
+  late.viewer.set_viewport(window, kNow);
+  EXPECT_EQ(late.viewer.frames.width(), 400);
+  EXPECT_EQ(say(owner, viewer_size(16384, 16384)), "");
+  EXPECT_EQ(other.viewer.most_pixels(), kMaxViewerPixels) << "never more than the server allows";
+  EXPECT_EQ(say(owner, viewer_size(0, 0)), "");
+  EXPECT_EQ(other.viewer.frames.width(), 2000);
+  for (const auto& wrong : {viewer_size(640, 0), viewer_size(0, 360), viewer_size(63, 64), viewer_size(64, 16385)})
+    EXPECT_EQ(say(owner, wrong), "invalid_argument") << wrong.ShortDebugString();
+  EXPECT_EQ(say(other, viewer_size(0, 0)), "forbidden");
+  EXPECT_EQ(say(come(4, v1::ROLE_CONTROLLER, invitation(v1::ROLE_CONTROLLER)), viewer_size(0, 0)), "forbidden");
 }
 
 TEST_F(ParticipantsOfASession, AClientIsFoundOnItsNewestConnection) {

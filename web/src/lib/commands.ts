@@ -16,7 +16,7 @@ import type {
   Smear,
   TimeMode,
 } from './model';
-import type { Role } from './told';
+import type { Role, Size } from './told';
 import { protocolMajor, protocolMinor, roles } from './protocol';
 import { fieldValues, modes, spans, timeModes, wireInterval, wireRgb, wireSurface, wireTerm, wireTransfer, wireVec } from './wire-scene';
 
@@ -140,6 +140,7 @@ export const command = {
   }),
   cancel: (operation: bigint): Command => ({ case: 'cancel', value: { operation } }),
   setRole: (participant: bigint, role: Role): Command => ({ case: 'setRole', value: { participant, role: roles.wire(role) } }),
+  setViewerSize: (size: Size): Command => ({ case: 'setViewerSize', value: size }),
   createInvitation: (role: Role, seconds: number, name: string): Command => ({
     case: 'createInvitation',
     value: { role: roles.wire(role), seconds, name },

@@ -47,7 +47,11 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
     case 'shutdown':
       return { kind: 'shutdown', ending: body.value };
     case 'participants':
-      return { kind: 'participants', participants: body.value.participants.map((who) => ({ ...who, role: roles.name(who.role) })) };
+      return {
+        kind: 'participants',
+        participants: body.value.participants.map((who) => ({ ...who, role: roles.name(who.role) })),
+        viewerSize: { width: body.value.viewerWidth, height: body.value.viewerHeight },
+      };
     case 'invitation':
       return { kind: 'invitation', invitation: invitationOf(body.value) };
     case 'invitations':

@@ -1,6 +1,6 @@
 // Who is at the session, what this page may do there, and the invitations to it.
 import { command, type Command } from './commands';
-import type { Invitation, Participant, Role, Welcome } from './told';
+import type { Invitation, Participant, Role, Size, Welcome } from './told';
 
 export class People {
   /** Everyone at the session, this page among them. */
@@ -8,6 +8,8 @@ export class People {
   invitations = $state.raw<Invitation[]>([]);
   /** The invitation that was just made here, with its link; the server tells its token once. */
   made = $state.raw<Invitation | null>(null);
+  /** How large the pictures of those who may only look may be; 0 and 0: as large as the server allows. */
+  viewerSize = $state.raw<Size>({ width: 0, height: 0 });
   /** This page may look and not change. */
   viewOnly = $state.raw(false);
   /** Whether this page came by a link; it cannot take control by itself. */
@@ -19,6 +21,9 @@ export class People {
 
   setRole(participant: bigint, role: Role): void {
     this.send(command.setRole(participant, role));
+  }
+  setViewerSize(size: Size): void {
+    this.send(command.setViewerSize(size));
   }
   invite(role: Role, seconds: number, name: string): void {
     this.made = null;
@@ -38,8 +43,9 @@ export class People {
     this.invited = resumeToken === '';
   }
   /** Whether this page may do more or less than before. */
-  told(participants: Participant[]): boolean {
+  told(participants: Participant[], viewerSize: Size): boolean {
     this.participants = participants;
+    this.viewerSize = viewerSize;
     const role = participants.find(({ id }) => id === this.me)?.role;
     const changed = role !== undefined && (role === 'viewer') !== this.viewOnly;
     if (changed) this.viewOnly = !this.viewOnly;

@@ -165,7 +165,7 @@ export class Session {
       case 'shutdown':
         return this.#onShutdown(event.ending);
       case 'participants':
-        if (!this.people.told(event.participants)) return;
+        if (!this.people.told(event.participants, event.viewerSize)) return;
         this.scene.edit((mine) => mine.clear());
         return this.notices.say(this.people.viewOnly ? 'You see what others show: view only.' : 'You have control.', 'note');
       case 'invitation':

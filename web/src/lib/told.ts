@@ -105,6 +105,12 @@ export interface Participant {
   client: string;
 }
 
+/** In pixels. */
+export interface Size {
+  width: number;
+  height: number;
+}
+
 export interface Invitation {
   id: string;
   role: Role;
@@ -223,7 +229,7 @@ export type ServerEvent =
   | { kind: 'error'; error: ServerError }
   | { kind: 'pong'; clientTimeMs: number }
   | { kind: 'shutdown'; ending: Ending }
-  | { kind: 'participants'; participants: Participant[] }
+  | { kind: 'participants'; participants: Participant[]; viewerSize: Size }
   | { kind: 'invitation'; invitation: Invitation }
   | { kind: 'invitations'; invitations: Invitation[] }
   | { kind: 'datasetList'; list: DatasetList }
