@@ -160,15 +160,27 @@ describe('the open dataset', () => {
 describe('people', () => {
   const who = (id: bigint, role: Participant['role']): Participant => ({ id, name: '', role, invited: false, client: '' });
 
+  const anySize = { width: 0, height: 0 };
+
   test('only a change of this page’s own role is told', () => {
     const people = new People(() => {});
     people.welcomed({ role: 'controller', participant: 2n, resumeToken: 't' });
-    expect(people.told([who(1n, 'viewer'), who(2n, 'controller')])).toBe(false);
-    expect(people.told([who(1n, 'viewer'), who(2n, 'viewer')])).toBe(true);
+    expect(people.told([who(1n, 'viewer'), who(2n, 'controller')], anySize)).toBe(false);
+    expect(people.told([who(1n, 'viewer'), who(2n, 'viewer')], anySize)).toBe(true);
     expect(people.viewOnly).toBe(true);
-    expect(people.told([who(1n, 'controller'), who(2n, 'viewer')])).toBe(false);
-    expect(people.told([who(1n, 'controller')])).toBe(false);
+    expect(people.told([who(1n, 'controller'), who(2n, 'viewer')], anySize)).toBe(false);
+    expect(people.told([who(1n, 'controller')], anySize)).toBe(false);
     expect(people.viewOnly).toBe(true);
+  });
+
+  test('how large pictures of those who only look are is asked of the server, and is what it tells', () => {
+    const { send, cases } = line();
+    const people = new People(send);
+    people.setViewerSize({ width: 640, height: 360 });
+    expect(cases()).toEqual(['setViewerSize']);
+    expect(people.viewerSize).toEqual(anySize);
+    people.told([], { width: 640, height: 360 });
+    expect(people.viewerSize).toEqual({ width: 640, height: 360 });
   });
 
   test('a link that was just made is shown until another is asked for or it is revoked; who only looks sees no list', () => {
