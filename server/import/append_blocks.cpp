@@ -180,7 +180,7 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
     first_points.push_back(points_before);
     const bool whole = !shared || &block == &imported.blocks.front();
     const std::int64_t common = whole ? 0 : file_points(block);  // these are there already
-    const bool seams = block.seams != std::array<bool, 3>{} && !block.jumps;
+    const bool seams = has_seams(block) && !block.jumps;
     const auto number = [&](std::int64_t id) {
       if (seams) id = without_seams(block, id);
       return id < common ? id : points_before + id - common;

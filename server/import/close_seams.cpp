@@ -129,7 +129,7 @@ void close_seams(Block& block) {
 }
 
 std::int64_t without_seams(const Block& block, std::int64_t point) {
-  if (block.seams == std::array<bool, 3>{}) return point;
+  if (!has_seams(block)) return point;
   for (int axis = 0; axis < 3; ++axis) {
     const GridSheets sheets{block.grid.dims(), axis};
     if (block.seams[static_cast<std::size_t>(axis)] && sheets.on_last(point)) point -= sheets.last();
