@@ -13,7 +13,9 @@
 #include "extract_bench.h"
 #include "main/simd_option.h"
 #include "paraview_peer.h"
+#include "read_bench.h"
 #include "render_bench.h"
+#include "vtk_threads.h"
 
 namespace {
 
@@ -168,6 +170,51 @@ void add_peak_memory(CLI::App& app) {
   });
 }
 
+constexpr const char* kOpened =
+    "from the file's name to all values with their ranges, of the first step, each in a new process; the kernel's cache of files is left as it is. Held: anonymous memory while the "
+    "data is there. At most: the largest resident size of a process that took part, mapped files included";
+
+boost::json::object to_json(const ReadRow& row) {
+  const auto cost = [](const ReadCost& of) { return boost::json::object{{"ms", of.ms}, {"held_bytes", of.held_bytes}, {"peak_bytes", of.peak_bytes}}; };
+  return {{"data", std::filesystem::path(row.file).filename().string()}, {"bytes", row.bytes}, {"vtk", cost(row.vtk)}, {"cold", cost(row.cold)}, {"kept", cost(row.kept)}};
+}
+
+void add_read(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("read", "Opening files: ours, with nothing kept and again, and VTK's readers");
+  struct Arguments {
+    ReadBenchOptions options;
+    bool json = false;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("--data", arguments->options.files, "A file; several may follow")->required()->check(CLI::ExistingFile);
+  command->add_option("--repeat", arguments->options.repeat, "How often each is measured, in turns; medians are told")->check(CLI::Range(1, 100))->capture_default_str();
+  command->add_option("--threads", arguments->options.threads, "Threads for either side")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print one JSON document");
+  command->callback([arguments] {
+    struct Report {
+      std::string vtk;
+      std::vector<std::string> left_out;
+    } report{prepare_vtk(arguments->options.threads), {}};
+    boost::json::array runs;
+    run_read_bench(arguments->options, [&](const ReadRow& row) { arguments->json ? runs.push_back(to_json(row)) : print_text(row); });
+    finish_report(report, arguments->json, std::move(runs), kOpened);
+  });
+}
+
+void add_read_once(CLI::App& app) {
+  struct Arguments {
+    std::string who, file, cache;
+    int threads = 2;
+  };
+  CLI::App* command = app.add_subcommand("read-once", "One side's opening once: prints ms, and bytes held and at most");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("SIDE", arguments->who, "ours or vtk")->required()->check(CLI::IsMember({"ours", "vtk"}));
+  command->add_option("FILE", arguments->file, "What to open")->required();
+  command->add_option("--cache", arguments->cache, "Folder in which ours keeps what it read (default: nothing is kept)");
+  command->add_option("--threads", arguments->threads, "Threads")->check(CLI::Range(1, 4096))->capture_default_str();
+  command->callback([arguments] { print_read_cost(arguments->who, arguments->file, arguments->cache, arguments->threads); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -176,6 +223,8 @@ int main(int argc, char** argv) {
   add_extract(app);
   add_render(app);
   add_peak_memory(app);
+  add_read(app);
+  add_read_once(app);
   for (CLI::App* command : app.get_subcommands({})) add_simd_option(*command);
   try {
     use_simd_level_of_environment();
