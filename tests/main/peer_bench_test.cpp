@@ -8,6 +8,7 @@
 
 #include "support/places.h"
 #include "support/run_isostrata.h"
+#include "support/temporary_folder.h"
 
 namespace {
 
@@ -111,6 +112,23 @@ TEST_F(PeerBench, DrawsTheSamePicturesAsVtk) {
   EXPECT_TRUE(seen.contains("Bunyk ray cast, linear"));
 }
 
+TEST_F(PeerBench, OpensAFileByUsAndByVtksReaderEachInAProcessOfItsOwn) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "layer.vtu").string();
+  ASSERT_EQ(run_isostrata("extract torus:64 --interval 0:0.5 --out " + file).status, 0);
+  const CommandResult result = run_program("isostrata-peer-bench", "read --repeat 1 --json --data " + file);
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json::value run = json::parse(result.out).at("runs").at(0);
+  EXPECT_EQ(number(run.at("bytes")), static_cast<double>(std::filesystem::file_size(file)));
+  for (const char* who : {"vtk", "cold", "kept"}) {
+    EXPECT_GT(number(run.at(who).at("ms")), 0) << who;
+    EXPECT_GE(number(run.at(who).at("peak_bytes")), number(run.at(who).at("held_bytes"))) << who;
+  }
+  const double connectivity = 8.0 * 4 * 400'000;  // at least so many tetrahedra
+  EXPECT_GT(number(run.at("vtk").at("held_bytes")), connectivity) << "what was read is alive when memory is looked at";
+  EXPECT_LT(number(run.at("cold").at("held_bytes")), connectivity) << "ours is mapped";
+}
+
 TEST_F(PeerBench, RefusesWithOneClearLine) {
   const std::pair<const char*, const char*> refusals[] = {
       {"extract --data torus:16 --interval 2:1", "lower less than upper"},
@@ -119,6 +137,7 @@ TEST_F(PeerBench, RefusesWithOneClearLine) {
       {"render --data torus:16 --interval 2:1", "lower less than upper"},
       {"render --data no-such-file.vtk --renderer raster", "no-such-file.vtk"},
       {"extract --data torus-u8:x", "expected torus-u8:N"},
+      {"read-once vtk README.md", "no reader of VTK's is measured for '.md'"},
       {"peak-memory vtk torus:16 --interval 100:200", "the interval is empty"},
   };
   for (const auto& [arguments, says] : refusals) {
