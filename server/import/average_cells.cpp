@@ -1,8 +1,9 @@
 #include "import/average_cells.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <utility>
 
 #include "import/close_seams.h"
 
@@ -41,42 +42,92 @@ void for_each_cell(const Grid& grid, const Use& use) {
     if (!grid.hidden(cell)) use(cell, std::span<const std::int64_t>(ids).first(static_cast<std::size_t>(grid.cell_points(cell, ids))));
 }
 
-template <class Out>
-FileArray mean_over_cells(const Block& block, const FileArray& array) {
+constexpr std::size_t kNumbersTogether = 7;   // and how many cells are in them: a line of the cache
+constexpr std::int64_t kCellsTogether = 4096;  // whose values are looked at together
+
+/// Numbers of some arrays side by side, as doubles. Cells are asked for in their order.
+class ValuesOfCells {
+ public:
+  ValuesOfCells(std::span<const FileArray* const> arrays, std::size_t width, std::int64_t cells)
+      : arrays_(arrays), width_(width), cells_(cells), values_(width * kCellsTogether) {}
+
+  const double* of(std::int64_t cell) {
+    if (cell >= end_) load(cell);
+    return &values_[static_cast<std::size_t>(cell - begin_) * width_];
+  }
+
+ private:
+  void load(std::int64_t cell) {
+    begin_ = cell;
+    end_ = std::min(cell + kCellsTogether, cells_);
+    std::size_t column = 0;
+    for (const FileArray* array : arrays_) {
+      const auto components = static_cast<std::size_t>(array->components);
+      std::visit(
+          [&](auto values) {
+            for (std::int64_t of = begin_; of < end_; ++of)
+              for (std::size_t c = 0; c < components; ++c)
+                values_[static_cast<std::size_t>(of - begin_) * width_ + column + c] = static_cast<double>(values[static_cast<std::size_t>(of) * components + c]);
+          },
+          scalar_span(array->type, array->values));
+      column += components;
+    }
+  }
+
+  const std::span<const FileArray* const> arrays_;
+  const std::size_t width_;
+  const std::int64_t cells_;
+  std::int64_t begin_ = 0, end_ = 0;
+  std::vector<double> values_;
+};
+
+std::size_t width_of(std::span<const FileArray* const> arrays) {
+  std::size_t width = 0;
+  for (const FileArray* array : arrays) width += static_cast<std::size_t>(array->components);
+  return width;
+}
+
+/// At each point `width` sums, and how many cells are in them. partial: a cell whose first number is NaN has none.
+std::vector<double> sum_at_points(const Block& block, std::span<const FileArray* const> arrays, bool partial) {
   const Grid& grid = block.grid;
   const auto points = static_cast<std::size_t>(grid.point_count());
-  const auto components = static_cast<std::size_t>(array.components);
+  const std::size_t width = width_of(arrays), stride = width + 1;
   const bool seams = has_seams(block);
-  const std::size_t stride = components + 1;  // a point's sums, and how many cells are in them
   std::vector<double> sums(points * stride, 0.0);
   // A cell that was split counts once at each of its points, however many of its pieces meet there.
   std::vector<std::int64_t> counted(block.source.empty() ? 0 : points, -1);
-  std::visit(
-      [&](auto values) {
-        for_each_cell(grid, [&](std::int64_t cell, std::span<const std::int64_t> ids) {
-          if (array.partial && std::isnan(static_cast<double>(values[static_cast<std::size_t>(cell) * components]))) return;  // no value
-          for (const std::int64_t id : ids) {
-            const auto point = static_cast<std::size_t>(seams ? without_seams(block, id) : id);
-            if (!counted.empty()) {
-              const std::int64_t source = block.source[static_cast<std::size_t>(cell)];
-              if (counted[point] == source) continue;
-              counted[point] = source;
-            }
-            double* const of_point = &sums[point * stride];
-            for (std::size_t c = 0; c < components; ++c) of_point[c] += static_cast<double>(values[static_cast<std::size_t>(cell) * components + c]);
-            ++of_point[components];
-          }
-        });
-      },
-      scalar_span(array.type, array.values));
+  ValuesOfCells values(arrays, width, grid.cell_count());
+  for_each_cell(grid, [&](std::int64_t cell, std::span<const std::int64_t> ids) {
+    const double* const of_cell = values.of(cell);
+    if (partial && std::isnan(of_cell[0])) return;
+    for (const std::int64_t id : ids) {
+      const auto point = static_cast<std::size_t>(seams ? without_seams(block, id) : id);
+      if (!counted.empty()) {
+        const std::int64_t source = block.source[static_cast<std::size_t>(cell)];
+        if (counted[point] == source) continue;
+        counted[point] = source;
+      }
+      double* const of_point = &sums[point * stride];
+      for (std::size_t c = 0; c < width; ++c) of_point[c] += of_cell[c];
+      ++of_point[width];
+    }
+  });
+  return sums;
+}
 
+/// The numbers from `column` on of each point's sums, by how many cells are in them.
+template <class Out>
+FileArray mean_of(const Block& block, const FileArray& array, const std::vector<double>& sums, std::size_t width, std::size_t column) {
+  const auto points = static_cast<std::size_t>(block.grid.point_count());
+  const auto components = static_cast<std::size_t>(array.components);
+  const bool seams = has_seams(block);
   auto [storage, means] = allocate<Out>(points * components);
   for (std::size_t p = 0; p < points; ++p) {
     const auto from = seams ? static_cast<std::size_t>(without_seams(block, static_cast<std::int64_t>(p))) : p;
-    const double* const of_point = &sums[from * stride];
-    const double uses = of_point[components];
+    const double* const of_point = &sums[from * (width + 1)];
+    const double cells = of_point[width];
     for (std::size_t c = 0; c < components; ++c)
-      means[p * components + c] = uses > 0 ? static_cast<Out>(of_point[c] / uses) : std::numeric_limits<Out>::quiet_NaN();
+      means[p * components + c] = cells > 0 ? static_cast<Out>(of_point[column + c] / cells) : std::numeric_limits<Out>::quiet_NaN();
   }
   FileArray out = array;
   out.type = sizeof(Out) == 4 ? ScalarType::float32 : ScalarType::float64;
@@ -87,9 +138,42 @@ FileArray mean_over_cells(const Block& block, const FileArray& array) {
 
 }  // namespace
 
-FileArray average_cells(const Block& block, const FileArray& array) {
-  const bool single = array.type == ScalarType::float32 || size_of(array.type) <= 2;
-  return single ? mean_over_cells<float>(block, array) : mean_over_cells<double>(block, array);
+CellMeans::CellMeans(const Block& block) : block_(block) {
+  for (const FileArray& array : block.arrays)
+    if (array.on_cells) arrays_.push_back(&array);
+}
+
+/// How many of the next ones; one that lacks values somewhere counts other cells.
+std::size_t CellMeans::together() const {
+  const std::size_t points = static_cast<std::size_t>(std::max<std::int64_t>(block_.grid.point_count(), 1));
+  const std::size_t most = std::min(kNumbersTogether, std::max<std::size_t>(kMostSums / (points * sizeof(double)), 1) - 1);
+  std::size_t width = 0, count = 0;
+  while (at_ + count < arrays_.size()) {
+    const FileArray& array = *arrays_[at_ + count];
+    width += static_cast<std::size_t>(array.components);
+    if (count > 0 && (array.partial || width > most)) break;
+    ++count;
+    if (array.partial) break;
+  }
+  return count;
+}
+
+FileArray CellMeans::next() {
+  if (means_.empty()) {
+    const auto arrays = std::span<const FileArray* const>(arrays_).subspan(at_, together());
+    at_ += arrays.size();
+    const std::vector<double> sums = sum_at_points(block_, arrays, arrays.front()->partial);
+    const std::size_t width = width_of(arrays);
+    std::size_t column = 0;
+    for (const FileArray* array : arrays) {
+      const bool single = array->type == ScalarType::float32 || size_of(array->type) <= 2;
+      means_.push_back(single ? mean_of<float>(block_, *array, sums, width, column) : mean_of<double>(block_, *array, sums, width, column));
+      column += static_cast<std::size_t>(array->components);
+    }
+  }
+  FileArray mean = std::move(means_.front());
+  means_.pop_front();
+  return mean;
 }
 
 }  // namespace isostrata

@@ -1,6 +1,11 @@
 // Cell arrays as point arrays.
 #pragma once
 
+#include <cstddef>
+#include <deque>
+#include <span>
+#include <vector>
+
 #include "import/imported.h"
 
 namespace isostrata {
@@ -9,6 +14,23 @@ namespace isostrata {
 /// is none. float32 stays
 /// float32 and integers of up to 16 bits become it; everything else becomes float64. on_cells stays set, as the mark of where the
 /// values come from.
-FileArray average_cells(const Block& block, const FileArray& array);
+class CellMeans {
+ public:
+  /// The block must outlive it.
+  explicit CellMeans(const Block& block);
+  /// Of the block's next array on cells, in their order. Precondition: there is one. Some are found together, since looking for the points of cells takes
+  /// longer than adding numbers; their sums take at most kMostSums bytes, or those of one array.
+  FileArray next();
+
+  static constexpr std::size_t kMostSums = std::size_t{256} << 20;
+
+ private:
+  std::size_t together() const;
+
+  const Block& block_;
+  std::vector<const FileArray*> arrays_;
+  std::size_t at_ = 0;           // of those that are not averaged yet, the first
+  std::deque<FileArray> means_;  // not asked for yet
+};
 
 }  // namespace isostrata

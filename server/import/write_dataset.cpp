@@ -221,11 +221,12 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
     if (!array.on_cells) point_names.insert(array.name);
   json::array arrays;
   ArrayWriter array_writer(writer, arrays);
+  CellMeans means(block);
   std::size_t done = 0;
   for (const FileArray& array : block.arrays) {
     const std::string name =
         printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
-    array_writer.add(array.on_cells ? average_cells(block, array) : array, array.on_cells ? &array : nullptr, name);
+    array_writer.add(array.on_cells ? means.next() : array, array.on_cells ? &array : nullptr, name);
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }
   manifest["arrays"] = std::move(arrays);
