@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "worker/request_ledger.h"
+
 namespace isostrata {
 
 RequestFailed cancelled(const CancelRequest& cancel) { return {cancel.session, cancel.request, 0, ErrorCode::cancelled, "cancelled"}; }
