@@ -351,7 +351,7 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, bool joined_pi
     block.grid.shape = CurvilinearGrid{{d[0], d[1], d[2]}, points};
     block.grid.storage = owner;
   } else if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
-    auto cells = std::make_shared<KeptCells>(keep_cells(unstructured, name, notes));
+    auto cells = std::make_shared<KeptCells>(keep_cells(unstructured, request, notes));
     auto [points, owner] = shared_points(unstructured->GetPoints());
     block.source = std::move(cells->source);
     added = std::move(cells->added);

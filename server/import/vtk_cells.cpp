@@ -1,6 +1,5 @@
 #include "import/vtk_cells.h"
 
-#include <vtkAOSDataArrayTemplate.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
@@ -10,7 +9,6 @@
 #include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
-#include <vtkSmartPointer.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkVersionMacros.h>
@@ -27,6 +25,7 @@
 #include "data/hull_faces.h"
 #include "data/split_polyhedron.h"
 #include "import/divide_cell.h"
+#include "import/whole_cells.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -94,8 +93,8 @@ std::string vtk_name(int type) {
 /// Reads the cells one after another.
 class CellKeeper {
  public:
-  CellKeeper(vtkUnstructuredGrid* grid, const std::string& name)
-      : grid_(grid), cells_(grid->GetCells()), points_(grid->GetNumberOfPoints()), name_(name) {}
+  CellKeeper(vtkUnstructuredGrid* grid, const ReadRequest& request)
+      : grid_(grid), cells_(grid->GetCells()), points_(grid->GetNumberOfPoints()), request_(request), name_(request.file.filename().string()) {}
 
   KeptCells run(std::vector<std::string>& notes) {
     vtkUnsignedCharArray* types = grid_->GetCellTypesArray();
@@ -108,7 +107,7 @@ class CellKeeper {
     if (vtkCellArray* faces = grid_->GetPolyhedronFaces()) check_offsets(faces, "face");
     if (vtkCellArray* of_cells = grid_->GetPolyhedronFaceLocations()) check_offsets(of_cells, "polyhedron");
 #endif
-    if (keep_whole(types, count)) return std::move(kept_);
+    if (auto whole = keep_whole_cells(cells_, types, points_, request_)) return std::move(*whole);
     kept_.types.reserve(static_cast<std::size_t>(count));
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
     flat_ = true;
@@ -157,35 +156,6 @@ class CellKeeper {
     if (or_more ? given < wanted : given != wanted)
       broken("cell " + std::to_string(cell) + " has " + std::to_string(given) + " points; " + vtk_name(vtk_type) + " needs " +
              std::to_string(wanted));
-  }
-
-  /// Of tetrahedra, hexahedra, wedges and pyramids alone, as most files are, all arrays at once. False: there are others, or other arrays.
-  bool keep_whole(vtkUnsignedCharArray* types, vtkIdType count) {
-    vtkDataArray *const offsets = cells_->GetOffsetsArray(), *const ids = cells_->GetConnectivityArray();
-    if (auto* const of_64 = vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(offsets))
-      return keep_whole(types->GetPointer(0), count, of_64, vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(ids));
-    using Of32 = vtkAOSDataArrayTemplate<vtkTypeInt32>;
-    return keep_whole(types->GetPointer(0), count, Of32::FastDownCast(offsets), Of32::FastDownCast(ids));
-  }
-  template <class Array>
-  bool keep_whole(const unsigned char* types, vtkIdType count, Array* offsets, Array* ids) {
-    if (!offsets || !ids) return false;
-    for (vtkIdType c = 0; c < count; ++c)
-      if (!holds_volume(types[c]) || offsets->GetValue(c + 1) - offsets->GetValue(c) != kPointsOfType[types[c]]) return false;
-    const vtkIdType entries = count > 0 ? static_cast<vtkIdType>(offsets->GetValue(count)) : 0;
-    const bool good = std::all_of(ids->GetPointer(0), ids->GetPointer(0) + entries, [&](auto id) { return id >= 0 && id < points_; });
-    if (!good) return false;  // the other way says which
-    kept_.types.assign(types, types + count);
-    if (count == 0) return true;
-    if constexpr (sizeof *ids->GetPointer(0) == sizeof(std::int64_t)) {
-      kept_.own_offsets = {reinterpret_cast<const std::int64_t*>(offsets->GetPointer(0)), static_cast<std::size_t>(count) + 1};
-      kept_.own_connectivity = {reinterpret_cast<const std::int64_t*>(ids->GetPointer(0)), static_cast<std::size_t>(entries)};
-      kept_.owner = std::make_shared<vtkSmartPointer<vtkCellArray>>(cells_);
-    } else {
-      kept_.offsets.assign(offsets->GetPointer(0), offsets->GetPointer(0) + count + 1);
-      kept_.connectivity.assign(ids->GetPointer(0), ids->GetPointer(0) + entries);
-    }
-    return true;
   }
 
   void find_edge_points(vtkIdType c, int vtk_type) {
@@ -468,7 +438,8 @@ class CellKeeper {
   vtkUnstructuredGrid* grid_;
   vtkCellArray* cells_;
   vtkIdType points_;
-  const std::string& name_;
+  const ReadRequest& request_;
+  const std::string name_;
   KeptCells kept_;
   Counts counts_;
   bool flat_ = false;  // no cell of the file has a volume, so those with an area are kept
@@ -491,8 +462,8 @@ class CellKeeper {
 
 }  // namespace
 
-KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::vector<std::string>& notes) {
-  return CellKeeper(grid, name).run(notes);
+KeptCells keep_cells(vtkUnstructuredGrid* grid, const ReadRequest& request, std::vector<std::string>& notes) {
+  return CellKeeper(grid, request).run(notes);
 }
 
 }  // namespace isostrata

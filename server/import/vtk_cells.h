@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/vec.h"
+#include "import/imported.h"
 
 class vtkUnstructuredGrid;
 
@@ -28,7 +29,7 @@ struct KeptCells {
   std::vector<std::uint8_t> types;
   std::vector<std::int64_t> offsets{0};
   std::vector<std::int64_t> connectivity;
-  /// If not empty, in place of offsets and connectivity: those of the file, in VTK's memory as we have them.
+  /// If there is an owner, in place of offsets and connectivity: in VTK's memory as we have them, or in a file of the request's folder.
   std::span<const std::int64_t> own_offsets, own_connectivity;
   std::shared_ptr<const void> owner;  // of these
   /// [cells] the cell's number in the file, not decreasing: pieces of one cell follow each other; empty where every cell of the
@@ -40,6 +41,6 @@ struct KeptCells {
 /// Checks every index before it is used, notes what was skipped, split or made linear. Polyhedra, prisms and the hulls of convex point
 /// sets are split as split_polyhedron.h says; polygons of a flat grid become triangles; quadratic and Lagrange cells are divided as
 /// divide_cell.h says; Bezier cells are kept by their corners. Throws bad_data.
-KeptCells keep_cells(vtkUnstructuredGrid* grid, const std::string& name, std::vector<std::string>& notes);
+KeptCells keep_cells(vtkUnstructuredGrid* grid, const ReadRequest& request, std::vector<std::string>& notes);
 
 }  // namespace isostrata
