@@ -34,6 +34,7 @@ TEST_F(MeasureLayers, WhatWouldNotFitIsToldByTheBricksWithoutAnEstimate) {
   const LayersMeasured bounded = measured(600 << 20), free = measured(std::uint64_t{16} << 30);
   EXPECT_GT(tetrahedra_, kLeastInBricksOfFrames) << "not drawn from bricks: the test shows nothing";
   ASSERT_EQ(bounded.intervals.size(), 1u);
+  ASSERT_EQ(free.intervals.size(), 1u);
   EXPECT_FALSE(bounded.intervals[0].volume_error);
   EXPECT_TRUE(free.intervals[0].volume_error);
   EXPECT_NEAR(bounded.intervals[0].volume, free.intervals[0].volume, 1e-5 * free.intervals[0].volume);
