@@ -15,6 +15,7 @@ namespace isostrata {
 void close_seams(Block& block);
 
 inline bool has_seams(const Block& block) { return block.seams[0] || block.seams[1] || block.seams[2]; }
+
 /// The point that stands for `point`: on the last sheet of a seam, that on the first.
 std::int64_t without_seams(const Block& block, std::int64_t point);
 

@@ -88,6 +88,64 @@ TEST(ImportCells, CellArraysAreAveragedOverTheCellsOfTheFileNotOverPieces) {
   EXPECT_NEAR(visible_volume(*data), 6 * h / 2 + (2 - h), 1e-12);
 }
 
+// More arrays than are averaged together, of several kinds and sizes, beside the mean as it is defined.
+TEST(ImportCells, EachOfManyCellArraysHasTheMeanOfTheCellsAtAPoint) {
+  const Scratch scratch;
+  constexpr int n = 4, cells = n * n * n;
+  const auto value = [](int array, int component, int cell) { return std::sin(1.0 + array + 0.5 * component) * cell + array; };
+  const auto arrays = [&](const std::string& attributes) {
+    std::string text = attributes;
+    for (int a = 0; a < 20; ++a) {
+      const char* const type = a % 3 == 0 ? "float" : a % 3 == 1 ? "double" : "int";
+      const int components = a % 5 == 4 ? 3 : 1;
+      text += (components == 3 ? "VECTORS a" : "SCALARS a") + std::to_string(a) + " " + type + (components == 3 ? "\n" : " 1\nLOOKUP_TABLE default\n");
+      for (int c = 0; c < cells; ++c)
+        for (int k = 0; k < components; ++k) text += (a % 3 == 2 ? std::to_string(std::lround(value(a, k, c))) : std::to_string(value(a, k, c))) + (k + 1 < components ? " " : "\n");
+    }
+    return text;
+  };
+  const std::string attributes = "CELL_DATA " + std::to_string(cells) + "\n";
+  std::string points, hexahedra, types;
+  const auto point = [](int i, int j, int k) { return i + (n + 1) * (j + (n + 1) * k); };
+  for (int k = 0; k <= n; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) points += std::to_string(i) + " " + std::to_string(j) + " " + std::to_string(k) + "\n";
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        hexahedra += "8";
+        for (const int at : {point(i, j, k), point(i + 1, j, k), point(i + 1, j + 1, k), point(i, j + 1, k), point(i, j, k + 1), point(i + 1, j, k + 1), point(i + 1, j + 1, k + 1), point(i, j + 1, k + 1)})
+          hexahedra += " " + std::to_string(at);
+        hexahedra += "\n";
+        types += "12\n";
+      }
+  const std::string head = "# vtk DataFile Version 3.0\nmany\nASCII\n", count = std::to_string((n + 1) * (n + 1) * (n + 1));
+  const std::string grid = head + "DATASET STRUCTURED_POINTS\nDIMENSIONS 5 5 5\nORIGIN 0 0 0\nSPACING 1 1 1\n" + arrays(attributes);
+  const std::string mesh = head + "DATASET UNSTRUCTURED_GRID\nPOINTS " + count + " float\n" + points + "CELLS " + std::to_string(cells) + " " + std::to_string(9 * cells) + "\n" + hexahedra +
+                           "CELL_TYPES " + std::to_string(cells) + "\n" + types + arrays(attributes);
+  for (const std::string& text : {grid, mesh}) {
+    const auto data = test::open(scratch.write("many.vtk", text));
+    for (int a = 0; a < 20; ++a)
+      for (int component = 0; component < (a % 5 == 4 ? 3 : 1); ++component) {
+        const auto& array = data->array("a" + std::to_string(a) + (a % 5 == 4 ? std::string("_") + "xyz"[component] : ""));
+        EXPECT_EQ(array.type, a % 3 == 0 ? ScalarType::float32 : ScalarType::float64);
+        for (int k = 0; k <= n; ++k)
+          for (int j = 0; j <= n; ++j)
+            for (int i = 0; i <= n; ++i) {
+              double sum = 0, used = 0;
+              for (int at = 0; at < cells; ++at)
+                if (const int ci = at % n, cj = at / n % n, ck = at / n / n; (ci == i || ci == i - 1) && (cj == j || cj == j - 1) && (ck == k || ck == k - 1)) {
+                  const double exact = value(a, component, at);
+                  sum += a % 3 == 2 ? std::round(exact) : exact;
+                  ++used;
+                }
+              const double mean = array.at(static_cast<std::size_t>(point(i, j, k)));
+              ASSERT_NEAR(mean, sum / used, 2e-5) << a << "_" << component << " at " << i << " " << j << " " << k;
+            }
+      }
+  }
+}
+
 TEST(ImportCells, PrismsAreSplitAboutTheirMiddle) {
   const Scratch scratch;
   for (const std::size_t n : {5u, 6u}) {
