@@ -43,6 +43,51 @@ void for_each_cell(const Grid& grid, const Use& use) {
     if (!grid.hidden(cell)) use(cell, std::span<const std::int64_t>(ids).first(static_cast<std::size_t>(grid.cell_points(cell, ids))));
 }
 
+/// The array as point array of these means.
+template <class Out>
+FileArray of_points(const FileArray& array, std::span<Out> means, const std::shared_ptr<const void>& storage) {
+  FileArray out = array;
+  out.type = sizeof(Out) == 4 ? ScalarType::float32 : ScalarType::float64;
+  out.values = std::as_bytes(means);
+  out.storage = storage;
+  return out;
+}
+
+bool goes_by_rows(const Block& block, const FileArray& array) {
+  const Grid& grid = block.grid;
+  return grid.structured() && !grid.flat() && grid.cell_count() > 0 && grid.hidden_cells.empty() && block.source.empty() && !has_seams(block) && !array.partial;
+}
+
+/// Of boxes that all count: a row of points is the sum of up to four rows of cells, each once for the cells before the points and once for those after
+/// them. Cells are added in their order, as sum_at_points adds them, so the sums are the same to the last bit.
+template <class Out>
+FileArray mean_by_rows(const Block& block, const FileArray& array) {
+  const auto dims = block.grid.dims();
+  const auto components = static_cast<std::size_t>(array.components);
+  const auto cells = static_cast<std::size_t>(dims[0] - 1) * components;  // numbers of a row
+  const std::size_t row = cells + components;
+  auto [storage, means] = allocate<Out>(static_cast<std::size_t>(block.grid.point_count()) * components);
+  std::vector<double> sums(row);
+  std::visit(
+      [&](auto values) {
+        std::size_t to = 0;
+        for (std::int64_t k = 0; k < dims[2]; ++k)
+          for (std::int64_t j = 0; j < dims[1]; ++j, to += row) {
+            std::fill(sums.begin(), sums.end(), 0.0);
+            int rows = 0;
+            for (std::int64_t ck = std::max<std::int64_t>(k - 1, 0); ck < std::min(k + 1, dims[2] - 1); ++ck)
+              for (std::int64_t cj = std::max<std::int64_t>(j - 1, 0); cj < std::min(j + 1, dims[1] - 1); ++cj, ++rows) {
+                const auto of_row = values.subspan(static_cast<std::size_t>(ck * (dims[1] - 1) + cj) * cells, cells);
+                for (std::size_t at = 0; at < cells; ++at) sums[at + components] += static_cast<double>(of_row[at]);
+                for (std::size_t at = 0; at < cells; ++at) sums[at] += static_cast<double>(of_row[at]);
+              }
+            for (std::size_t at = 0; at < row; ++at) means[to + at] = static_cast<Out>(sums[at] / (at < components || at >= cells ? rows : 2 * rows));
+          }
+      },
+      scalar_span(array.type, array.values));
+  return of_points<Out>(array, means, storage);
+}
+
 constexpr std::size_t kNumbersTogether = 7;   // and how many cells are in them: a line of the cache
 constexpr std::int64_t kCellsTogether = 4096;  // whose values are looked at together
 
@@ -130,12 +175,11 @@ FileArray mean_of(const Block& block, const FileArray& array, const std::vector<
     for (std::size_t c = 0; c < components; ++c)
       means[p * components + c] = cells > 0 ? static_cast<Out>(of_point[column + c] / cells) : std::numeric_limits<Out>::quiet_NaN();
   }
-  FileArray out = array;
-  out.type = sizeof(Out) == 4 ? ScalarType::float32 : ScalarType::float64;
-  out.values = std::as_bytes(means);
-  out.storage = storage;
-  return out;
+  return of_points<Out>(array, means, storage);
 }
+
+/// What is float32, and what it holds exactly.
+bool is_single(const FileArray& array) { return array.type == ScalarType::float32 || size_of(array.type) <= 2; }
 
 }  // namespace
 
@@ -160,6 +204,10 @@ std::size_t CellMeans::together() const {
 }
 
 FileArray CellMeans::next() {
+  if (means_.empty() && goes_by_rows(block_, *arrays_[at_])) {
+    const FileArray& array = *arrays_[at_++];
+    return is_single(array) ? mean_by_rows<float>(block_, array) : mean_by_rows<double>(block_, array);
+  }
   if (means_.empty()) {
     const auto arrays = std::span<const FileArray* const>(arrays_).subspan(at_, together());
     at_ += arrays.size();
@@ -167,8 +215,7 @@ FileArray CellMeans::next() {
     const std::size_t width = width_of(arrays);
     std::size_t column = 0;
     for (const FileArray* array : arrays) {
-      const bool single = array->type == ScalarType::float32 || size_of(array->type) <= 2;
-      means_.push_back(single ? mean_of<float>(block_, *array, sums, width, column) : mean_of<double>(block_, *array, sums, width, column));
+      means_.push_back(is_single(*array) ? mean_of<float>(block_, *array, sums, width, column) : mean_of<double>(block_, *array, sums, width, column));
       column += static_cast<std::size_t>(array->components);
     }
   }

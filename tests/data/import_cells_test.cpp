@@ -123,8 +123,11 @@ TEST(ImportCells, EachOfManyCellArraysHasTheMeanOfTheCellsAtAPoint) {
   const std::string grid = head + "DATASET STRUCTURED_POINTS\nDIMENSIONS 5 5 5\nORIGIN 0 0 0\nSPACING 1 1 1\n" + arrays(attributes);
   const std::string mesh = head + "DATASET UNSTRUCTURED_GRID\nPOINTS " + count + " float\n" + points + "CELLS " + std::to_string(cells) + " " + std::to_string(9 * cells) + "\n" + hexahedra +
                            "CELL_TYPES " + std::to_string(cells) + "\n" + types + arrays(attributes);
-  for (const std::string& text : {grid, mesh}) {
-    const auto data = test::open(scratch.write("many.vtk", text));
+  const auto boxes = test::open(scratch.write("boxes.vtk", grid)), cells_of_mesh = test::open(scratch.write("mesh.vtk", mesh));
+  for (const PointArray& array : boxes->arrays)
+    for (std::size_t p = 0; p < static_cast<std::size_t>(boxes->grid.point_count()); ++p)
+      ASSERT_EQ(array.at(p), cells_of_mesh->array(array.name).at(p)) << "to the last bit, whichever way they were added: " << array.name << " at " << p;
+  for (const auto& data : {boxes, cells_of_mesh}) {
     for (int a = 0; a < 20; ++a)
       for (int component = 0; component < (a % 5 == 4 ? 3 : 1); ++component) {
         const auto& array = data->array("a" + std::to_string(a) + (a % 5 == 4 ? std::string("_") + "xyz"[component] : ""));
