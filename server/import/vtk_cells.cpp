@@ -3,15 +3,12 @@
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
-#include <vtkCellTypes.h>
 #include <vtkDataArray.h>
 #include <vtkIdList.h>
-#include <vtkIdTypeArray.h>
 #include <vtkNew.h>
 #include <vtkPoints.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkVersionMacros.h>
 
 #include <algorithm>
 #include <array>
@@ -24,7 +21,10 @@
 #include "base/error.h"
 #include "data/hull_faces.h"
 #include "data/split_polyhedron.h"
+#include "import/cell_checks.h"
+#include "import/cell_counts.h"
 #include "import/divide_cell.h"
+#include "import/vtk_polyhedra.h"
 #include "import/whole_cells.h"
 #include "tables/cell_type.h"
 
@@ -84,29 +84,20 @@ bool has_volume(int vtk_type) {
   return is_split(vtk_type) || (divided && !is_flat(*divided)) || (as.corners > 0 && !is_flat(as.type));
 }
 
-/// "VTK_QUADRATIC_TETRA" is what people search for; VTK calls it "vtkQuadraticTetra".
-std::string vtk_name(int type) {
-  const char* name = vtkCellTypes::GetClassNameFromTypeId(type);
-  return name && std::string(name) != "UnknownClass" ? name : "type " + std::to_string(type);
-}
-
 /// Reads the cells one after another.
 class CellKeeper {
  public:
   CellKeeper(vtkUnstructuredGrid* grid, const ReadRequest& request)
-      : grid_(grid), cells_(grid->GetCells()), points_(grid->GetNumberOfPoints()), request_(request), name_(request.file.filename().string()) {}
+      : grid_(grid), cells_(grid->GetCells()), points_(grid->GetNumberOfPoints()), request_(request), checks_(request.file.filename().string(), points_), polyhedra_(grid, checks_) {}
 
   KeptCells run(std::vector<std::string>& notes) {
     vtkUnsignedCharArray* types = grid_->GetCellTypesArray();
     if (!cells_ || !types) return {};
     const vtkIdType count = cells_->GetNumberOfCells();
     if (types->GetNumberOfValues() != count)
-      broken(std::to_string(types->GetNumberOfValues()) + " cell types for " + std::to_string(count) + " cells");
-    check_offsets(cells_, "cell");
-#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 4, 0)
-    if (vtkCellArray* faces = grid_->GetPolyhedronFaces()) check_offsets(faces, "face");
-    if (vtkCellArray* of_cells = grid_->GetPolyhedronFaceLocations()) check_offsets(of_cells, "polyhedron");
-#endif
+      checks_.broken(std::to_string(types->GetNumberOfValues()) + " cell types for " + std::to_string(count) + " cells");
+    checks_.offsets(cells_, "cell");
+    polyhedra_.check();
     if (auto whole = keep_whole_cells(cells_, types, points_, request_)) return std::move(*whole);
     kept_.types.reserve(static_cast<std::size_t>(count));
     kept_.offsets.reserve(static_cast<std::size_t>(count) + 1);
@@ -122,45 +113,15 @@ class CellKeeper {
       middles_.clear();
       for (vtkIdType c = 0; c < count; ++c) keep(c, types->GetValue(c));
     }
-    note(notes);
-    if (static_cast<vtkIdType>(kept_.types.size()) == count && counts_.skipped.empty() && counts_.open.empty() && counts_.split.empty() &&
-        counts_.fans.empty() && counts_.divided.empty())
-      kept_.source.clear();
+    counts_.note(flat_, notes);
+    if (static_cast<vtkIdType>(kept_.types.size()) == count && counts_.each_is_one()) kept_.source.clear();
     return std::move(kept_);
   }
 
  private:
-  [[noreturn]] void broken(const std::string& what) const { throw Error(ErrorCode::bad_data, name_ + ": " + what); }
-
-  /// Offsets are checked here, because IsValid and GetCellAtId trust them.
-  void check_offsets(vtkCellArray* cells, const std::string& what) const {
-    const vtkIdType ids = cells->GetNumberOfConnectivityIds(), count = cells->GetNumberOfCells();
-    vtkDataArray* const offsets = cells->GetOffsetsArray();  // of 32 or of 64 bits
-    vtkIdType previous = 0;
-    for (vtkIdType c = 0; c <= count && count > 0; ++c) {
-      const auto offset = static_cast<vtkIdType>(offsets->GetComponent(c, 0));
-      if (offset < previous || offset > ids || (c == 0 && offset != 0))
-        broken("offset " + std::to_string(offset) + " of " + what + " " + std::to_string(c) + " is out of order (" +
-               std::to_string(ids) + " connectivity entries)");
-      previous = offset;
-    }
-  }
-
-  std::int64_t checked(vtkIdType cell, vtkIdType id) const {
-    if (id < 0 || id >= points_)
-      broken("cell " + std::to_string(cell) + " uses point " + std::to_string(id) + " of " + std::to_string(points_));
-    return id;
-  }
-
-  void check_count(vtkIdType cell, int vtk_type, vtkIdType given, vtkIdType wanted, bool or_more) const {
-    if (or_more ? given < wanted : given != wanted)
-      broken("cell " + std::to_string(cell) + " has " + std::to_string(given) + " points; " + vtk_name(vtk_type) + " needs " +
-             std::to_string(wanted));
-  }
-
   void find_edge_points(vtkIdType c, int vtk_type) {
     if (vtk_type == VTK_POLYHEDRON) {
-      read_face_stream(c);
+      polyhedra_.read(c, faces_);
       edge_points_.add(faces_);
     } else if (vtk_type == VTK_CONVEX_POINT_SET && read_point_set(c)) {
       edge_points_.add(faces_);
@@ -171,7 +132,7 @@ class CellKeeper {
   void keep(vtkIdType c, int vtk_type) {
     switch (vtk_type) {
       case VTK_POLYHEDRON:
-        read_face_stream(c);
+        polyhedra_.read(c, faces_);
         split(c, vtk_type);
         return;
       case VTK_PENTAGONAL_PRISM:
@@ -208,12 +169,12 @@ class CellKeeper {
       return;
     }
     cells_->GetCellAtId(c, corners_);
-    check_count(c, vtk_type, corners_->GetNumberOfIds(), as.corners, as.linearised);
+    checks_.count(c, vtk_type, corners_->GetNumberOfIds(), as.corners, as.linearised);
     if (as.linearised) ++counts_.linearised[vtk_type];
     static constexpr std::array<vtkIdType, 8> kFromVoxel{0, 1, 3, 2, 4, 5, 7, 6};
     const bool by_axes = vtk_type == VTK_VOXEL || vtk_type == VTK_PIXEL;
     for (vtkIdType v = 0; v < as.corners; ++v)
-      kept_.connectivity.push_back(checked(c, corners_->GetId(by_axes ? kFromVoxel[static_cast<std::size_t>(v)] : v)));
+      kept_.connectivity.push_back(checks_.point(c, corners_->GetId(by_axes ? kFromVoxel[static_cast<std::size_t>(v)] : v)));
     end_cell(c, as.type);
   }
 
@@ -229,7 +190,7 @@ class CellKeeper {
     try {
       return divisions_.emplace(key, divide_cell(vtk_type, nodes, orders)).first->second;
     } catch (const Error& error) {
-      broken("cell " + std::to_string(c) + ", " + vtk_name(vtk_type) + ", has " + error.what());
+      checks_.broken("cell " + std::to_string(c) + ", " + vtk_name(vtk_type) + ", has " + error.what());
     }
   }
 
@@ -237,7 +198,7 @@ class CellKeeper {
     cells_->GetCellAtId(c, corners_);
     const CellDivision& made = division(c, vtk_type, corners_->GetNumberOfIds());
     cycle_.clear();
-    for (vtkIdType v = 0; v < made.nodes; ++v) cycle_.push_back(checked(c, corners_->GetId(v)));
+    for (vtkIdType v = 0; v < made.nodes; ++v) cycle_.push_back(checks_.point(c, corners_->GetId(v)));
     for (const MissingNode& missing : made.missing) cycle_.push_back(missing_node(missing));
     std::size_t at = 0;
     for (const CellType type : made.types) {
@@ -245,7 +206,7 @@ class CellKeeper {
         kept_.connectivity.push_back(cycle_[static_cast<std::size_t>(made.connectivity[at])]);
       end_cell(c, type);
     }
-    Split& row = counts_.divided[vtk_type];
+    CellCounts::Pieces& row = counts_.divided[vtk_type];
     ++row.cells;
     row.pieces += static_cast<std::int64_t>(made.types.size());
   }
@@ -276,15 +237,15 @@ class CellKeeper {
   void keep_fan(vtkIdType c, int vtk_type) {
     cells_->GetCellAtId(c, corners_);
     const vtkIdType n = corners_->GetNumberOfIds();
-    check_count(c, vtk_type, n, 3, true);
+    checks_.count(c, vtk_type, n, 3, true);
     const bool strip = vtk_type == VTK_TRIANGLE_STRIP;
     for (vtkIdType i = 2; i < n; ++i) {
       const bool odd = strip && i % 2 == 1;
       const vtkIdType a = strip ? i - 2 : 0, b = i - 1;
-      for (const vtkIdType v : {odd ? b : a, odd ? a : b, i}) kept_.connectivity.push_back(checked(c, corners_->GetId(v)));
+      for (const vtkIdType v : {odd ? b : a, odd ? a : b, i}) kept_.connectivity.push_back(checks_.point(c, corners_->GetId(v)));
       end_cell(c, CellType::triangle);
     }
-    Split& row = counts_.fans[vtk_type];
+    CellCounts::Pieces& row = counts_.fans[vtk_type];
     ++row.cells;
     row.pieces += n - 2;
   }
@@ -295,52 +256,6 @@ class CellKeeper {
     kept_.source.push_back(c);
   }
 
-#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 4, 0)
-  /// A cell array of faces, and another that says which faces a cell has; offsets were checked.
-  void read_face_stream(vtkIdType c) {
-    vtkCellArray* const faces = grid_->GetPolyhedronFaces();
-    vtkCellArray* const of_cells = grid_->GetPolyhedronFaceLocations();
-    const vtkIdType count = faces ? faces->GetNumberOfCells() : 0;
-    faces_.clear();
-    if (!of_cells || c >= of_cells->GetNumberOfCells()) broken("there are no faces of polyhedron " + std::to_string(c));
-    of_cells->GetCellAtId(c, face_ids_);
-    for (vtkIdType f = 0; f < face_ids_->GetNumberOfIds(); ++f) {
-      const vtkIdType face = face_ids_->GetId(f);
-      if (face < 0 || face >= count)
-        broken("face " + std::to_string(f) + " of polyhedron " + std::to_string(c) + " is number " + std::to_string(face) +
-               " of " + std::to_string(count));
-      faces->GetCellAtId(face, corners_);
-      cycle_.clear();
-      for (vtkIdType v = 0; v < corners_->GetNumberOfIds(); ++v) cycle_.push_back(checked(c, corners_->GetId(v)));
-      faces_.add(cycle_);
-    }
-  }
-#else
-  /// GetFaceStream trusts the locations and counts in the file, so they are read here.
-  void read_face_stream(vtkIdType c) {
-    vtkIdTypeArray* stream = grid_->GetFaces();
-    vtkIdTypeArray* locations = grid_->GetFaceLocations();
-    const vtkIdType size = stream ? stream->GetNumberOfValues() : 0;
-    vtkIdType at = locations && c < locations->GetNumberOfValues() ? locations->GetValue(c) : -1;
-    const auto next = [&]() -> vtkIdType {
-      if (at < 0 || at >= size)
-        broken("the faces of polyhedron " + std::to_string(c) + " leave the " + std::to_string(size) + " face entries there are");
-      return stream->GetValue(at++);
-    };
-    faces_.clear();
-    const vtkIdType faces = next();
-    if (faces < 0 || faces > size) broken("polyhedron " + std::to_string(c) + " has " + std::to_string(faces) + " faces");
-    for (vtkIdType f = 0; f < faces; ++f) {
-      const vtkIdType n = next();
-      if (n < 0 || n > size - at)
-        broken("face " + std::to_string(f) + " of polyhedron " + std::to_string(c) + " has " + std::to_string(n) + " points");
-      cycle_.clear();
-      for (vtkIdType v = 0; v < n; ++v) cycle_.push_back(checked(c, next()));
-      faces_.add(cycle_);
-    }
-  }
-#endif
-
   /// The hull of the cell's points; false where they are too many.
   bool read_point_set(vtkIdType c) {
     cells_->GetCellAtId(c, corners_);
@@ -348,7 +263,7 @@ class CellKeeper {
     std::vector<Vec3d> points;
     cycle_.clear();
     for (vtkIdType v = 0; v < corners_->GetNumberOfIds(); ++v) {
-      cycle_.push_back(checked(c, corners_->GetId(v)));
+      cycle_.push_back(checks_.point(c, corners_->GetId(v)));
       points.push_back(position_(cycle_.back()));
     }
     hull_faces(points, cycle_, faces_);
@@ -358,8 +273,8 @@ class CellKeeper {
   /// Two polygons of n points over each other.
   void read_prism(vtkIdType c, int vtk_type, vtkIdType n) {
     cells_->GetCellAtId(c, corners_);
-    check_count(c, vtk_type, corners_->GetNumberOfIds(), 2 * n, false);
-    const auto id = [&](vtkIdType v) { return checked(c, corners_->GetId(v)); };
+    checks_.count(c, vtk_type, corners_->GetNumberOfIds(), 2 * n, false);
+    const auto id = [&](vtkIdType v) { return checks_.point(c, corners_->GetId(v)); };
     faces_.clear();
     for (const vtkIdType first : {vtkIdType{0}, n}) {
       cycle_.clear();
@@ -391,7 +306,7 @@ class CellKeeper {
     }
     turned_ = turned_ || pieces_.turned;
     counts_.overlapping += pieces_.kind == SplitKind::overlapping;
-    Split& row = counts_.split[vtk_type];
+    CellCounts::Pieces& row = counts_.split[vtk_type];
     ++row.cells;
     row.pieces += static_cast<std::int64_t>(pieces_.types.size());
     AddedPoints& to = kept_.added;
@@ -401,50 +316,17 @@ class CellKeeper {
     to.first.push_back(to.points.size());
   }
 
-  void note(std::vector<std::string>& notes) const {
-    const auto say = [&](std::int64_t n, const std::string& what) { notes.push_back(std::to_string(n) + " " + what); };
-    for (const auto& [type, n] : counts_.skipped)
-      say(n,
-          vtk_name(type) +
-              (flat_
-                   ? " skipped: only cells with an area or a volume are read"
-                   : " skipped: only tetrahedra, pyramids, wedges, hexahedra, prisms, polyhedra and small convex point sets are "
-                     "read"));
-    for (const auto& [type, row] : counts_.fans)
-      say(row.cells, vtk_name(type) + " read as " + std::to_string(row.pieces) + " triangles");
-    for (const auto& [type, n] : counts_.open) say(n, vtk_name(type) + " skipped: their faces do not close up");
-    for (const auto& [type, n] : counts_.linearised) say(n, vtk_name(type) + " read as linear cells by their corners");
-    for (const auto& [type, row] : counts_.divided)
-      say(row.cells, vtk_name(type) + " divided into " + std::to_string(row.pieces) + " linear cells between their nodes");
-    for (const auto& [type, n] : counts_.whole)
-      say(n, vtk_name(type) + " kept whole: they are tetrahedra, pyramids, wedges or hexahedra");
-    for (const auto& [type, row] : counts_.split)
-      say(row.cells, vtk_name(type) + " split into " + std::to_string(row.pieces) +
-                         " tetrahedra and pyramids, each about a point added inside it, which has the mean of the cell's values");
-    if (counts_.overlapping > 0)
-      say(counts_.overlapping,
-          "vtkPolyhedron have no point that sees all of their faces: their pieces overlap and volumes are too large");
-  }
-
-  struct Split {
-    std::int64_t cells = 0, pieces = 0;
-  };
-  struct Counts {
-    std::map<int, std::int64_t> skipped, open, linearised, whole;
-    std::map<int, Split> split, fans, divided;
-    std::int64_t overlapping = 0;
-  };
-
   vtkUnstructuredGrid* grid_;
   vtkCellArray* cells_;
   vtkIdType points_;
   const ReadRequest& request_;
-  const std::string name_;
+  const CellChecks checks_;
+  VtkPolyhedra polyhedra_;
   KeptCells kept_;
-  Counts counts_;
+  CellCounts counts_;
   bool flat_ = false;  // no cell of the file has a volume, so those with an area are kept
   bool turned_ = false;  // some piece of a polyhedron is
-  vtkNew<vtkIdList> corners_, face_ids_;
+  vtkNew<vtkIdList> corners_;
   std::vector<std::int64_t> cycle_;
   PolyhedronFaces faces_;
   EdgePoints edge_points_;
