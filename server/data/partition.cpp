@@ -80,8 +80,9 @@ class PartsReader {
 
 /// Each plane but the first is below just one other, and each part too, so that a walk visits all of them once and ends, soon.
 void check_tree(const PartsReader& reader, const RegionTree& tree) {
-  const auto nodes = static_cast<std::int64_t>(tree.nodes.size());
-  std::vector<int> planes(tree.nodes.size()), parts(tree.nodes.size() + 1), depth(tree.nodes.size());
+  const std::size_t count = std::min<std::size_t>(tree.nodes.size(), kMostParts);  // it is no more; GCC 14 cannot know that, and warns
+  const auto nodes = static_cast<std::int64_t>(count);
+  std::vector<int> planes(count), parts(count + 1), depth(count);
   for (std::int64_t n = 0; n < nodes; ++n)
     for (const int child : {tree.nodes[static_cast<std::size_t>(n)].below, tree.nodes[static_cast<std::size_t>(n)].above}) {
       if (child >= 0 && child <= n) reader.refuse("'planes': plane " + std::to_string(n) + " leads back to plane " + std::to_string(child));
