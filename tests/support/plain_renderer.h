@@ -50,7 +50,11 @@ class PlainRenderer final : public Renderer {
     facts.order = "none needed";
     facts.order_exact = true;
     facts.tetrahedra = static_cast<std::int64_t>(input.mesh->tetrahedra.size());
-    return {std::move(image), std::move(facts)};
+    if (!input.float_image) return {std::move(image), std::move(facts)};
+    FloatImage floats{input.width, input.height, {}, {}};
+    for (const std::uint8_t value : image.rgba) floats.rgba.push_back(static_cast<float>(value) / 255);
+    if (input.mean_depth) floats.mean_depth.assign(image.rgba.size() / 4, 1);
+    return {std::move(floats), std::move(facts)};
   }
   const std::string& device() const override { return device_; }
 
