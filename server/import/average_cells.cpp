@@ -24,21 +24,6 @@ void for_each_cell(const Grid& grid, const Use& use) {
     return;
   }
   std::array<std::int64_t, kMaxCellVertices> ids{};
-  if (!grid.flat()) {  // as cell_points, without its divisions
-    const auto dims = grid.dims();
-    std::array<std::int64_t, 8> corners{};
-    for (std::size_t v = 0; v < 8; ++v) corners[v] = kHexahedronCorners[v][0] + dims[0] * (kHexahedronCorners[v][1] + dims[1] * kHexahedronCorners[v][2]);
-    std::int64_t cell = 0;
-    for (std::int64_t k = 0; k + 1 < dims[2]; ++k)
-      for (std::int64_t j = 0; j + 1 < dims[1]; ++j)
-        for (std::int64_t i = 0; i + 1 < dims[0]; ++i, ++cell) {
-          if (grid.hidden(cell)) continue;
-          const std::int64_t first = i + dims[0] * (j + dims[1] * k);
-          for (std::size_t v = 0; v < 8; ++v) ids[v] = first + corners[v];
-          use(cell, std::span<const std::int64_t>(ids).first(8));
-        }
-    return;
-  }
   for (std::int64_t cell = 0; cell < cells; ++cell)
     if (!grid.hidden(cell)) use(cell, std::span<const std::int64_t>(ids).first(static_cast<std::size_t>(grid.cell_points(cell, ids))));
 }

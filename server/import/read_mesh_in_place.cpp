@@ -14,13 +14,13 @@
 #include "import/appended_file.h"
 #include "import/appended_xml.h"
 #include "import/declared_time.h"
+#include "import/for_parts.h"
 #include "import/parsed_number.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kPart = 1u << 16;           // numbers that are looked at together
 constexpr std::size_t kReadTogether = 1u << 19;  // bytes, so that two of them fit the second cache
 
 struct MeshArrays {
@@ -98,21 +98,6 @@ std::optional<MeshArrays> arrays_of(const AppendedXml& xml, vtkXMLDataElement* p
   return out;
 }
 
-/// visit(part) for integers of 4 or 8 bytes at any address, as int64, some at a time; ends with false once visit does.
-template <class Visit>
-bool for_parts(const FileArray& array, const Visit& visit) {
-  const std::size_t element = size_of(array.type), count = array.values.size() / element;
-  std::vector<std::int64_t> wide(kPart);
-  std::vector<std::int32_t> narrow(element == 4 ? kPart : 0);
-  for (std::size_t at = 0; at < count; at += kPart) {
-    const std::size_t n = std::min(kPart, count - at);
-    std::memcpy(element == 4 ? static_cast<void*>(narrow.data()) : wide.data(), array.values.data() + at * element, n * element);
-    if (element == 4) std::copy_n(narrow.begin(), n, wide.begin());
-    if (!visit(std::span<const std::int64_t>(wide).first(n))) return false;
-  }
-  return true;
-}
-
 /// Of each cell.
 std::span<const std::uint8_t> types_of(const MeshArrays& arrays) {
   return {reinterpret_cast<const std::uint8_t*>(arrays.types.values.data()), arrays.types.values.size()};
@@ -125,7 +110,7 @@ bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest&
   offsets.add(std::array<std::int64_t, 1>{0});
   std::size_t cell = 0;
   std::int64_t last = 0;
-  const bool ends_fit = for_parts(arrays.ends, [&](std::span<const std::int64_t> ends) {
+  const bool ends_fit = for_parts(arrays.ends.type, arrays.ends.values, [&](std::span<const std::int64_t> ends) {
     for (const std::int64_t end : ends) {
       const std::uint8_t type = types[cell++];
       if (!holds_volume(type) || end - last != kPointsOfType[type]) return false;
@@ -137,7 +122,7 @@ bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest&
   if (!ends_fit) return false;
   std::size_t done = 0;
   const std::size_t all = arrays.ids.values.size() / size_of(arrays.ids.type);
-  const bool ids_fit = for_parts(arrays.ids, [&](std::span<const std::int64_t> ids) {
+  const bool ids_fit = for_parts(arrays.ids.type, arrays.ids.values, [&](std::span<const std::int64_t> ids) {
     std::uint64_t largest = 0;  // a negative one is larger than all
     for (const std::int64_t id : ids) largest = std::max(largest, static_cast<std::uint64_t>(id));
     if (largest >= static_cast<std::uint64_t>(points)) return false;

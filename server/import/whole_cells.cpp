@@ -7,27 +7,23 @@
 
 #include <algorithm>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "import/appended_file.h"
+#include "import/for_parts.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kPart = 1u << 16;  // numbers that are widened together
-
 using Wide = std::pair<std::span<const std::int64_t>, std::shared_ptr<const void>>;
 
 Wide widened(std::span<const vtkTypeInt32> values, const ReadRequest& request, const std::string& name) {
   AppendedFile<std::int64_t> file(request, name);
-  std::vector<std::int64_t> part(std::min(kPart, values.size()));
-  for (std::size_t at = 0; at < values.size(); at += kPart) {
-    const auto some = values.subspan(at, std::min(kPart, values.size() - at));
-    std::copy(some.begin(), some.end(), part.begin());
-    file.add(std::span<const std::int64_t>(part).first(some.size()));
-  }
+  for_parts(ScalarType::int32, std::as_bytes(values), [&](std::span<const std::int64_t> part) {
+    file.add(part);
+    return true;
+  });
   return file.finish();
 }
 
