@@ -32,10 +32,9 @@ std::uint64_t dataset_bytes(const Dataset& dataset) {
                                    grid.connectivity.size_bytes();
                         }},
              dataset.grid.shape);
+  const auto own_bytes = [](auto values) { return is_in_source(values.data()) ? 0 : static_cast<std::uint64_t>(values.size_bytes()); };
   for (const PointArray& array : dataset.arrays)
-    if (array.cells) bytes += std::visit([](auto values) { return static_cast<std::uint64_t>(values.size_bytes()); }, array.cells->values);
-  for (const PointArray& array : dataset.arrays)
-    bytes += std::visit([](auto values) { return is_in_source(values.data()) ? 0 : static_cast<std::uint64_t>(values.size_bytes()); }, array.values);
+    bytes += std::visit(own_bytes, array.values) + (array.cells ? std::visit(own_bytes, array.cells->values) : 0);
   return bytes;
 }
 

@@ -8,7 +8,8 @@
 //   {"format":1, "grid":"uniform"|"rectilinear"|"curvilinear"|"unstructured"|"like", "dims":[ni,nj,nk] (structured grids),
 //    "points":["float32"|"float64", count] (curvilinear, unstructured), "cells":n, "connectivity":n (unstructured),
 //    "hidden_cells":bool, "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":...,
-//    "type":...[, "in_file":..., "offset":n][, "cell_type":...]}], "times":n, "step":n, "notes":[...]}
+//    "type":...[, "in_file":..., "offset":n][, "cell_type":...[, "cells":{"in_file":..., "offset":n}]]}],
+//    "times":n, "step":n, "notes":[...]}
 //
 //   placement.bin       float64[6]: origin, spacing (uniform)
 //   axis_x.bin, ...     float64[dims] each (rectilinear)
@@ -16,7 +17,7 @@
 //   types.bin           uint8[cells], offsets.bin int64[cells + 1], connectivity.bin int64[connectivity]
 //   hidden.bin          uint8[cells]
 //   array_N.bin         [points] of the N-th array's type; not there where its bytes lie in a file as they are
-//   cells_N.bin         [cells] of its cell_type, if it is cell_averaged
+//   cells_N.bin         [cells] of its cell_type, if it is cell_averaged; likewise
 //   times.bin           float64[times]
 //
 // The grid "like" is that of step LIKE, and no file holds it. File names are fixed, and "in_file" leads to a regular file beside the one that was asked

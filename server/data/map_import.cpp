@@ -62,6 +62,20 @@ class Mapping {
   std::size_t size_ = 0;
 };
 
+/// What was looked at once lets go of the process's memory; whoever needs it finds it in the kernel's cache. Of values that are mapped from a file.
+void let_go(std::span<const std::byte> mapped) {
+  constexpr std::size_t kLeast = 1u << 22;
+  if (mapped.size() < kLeast) return;
+  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE)), at = reinterpret_cast<std::uintptr_t>(mapped.data()), begin = (at + page - 1) / page * page;
+  madvise(reinterpret_cast<void*>(begin), at + mapped.size() - begin, MADV_DONTNEED);
+}
+
+template <class Array>
+void measure(Array& array) {
+  measure_range(array);
+  std::visit([](auto values) { let_go(std::as_bytes(values)); }, array.values);
+}
+
 class Manifest {
  public:
   Manifest(const fs::path& directory, const fs::path& file, const OpenOptions& options, ImportFiles files, bool checked)
@@ -120,10 +134,10 @@ class Manifest {
     storage = mapping;
     return mapping->bytes();
   }
-  /// Maps the elements where they lie in the file that was read, or in one beside or below it.
-  std::span<const std::byte> map_in_place(const json::object& fields, std::int64_t count, std::size_t element, std::shared_ptr<const void>& storage) {
-    const fs::path in_file = text(need(fields, "in_file"), "an array's file");
-    const std::int64_t offset = integer(need(fields, "offset"), "an array's offset", 0, std::numeric_limits<std::int64_t>::max());
+  /// Maps the elements where `place`, of the manifest, says that they lie: in the file that was read, or in one beside or below it.
+  std::span<const std::byte> map_in_place(const json::object& place, std::int64_t count, std::size_t element, std::shared_ptr<const void>& storage) {
+    const fs::path in_file = text(need(place, "in_file"), "an array's file");
+    const std::int64_t offset = integer(need(place, "offset"), "an array's offset", 0, std::numeric_limits<std::int64_t>::max());
     std::uint64_t bytes = 0;
     if (__builtin_mul_overflow(static_cast<std::uint64_t>(count), element, &bytes) || bytes > (std::uint64_t{1} << 60) ||
         offset % static_cast<std::int64_t>(element) != 0)
@@ -250,6 +264,7 @@ UnstructuredGrid map_unstructured(Manifest& manifest, Storages& keep) {
     }
   });
   if (bad_id >= 0) manifest.refuse("wrote a cell that uses a point outside the " + std::to_string(points) + " there are");
+  for (const auto bytes : {std::as_bytes(grid.connectivity), std::as_bytes(grid.offsets)}) let_go(bytes);
   return grid;
 }
 
@@ -321,8 +336,11 @@ ScalarType read_type(const Manifest& manifest, const json::value& value) {
 std::shared_ptr<CellValues> map_cells(Manifest& manifest, const json::object& fields, std::size_t number, std::int64_t cells, bool measured) {
   auto out = std::make_shared<CellValues>();
   out->type = read_type(manifest, manifest.need(fields, "cell_type"));
-  out->values = scalar_span(out->type, manifest.map("cells_" + std::to_string(number) + ".bin", cells, size_of(out->type), out->storage));
-  if (measured) measure_range(*out);
+  const json::value* const place = fields.if_contains("cells");
+  if (place && !place->is_object()) manifest.refuse("wrote no place of an array's cells");
+  out->values = scalar_span(out->type, place ? manifest.map_in_place(place->get_object(), cells, size_of(out->type), out->storage)
+                                             : manifest.map("cells_" + std::to_string(number) + ".bin", cells, size_of(out->type), out->storage));
+  if (measured) measure(*out);
   return out;
 }
 
@@ -351,7 +369,7 @@ std::vector<PointArray> map_arrays(Manifest& manifest, const Grid& grid, const I
     array.values = scalar_span(array.type, fields.contains("in_file")
                                                ? manifest.map_in_place(fields, points, size_of(array.type), array.storage)
                                                : manifest.map("array_" + std::to_string(i) + ".bin", points, size_of(array.type), array.storage));
-    if (measured) measure_range(array);
+    if (measured) measure(array);
     if (array.association == Association::cell_averaged) {
       const auto cells = map_cells(manifest, fields, i, grid.cell_count(), !known);
       if (known && known_cells >= known->cells.size()) manifest.refuse("wrote more arrays of cells than were measured");

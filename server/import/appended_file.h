@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "import/imported.h"
 #include "import/mapped_file.h"
@@ -22,6 +23,7 @@ class AppendedFile {
   /// Another block of the dataset may have a file of this name: then it gets another.
   AppendedFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / name) {
     for (int n = 2; !(file_ = std::fopen(path_.c_str(), "wbx")) && errno == EEXIST; ++n) path_ = request.scratch / (name + "." + std::to_string(n));
+    if (file_) std::setvbuf(file_, buffer_.data(), _IOFBF, buffer_.size());
   }
   ~AppendedFile() {
     if (!file_) return;
@@ -50,6 +52,7 @@ class AppendedFile {
   }
 
   std::filesystem::path path_;
+  std::vector<char> buffer_ = std::vector<char>(1u << 18);
   std::FILE* file_ = nullptr;
 };
 

@@ -1,5 +1,6 @@
 #include "import/appended_xml.h"
 
+#include <vtkDataSetAttributes.h>
 #include <vtkXMLUtilities.h>
 
 #include <cstring>
@@ -7,6 +8,7 @@
 #include <string>
 
 #include "data/import_door.h"
+#include "data/partition.h"
 #include "import/parsed_number.h"
 
 namespace isostrata {
@@ -30,7 +32,14 @@ std::string_view attribute(vtkXMLDataElement* element, const char* name) {
   return text ? text : "";
 }
 
-bool is_aligned(const FileArray& array) { return reinterpret_cast<std::uintptr_t>(array.values.data()) % size_of(array.type) == 0; }
+FileArray aligned(FileArray array) {
+  if (reinterpret_cast<std::uintptr_t>(array.values.data()) % size_of(array.type) == 0) return array;
+  auto [storage, bytes] = allocate<std::byte>(array.values.size());
+  std::memcpy(bytes.data(), array.values.data(), bytes.size());
+  array.values = bytes;
+  array.storage = storage;
+  return array;
+}
 
 std::optional<AppendedXml> AppendedXml::open(const std::filesystem::path& file) {
   if (std::filesystem::file_size(file) < kLeastInPlace) return std::nullopt;
@@ -89,6 +98,17 @@ std::optional<FileArray> AppendedXml::array(vtkXMLDataElement* element, std::uin
   array.values = all.subspan(static_cast<std::size_t>(from + head), static_cast<std::size_t>(bytes));
   array.storage = file_;
   return array;
+}
+
+bool AppendedXml::add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<FileArray>& to) const {
+  if (!attribute(attributes, "GlobalIds").empty()) return false;
+  for (int i = 0; i < attributes->GetNumberOfNestedElements(); ++i) {
+    auto array = this->array(attributes->GetNestedElement(i), tuples);
+    if (!array || array->name.empty() || array->name == vtkDataSetAttributes::GhostArrayName() || array->name == kGlobalPoints) return false;
+    array->on_cells = on_cells;
+    to.push_back(array->components > 1 ? aligned(std::move(*array)) : std::move(*array));
+  }
+  return true;
 }
 
 }  // namespace isostrata

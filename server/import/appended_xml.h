@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "import/imported.h"
 #include "import/mapped_file.h"
@@ -29,6 +30,9 @@ class AppendedXml {
 
   /// Name, type, components and bytes of a DataArray of at least this many whole tuples and no more. Values may lie at any address.
   std::optional<FileArray> array(vtkXMLDataElement* element, std::uint64_t tuples) const;
+  /// Appends the arrays of a PointData or CellData, aligned if somebody has to read them as numbers. False if one of them is no such array, or says what
+  /// belongs to no array: ghosts, numbers in a whole.
+  bool add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<FileArray>& to) const;
 
  private:
   AppendedXml() = default;
@@ -41,7 +45,7 @@ class AppendedXml {
 
 std::string_view attribute(vtkXMLDataElement* element, const char* name);
 
-/// Whether typed values may be read where they lie.
-bool is_aligned(const FileArray& array);
+/// With its own values where those in the file may not be read as numbers where they lie.
+FileArray aligned(FileArray array);
 
 }  // namespace isostrata

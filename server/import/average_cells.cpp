@@ -1,11 +1,14 @@
 #include "import/average_cells.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <utility>
 
+#include "import/appended_file.h"
 #include "import/close_seams.h"
 
 namespace isostrata {
@@ -43,48 +46,80 @@ bool goes_by_rows(const Block& block, const FileArray& array) {
   return grid.structured() && !grid.flat() && grid.cell_count() > 0 && grid.hidden_cells.empty() && block.source.empty() && !has_seams(block) && !array.partial;
 }
 
-/// Of boxes that all count: a row of points is the sum of up to four rows of cells, each once for the cells before the points and once for those after
-/// them. Cells are added in their order, as sum_at_points adds them, so the sums are the same to the last bit.
+/// Numbers in a file, at any address.
+template <class T>
+struct NumbersAt {
+  const std::byte* from = nullptr;
+  double operator[](std::size_t at) const {
+    T value;
+    std::memcpy(&value, from + at * sizeof(T), sizeof value);
+    return static_cast<double>(value);
+  }
+};
+
+/// The mean over `rows` rows of cells, a power of two, at each of their points but the first and the last. A point's cells are added in their order, as
+/// sum_at_points adds them, so the means are the same to the last bit.
+template <int rows, class T, class Out>
+void mean_inside(const std::array<NumbersAt<T>, 4>& of_rows, std::size_t cells, std::size_t components, Out* means) {
+  for (std::size_t at = components; at < cells; ++at) {
+    double sum = 0;
+    for (int row = 0; row < rows; ++row) sum = (sum + of_rows[row][at - components]) + of_rows[row][at];
+    means[at] = static_cast<Out>(sum * (0.5 / rows));
+  }
+}
+
+/// Of boxes that all count: a row of points has up to four rows of cells.
 template <class Out>
-FileArray mean_by_rows(const Block& block, const FileArray& array) {
+FileArray mean_by_rows(const Block& block, const FileArray& array, AppendedFile<Out> file) {
   const auto dims = block.grid.dims();
   const auto components = static_cast<std::size_t>(array.components);
   const auto cells = static_cast<std::size_t>(dims[0] - 1) * components;  // numbers of a row
-  const std::size_t row = cells + components;
-  auto [storage, means] = allocate<Out>(static_cast<std::size_t>(block.grid.point_count()) * components);
-  std::vector<double> sums(row);
+  std::vector<Out> means(cells + components);
   std::visit(
-      [&](auto values) {
-        std::size_t to = 0;
+      [&](auto typed) {
+        using T = typename decltype(typed)::value_type;
+        std::array<NumbersAt<T>, 4> of_rows{};
         for (std::int64_t k = 0; k < dims[2]; ++k)
-          for (std::int64_t j = 0; j < dims[1]; ++j, to += row) {
-            std::fill(sums.begin(), sums.end(), 0.0);
-            int rows = 0;
+          for (std::int64_t j = 0; j < dims[1]; ++j) {
+            std::size_t rows = 0;
             for (std::int64_t ck = std::max<std::int64_t>(k - 1, 0); ck < std::min(k + 1, dims[2] - 1); ++ck)
-              for (std::int64_t cj = std::max<std::int64_t>(j - 1, 0); cj < std::min(j + 1, dims[1] - 1); ++cj, ++rows) {
-                const auto of_row = values.subspan(static_cast<std::size_t>(ck * (dims[1] - 1) + cj) * cells, cells);
-                for (std::size_t at = 0; at < cells; ++at) sums[at + components] += static_cast<double>(of_row[at]);
-                for (std::size_t at = 0; at < cells; ++at) sums[at] += static_cast<double>(of_row[at]);
+              for (std::int64_t cj = std::max<std::int64_t>(j - 1, 0); cj < std::min(j + 1, dims[1] - 1); ++cj)
+                of_rows[rows++].from = array.values.data() + static_cast<std::size_t>(ck * (dims[1] - 1) + cj) * cells * sizeof(T);
+            for (std::size_t c = 0; c < components; ++c) {
+              double first = 0, last = 0;
+              for (std::size_t row = 0; row < rows; ++row) {
+                first += of_rows[row][c];
+                last += of_rows[row][cells - components + c];
               }
-            for (std::size_t at = 0; at < row; ++at) means[to + at] = static_cast<Out>(sums[at] / (at < components || at >= cells ? rows : 2 * rows));
+              means[c] = static_cast<Out>(first / static_cast<double>(rows));
+              means[cells + c] = static_cast<Out>(last / static_cast<double>(rows));
+            }
+            if (rows == 4)
+              mean_inside<4>(of_rows, cells, components, means.data());
+            else if (rows == 2)
+              mean_inside<2>(of_rows, cells, components, means.data());
+            else
+              mean_inside<1>(of_rows, cells, components, means.data());
+            file.add(means);
           }
       },
-      scalar_span(array.type, array.values));
-  return of_points<Out>(array, means, storage);
+      scalar_span(array.type, {}));
+  const auto [written, storage] = file.finish();
+  return of_points<const Out>(array, written, storage);
 }
 
 constexpr std::size_t kNumbersTogether = 7;   // and how many cells are in them: a line of the cache
 constexpr std::int64_t kCellsTogether = 4096;  // whose values are looked at together
 
-/// Numbers of some arrays side by side, as doubles. Cells are asked for in their order.
+/// Numbers of some arrays side by side, as doubles, and a one. Cells are asked for in their order.
 class ValuesOfCells {
  public:
   ValuesOfCells(std::span<const FileArray* const> arrays, std::size_t width, std::int64_t cells)
-      : arrays_(arrays), width_(width), cells_(cells), values_(width * kCellsTogether) {}
+      : arrays_(arrays), stride_(width + 1), cells_(cells), values_(stride_ * kCellsTogether, 1.0) {}
 
   const double* of(std::int64_t cell) {
     if (cell >= end_) load(cell);
-    return &values_[static_cast<std::size_t>(cell - begin_) * width_];
+    return &values_[static_cast<std::size_t>(cell - begin_) * stride_];
   }
 
  private:
@@ -95,18 +130,20 @@ class ValuesOfCells {
     for (const FileArray* array : arrays_) {
       const auto components = static_cast<std::size_t>(array->components);
       std::visit(
-          [&](auto values) {
+          [&](auto typed) {
+            using T = typename decltype(typed)::value_type;
+            const NumbersAt<T> values{array->values.data()};
             for (std::int64_t of = begin_; of < end_; ++of)
               for (std::size_t c = 0; c < components; ++c)
-                values_[static_cast<std::size_t>(of - begin_) * width_ + column + c] = static_cast<double>(values[static_cast<std::size_t>(of) * components + c]);
+                values_[static_cast<std::size_t>(of - begin_) * stride_ + column + c] = values[static_cast<std::size_t>(of) * components + c];
           },
-          scalar_span(array->type, array->values));
+          scalar_span(array->type, {}));
       column += components;
     }
   }
 
   const std::span<const FileArray* const> arrays_;
-  const std::size_t width_;
+  const std::size_t stride_;
   const std::int64_t cells_;
   std::int64_t begin_ = 0, end_ = 0;
   std::vector<double> values_;
@@ -118,11 +155,27 @@ std::size_t width_of(std::span<const FileArray* const> arrays) {
   return width;
 }
 
-/// At each point `width` sums, and how many cells are in them. partial: a cell whose first number is NaN has none.
+/// Calls use with the number as a constant, so that its loops are unrolled, if that is small; else with 0.
+template <class Use>
+void with_constant(std::size_t number, const Use& use) {
+  switch (number) {
+    case 2: return use(std::integral_constant<std::size_t, 2>());
+    case 3: return use(std::integral_constant<std::size_t, 3>());
+    case 4: return use(std::integral_constant<std::size_t, 4>());
+    case 5: return use(std::integral_constant<std::size_t, 5>());
+    case 6: return use(std::integral_constant<std::size_t, 6>());
+    case 7: return use(std::integral_constant<std::size_t, 7>());
+    case 8: return use(std::integral_constant<std::size_t, 8>());
+    default: return use(std::integral_constant<std::size_t, 0>());
+  }
+}
+
+/// At each point the sums of the arrays' numbers, and how many cells are in them. partial: a cell whose first number is NaN has none.
+template <std::size_t kStride>
 std::vector<double> sum_at_points(const Block& block, std::span<const FileArray* const> arrays, bool partial) {
   const Grid& grid = block.grid;
   const auto points = static_cast<std::size_t>(grid.point_count());
-  const std::size_t width = width_of(arrays), stride = width + 1;
+  const std::size_t width = width_of(arrays), stride = kStride > 0 ? kStride : width + 1;
   const bool seams = has_seams(block);
   std::vector<double> sums(points * stride, 0.0);
   // A cell that was split counts once at each of its points, however many of its pieces meet there.
@@ -139,8 +192,7 @@ std::vector<double> sum_at_points(const Block& block, std::span<const FileArray*
         counted[point] = source;
       }
       double* const of_point = &sums[point * stride];
-      for (std::size_t c = 0; c < width; ++c) of_point[c] += of_cell[c];
-      ++of_point[width];
+      for (std::size_t c = 0; c < stride; ++c) of_point[c] += of_cell[c];
     }
   });
   return sums;
@@ -168,7 +220,7 @@ bool is_single(const FileArray& array) { return array.type == ScalarType::float3
 
 }  // namespace
 
-CellMeans::CellMeans(const Block& block) : block_(block) {
+CellMeans::CellMeans(const Block& block, const ReadRequest& request) : block_(block), request_(request) {
   for (const FileArray& array : block.arrays)
     if (array.on_cells) arrays_.push_back(&array);
 }
@@ -188,16 +240,17 @@ std::size_t CellMeans::together() const {
   return count;
 }
 
-FileArray CellMeans::next() {
+FileArray CellMeans::next(const std::string& file) {
   if (means_.empty() && goes_by_rows(block_, *arrays_[at_])) {
     const FileArray& array = *arrays_[at_++];
-    return is_single(array) ? mean_by_rows<float>(block_, array) : mean_by_rows<double>(block_, array);
+    return is_single(array) ? mean_by_rows<float>(block_, array, {request_, file}) : mean_by_rows<double>(block_, array, {request_, file});
   }
   if (means_.empty()) {
     const auto arrays = std::span<const FileArray* const>(arrays_).subspan(at_, together());
     at_ += arrays.size();
-    const std::vector<double> sums = sum_at_points(block_, arrays, arrays.front()->partial);
     const std::size_t width = width_of(arrays);
+    std::vector<double> sums;
+    with_constant(width + 1, [&](auto stride) { sums = sum_at_points<stride>(block_, arrays, arrays.front()->partial); });
     std::size_t column = 0;
     for (const FileArray* array : arrays) {
       means_.push_back(is_single(*array) ? mean_of<float>(block_, *array, sums, width, column) : mean_of<double>(block_, *array, sums, width, column));

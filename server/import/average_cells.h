@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <string>
 #include <vector>
 
 #include "import/imported.h"
@@ -13,11 +14,12 @@ namespace isostrata {
 /// float32 and integers of up to 16 bits become it; everything else becomes float64. on_cells stays set, as the mark of where the values come from.
 class CellMeans {
  public:
-  /// The block must outlive it.
-  explicit CellMeans(const Block& block);
+  /// Both must outlive it.
+  CellMeans(const Block& block, const ReadRequest& request);
   /// Of the block's next array on cells, in their order. Precondition: there is one. Some are found together, since looking for the points of cells takes
-  /// longer than adding numbers; their sums take at most kMostSums bytes, or those of one array.
-  FileArray next();
+  /// longer than adding numbers; their sums take at most kMostSums bytes, or those of one array. Means may be written to a file of this name in
+  /// request.scratch, and mapped.
+  FileArray next(const std::string& file);
 
   static constexpr std::size_t kMostSums = std::size_t{256} << 20;
 
@@ -25,6 +27,7 @@ class CellMeans {
   std::size_t together() const;
 
   const Block& block_;
+  const ReadRequest& request_;
   std::vector<const FileArray*> arrays_;
   std::size_t at_ = 0;           // of those that are not averaged yet, the first
   std::deque<FileArray> means_;  // not asked for yet

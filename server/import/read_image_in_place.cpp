@@ -1,7 +1,6 @@
 #include "import/read_image_in_place.h"
 
 #include <vtkDataObject.h>
-#include <vtkDataSetAttributes.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkMetaImageReader.h>
@@ -71,7 +70,7 @@ std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::
   return imported;
 }
 
-/// The point arrays of one component, where all that the file holds are those.
+/// The arrays on points and on cells; none if the file holds anything else.
 std::vector<FileArray> arrays_of(const AppendedXml& xml, std::uint64_t& points) {
   const auto image = xml.only_piece("ImageData");
   int whole[6], extent[6];
@@ -81,16 +80,15 @@ std::vector<FileArray> arrays_of(const AppendedXml& xml, std::uint64_t& points) 
   const auto count = point_count(extent);
   if (!count) return {};
   points = *count;
+  std::uint64_t cells = 1;  // of a flat image none: its cells have other corners
+  for (int a = 0; a < 3; ++a) cells *= static_cast<std::uint64_t>(extent[2 * a + 1] - extent[2 * a]);
   std::vector<FileArray> arrays;
   for (int i = 0; i < image->piece->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* const part = image->piece->GetNestedElement(i);
     if (part->GetNumberOfNestedElements() == 0) continue;
-    if (std::string_view(part->GetName()) != "PointData") return {};
-    for (int k = 0; k < part->GetNumberOfNestedElements(); ++k) {
-      auto array = xml.array(part->GetNestedElement(k), points);
-      if (!array || array->components != 1 || array->name.empty() || array->name == vtkDataSetAttributes::GhostArrayName()) return {};
-      arrays.push_back(std::move(*array));
-    }
+    const bool on_cells = std::string_view(part->GetName()) == "CellData";
+    if ((!on_cells && std::string_view(part->GetName()) != "PointData") || (on_cells && cells == 0)) return {};
+    if (!xml.add_values(part, on_cells, on_cells ? cells : points, arrays)) return {};
   }
   return arrays;
 }

@@ -1,7 +1,5 @@
 #include "import/read_mesh_in_place.h"
 
-#include <vtkDataSetAttributes.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -10,7 +8,6 @@
 #include <tuple>
 #include <variant>
 
-#include "data/partition.h"
 #include "import/appended_file.h"
 #include "import/appended_xml.h"
 #include "import/declared_time.h"
@@ -27,27 +24,6 @@ struct MeshArrays {
   FileArray points, types, ends, ids;
   std::vector<FileArray> values;
 };
-
-/// With its own values, where those in the file are not aligned.
-FileArray aligned(FileArray array) {
-  if (is_aligned(array)) return array;
-  auto [storage, bytes] = allocate<std::byte>(array.values.size());
-  std::memcpy(bytes.data(), array.values.data(), bytes.size());
-  array.values = bytes;
-  array.storage = storage;
-  return array;
-}
-
-bool add_values(const AppendedXml& xml, vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<FileArray>& to) {
-  if (!attribute(attributes, "GlobalIds").empty()) return false;
-  for (int i = 0; i < attributes->GetNumberOfNestedElements(); ++i) {
-    auto array = xml.array(attributes->GetNestedElement(i), tuples);
-    if (!array || array->name.empty() || array->name == vtkDataSetAttributes::GhostArrayName() || array->name == kGlobalPoints) return false;
-    array->on_cells = on_cells;
-    to.push_back(on_cells || array->components > 1 ? aligned(std::move(*array)) : std::move(*array));
-  }
-  return true;
-}
 
 bool add_cells(const AppendedXml& xml, vtkXMLDataElement* cells, std::uint64_t count, MeshArrays& to) {
   vtkXMLDataElement* ids = nullptr;
@@ -83,7 +59,7 @@ std::optional<MeshArrays> arrays_of(const AppendedXml& xml, vtkXMLDataElement* p
     vtkXMLDataElement* const part = piece->GetNestedElement(i);
     const std::string_view name = part->GetName();
     if (name == "PointData" || name == "CellData") {
-      if (!add_values(xml, part, name == "CellData", name == "CellData" ? *cells : *points, out.values)) return std::nullopt;
+      if (!xml.add_values(part, name == "CellData", name == "CellData" ? *cells : *points, out.values)) return std::nullopt;
     } else if (name == "Cells") {
       if (!add_cells(xml, part, *cells, out)) return std::nullopt;
     } else if (name == "Points" && part->GetNumberOfNestedElements() == 1) {

@@ -120,6 +120,8 @@ void write_grid(const Block& block, Writer& writer, json::object& manifest) {
   if (!grid.hidden_cells.empty()) writer.values("hidden.bin", grid.hidden_cells);
 }
 
+std::string array_file(std::size_t number) { return "array_" + std::to_string(number) + ".bin"; }
+
 /// Writes the arrays one by one and lists them in the manifest.
 class ArrayWriter {
  public:
@@ -134,8 +136,13 @@ class ArrayWriter {
     if (!cells) return;
     std::size_t at = first;
     add(*cells, base, [&](const std::string&, const std::string&, ScalarType type, std::span<const std::byte> bytes) {
-      list_[at].as_object()["cell_type"] = to_string(type);
-      writer_.file("cells_" + std::to_string(at++) + ".bin", bytes);
+      json::object& entry = list_[at].as_object();
+      entry["cell_type"] = to_string(type);
+      if (json::object place; put_in_place(bytes, type, place))
+        entry["cells"] = std::move(place);
+      else
+        writer_.file("cells_" + std::to_string(at) + ".bin", bytes);
+      ++at;
     });
   }
 
@@ -192,13 +199,17 @@ class ArrayWriter {
                        {"components", array.components},
                        {"component", component},
                        {"type", to_string(type)}};
-    if (const auto place = writer_.in_place(bytes, size_of(type)); place && valid_utf8(place->file.string()) == place->file.string()) {
-      entry["in_file"] = place->file.string();
-      entry["offset"] = place->offset;
-    } else {
-      writer_.file("array_" + std::to_string(list_.size()) + ".bin", bytes);
-    }
+    if (!put_in_place(bytes, type, entry)) writer_.file(array_file(list_.size()), bytes);
     list_.push_back(std::move(entry));
+  }
+
+  /// Says in `entry` where they lie; false where they have to be written.
+  bool put_in_place(std::span<const std::byte> bytes, ScalarType type, json::object& entry) const {
+    const auto place = writer_.in_place(bytes, size_of(type));
+    if (!place || valid_utf8(place->file.string()) != place->file.string()) return false;
+    entry["in_file"] = place->file.string();
+    entry["offset"] = place->offset;
+    return true;
   }
 
   Writer& writer_;
@@ -221,12 +232,12 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
     if (!array.on_cells) point_names.insert(array.name);
   json::array arrays;
   ArrayWriter array_writer(writer, arrays);
-  CellMeans means(block);
+  CellMeans means(block, request);
   std::size_t done = 0;
   for (const FileArray& array : block.arrays) {
     const std::string name =
         printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
-    array_writer.add(array.on_cells ? means.next() : array, array.on_cells ? &array : nullptr, name);
+    array_writer.add(array.on_cells ? means.next(array.components == 1 ? array_file(arrays.size()) : "means.bin") : array, array.on_cells ? &array : nullptr, name);
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }
   manifest["arrays"] = std::move(arrays);

@@ -130,6 +130,82 @@ TEST_F(InPlace, AppendedRawImagesAreMappedAndLieWhereVtkPlacesThem) {
   expect_facts(write<std::int16_t>("odd.vti", with_length(vti(66, "Int16", "LittleEndian", "0"), words, 1), -300, 900, 66), false, -300, 900, 66);
 }
 
+TEST_F(InPlace, CellsOfAnImageAreMappedAndTheirMeansAreThoseOfTheDefinition) {
+  constexpr std::uint64_t kCells = 1023 * 511 * std::uint64_t{kLayers - 1}, kPoints = static_cast<std::uint64_t>(kPlane * kLayers);
+  std::string head = vti(kLayers, "Int8", "LittleEndian", "0");
+  const std::string array = head.substr(head.find("<DataArray"), head.find("</PointData>") - head.find("<DataArray"));
+  head.replace(head.find("<PointData"), head.find("</CellData>") - head.find("<PointData"), "<CellData Scalars=\"f\">" + array);
+  for (const std::size_t off : {0u, 4u}) {  // bytes may lie anywhere
+    const std::string whole = with_length(head, kCells, off);
+    const fs::path file = data / "cells.vti";
+    std::ofstream(file, std::ios::binary) << whole;
+    fs::resize_file(file, whole.size() + kCells);
+    std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
+    out.seekp(static_cast<std::streamoff>(whole.size())).put(8);
+    out.seekp(static_cast<std::streamoff>(whole.size() + kCells - 1)).put(-64);
+    out.close();
+    const auto dataset = open_import(file, options, Task());
+    ASSERT_EQ(dataset->arrays.size(), 1u);
+    const PointArray& of = dataset->arrays[0];
+    ASSERT_TRUE(of.cells);
+    EXPECT_TRUE(std::visit([](auto values) { return is_in_source(values.data()); }, of.cells->values));
+    EXPECT_EQ(std::visit([](auto values) { return values.size(); }, of.cells->values), kCells);
+    EXPECT_EQ(of.cells->lower, -64);
+    EXPECT_EQ(of.cells->upper, 8);
+    EXPECT_EQ(of.type, ScalarType::float32);
+    EXPECT_EQ(of.at(0), 8);  // a corner has one cell
+    EXPECT_EQ(of.at(1), 4);  // an edge two
+    EXPECT_EQ(of.at(1 + 1024), 2);
+    EXPECT_EQ(of.at(1 + 1024 + kPlane), 1);
+    EXPECT_EQ(of.at(kPoints - 1), -64);
+    EXPECT_EQ(of.at(kPoints - 2 - 1024), -16);
+    EXPECT_EQ(of.at(kPoints - 2 - 1024 - kPlane), -8);
+    EXPECT_EQ(of.lower, -64);
+    EXPECT_EQ(of.upper, 8);
+    EXPECT_LT(dataset_bytes(*dataset), 4 * kPoints + (1u << 20)) << "the means alone";
+  }
+}
+
+TEST_F(InPlace, VectorsOfAnImageBesideCellsAreWhatVtksReaderMakesOfThem) {
+  constexpr std::int64_t kFew = 12;
+  constexpr std::uint64_t kPoints = static_cast<std::uint64_t>(kPlane * kFew), kCells = 1023 * 511 * std::uint64_t{kFew - 1};
+  std::vector<float> vectors(3 * kPoints);
+  std::vector<std::int16_t> cells(2 * kCells);
+  for (std::size_t i = 0; i < vectors.size(); ++i) vectors[i] = static_cast<float>(i % 1013) - 500.25f;
+  for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = static_cast<std::int16_t>(i * i % 30011);
+  const std::uint64_t bytes = vectors.size() * sizeof(float), cell_bytes = cells.size() * sizeof(std::int16_t);
+  const auto written = [&](const std::string& name, const std::string& last, std::size_t off) {
+    std::string head = vti(kFew, "Float32\" NumberOfComponents=\"3", "LittleEndian", "0");
+    head.replace(head.find("<CellData>"), 10, "<CellData><DataArray type=\"Int16\" NumberOfComponents=\"2\" Name=\"c\" format=\"appended\" offset=\"" + std::to_string(8 + bytes) + "\"/>" + last);
+    const fs::path file = data / name;
+    std::ofstream out(file, std::ios::binary);
+    out << with_length(head, bytes, off);
+    out.write(reinterpret_cast<const char*>(vectors.data()), static_cast<std::streamsize>(bytes));
+    out.write(reinterpret_cast<const char*>(&cell_bytes), sizeof cell_bytes);
+    out.write(reinterpret_cast<const char*>(cells.data()), static_cast<std::streamsize>(cell_bytes));
+    return open_import(file, options, Task());
+  };
+  // A second array as text in the file, which only VTK's reader takes; it comes last.
+  const auto ours = written("ours.vti", "", 0), odd = written("odd.vti", "", 3);
+  const auto by_vtk = written("vtk.vti", "<DataArray type=\"UInt8\" Name=\"text\" format=\"ascii\" NumberOfComponents=\"1\">" + [&] {
+    std::string zeros(2 * kCells, ' ');
+    for (std::size_t i = 0; i < kCells; ++i) zeros[2 * i] = '0';
+    return zeros;
+  }() + "</DataArray>", 0);
+  ASSERT_EQ(by_vtk->arrays.size(), 8u);
+  for (const auto& dataset : {ours, odd}) {
+    ASSERT_EQ(dataset->arrays.size(), 7u);
+    for (std::size_t a = 0; a < 7; ++a) {
+      EXPECT_EQ(dataset->arrays[a].name, by_vtk->arrays[a].name);
+      EXPECT_TRUE(std::visit([](auto a, auto b) { return std::equal(a.begin(), a.end(), b.begin(), b.end()); }, dataset->arrays[a].values, by_vtk->arrays[a].values)) << dataset->arrays[a].name;
+      ASSERT_EQ(dataset->arrays[a].cells == nullptr, by_vtk->arrays[a].cells == nullptr);
+      if (dataset->arrays[a].cells) {
+        EXPECT_TRUE(std::visit([](auto a, auto b) { return std::equal(a.begin(), a.end(), b.begin(), b.end()); }, dataset->arrays[a].cells->values, by_vtk->arrays[a].cells->values));
+      }
+    }
+  }
+}
+
 TEST_F(InPlace, OffsetsAndLengthsThatMakeNoSenseAreErrorsAndNoMaps) {
   const std::uint64_t bytes = static_cast<std::uint64_t>(kPlane * kLayers);
   const auto refused = [&](const std::string& name, const std::string& head) {
