@@ -115,10 +115,13 @@ struct CrossingsRenderer::State {
   const IntervalMesh* made_for = nullptr;
   FacetSet set;
   Buffer<ScreenVertex> vertices;  // the memory of the last frame's
+  Buffer<Vec3f> normals;          // of facets, likewise
+  bool normals_are_of_set = false;
 
   const FacetSet& facets_of(const std::shared_ptr<const IntervalMesh>& of) {
     if (made_for == of.get() && mesh.lock() == of) return set;
     made_for = nullptr;
+    normals_are_of_set = false;
     set = make_facet_set(*of);
     mesh = of;
     made_for = of.get();
@@ -167,6 +170,12 @@ void CrossingsRenderer::draw(const DrawInput& input, const Facets& of, TileSink&
                                                                      : std::nullopt);
   }
   frame.tables = make_ray_tables(frame);
+  if (frame.tables.any_surface && !input.normals) {
+    const bool kept = &set == &state_->set;
+    if (!kept || !state_->normals_are_of_set) facet_normals(set, *input.mesh, state_->normals);
+    state_->normals_are_of_set = kept;
+    frame.normals = state_->normals;
+  }
   if (sink.rounded()) {
     frame.least_through = kLeastThrough;
     frame.most_unlit = kMostUnlit;

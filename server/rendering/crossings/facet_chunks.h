@@ -40,4 +40,7 @@ struct FacetSet {
 enum class FacetsAre { whole, part };
 FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are = FacetsAre::whole);
 
+/// [facets] of unit length, or nothing where a facet has no area. Parallel.
+void facet_normals(const FacetSet& set, const IntervalMesh& mesh, Buffer<Vec3f>& normals);
+
 }  // namespace isostrata

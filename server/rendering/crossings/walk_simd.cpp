@@ -263,10 +263,9 @@ class Walk {
       for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_corners(static_cast<unsigned>(__builtin_ctz(rest)), facets);
       sure = blend_normals(normal, size2);
     } else {
-      for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_own_normal(static_cast<unsigned>(__builtin_ctz(rest)), facets);
       size2 = hn::Zero(d);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        normal[axis] = hn::Load(d, own_normal_[axis]);
+        normal[axis] = own_normal(facet, axis);
         size2 = hn::MulAdd(normal[axis], normal[axis], size2);
       }
       sure = hn::Eq(size2, size2);
@@ -373,17 +372,16 @@ class Walk {
     }
   }
 
-  /// Of unit length, or nothing where the facet has no area.
-  HWY_INLINE void take_own_normal(unsigned lane, const std::int32_t* facets) {
-    const auto& points = frame_.set.points[static_cast<std::uint32_t>(facets[lane])];
-    const auto& positions = frame_.input.mesh->positions;
-    const Vec3d a = positions[points[0]], b = positions[points[1]], c = positions[points[2]];
-    const Vec3d across = cross(b - a, c - a);
-    const double size = length(across);
-    const Vec3d unit = size > 0 ? across / size : Vec3d{};
-    own_normal_[0][lane] = static_cast<float>(unit.x);
-    own_normal_[1][lane] = static_cast<float>(unit.y);
-    own_normal_[2][lane] = static_cast<float>(unit.z);
+  HWY_INLINE VF own_normal(VI facet, std::size_t axis) const {
+    const DF d;
+    const float* const from = &frame_.normals.data()->x + axis;
+    static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+    if (HWY_LIKELY(frame_.normals.size() < (std::size_t{1} << 31) / 3)) return hn::GatherIndex(d, from, hn::Add(facet, hn::ShiftLeft<1>(facet)));
+    HWY_ALIGN std::int32_t facets[kLanes];
+    HWY_ALIGN float normals[kLanes];
+    hn::Store(facet, DI(), facets);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) normals[lane] = from[3 * static_cast<std::size_t>(static_cast<std::uint32_t>(facets[lane]))];
+    return hn::Load(d, normals);
   }
 
   const WalkRow& row_;
@@ -397,7 +395,6 @@ class Walk {
   Colors color_;
   HWY_ALIGN ScreenVertex corners_[3][kLanes];
   HWY_ALIGN float normals_[3][4 * kLanes];
-  HWY_ALIGN float own_normal_[3][kLanes] = {};
 };
 
 void WalkAll(const WalkRow& row) {
