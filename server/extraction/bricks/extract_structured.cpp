@@ -13,6 +13,7 @@
 #include "extraction/bricks/structured_facets.h"
 #include "extraction/bricks/structured_measure.h"
 #include "extraction/cells/active_cells.h"
+#include "extraction/facets/weld_seams.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/mesh/open_ends.h"
 
@@ -30,17 +31,29 @@ class Writer {
  public:
   Writer(const Grid& grid, const PointArray& array, const IsoRules& rules, const ActiveBricks& active,
          const ExtractOptions& options, const Task& task, IntervalMesh& mesh)
-      : rules_(rules), active_(active), options_(options), task_(task), mesh_(mesh), writer_(grid, array, rules, active) {}
+      : grid_(grid), array_(array), rules_(rules), active_(active), options_(options), task_(task), mesh_(mesh), writer_(grid, array, rules, active) {}
+
+  /// The points alone, and the facets on them.
+  void write_facets_alone() {
+    count(0);
+    resize_points();
+    const auto bricks = static_cast<std::int64_t>(active_.bricks().size());
+    StageProgress progress(task_, "extracting", 0.4, 0.85, bricks);
+    parallel_for(bricks, kBricksPerTask, [&](std::int64_t begin, std::int64_t end) {
+      BrickWriter::Scratch scratch(writer_);
+      for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) writer_.write_points(b, 0, BrickLayout::kSide, true, scratch, mesh_);
+      task_.check();
+      progress.done(end - begin);
+    });
+    mesh_.facets = structured_facets(grid_, array_, active_, writer_, options_.max_bytes, task_);
+  }
 
   void write() {
-    count();
-    mesh_.positions.resize(active_.points());
-    mesh_.origins.resize(active_.points());
-    if (options_.values) mesh_.values.resize(active_.points());
+    count(active_.tetrahedra());
+    resize_points();
     mesh_.tetrahedra.resize(active_.tetrahedra());
     mesh_.tetrahedron_interval.resize(active_.tetrahedra());
     mesh_.cell_runs.resize(active_.cells());
-    mesh_.active_cells = static_cast<std::int64_t>(active_.cells());
     const auto bricks = static_cast<std::int64_t>(active_.bricks().size());
     const bool more = options_.facets || options_.measure;
     StageProgress progress(task_, "extracting", 0.4, more ? 0.7 : 1.0, bricks);
@@ -56,11 +69,18 @@ class Writer {
   }
 
  private:
-  void count() {
+  void resize_points() {
+    mesh_.positions.resize(active_.points());
+    mesh_.origins.resize(active_.points());
+    if (options_.values) mesh_.values.resize(active_.points());
+    mesh_.active_cells = static_cast<std::int64_t>(active_.cells());
+  }
+
+  void count(std::uint64_t tetrahedra) {
     const std::uint64_t bytes =
-        active_.tetrahedra() * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t)) +
+        tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t)) +
         active_.points() * (sizeof(Vec3d) + sizeof(PointOrigin) + (options_.values ? sizeof(double) : 0)) +
-        active_.cells() * sizeof(CellRun) + active_.bytes() + active_.bricks().size() * 3 * sizeof(std::uint32_t);
+        (tetrahedra > 0 ? active_.cells() * sizeof(CellRun) : 0) + active_.bytes() + active_.bricks().size() * 3 * sizeof(std::uint32_t);
     const std::string what =
         std::to_string(active_.tetrahedra()) + " tetrahedra with " + std::to_string(active_.points()) + " points";
     check_budget(what, bytes, options_.max_bytes);
@@ -102,6 +122,8 @@ class Writer {
     }
   }
 
+  const Grid& grid_;
+  const PointArray& array_;
   const IsoRules& rules_;
   const ActiveBricks& active_;
   const ExtractOptions& options_;
@@ -110,6 +132,15 @@ class Writer {
   const BrickWriter writer_;
   Starts starts_;
 };
+
+/// Where a grid meets itself its two sides become one by their tetrahedra.
+bool facets_suffice(const Grid& grid, const PointArray& array, const ExtractOptions& options) {
+  const auto seams = [&] {
+    const std::array<bool, 3> found = find_seams(grid, array);
+    return found[0] || found[1] || found[2];
+  };
+  return options.facets && !options.tetrahedra && !seams();
+}
 
 std::shared_ptr<const ActiveBricks> find_bricks(const Grid& grid, const PointArray& array, const IsoRules& rules,
                                                 const ExtractOptions& options, const Task& task) {
@@ -138,9 +169,15 @@ std::optional<IntervalMesh> extract_structured(const Grid& grid, const PointArra
     const std::shared_ptr<const ActiveBricks> found = find_bricks(grid, array, rules, options, task);
     const ActiveBricks& active = *found;
     count_records(active, mesh.summaries);
-    Writer(grid, array, rules, active, options, task, mesh).write();
-    if (options.measure) measure_records(grid, active, mesh, task);
-    if (options.facets) mesh.facets = structured_facets(grid, array, active, mesh, options.max_bytes, task);
+    Writer writer(grid, array, rules, active, options, task, mesh);
+    if (facets_suffice(grid, array, options)) {
+      writer.write_facets_alone();
+      if (options.measure) measure_facets(mesh, task);
+    } else {
+      writer.write();
+      if (options.measure) measure_records(grid, active, mesh, task);
+      if (options.facets) mesh.facets = structured_facets(grid, array, active, mesh, options.max_bytes, task);
+    }
   }
   task.report(1.0, "extracted");
   return mesh;

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "extraction/bricks/brick_memory.h"
+#include "extraction/bricks/case_facets.h"
 #include "extraction/bricks/hexahedron_gather.h"
 #include "extraction/bricks/open_faces.h"
 #include "extraction/bricks/structured_measure.h"
@@ -100,27 +101,12 @@ void LayerBricks::write_facets(std::size_t b, std::uint32_t base, const Owns* ow
         if (!(open >> face & 1) && !(*owns)(face % 2 ? number + stride[face / 2] : number - stride[face / 2])) open |= 1u << face;
     }
     const auto interval = static_cast<std::uint16_t>(record.interval());
-    const std::size_t turned = active_->turned(record);
     const std::uint32_t* const numbers =
         out.scratch.numbers_of[interval] + HexahedronGather::place(cell & 7, cell >> 3 & 7, cell >> 6);
-    const auto put = [&](const std::array<std::uint16_t, 3>& at, FacetLabel label) {
+    const auto put = [&](int, int, const std::array<std::uint16_t, 3>& at, FacetLabel label) {
       out.mesh.facets.push_back({{numbers[at[0]] - base, numbers[at[1]] - base, numbers[at[2]] - base}, 0, interval, label, interval});
     };
-    if (open == 0) {
-      const auto* const facets = gather.iso_facets[turned].data();
-      for (std::uint32_t f = gather.first_iso[case_index]; f < gather.first_iso[case_index + 1]; ++f) put(facets[f].points, facets[f].label);
-      return;
-    }
-    for (std::uint32_t t = gather.first[case_index]; t < gather.first[case_index + 1]; ++t)
-      for (std::size_t i = 0; i < 4; ++i) {
-        const std::uint8_t label = gather.labels[turned][t][i];
-        const bool in_open_face = label >= kFirstCellFace && (open >> (label - kFirstCellFace) & 1);
-        if (label != kLowerFacet && label != kUpperFacet && !in_open_face) continue;
-        const std::uint16_t* const offsets = gather.offsets[turned].data() + 4 * std::size_t{t};
-        const auto& v = kTetrahedronFacets[i];
-        put({offsets[v[0]], offsets[v[1]], offsets[v[2]]},
-            label == kLowerFacet ? FacetLabel::lower : label == kUpperFacet ? FacetLabel::upper : FacetLabel::domain);
-      }
+    visit_case_facets(gather, active_->turned(record), case_index, open, put);
   });
 }
 

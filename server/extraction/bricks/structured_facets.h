@@ -7,6 +7,7 @@
 #include "data/array.h"
 #include "data/grid.h"
 #include "extraction/bricks/active_bricks.h"
+#include "extraction/bricks/brick_writer.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
@@ -15,5 +16,8 @@ namespace isostrata {
 /// cancelled.
 Buffer<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active,
                                              const IntervalMesh& mesh, std::uint64_t max_bytes, const Task& task);
+/// The same facets of a mesh whose tetrahedra are not written: BoundaryFacet::tetrahedron is 0. writer: of the mesh's points.
+Buffer<BoundaryFacet> structured_facets(const Grid& grid, const PointArray& array, const ActiveBricks& active, const BrickWriter& writer,
+                                        std::uint64_t max_bytes, const Task& task);
 
 }  // namespace isostrata

@@ -1,5 +1,6 @@
 #include "extraction/bricks/structured_measure.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -92,6 +93,24 @@ void measure_records(const Grid& grid, const ActiveBricks& active, IntervalMesh&
       summary.signed_volume += one.signed_volume;
       summary.inverted += one.inverted;
     }
+}
+
+void measure_facets(IntervalMesh& mesh, const Task& task) {
+  constexpr std::size_t kFacets = 16384;  // of a block
+  if (mesh.facets.empty()) return;
+  const Vec3d origin = mesh.positions[mesh.facets[0].points[0]];
+  const std::size_t blocks = (mesh.facets.size() + kFacets - 1) / kFacets, intervals = mesh.summaries.size();
+  std::vector<double> sums(blocks * intervals);
+  parallel_for(static_cast<std::int64_t>(blocks), 1, [&](std::int64_t begin, std::int64_t end) {
+    task.check();
+    for (auto block = static_cast<std::size_t>(begin); block < static_cast<std::size_t>(end); ++block)
+      for (std::size_t f = block * kFacets; f < std::min(mesh.facets.size(), (block + 1) * kFacets); ++f) {
+        const BoundaryFacet& facet = mesh.facets[f];
+        const Vec3d p = mesh.positions[facet.points[0]] - origin, q = mesh.positions[facet.points[1]] - origin, r = mesh.positions[facet.points[2]] - origin;
+        sums[block * intervals + facet.interval] += dot(p, cross(q, r)) / 6;
+      }
+  });
+  for (std::size_t i = 0; i < sums.size(); ++i) mesh.summaries[i % intervals].signed_volume += sums[i];
 }
 
 }  // namespace isostrata

@@ -17,4 +17,7 @@ void count_records(const ActiveBricks& active, std::vector<IntervalSummary>& sum
 /// mesh's tetrahedra are those of the records, in their order. Throws cancelled.
 void measure_records(const Grid& grid, const ActiveBricks& active, IntervalMesh& mesh, const Task& task);
 
+/// Fills signed_volume of each interval with what its facets enclose; volume and inverted stay as they are. Throws cancelled.
+void measure_facets(IntervalMesh& mesh, const Task& task);
+
 }  // namespace isostrata

@@ -96,6 +96,8 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   for (const std::string& name : request.carry) carry.push_back(&dataset.array(name));
   ExtractOptions options;
   options.facets = request.facets;
+  options.tetrahedra = request.tetrahedra;
+  options.values = request.tetrahedra;
   options.strict = request.triangulation == Triangulation::strict;
   options.max_bytes = request.max_bytes;
   options.bricks = aids.bricks;

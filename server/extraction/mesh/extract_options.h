@@ -12,7 +12,7 @@ class OrderedMemory;
 struct ExtractOptions {
   bool facets = false;                     // fill IntervalMesh::facets
   bool values = true;                      // fill IntervalMesh::values
-  bool tetrahedra = true;                  // false: extract_whole counts and measures them, and fills facets alone
+  bool tetrahedra = true;                  // false, with facets: whole cells and structured grids fill facets alone and count the tetrahedra
   bool measure = true;                     // sum the volumes of the summaries and count what is inverted
   bool complement = false;                 // also what is below, between and above the intervals, as further intervals after them
   bool strict = false;                     // leave no tetrahedron turned against its cell (strict_triangulation.h)

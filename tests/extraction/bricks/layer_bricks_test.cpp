@@ -54,6 +54,33 @@ std::shared_ptr<const Dataset> random_dataset(std::mt19937_64& random) {
 
 const std::vector<std::vector<Interval>> kLayers{{{2, 3}}, {{1, 2.5}, {2.5, 4}, {6, 9}}, {{-5, 20}}, {{1, 5}, {3, 7}}};
 
+TEST(StructuredFacets, AloneAreTheVeryFacetsOfTheMeshOfTetrahedra) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const auto dataset = random_dataset(random);
+    const auto& intervals = kLayers[seed % kLayers.size()];
+    ExtractOptions options;
+    options.facets = true;
+    const IntervalMesh mesh = *extract_structured(dataset->grid, dataset->arrays[0], intervals, options, Task{});
+    options.tetrahedra = false;
+    const IntervalMesh alone = *extract_structured(dataset->grid, dataset->arrays[0], intervals, options, Task{});
+    EXPECT_TRUE(alone.tetrahedra.empty() && alone.tetrahedron_interval.empty() && alone.cell_runs.empty());
+    EXPECT_EQ(alone.active_cells, mesh.active_cells);
+    EXPECT_TRUE(std::equal(alone.positions.begin(), alone.positions.end(), mesh.positions.begin(), mesh.positions.end()));
+    EXPECT_TRUE(std::equal(alone.origins.begin(), alone.origins.end(), mesh.origins.begin(), mesh.origins.end()));
+    EXPECT_TRUE(std::equal(alone.facets.begin(), alone.facets.end(), mesh.facets.begin(), mesh.facets.end(), [](const BoundaryFacet& a, const BoundaryFacet& b) {
+      return a.points == b.points && a.interval == b.interval && a.label == b.label && a.range == b.range;
+    }));
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+      EXPECT_EQ(alone.summaries[i].interval, mesh.summaries[i].interval);
+      EXPECT_EQ(alone.summaries[i].active_cells, mesh.summaries[i].active_cells);
+      EXPECT_EQ(alone.summaries[i].tetrahedra, mesh.summaries[i].tetrahedra);
+      EXPECT_NEAR(alone.summaries[i].signed_volume, mesh.summaries[i].signed_volume, 1e-9 * (1 + mesh.summaries[i].volume));
+    }
+  }
+}
+
 TEST(LayerBricks, TheirSlabsHoldTheVeryFacetsOfTheMesh) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
