@@ -14,7 +14,10 @@
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "engine/messages/coarse_levels.h"
+#include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
+#include "engine/picture/interval_facts.h"
+#include "rendering/choice/native_renderer.h"
 #include "support/plain_renderer.h"
 
 namespace isostrata {
@@ -97,6 +100,29 @@ TEST(CoarseScenes, AreTheScenesOfEveryNthPoint) {
   EXPECT_EQ(coarse->color_lower, whole->arrays[0].lower) << "colours run over the whole's range";
   EXPECT_EQ(coarse->bounds.upper, whole->bounds.upper);
   EXPECT_EQ(scenes.extract(steps, torus_scene(), Task{})->dataset, coarse->dataset) << "made once for as long as it is held";
+}
+
+TEST(CoarseScenes, HaveFacetsAloneForARendererThatNeedsNoMore) {
+  const auto whole = make_analytic("torus:65", {}, Task{});
+  CoarseScenes scenes(1000);
+  Scene scene = torus_scene();
+  const auto mesh = scenes.extract_for_motion(whole, scene, 1, Task{}), alone = scenes.extract_for_motion(whole, scene, 1, Task{}, true);
+  ASSERT_TRUE(mesh && alone);
+  EXPECT_TRUE(mesh->request.tetrahedra && !alone->request.tetrahedra);
+  EXPECT_GT(mesh->mesh->tetrahedra.size(), 1000u);
+  EXPECT_TRUE(alone->mesh->tetrahedra.empty());
+  EXPECT_EQ(tetrahedra_of(*alone), tetrahedra_of(*mesh));
+  EXPECT_EQ(alone->mesh->facets.size(), mesh->mesh->facets.size());
+  EXPECT_LT(scene_bytes(*alone), scene_bytes(*mesh));
+  const auto facts = interval_facts(*alone, scene, true, Task{});
+  EXPECT_NEAR(facts.at(0).volume, interval_facts(*mesh, scene, false, Task{}).at(0).volume, 1e-6);
+  EXPECT_FALSE(facts[0].volume_error) << "nobody measured it";
+
+  const auto renderer = make_native_renderer();
+  const auto draw = [&](const ExtractedScene& of) { return std::get<Image>(renderer->draw(draw_input(of, scene, 160, 120)).image).rgba; };
+  EXPECT_EQ(draw(*alone), draw(*mesh));
+  scene.intervals[0].color_map = "viridis";
+  EXPECT_TRUE(scenes.extract_for_motion(whole, scene, 1, Task{}, true)->request.tetrahedra) << "colours that run are drawn in them";
 }
 
 /// Of more cells than are moved as they are.

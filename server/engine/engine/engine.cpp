@@ -104,7 +104,9 @@ class Engine::Impl {
             .draw_in_lane = [this](SessionKey session, PictureKind kind) { lanes_.post(session, kind); },
             .drop_renderers = [this](SessionKey session) { renderers_.drop(session); },
             .accepted = accepted,
-            .prepare_motion = [this](SessionKey session, const auto& extracted, const Scene& scene) { ahead_.prepare_motion(session, extracted, scene); }};
+            .prepare_motion = [this](SessionKey session, const auto& extracted, const Scene& scene) {
+              ahead_.prepare_motion(session, extracted, scene, extractor_.renderer().draws_bricks);
+            }};
   }
 
   SceneExtractor::Ports ports_of_extractor() {

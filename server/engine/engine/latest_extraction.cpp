@@ -120,6 +120,7 @@ std::optional<LatestExtraction::Shown> LatestExtraction::show(const FrameRequest
     drawn_meanwhile_ = shown.scene;
   }
   shown.coarse_at_hand = coarse_at_hand || of == &coarse_;
+  shown.layers_may_be_coarse = whole && can_be_coarse(*ready_.extracted, *scene_);
   shown.extracted = of->extracted;
   shown.extract_ms = of->drawn ? 0 : of->extracted->extract_ms;
   of->drawn = true;

@@ -87,7 +87,7 @@ class LatestExtraction {
     Scene scene;
     Extracted extracted;
     double extract_ms = 0;  // to be reported with this picture
-    bool coarse_at_hand = false;
+    bool coarse_at_hand = false, layers_may_be_coarse = false;
   };
   /// What the request's picture can be of now, which counts as shown. While the newest scene's intervals are being extracted that is an older scene from
   /// the newest camera, once for each view. Nothing: it has to wait.

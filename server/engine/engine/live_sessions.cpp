@@ -303,8 +303,8 @@ void LiveSessions::draw_by(const RendererTraits& renderer, bool in_lanes) {
   const std::lock_guard lock(mutex_);
   in_lanes_ = in_lanes;
   for (auto& [key, session] : sessions_) {
-    const Prepared& ready = session.latest.ready();
-    if (ready.extracted && !can_draw(renderer, *ready.extracted, ready.scene)) {
+    const auto draws = [&](const Prepared& of) { return !of.extracted || can_draw(renderer, *of.extracted, of.scene); };
+    if (!draws(session.latest.ready()) || !draws(session.latest.coarse())) {
       session.latest.give_back();
       memory_.hold(key, 0);
       advance(key, session);

@@ -101,6 +101,7 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   frame.point_stride = order.extracted->point_stride;
   if (const auto& error = order.extracted->coarse_error) frame.coarse_error = error->get();
   frame.coarse_at_hand = order.coarse_at_hand;
+  frame.layers_may_be_coarse = order.layers_may_be_coarse;
   frame.intervals = interval_facts(*order.extracted, order.scene, false, Task{});
   drawn.image = std::move(result.image);
   drawn.background = input.background;

@@ -26,7 +26,7 @@ struct PictureOrder {
   double extract_ms = 0;
   std::shared_ptr<Task> task;
   std::shared_ptr<void> room;  // in memory, of a large still
-  bool coarse_at_hand = false;
+  bool coarse_at_hand = false, layers_may_be_coarse = false;
 };
 
 /// A picture before it has bytes.

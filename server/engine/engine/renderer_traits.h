@@ -23,6 +23,7 @@ inline void leave_to(const RendererTraits& renderer, SceneAids& aids) {
 /// Whether such a renderer can draw what was extracted for another one.
 inline bool can_draw(const RendererTraits& renderer, const ExtractedScene& extracted, const Scene& scene) {
   if (extracted.base && !renderer.cuts_intervals) return false;
+  if (!extracted.request.tetrahedra && !renderer.draws_bricks) return false;
   return !extracted.bricks || (renderer.draws_bricks && draws_from_bricks(scene));
 }
 

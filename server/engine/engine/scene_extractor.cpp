@@ -28,7 +28,7 @@ void SceneExtractor::extract(const ExtractionJob& job) {
     const Task& task = job.operation->task();
     task.check();
     const Work work(job.session, WorkClass::scene, {&task, true, extracting.waiting()});
-    extracted = job.coarse ? shared_.coarse.extract_for_motion(job.before.extracted->dataset, job.scene, job.level, task) : extract_all(job, renderer);
+    extracted = job.coarse ? shared_.coarse.extract_for_motion(job.before.extracted->dataset, job.scene, job.level, task, renderer.draws_bricks) : extract_all(job, renderer);
   } catch (...) {
     failure = std::current_exception();
   }
@@ -58,7 +58,7 @@ SceneExtractor::Extracted SceneExtractor::extract_all(const ExtractionJob& job, 
   // With other intervals, or at another step.
   const bool shows_it = is_whole(before.extracted) && before.scene.dataset == scene.dataset && before.scene.array == scene.array;
   if (!ranks_ && !shows_it)
-    if (auto first = shared_.coarse.extract(steps, scene, task)) ports_.first_look(job, std::move(first));
+    if (auto first = shared_.coarse.extract(steps, scene, task, renderer.draws_bricks)) ports_.first_look(job, std::move(first));
   if (!ranks_ && before.extracted) ahead_.lay_out_played(job.session, scene, *before.extracted, before.scene, steps, task);
   const auto extract_now = [&] { return extract_by(ranks_, {source.source, source.id}, steps, scene, before.extracted, task, aids); };
   try {

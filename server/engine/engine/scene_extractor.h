@@ -47,6 +47,7 @@ class SceneExtractor {
   SceneExtractor(ActivityBoard* board, SceneRanks* ranks, OpenDatasets& datasets, SharedMeshes& shared, WorkAhead& ahead, Ports ports);
 
   void post(ExtractionJob job);
+  RendererTraits renderer();
   /// The renderer from now on.
   void extract_for(const RendererTraits& renderer) {
     const std::lock_guard lock(mutex_);
@@ -54,7 +55,6 @@ class SceneExtractor {
   }
 
  private:
-  RendererTraits renderer();
   void extract(const ExtractionJob& job);
   Extracted extract_all(const ExtractionJob& job, const RendererTraits& renderer);
 

@@ -136,17 +136,17 @@ void WorkAhead::read_step(const ExtractedScene& extracted, const Scene& scene, c
   });
 }
 
-void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene) {
+void WorkAhead::prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene, bool facets_alone) {
   if (options_.by_ranks || extracted->base || !can_be_coarse(*extracted, scene)) return;
   if (tetrahedra_of(*extracted) < options_.least_coarse_tetrahedra) return prepare_samples(session, extracted, scene);
-  movers_.post(session, [this, session, extracted, scene] {
+  movers_.post(session, [this, session, extracted, scene, facets_alone] {
     if (!ports_.wants_coarse(session, extracted, scene_bytes(*extracted) / 3)) return;
     Extracted coarse;
     try {
       const Doing extracting(options_.board, Stage::extracting, 0, 0);
       // As urgent as pictures: until it is there, those of a hand that moves are made from all points, and take as long as this does.
       const Work work(session, WorkClass::frame, {&ahead_task_, true, extracting.waiting()});
-      coarse = shared_.coarse.extract_for_motion(extracted->dataset, scene, 1, ahead_task_);
+      coarse = shared_.coarse.extract_for_motion(extracted->dataset, scene, 1, ahead_task_, facets_alone);
     } catch (const std::exception&) {  // a hand turns all points then
       return;
     }

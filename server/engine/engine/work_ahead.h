@@ -68,8 +68,8 @@ class WorkAhead {
   void lay_out_played(SessionKey session, const Scene& scene, const ExtractedScene& previous, const Scene& before, const StepSource& steps, const Task& task);
   void read_step(const ExtractedScene& extracted, const Scene& scene, const Scene& before);
   /// Of a scene that rests, or has just been seen for the first time, and takes long to draw, the same of every n-th point, for the next hand that turns it.
-  /// Of other scenes on a large mesh the samples of it that a hand which moves its layers cuts.
-  void prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene);
+  /// Of other scenes on a large mesh the samples of it that a hand which moves its layers cuts. facets_alone: as SceneAids has it.
+  void prepare_motion(SessionKey session, const Extracted& extracted, const Scene& scene, bool facets_alone = false);
   /// How far a coarse picture may be from that of all points, beside everything else.
   void find_error(const ExtractedScene& coarse);
   /// Cancels what is being made; nothing is prepared afterwards.

@@ -254,6 +254,7 @@ struct FrameReady {
   int point_stride = 1;  // more: of every n-th point along each axis: a first picture of a large grid, or a moving frame; one of all points follows
   std::optional<CoarseError> coarse_error;  // of the array that is cut, once it is known: how far its values at those points are from the whole's
   bool coarse_at_hand = false;  // moving frames of every n-th point can be had, as this one is if point_stride says so
+  bool layers_may_be_coarse = false;  // so can those of a hand that moves the layers, as soon as it does
   std::vector<IntervalFacts> intervals;
   std::shared_ptr<const Bytes> bytes;                 // null where there are bands
   std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top

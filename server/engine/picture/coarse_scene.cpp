@@ -195,10 +195,12 @@ void CoarseScenes::find_error(const std::shared_ptr<const Dataset>& coarse, cons
 }
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene,
-                                                                  const Task& task) {
+                                                                  const Task& task, bool facets_alone) {
   const auto coarse = coarse_of(whole, stride, arrays_of(scene, *whole), task);
   const Stopwatch watch;
-  const auto extracted = extract_scene([&](int, const Task&) { return coarse; }, scene, nullptr, task);
+  SceneAids aids;
+  aids.facets_alone = facets_alone;
+  const auto extracted = extract_scene([&](int, const Task&) { return coarse; }, scene, nullptr, task, aids);
   auto made = std::make_shared<ExtractedScene>(*extracted);
   made->point_stride = whole->grid.structured() ? static_cast<int>(*std::max_element(stride.begin(), stride.end())) : stride_of_samples(*whole, *coarse);
   made->extract_ms = watch.elapsed_ms();  // without what is made once
@@ -208,17 +210,17 @@ std::shared_ptr<const ExtractedScene> CoarseScenes::extract_every(const Stride& 
   return made;
 }
 
-std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& steps, const Scene& scene, const Task& task) {
+std::shared_ptr<const ExtractedScene> CoarseScenes::extract(const StepSource& steps, const Scene& scene, const Task& task, bool facets_alone) {
   if (!of_one_step(scene)) return nullptr;
   const auto whole = steps(scene.step, task);
   const Stride stride = some_points_do(*whole, scene) ? coarse_stride(whole->grid, least_cells_, kMostPoints) : kAllPoints;
-  return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task);
+  return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task, facets_alone);
 }
 
 std::shared_ptr<const ExtractedScene> CoarseScenes::extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level,
-                                                                       const Task& task) {
+                                                                       const Task& task, bool facets_alone) {
   const Stride stride = stride_for_motion(*whole, scene, level);
-  return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task);
+  return stride == kAllPoints ? nullptr : extract_every(stride, whole, scene, task, facets_alone);
 }
 
 }  // namespace isostrata

@@ -34,13 +34,14 @@ class CoarseScenes {
   explicit CoarseScenes(std::int64_t least_cells) : least_cells_(least_cells) {}
 
   /// As extract_scene, on every n-th point of the grid (coarser, region.h); ExtractedScene::point_stride says of which. Nothing where the grid is not
-  /// large, or the scene shows more than one step as it is. The mesh takes 1/n^3 of that of all points, and as much of its time. Throws what
-  /// extract_scene throws.
-  std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task);
+  /// large, or the scene shows more than one step as it is. The mesh takes 1/n^3 of that of all points, and as much of its time. facets_alone: as
+  /// SceneAids has it. Throws what extract_scene throws.
+  std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task, bool facets_alone = false);
 
   /// The same of whatever can_be_coarse, for moving frames: of a structured grid at moving_stride, of a mesh at samples, of which the levels behind the
   /// first have every second one along each axis.
-  std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task);
+  std::shared_ptr<const ExtractedScene> extract_for_motion(const std::shared_ptr<const Dataset>& whole, const Scene& scene, int level, const Task& task,
+                                                           bool facets_alone = false);
 
   /// Makes what extract_for_motion samples a mesh for, and keeps it as long as the mesh is there, of the newest meshes. Nothing of other grids: what
   /// they are coarsened to is made in a moment. Throws cancelled.
@@ -55,7 +56,8 @@ class CoarseScenes {
  private:
   using Stride = std::array<std::int64_t, 3>;
   using FoundError = KnownLater<CoarseError>;
-  std::shared_ptr<const ExtractedScene> extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task);
+  std::shared_ptr<const ExtractedScene> extract_every(const Stride& stride, const std::shared_ptr<const Dataset>& whole, const Scene& scene, const Task& task,
+                                                      bool facets_alone);
   struct Lent {
     std::weak_ptr<const Dataset> whole, coarse;
     Stride stride;

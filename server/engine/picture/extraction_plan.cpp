@@ -65,9 +65,9 @@ ExtractionPlan plan_extraction(const Scene& scene, const std::string& array, con
   plan.lit = lights_along_gradient(scene);
   plan.shaded = shades_bodies(scene);
   plan.cuts = aids.tetrahedra != TetrahedraWay::split && cuts_exactly(scene, array);
-  // A renderer that draws constant colours by facets needs no more of whole cells, of which a segmentation has millions.
-  plan.layers.tetrahedra = scene.values == FieldValues::interpolated || plan.colored || plan.textured || scene.mode == SceneMode::smear || !aids.bricks ||
-                           aids.least_in_bricks == kNever;
+  // A renderer that draws constant colours by facets needs no more of whole cells, of which a segmentation has millions, and of layers that move.
+  const bool by_facets = scene.values == FieldValues::interpolated ? aids.facets_alone && draws_from_bricks(scene) : aids.bricks && aids.least_in_bricks != kNever;
+  plan.layers.tetrahedra = !by_facets || plan.colored || plan.textured || scene.mode == SceneMode::smear;
   if (aids.bricks && aids.least_in_bricks != kNever && draws_from_bricks(scene)) plan.least_of_any = aids.least_in_bricks;
   plan.least_of_boxes = aids.bricks && aids.extracts_there && draws_where_extracted(scene, array) ? kLeastExtractedThere : plan.least_of_any;
   return plan;
