@@ -57,7 +57,7 @@ std::size_t CodecChoice::choose(const std::vector<CodecCandidate>& candidates, T
   } else {
     if (!scale_since_) scale_since_ = now;
     const std::size_t used = place_of(codec_, scale_);
-    const bool hurry = wanted < scale_ && used < candidates.size() && candidates[used].making_ms > kFarTooLong * kInTimeMs;
+    const bool hurry = wanted < scale_ && used < candidates.size() && candidates[used].making_ms > kTooLong * kInTimeMs;
     if (now - *scale_since_ >= (hurry ? kHurry : kPatience) && now - changed_ >= (hurry ? kHurry : kRest)) {
       scale_ = wanted;
       changed_ = now;

@@ -34,7 +34,7 @@ class CodecChoice {
   // Of making a frame: with less, no pixels are given up for speed. What a hand does waits for the frame that is being made, so
   // it is seen after up to twice as long: 70 ms.
   static constexpr double kInTimeMs = 35;
-  static constexpr double kFarTooLong = 1.5;  // of it: then pixels are given up in a hurry, for the first second of a turn counts
+  static constexpr double kTooLong = 1.15;  // of it: then pixels are given up in a hurry, for the first second of a gesture counts
   static constexpr double kOfUse = 1.25;      // what making takes at a size by that at the least one, where fewer pixels help
   static constexpr Duration kPatience = std::chrono::milliseconds(700);  // that another must have been better
   static constexpr Duration kHurry = std::chrono::milliseconds(200);     // the same where the one in use is a mistake

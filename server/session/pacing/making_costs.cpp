@@ -15,6 +15,10 @@ constexpr double kFirstPartOfCells = 0.125;  // of all points, that the first le
 double part_of_cells(int level) { return 1 / std::pow(kCoarser.at(static_cast<std::size_t>(level - 1)), 3); }
 double part_of_drawing(int level) { return 0.5 + 0.5 / std::pow(kCoarser.at(static_cast<std::size_t>(level - 1)), 2); }
 
+/// What takes `ms` beside something that takes `beside`, and gets as much of the machine: without it, and back.
+double alone(double ms, double beside) { return ms <= 2 * beside ? ms / 2 : ms - beside; }
+double together(double alone, double beside) { return alone + std::min(alone, beside); }
+
 }  // namespace
 
 void MakingCosts::made(const FrameRequest& request, FramePhase phase, const FrameReady& ready, TimePoint now) {
@@ -23,12 +27,14 @@ void MakingCosts::made(const FrameRequest& request, FramePhase phase, const Fram
   const double size = megapixels(ready.width, ready.height);
   if (request.still || request.samples > 1) return;
   coarse_at_hand_ = ready.coarse_at_hand;
+  layers_may_be_coarse_ = ready.layers_may_be_coarse;
   const bool coarse = ready.point_stride > 1;
   const int level = std::max(1, request.coarse);
-  if (ms.extract_ms > 0 && coarse)
-    coarse_extraction_ = ms.extract_ms / part_of_cells(level);
-  else if (ms.extract_ms > 0)
-    extraction_ = ms.extract_ms;
+  const double extraction = phase == FramePhase::moving ? alone(ms.extract_ms, drawing) : ms.extract_ms;
+  if (extraction > 0 && coarse)
+    coarse_extraction_ = extraction / part_of_cells(level);
+  else if (extraction > 0)
+    extraction_ = extraction;
   if (phase != FramePhase::moving || request.lossless) {
     moves_layers_ = false;
     // What every n-th point took by what this takes holds for the next gesture, too.
@@ -52,9 +58,9 @@ double MakingCosts::drawing_ms(int level, Codec codec, double size, TimePoint no
   return level == 0 ? drawing_.ms(codec, size, now) : part_of_drawing(level) * coarse_drawing_.ms(codec, size, now);
 }
 
-double MakingCosts::extraction_ms(int level) const {
-  if (level == 0) return extraction_;
-  return part_of_cells(level) * (coarse_extraction_ > 0 ? coarse_extraction_ : kFirstPartOfCells * extraction_);
+double MakingCosts::extraction_ms(int level, double beside) const {
+  if (level == 0) return together(extraction_, beside);
+  return together(part_of_cells(level) * (coarse_extraction_ > 0 ? coarse_extraction_ : kFirstPartOfCells * extraction_), beside);
 }
 
 int MakingCosts::most_samples() const {

@@ -24,13 +24,14 @@ class MakingCosts {
   /// A hand moves layers, and does not only turn them: until the next picture at rest.
   void note_moved_layers() { moves_layers_ = true; }
   bool moves_layers() const { return moves_layers_; }
-  /// Whether frames of every n-th point can be had.
-  bool coarse_at_hand() const { return coarse_at_hand_; }
+  /// Whether frames of every n-th point can be had: by the hand of now.
+  bool coarse_at_hand() const { return coarse_at_hand_ || (moves_layers_ && layers_may_be_coarse_); }
 
   /// 0 while nothing is known.
   double drawing_ms(int level, Codec codec, double size, TimePoint now) const;
-  /// 0: nothing was extracted yet.
-  double extraction_ms(int level) const;
+  /// Beside a drawing that takes so long: layers of a hand that moves them are found while the picture before is drawn, on the same processors. 0: nothing
+  /// was extracted yet.
+  double extraction_ms(int level, double beside) const;
   /// By coding_weight(); 0 while nothing is known of any codec.
   double encoding_ms(Codec codec, TimePoint now) const { return encoding_.expected(codec, now); }
   /// Each way, that a picture at rest may have without taking too long.
@@ -40,8 +41,8 @@ class MakingCosts {
   DrawingForecast drawing_, coarse_drawing_;  // the latter of the first coarse level
   CodecCosts encoding_{kUsualEncoding};
   double coarse_part_ = 0.4;  // of drawing, that drawing every n-th point takes
-  bool coarse_at_hand_ = false;
-  double extraction_ = 0, coarse_extraction_ = 0;  // the last ones; likewise. 0: none yet
+  bool coarse_at_hand_ = false, layers_may_be_coarse_ = false;
+  double extraction_ = 0, coarse_extraction_ = 0;  // the last ones, alone; likewise. 0: none yet
   bool moves_layers_ = false;
 };
 

@@ -42,8 +42,9 @@ void MovingFormat::choose_points(bool rests, double whole, double per_jpeg, cons
   std::array<double, 1 + kCoarseLevels> turning{}, moving{};
   for (int level = 0; level <= kCoarseLevels; ++level) {
     const auto at = static_cast<std::size_t>(level);
-    turning[at] = costs.drawing_ms(level, Codec::jpeg, least, now) + coding_weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs));
-    moving[at] = turning[at] + costs.extraction_ms(level);
+    const double drawing = costs.drawing_ms(level, Codec::jpeg, least, now);
+    turning[at] = drawing + coding_weight(least) * (per_jpeg + (decoded > 0 ? decoded : kFirstDecodingMs));
+    moving[at] = turning[at] + costs.extraction_ms(level, drawing);
   }
   turned_coarse_.choose(std::span(turning).first<2>(), rests, now);  // what is made in advance is of the first level
   moved_coarse_.choose(moving, rests, now);
@@ -61,7 +62,6 @@ bool MovingFormat::choose(const FrameScheduler& frames, const MakingCosts& costs
   const double per_jpeg = jpeg_ms > 0 ? jpeg_ms : MakingCosts::kFirstEncodingMs;
   choose_points(!frames.moving(), whole, per_jpeg, costs, now);
   const int level = costs.coarse_at_hand() ? coarse_level(costs.moves_layers()) : 0;
-  const double extraction = costs.moves_layers() ? costs.extraction_ms(level) : 0;
 
   std::vector<CodecCandidate> candidates;
   for (const Codec codec : codecs)
@@ -69,6 +69,7 @@ bool MovingFormat::choose(const FrameScheduler& frames, const MakingCosts& costs
       const FrameScheduler::Passing passing = frames.passing(codec, scale, now);
       const double size = whole * passing.scale * passing.scale;
       const double drawing = costs.drawing_ms(level, codec, size, now);
+      const double extraction = costs.moves_layers() ? costs.extraction_ms(level, drawing) : 0;
       const double per_encoding = jpeg_ms > 0 ? costs.encoding_ms(codec, now) : per_jpeg;
       const double per_decoding = decoding_.expected(codec, now);
       const double encoding = coding_weight(size) * per_encoding,

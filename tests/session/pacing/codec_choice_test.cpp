@@ -183,7 +183,7 @@ TEST_F(Choice, PixelsAreGivenUpInAHurryWhereFramesAreFarTooLate) {
   run(sizes(20, 50, 0.9), seconds(5));
   const TimePoint again = now_;
   changes_.clear();
-  run(sizes(45, 60, 0.9), seconds(5));
+  run(sizes(38, 60, 0.9), seconds(5));
   ASSERT_FALSE(changes_.empty());
   EXPECT_GE(changes_.front() - again, CodecChoice::kPatience);
 }

@@ -39,26 +39,43 @@ class MakingCostsOfASession : public ::testing::Test {
 
 TEST_F(MakingCostsOfASession, BeginWithThePictureThatRests) {
   EXPECT_EQ(costs_.drawing_ms(0, Codec::jpeg, 1, now_), 0);
-  EXPECT_EQ(costs_.extraction_ms(0), 0);
+  EXPECT_EQ(costs_.extraction_ms(0, 0), 0);
   rest({.extract = 400, .draw = 100});
   EXPECT_NEAR(costs_.drawing_ms(0, Codec::jpeg, 1, now_), 100 * DrawingForecast::kBeside, 1e-6);
   EXPECT_LT(costs_.drawing_ms(0, Codec::jpeg, 0.25, now_), costs_.drawing_ms(0, Codec::jpeg, 1, now_));
-  EXPECT_EQ(costs_.extraction_ms(0), 400);
+  EXPECT_EQ(costs_.extraction_ms(0, 0), 400);
   for (int level = 1; level <= kCoarseLevels; ++level) {
     EXPECT_LT(costs_.drawing_ms(level, Codec::jpeg, 1, now_), costs_.drawing_ms(level - 1, Codec::jpeg, 1, now_)) << level;
-    EXPECT_LT(costs_.extraction_ms(level), costs_.extraction_ms(level - 1)) << level;
+    EXPECT_LT(costs_.extraction_ms(level, 10), costs_.extraction_ms(level - 1, 10)) << level;
   }
   EXPECT_EQ(costs_.encoding_ms(Codec::jpeg, now_), 0) << "a lossless picture tells nothing of it";
 }
 
 TEST_F(MakingCostsOfASession, OfEveryNthPointAreThoseThatWereMeasuredWhateverTheLevel) {
   rest({.extract = 800, .draw = 100});
-  const double guessed = costs_.extraction_ms(1);
+  const double guessed = costs_.extraction_ms(1, 0);
   move({.extract = 10, .draw = 20}, 3);
-  EXPECT_NEAR(costs_.extraction_ms(3), 10, 1e-9);
-  EXPECT_NEAR(costs_.extraction_ms(1), 80, 1e-9) << "half the points along each axis: an eighth of the cells";
-  EXPECT_NE(costs_.extraction_ms(1), guessed);
-  EXPECT_EQ(costs_.extraction_ms(0), 800);
+  EXPECT_NEAR(costs_.extraction_ms(3, 20), 10, 1e-9);
+  EXPECT_NEAR(costs_.extraction_ms(3, 0), 5, 1e-9) << "a drawing beside it takes half of the machine as long as both last";
+  EXPECT_NEAR(costs_.extraction_ms(3, 2), 7, 1e-9);
+  EXPECT_NEAR(costs_.extraction_ms(1, 0), 40, 1e-9) << "half the points along each axis: an eighth of the cells";
+  EXPECT_NE(costs_.extraction_ms(1, 0), guessed);
+  EXPECT_EQ(costs_.extraction_ms(0, 0), 800);
+  move({.extract = 50, .draw = 20}, 3);
+  EXPECT_NEAR(costs_.extraction_ms(3, 20), 50, 1e-9);
+  EXPECT_NEAR(costs_.extraction_ms(3, 10), 40, 1e-9);
+}
+
+TEST_F(MakingCostsOfASession, OfEveryNthPointThereAreSomeForWhoMovesLayersBeforeHeDoes) {
+  FrameReady at_rest = ready({.extract = 400, .draw = 100});
+  at_rest.coarse_at_hand = false;
+  at_rest.layers_may_be_coarse = true;
+  FrameRequest request;
+  request.lossless = true;
+  costs_.made(request, FramePhase::lossless, at_rest, now_);
+  EXPECT_FALSE(costs_.coarse_at_hand()) << "for who turns";
+  costs_.note_moved_layers();
+  EXPECT_TRUE(costs_.coarse_at_hand());
 }
 
 TEST_F(MakingCostsOfASession, AHandMovesLayersUntilItRests) {
