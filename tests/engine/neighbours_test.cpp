@@ -207,6 +207,12 @@ class TightMemory : public ::testing::Test, protected HeardEvents {
     options.store.max_bytes = max_bytes;
     engine_ = std::make_unique<Engine>(std::move(options), [this](EngineEvent event) { note(std::move(event)); });
   }
+  /// As the engine holds it.
+  static std::uint64_t bytes_of(const std::shared_ptr<const Dataset>& data, const Scene& scene) {
+    SceneAids aids;
+    aids.facets_alone = true;
+    return scene_bytes(*extract_scene([&](int, const Task&) { return data; }, scene, nullptr, Task{}, aids));
+  }
   static Scene of_session(SessionKey session) { return scene(1, 0.4 + 0.01 * static_cast<double>(session), "torus-32"); }
   Bytes picture(SessionKey session, RequestId request, double* extract_ms = nullptr) {
     engine_->post(frame(session, request, true));
@@ -220,7 +226,7 @@ class TightMemory : public ::testing::Test, protected HeardEvents {
 TEST_F(TightMemory, ScenesThatNobodyLooksAtAreGivenBackAndMadeAgain) {
   constexpr SessionKey kSessions = 8;
   const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
-  const std::uint64_t one = scene_bytes(*extract_scene(data, of_session(kSessions), nullptr, Task{}));
+  const std::uint64_t one = bytes_of(data, of_session(kSessions));
   begin(dataset_bytes(*data) + 4 * one);
   std::vector<Bytes> first;
   RequestId request = 0;
@@ -242,7 +248,7 @@ TEST_F(TightMemory, ScenesThatNobodyLooksAtAreGivenBackAndMadeAgain) {
 TEST_F(TightMemory, ScenesThatAreMadeAtOnceAndThatNobodyHasSeenMakeWay) {
   constexpr SessionKey kSessions = 10;
   const std::shared_ptr<const Dataset> data = open_dataset("torus:32", {}, Task{});
-  const std::uint64_t one = scene_bytes(*extract_scene(data, of_session(kSessions), nullptr, Task{}));
+  const std::uint64_t one = bytes_of(data, of_session(kSessions));
   begin(dataset_bytes(*data) + one + one / 2);
   for (SessionKey s = 1; s <= kSessions; ++s) engine_->post(SceneUpdate{s, of_session(s)});
   for (SessionKey s = 1; s <= kSessions; ++s) EXPECT_FALSE(picture(s, s).empty()) << "session " << s;

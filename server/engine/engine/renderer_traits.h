@@ -17,6 +17,7 @@ inline RendererTraits traits_of(const Renderer& renderer) { return {renderer.cut
 inline void leave_to(const RendererTraits& renderer, SceneAids& aids) {
   aids.tetrahedra = renderer.cuts_intervals ? TetrahedraWay::automatic : TetrahedraWay::split;
   if (renderer.draws_bricks) aids.least_in_bricks = kLeastInBricksOfFrames;
+  aids.facets_alone = renderer.draws_bricks;
   aids.extracts_there = renderer.extracts;
 }
 

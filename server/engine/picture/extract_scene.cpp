@@ -111,6 +111,7 @@ void extract_mesh(ExtractedScene& made, const ExtractedScene* last, const Extrac
   if (plan.colored) made.color_values = carried.front();
   if (plan.textured) made.texture_values = carried.back();
   made.request = plan.layers;
+  made.request.tetrahedra = request.tetrahedra || !made.mesh->tetrahedra.empty();  // there may be more than were asked for
 }
 
 /// As it was, for another scene.

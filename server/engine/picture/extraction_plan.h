@@ -33,7 +33,7 @@ struct SceneAids : LayerAids {
   // Layers on grids of boxes whose colours run with their own array are left to the renderer as bricks, too (draws_where_extracted()); needs `bricks`,
   // and a renderer that extracts().
   bool extracts_there = false;
-  bool facets_alone = false;  // the renderer draws constant colours by facets, and nobody wants to know how far volumes may be off
+  bool facets_alone = false;  // constant colours of structured grids get no tetrahedra: the renderer draws them by facets
   std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, where the scene would need more
 };
 

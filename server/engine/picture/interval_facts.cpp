@@ -27,7 +27,7 @@ std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const
   const auto summaries = interval_summaries(extracted, scene);
   std::vector<double> of_each;
   const bool whole = extracted.request.values == FieldValues::whole;
-  const bool plain = extracted.request.tetrahedra && extracted.parts.empty() && !whole && extracted.whole_summaries.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
+  const bool plain = extracted.parts.empty() && !whole && extracted.whole_summaries.empty() && extracted.request.terms.empty() && extracted.time.mode != TimeMode::spacetime;
   if (errors && (extracted.base || (whole && !extracted.dataset->grid.flat())))
     of_each.resize(summaries.size());  // cut exactly, or not at all
   else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())  // an area has no volume to be wrong about

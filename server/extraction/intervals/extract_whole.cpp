@@ -354,7 +354,7 @@ class WholeExtraction {
     for (const WholeSums& own : sums_)
       before.push_back({before.back()[0] + own.tetrahedra, before.back()[1] + own.facets, before.back()[2] + own.cells});
     for_each_block<int>(task_, "extracting", 0.7, 1.0, blocks(), [&](std::int64_t b, int&) {
-      auto [to, facet, run] = before[static_cast<std::size_t>(b)];
+      std::int64_t to = before[static_cast<std::size_t>(b)][0], facet = before[static_cast<std::size_t>(b)][1], run = before[static_cast<std::size_t>(b)][2];
       visit_block(b, [&](const WholeCase& at, bool opens, const CellHandedness&, const std::array<std::uint32_t, 4>& p, const FacetLabels& labels) {
         const auto t = static_cast<std::uint32_t>(options_.tetrahedra ? to : 0);
         visit_ends(at, labels, [&](int i, FacetLabel label) {

@@ -4,8 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 
+#include "base/work.h"
+#include "extraction/bricks/active_bricks.h"
+#include "extraction/bricks/minmax_bricks.h"
+#include "extraction/cells/cell_triangulation.h"
+#include "extraction/cells/iso_rules.h"
+#include "extraction/cells/mesh_points.h"
+#include "extraction/mesh/open_ends.h"
 #include "extraction/surfaces/base_tetrahedra.h"
 
 namespace isostrata {
@@ -84,6 +92,7 @@ class VolumeErrors {
     const std::size_t n = mesh_.summaries.size();
     rows_.resize(n);
     for (std::size_t i = 0; i < n; ++i) rows_[i].stride = 1 + (mesh_.summaries[i].active_cells - 1) / options_.most_cells;
+    if (mesh_.cell_runs.empty() && mesh_.active_cells > 0 && grid_.structured()) measure_records();
     for (std::size_t r = 0; r < mesh_.cell_runs.size(); ++r) {
       if (r % 256 == 0) task_.check();
       measure_run(r);
@@ -115,19 +124,72 @@ class VolumeErrors {
       const std::uint16_t interval = mesh_.tetrahedron_interval[t];
       std::size_t end = t + 1;
       while (end < last && mesh_.tetrahedron_interval[end] == interval) ++end;
-      Row& row = rows_[interval];
-      if (row.cells++ % row.stride == 0) {
-        const double difference = difference_in(mesh_.cell_runs[r].cell, mesh_.summaries[interval].interval, t, end);
-        ++row.measured;
-        row.sum += difference;
-        row.squares += difference * difference;
-      }
+      measure(mesh_.cell_runs[r].cell, interval, [&](bool) {
+        double cut = 0;
+        for (std::size_t i = t; i < end; ++i) {
+          const auto& p = mesh_.tetrahedra[i];
+          cut += orient3d(mesh_.positions[p[0]], mesh_.positions[p[1]], mesh_.positions[p[2]], mesh_.positions[p[3]]) / 6;
+        }
+        return cut;
+      });
       t = end;
     }
   }
 
-  /// The volume by the cell's own interpolation less that of the tetrahedra [first, last).
-  double difference_in(std::int64_t cell, const Interval& interval, std::size_t first, std::size_t last) const {
+  /// Of a structured grid's mesh whose tetrahedra were not written: by the cells' cases.
+  void measure_records() {
+    std::vector<Interval> intervals;
+    for (const IntervalSummary& summary : mesh_.summaries) intervals.push_back(with_finite_ends(summary.interval));
+    const IsoRules rules(intervals);
+    const ActiveBricks active(grid_, array_, MinMaxBricks(grid_, array_, task_), rules, std::numeric_limits<std::uint64_t>::max(), task_);
+    CellTriangulation triangulation(grid_);
+    for (std::size_t b = 0; b < active.bricks().size(); ++b) {
+      task_.check();
+      const BrickLayout::Place place = active.layout().place(active.bricks()[b].number);
+      for (const CellRecord& record : active.records(b)) {
+        const int at = record.cell();
+        const std::int64_t cell = active.layout().cell({place.first[0] + (at & 7), place.first[1] + (at >> 3 & 7), place.first[2] + (at >> 6)});
+        measure(cell, static_cast<std::uint16_t>(record.interval()), [&](bool left_handed) {
+          triangulation.begin_cell(cell);
+          const double cut = cut_volume(triangulation, record.case_index(), rules.rules()[static_cast<std::size_t>(record.interval())]);
+          return left_handed ? -cut : cut;
+        });
+      }
+    }
+  }
+
+  /// Of the tetrahedra that the table has in the cell, positive in a right-handed one.
+  double cut_volume(CellTriangulation& triangulation, int case_index, const IsoRule& rule) const {
+    const auto ids = triangulation.ids();
+    const auto position = [&](IsoVertex vertex) {
+      const std::size_t corners = ids.size(), edges = triangulation.cell().edges.size();
+      if (vertex < corners) return grid_.point(ids[vertex]);
+      const bool upper = vertex >= corners + edges;
+      const auto& [a, b] = triangulation.cell().edges[vertex - corners - (upper ? edges : 0)];
+      const double fa = array_.at(static_cast<std::size_t>(ids[static_cast<std::size_t>(a)])), fb = array_.at(static_cast<std::size_t>(ids[static_cast<std::size_t>(b)]));
+      return lerp(grid_.point(ids[static_cast<std::size_t>(a)]), grid_.point(ids[static_cast<std::size_t>(b)]),
+                  crossing_weight(fa, fb, upper ? rule.upper : rule.lower));
+    };
+    double cut = 0;
+    for (const auto& t : triangulation.tetrahedra(case_index)) cut += orient3d(position(t[0]), position(t[1]), position(t[2]), position(t[3])) / 6;
+    return cut;
+  }
+
+  /// An interval in the next of its cells. cut(left_handed): the volume of its tetrahedra there.
+  template <class Cut>
+  void measure(std::int64_t cell, std::uint16_t interval, const Cut& cut) {
+    Row& row = rows_[interval];
+    if (row.cells++ % row.stride != 0) return;
+    checkpoint();
+    const double difference = difference_in(cell, mesh_.summaries[interval].interval, cut);
+    ++row.measured;
+    row.sum += difference;
+    row.squares += difference * difference;
+  }
+
+  /// The volume by the cell's own interpolation less that of its tetrahedra.
+  template <class Cut>
+  double difference_in(std::int64_t cell, const Interval& interval, const Cut& cut) const {
     const std::span<const int> corners = corners_of(grid_.cell_type(cell));
     if (corners.empty()) return 0;
     std::array<std::int64_t, kMaxCellVertices> ids;
@@ -141,15 +203,11 @@ class VolumeErrors {
     }
     if (!crossed) return 0;  // the whole cell, however its faces are spanned
     for (std::size_t v = 0; v < 8; ++v) box.position[v] = grid_.point(ids[static_cast<std::size_t>(corners[v])]);
-    double cut = 0;
-    for (std::size_t t = first; t < last; ++t) {
-      const auto& p = mesh_.tetrahedra[t];
-      cut += orient3d(mesh_.positions[p[0]], mesh_.positions[p[1]], mesh_.positions[p[2]], mesh_.positions[p[3]]) / 6;
-    }
     const double fine = subdivided(box, interval, options_.parts), half = subdivided(box, interval, options_.parts / 2);
     const double curved = fine + (fine - half) / 3;  // what straight cuts miss falls with the square of their size
     // The tetrahedra are turned with a left-handed cell.
-    return (left_handed(box) ? -curved : curved) - cut;
+    const bool turned = left_handed(box);
+    return (turned ? -curved : curved) - cut(turned);
   }
 
   /// Of the corners as they are mapped to a hexahedron, which turns some types over: not the handedness of the cell.

@@ -26,7 +26,8 @@ struct VolumeErrorOptions {
 /// difference's absolute value, and where cells stand for others the standard error of that on top. 0 for a grid of tetrahedra.
 /// What is estimated is the cut inside cells: not how the grid resolves the field that was sampled, nor the sliver between two
 /// ways to span a warped face on the grid's boundary.
-/// Preconditions: the mesh was extracted from these values on this grid, each interval as it is, not combined with others.
+/// Preconditions: the mesh was extracted from these values on this grid, each interval as it is, not combined with others; on a structured grid its
+/// tetrahedra may be left out.
 /// O(most_cells * parts^3) an interval and one pass over the mesh's cells. One thread; throws cancelled.
 std::vector<double> volume_errors(const Grid& grid, const PointArray& array, const IntervalMesh& mesh, const Task& task,
                                   const VolumeErrorOptions& options = {});

@@ -45,7 +45,7 @@ struct CrossingFrame {
   std::vector<float> extinction;                          // [intervals] per unit of ScreenTransform::scale
   std::vector<std::optional<SurfaceMaterial>> materials;  // [intervals]
   RayTables tables;
-  std::span<const Vec3f> normals{};  // [facets] their own; empty if surfaces are lit along others, or there are none
+  std::span<const Vec3f> normals{};  // [facets] their own; empty: found where rays cross them, if they are wanted
   // A ray ends where less than least_through of what lies behind would be seen, and surfaces that are seen to no more than
   // most_unlit in all get the mean of what light could make of them. Both are 0 for pictures of floats, which are exact. For 8
   // bits each channel is off by at most least_through + most_unlit / 2: half a step.

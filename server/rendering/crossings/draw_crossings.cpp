@@ -116,12 +116,12 @@ struct CrossingsRenderer::State {
   FacetSet set;
   Buffer<ScreenVertex> vertices;  // the memory of the last frame's
   Buffer<Vec3f> normals;          // of facets, likewise
-  bool normals_are_of_set = false;
+  bool normals_are_of_set = false, drawn = false;  // the set was, before
 
   const FacetSet& facets_of(const std::shared_ptr<const IntervalMesh>& of) {
     if (made_for == of.get() && mesh.lock() == of) return set;
     made_for = nullptr;
-    normals_are_of_set = false;
+    normals_are_of_set = drawn = false;
     set = make_facet_set(*of);
     mesh = of;
     made_for = of.get();
@@ -172,9 +172,12 @@ void CrossingsRenderer::draw(const DrawInput& input, const Facets& of, TileSink&
   frame.tables = make_ray_tables(frame);
   if (frame.tables.any_surface && !input.normals) {
     const bool kept = &set == &state_->set;
-    if (!kept || !state_->normals_are_of_set) facet_normals(set, *input.mesh, state_->normals);
-    state_->normals_are_of_set = kept;
-    frame.normals = state_->normals;
+    // Once for each facet if that is less than once for each crossing, or pays with the next pictures of the same facets.
+    const bool pays = set.points.size() <= static_cast<std::size_t>(transform.width) * static_cast<std::size_t>(transform.height) || (kept && state_->drawn);
+    if (pays && !(kept && state_->normals_are_of_set)) facet_normals(set, *input.mesh, state_->normals);
+    if (pays) frame.normals = state_->normals;
+    state_->normals_are_of_set = kept && pays;
+    state_->drawn = kept;
   }
   if (sink.rounded()) {
     frame.least_through = kLeastThrough;

@@ -1,7 +1,6 @@
 #include "rendering/crossings/facet_chunks.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/parallel.h"
 #include "extraction/facets/closed_facets.h"
@@ -98,13 +97,7 @@ FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are) {
 void facet_normals(const FacetSet& set, const IntervalMesh& mesh, Buffer<Vec3f>& normals) {
   normals.resize(set.points.size());
   parallel_for(static_cast<std::int64_t>(set.points.size()), 1 << 13, [&](std::int64_t begin, std::int64_t end) {
-    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-      const auto& points = set.points[f];
-      const Vec3d a = mesh.positions[points[0]], b = mesh.positions[points[1]], c = mesh.positions[points[2]];
-      const Vec3d across = cross(b - a, c - a);
-      const double size2 = dot(across, across), inverse = size2 > 0 ? 1 / std::sqrt(size2) : 0;
-      normals[f] = {static_cast<float>(across.x * inverse), static_cast<float>(across.y * inverse), static_cast<float>(across.z * inverse)};
-    }
+    for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) normals[f] = facet_normal(set.points[f], mesh);
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -40,7 +41,14 @@ struct FacetSet {
 enum class FacetsAre { whole, part };
 FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are = FacetsAre::whole);
 
-/// [facets] of unit length, or nothing where a facet has no area. Parallel.
+/// Of unit length, or nothing where the facet has no area.
+inline Vec3f facet_normal(const std::array<std::uint32_t, 3>& points, const IntervalMesh& mesh) {
+  const Vec3d a = mesh.positions[points[0]], b = mesh.positions[points[1]], c = mesh.positions[points[2]];
+  const Vec3d across = cross(b - a, c - a);
+  const double size2 = dot(across, across), inverse = size2 > 0 ? 1 / std::sqrt(size2) : 0;
+  return {static_cast<float>(across.x * inverse), static_cast<float>(across.y * inverse), static_cast<float>(across.z * inverse)};
+}
+/// [facets]. Parallel.
 void facet_normals(const FacetSet& set, const IntervalMesh& mesh, Buffer<Vec3f>& normals);
 
 }  // namespace isostrata

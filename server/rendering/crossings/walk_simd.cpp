@@ -263,9 +263,11 @@ class Walk {
       for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_corners(static_cast<unsigned>(__builtin_ctz(rest)), facets);
       sure = blend_normals(normal, size2);
     } else {
+      if (frame_.normals.empty())
+        for (unsigned rest = bits[0]; rest; rest &= rest - 1) take_own_normal(static_cast<unsigned>(__builtin_ctz(rest)), facets);
       size2 = hn::Zero(d);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        normal[axis] = own_normal(facet, axis);
+        normal[axis] = frame_.normals.empty() ? hn::Load(d, own_normal_[axis]) : own_normal(facet, axis);
         size2 = hn::MulAdd(normal[axis], normal[axis], size2);
       }
       sure = hn::Eq(size2, size2);
@@ -372,6 +374,13 @@ class Walk {
     }
   }
 
+  HWY_INLINE void take_own_normal(unsigned lane, const std::int32_t* facets) {
+    const Vec3f normal = facet_normal(frame_.set.points[static_cast<std::uint32_t>(facets[lane])], *frame_.input.mesh);
+    own_normal_[0][lane] = normal.x;
+    own_normal_[1][lane] = normal.y;
+    own_normal_[2][lane] = normal.z;
+  }
+
   HWY_INLINE VF own_normal(VI facet, std::size_t axis) const {
     const DF d;
     const float* const from = &frame_.normals.data()->x + axis;
@@ -395,6 +404,7 @@ class Walk {
   Colors color_;
   HWY_ALIGN ScreenVertex corners_[3][kLanes];
   HWY_ALIGN float normals_[3][4 * kLanes];
+  HWY_ALIGN float own_normal_[3][kLanes] = {};
 };
 
 void WalkAll(const WalkRow& row) {

@@ -51,6 +51,29 @@ TEST(VolumeError, IsThatOfCellsCutFarMoreFinelyAndASamplesIsNear) {
   }
 }
 
+TEST(VolumeError, IsTheSameWithoutTetrahedra) {
+  for (const char* name : {"marschner-lobb:21", "torus:17", "cylinder:13x9x5"}) {
+    const auto data = analytic(name);
+    const PointArray& array = data->arrays[0];
+    const double span = array.upper - array.lower;
+    const std::vector<Interval> intervals{{array.lower + 0.35 * span, array.lower + 0.45 * span}, {array.lower + 0.45 * span, array.lower + 0.8 * span}};
+    for (const double side : {1.0, -1.0}) {
+      Grid grid = data->grid;
+      if (auto* boxes = std::get_if<UniformGrid>(&grid.shape)) boxes->spacing.x *= side;
+      ExtractOptions options;
+      options.facets = true;
+      const IntervalMesh mesh = extract_intervals(grid, array, intervals, options, Task{});
+      IntervalMesh alone = mesh;
+      alone.tetrahedra = {}, alone.tetrahedron_interval = {}, alone.cell_runs = {};
+      const auto whole = volume_errors(grid, array, mesh, Task{}, {4, 1 << 30}), same = volume_errors(grid, array, alone, Task{}, {4, 1 << 30});
+      for (std::size_t i = 0; i < intervals.size(); ++i) {
+        EXPECT_GT(whole[i], 0) << name;
+        EXPECT_NEAR(same[i], whole[i], 1e-9 * mesh.summaries[i].volume) << name << ' ' << side;
+      }
+    }
+  }
+}
+
 TEST(VolumeError, IsTheSameForAMirroredGrid) {
   const auto data = analytic("marschner-lobb:12");
   const UniformGrid& shape = std::get<UniformGrid>(data->grid.shape);
