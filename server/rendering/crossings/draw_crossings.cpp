@@ -116,12 +116,14 @@ struct CrossingsRenderer::State {
   FacetSet set;
   Buffer<ScreenVertex> vertices;  // the memory of the last frame's
   Buffer<Vec3f> normals;          // of facets, likewise
-  bool normals_are_of_set = false, drawn = false;  // the set was, before
+  bool normals_are_of_set = false;
+  int drawn = 0;  // how often the set was, lit so
 
   const FacetSet& facets_of(const std::shared_ptr<const IntervalMesh>& of) {
     if (made_for == of.get() && mesh.lock() == of) return set;
     made_for = nullptr;
-    normals_are_of_set = drawn = false;
+    normals_are_of_set = false;
+    drawn = 0;
     set = make_facet_set(*of);
     mesh = of;
     made_for = of.get();
@@ -172,12 +174,13 @@ void CrossingsRenderer::draw(const DrawInput& input, const Facets& of, TileSink&
   frame.tables = make_ray_tables(frame);
   if (frame.tables.any_surface && !input.normals) {
     const bool kept = &set == &state_->set;
-    // Once for each facet if that is less than once for each crossing, or pays with the next pictures of the same facets.
-    const bool pays = set.points.size() <= static_cast<std::size_t>(transform.width) * static_cast<std::size_t>(transform.height) || (kept && state_->drawn);
+    // Once for each facet if that is less than once for each crossing, or if there have been pictures of the same facets as when a camera turns.
+    constexpr int kTurns = 3;  // more than there are pictures of one pixel's rays at rest
+    const bool pays = set.points.size() <= static_cast<std::size_t>(transform.width) * static_cast<std::size_t>(transform.height) || (kept && state_->drawn >= kTurns);
     if (pays && !(kept && state_->normals_are_of_set)) facet_normals(set, *input.mesh, state_->normals);
     if (pays) frame.normals = state_->normals;
     state_->normals_are_of_set = kept && pays;
-    state_->drawn = kept;
+    state_->drawn = kept ? std::min(state_->drawn + 1, kTurns) : 0;
   }
   if (sink.rounded()) {
     frame.least_through = kLeastThrough;
