@@ -45,11 +45,7 @@ void SessionDataset::open(const std::string& id, Asker asker, bool reload, TimeP
     // What was said in between was meant for a dataset that never came; it is judged by the one that is open now.
     audience_.opening_ended(now);
   }
-  Opening& opening = opening_.emplace();
-  opening.dataset = id;
-  opening.asker = std::move(asker);
-  opening.reply = std::move(reply);
-  opening.reload = reload && facts_ && facts_->id == id;
+  opening_ = Opening{.dataset = id, .asker = std::move(asker), .reply = std::move(reply), .reload = reload && facts_ && facts_->id == id};
   ask();
 }
 
