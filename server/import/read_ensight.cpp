@@ -1,9 +1,20 @@
+#include <fnmatch.h>
 #include <vtkGenericEnSightReader.h>
 #include <vtkNew.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "import/mapped_file.h"
 #include "import/read_vtk.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
@@ -11,12 +22,20 @@
 namespace isostrata {
 namespace {
 
-/// A case names its files, with * where the number of a step stands: none may lie elsewhere.
-void check_names(const ReadRequest& request) {
+namespace fs = std::filesystem;
+
+/// The files that a case names, with * where the number of a step stands: none may lie elsewhere.
+struct CaseFiles {
+  std::string geometry;
+  std::vector<std::string> values;
+};
+
+CaseFiles files_of(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   std::ifstream in(request.file);
   std::string line;
   bool format = false;
+  CaseFiles files;
   for (int lines = 0; std::getline(in, line); ++lines) {
     if (lines > 1'000'000) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
     if (line.starts_with("#")) continue;
@@ -24,15 +43,70 @@ void check_names(const ReadRequest& request) {
     const auto colon = line.find(':');
     if (colon == std::string::npos || line.starts_with("time")) continue;
     std::istringstream words(line.substr(colon + 1));
-    for (std::string word; words >> word;) check_name_below(request.file, word);
+    std::string word, first;  // first: behind the numbers of sets
+    while (words >> word) {
+      check_name_below(request.file, word);
+      if (first.empty() && word.find_first_not_of("0123456789") != std::string::npos) first = word;
+    }
+    if (line.starts_with("model")) files.geometry = first;
+    if (line.substr(0, colon).ends_with("per node") || line.substr(0, colon).ends_with("per element")) files.values.push_back(word);
   }
   if (!format) throw Error(ErrorCode::bad_data, name + ": expected a line FORMAT, as EnSight's cases have");
+  return files;
+}
+
+/// The numbers that follow a line "part" in a text, or such a record of 80 bytes in a binary file, by either order of bytes.
+std::set<std::uint32_t> parts_of(const fs::path& path) {
+  const MappedFile file(path);
+  const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+  std::set<std::uint32_t> parts;
+  for (auto at = bytes.find("part"); at != std::string_view::npos; at = bytes.find("part", at + 4)) {
+    const std::string_view behind = bytes.substr(at + 4, 100);
+    const auto word = behind.find_first_not_of(std::string_view(" \t\r\n\0", 5));
+    if (behind.substr(0, word).find('\n') != std::string_view::npos && word != std::string_view::npos) {
+      std::uint32_t number = 0;
+      if (std::from_chars(behind.data() + word, behind.data() + behind.size(), number).ec == std::errc()) parts.insert(number);
+    } else if (behind.size() >= 80 && word >= 76) {
+      std::uint32_t number = 0;
+      std::memcpy(&number, behind.data() + 76, sizeof number);
+      parts.insert(std::min(number, __builtin_bswap32(number)));
+    }
+  }
+  return parts;
+}
+
+/// VTK's reader follows a part that has values and no points to nowhere. Of large files, which take a while to look through, that is left to it.
+void check_parts(const ReadRequest& request, const CaseFiles& files) {
+  std::uintmax_t left = std::uintmax_t{256} << 20;
+  const auto files_like = [&](const std::string& pattern) {
+    const fs::path path = request.file.parent_path() / pattern;
+    std::vector<fs::path> found;
+    std::error_code error;
+    for (fs::directory_iterator it(path.parent_path(), error), end; !error && it != end; it.increment(error)) {
+      if (fnmatch(path.filename().c_str(), it->path().filename().c_str(), 0) != 0) continue;
+      const std::uintmax_t size = it->file_size(error);
+      left -= error ? left : std::min(left, size);
+      if (left > 0) found.push_back(it->path());
+    }
+    return found;
+  };
+  const std::string name = request.file.filename().string();
+  std::set<std::uint32_t> parts;
+  for (const fs::path& path : files_like(files.geometry)) parts.merge(parts_of(path));
+  if (left == 0 || files.geometry.find('"') != std::string::npos) return;
+  if (parts.empty()) throw Error(ErrorCode::bad_data, name + ": expected a part in its geometry '" + files.geometry + "', which has none or is not there");
+  for (const std::string& pattern : files.values)
+    for (const fs::path& path : files_like(pattern))
+      for (const std::uint32_t part : parts_of(path))
+        if (!parts.contains(part))
+          throw Error(ErrorCode::bad_data,
+                      name + ": " + path.filename().string() + " has values of part " + std::to_string(part) + ", which its geometry '" + files.geometry + "' lacks");
 }
 
 }  // namespace
 
 Imported read_ensight(const ReadRequest& request) {
-  check_names(request);
+  check_parts(request, files_of(request));
   vtkNew<vtkGenericEnSightReader> reader;
   reader->SetCaseFileName(request.file.c_str());
   reader->ReadAllVariablesOn();
