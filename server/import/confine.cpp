@@ -7,28 +7,33 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "base/error.h"
 #include "base/landlock.h"
 #include "data/beneath.h"
 #include "data/zarr_folder.h"
 #include "import/allowed_calls.h"
+#include "import/opened_paths.h"
 
 namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
 
-void limit(int resource, std::uint64_t value) {
+/// `more`: what is added once the first limit has been told (RLIMIT_CPU sends SIGXCPU at the first, SIGKILL at the last).
+void limit(int resource, std::uint64_t value, std::uint64_t more = 0) {
   rlimit now{};
   if (getrlimit(static_cast<__rlimit_resource>(resource), &now) != 0) return;
   if (now.rlim_max != RLIM_INFINITY && value > now.rlim_max) value = now.rlim_max;
-  now.rlim_cur = now.rlim_max = value;
+  now.rlim_cur = value;
+  now.rlim_max = now.rlim_max == RLIM_INFINITY ? value + more : std::min<rlim_t>(now.rlim_max, value + more);
   setrlimit(static_cast<__rlimit_resource>(resource), &now);
 }
 
@@ -92,6 +97,14 @@ bool confine_files(const Confinement& to) {
   return rules.enforce();
 }
 
+/// By name at least, where the kernel has no Landlock.
+void open_only_what_it_may(const Confinement& to) {
+  std::vector<fs::path> files = to.beside;
+  std::erase_if(files, [](const fs::path& file) { return fs::is_symlink(file); });
+  files.push_back(to.file);
+  open_only(to.directory, files, to.output);
+}
+
 void check(const Confinement& to, const SandboxSupport& holds) {
   const std::string missing = missing_of(holds);
   if (to.sandbox == Sandbox::require && !missing.empty())
@@ -104,7 +117,7 @@ void check(const Confinement& to, const SandboxSupport& holds) {
 
 void confine(const Confinement& to) {
   limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, to.cpu_seconds);
+  limit(RLIMIT_CPU, to.cpu_seconds, 1);
   limit(RLIMIT_NOFILE, 256);
   limit_threads();
   std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit fails with EFBIG instead
@@ -116,6 +129,7 @@ void confine(const Confinement& to) {
   SandboxSupport holds = sandbox_support();
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) holds = {};  // both need it
   if (holds.landlock > 0 && !confine_files(to)) holds.landlock = 0;
+  if (holds.landlock == 0) open_only_what_it_may(to);
   drop_capabilities();
   if (holds.seccomp) holds.seccomp = allow_only_reading_calls();
   check(to, holds);

@@ -22,8 +22,8 @@ struct Confinement {
 /// Limits first; then Landlock, with every right that this kernel knows, refuses all paths but those above; then seccomp refuses
 /// every system call that is not on a list of those that readers use. No process can be made, no program started, no socket and
 /// no ring of io_uring opened, no signal sent to another process, no memory made executable; new threads can be started. Of
-/// root's rights only that to read files is kept. Throws unavailable where all of it is required and something is missing. Before
-/// there are threads.
+/// root's rights only that to read files is kept. Without Landlock the same paths are kept to by name (opened_paths.h). Throws
+/// unavailable where all of it is required and something is missing. Before there are threads.
 void confine(const Confinement& confinement);
 
 }  // namespace isostrata

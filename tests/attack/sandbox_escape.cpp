@@ -59,16 +59,19 @@ int stream = -1, datagrams = -1;  // sockets that were opened before
 
 std::string at(const char* name) { return (folder / name).string(); }
 
+/// By the kernel's own call: who has taken a reader over does not ask the importer's open (import/opened_paths.h).
+int called_open(const std::string& path, int flags) { return static_cast<int>(syscall(SYS_openat, AT_FDCWD, path.c_str(), flags, 0600)); }
+
 /// An act succeeds where it gives 0 or more.
 long opened(const std::string& path, int flags) {
-  const int file = open(path.c_str(), flags | O_CLOEXEC, 0600);
+  const int file = called_open(path, flags | O_CLOEXEC);
   if (file >= 0) close(file);
   return file;
 }
 
 /// Opened for reading, and a byte of it read.
 long seen(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = called_open(path, O_RDONLY | O_CLOEXEC);
   char byte = 0;
   return file < 0 ? -1 : read(file, &byte, 1) == 1 ? 0 : -1;
 }

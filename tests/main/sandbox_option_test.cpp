@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
 #include "support/run_isostrata.h"
 
 namespace {
@@ -52,6 +55,28 @@ TEST_F(SandboxOption, ServeRequiresItBeyondThisMachine) {
   EXPECT_EQ(here.status, 0) << here.err;
   for (const std::string& log : {allowed.err, here.err}) EXPECT_THAT(log, HasSubstr("files are read without Landlock"));
   EXPECT_THAT(run_isostrata("serve --sandbox off" + at_once).err, HasSubstr("--sandbox off: a broken or hostile file"));
+}
+
+// EnSight's reader opens whatever a case names; Landlock keeps it in the case's folder, and without it the importer's own open does.
+TEST_F(SandboxOption, AFileThatNamesOneOutsideHasItNotReadWithLandlockOrWithout) {
+  std::string cell = "made by a test\na box\nnode id assign\nelement id assign\npart\n         1\nbox\ncoordinates\n         8\n";
+  for (const char* axis : {"01100110", "00110011", "00001111"})
+    for (const char* at = axis; *at; ++at) cell += *at == '0' ? " 0.00000e+00\n" : " 1.00000e+00\n";
+  cell += "hexa8\n         1\n         1         2         3         4         5         6         7         8\n";
+  std::string values = "f\npart\n         1\ncoordinates\n";
+  for (int i = 0; i < 8; ++i) values += " 1.00000e+00\n";
+  for (const char* folder : {"inside", "outside"}) {
+    folder_.write(std::string(folder) + "/box.geo", cell);
+    folder_.write(std::string(folder) + "/box.scl", values);
+  }
+  std::filesystem::create_directory_symlink(folder_ / "outside", folder_ / "inside/door");
+  const std::string mine = "'" + folder_.write("inside/mine.case", "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: box.geo\nVARIABLE\nscalar per node: f box.scl\n").string() + "'";
+  const std::string theirs = "'" + folder_.write("inside/theirs.case", "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: door/box.geo\nVARIABLE\nscalar per node: f box.scl\n").string() + "'";
+  if (const CommandResult result = run_isostrata("info " + mine); result.status != 0) GTEST_SKIP() << "this VTK does not read EnSight: " << result.err;
+  EXPECT_EQ(without_landlock("info " + mine).status, 0);
+  EXPECT_EQ(without_landlock("info --sandbox off " + theirs).status, 0) << "else it proves nothing";
+  EXPECT_EQ(run_isostrata("info " + theirs).status, 1);
+  EXPECT_EQ(without_landlock("info " + theirs).status, 1);
 }
 
 TEST_F(SandboxOption, AnotherWordIsWrongUsage) {
