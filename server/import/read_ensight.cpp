@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -24,34 +25,48 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kMostLines = 1'000'000;
+
 /// The files that a case names, with * where the number of a step stands: none may lie elsewhere.
 struct CaseFiles {
   std::string geometry;
   std::vector<std::string> values;
+  bool steps = false;  // one is of a set of times
 };
 
 CaseFiles files_of(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   std::ifstream in(request.file);
   std::string line;
-  bool format = false;
+  bool format = false, time = false;
   CaseFiles files;
   for (int lines = 0; std::getline(in, line); ++lines) {
-    if (lines > 1'000'000) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
+    if (lines > kMostLines) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
     if (line.starts_with("#")) continue;
     if (line.starts_with("FORMAT")) format = true;
+    if (line.starts_with("TIME")) time = true;
+    if (line.starts_with("number of steps:") && std::strtod(line.c_str() + 16, nullptr) > kMostLines)
+      throw Error(ErrorCode::too_large, name + ": " + line + "; expected at most a million");
     const auto colon = line.find(':');
     if (colon == std::string::npos || line.starts_with("time")) continue;
     std::istringstream words(line.substr(colon + 1));
     std::string word, first;  // first: behind the numbers of sets
+    int names = 0;
     while (words >> word) {
+      ++names;
       check_name_below(request.file, word);
-      if (first.empty() && word.find_first_not_of("0123456789") != std::string::npos) first = word;
+      if (word.find_first_not_of("0123456789") == std::string::npos)
+        files.steps = files.steps || first.empty();
+      else if (first.empty())
+        first = word;
     }
+    if (line.find(" per ") < colon && names < 2)
+      throw Error(ErrorCode::bad_data, name + ": expected a name and a file behind '" + line.substr(0, colon + 1) + "'");
     if (line.starts_with("model")) files.geometry = first;
     if (line.substr(0, colon).ends_with("per node") || line.substr(0, colon).ends_with("per element")) files.values.push_back(word);
   }
   if (!format) throw Error(ErrorCode::bad_data, name + ": expected a line FORMAT, as EnSight's cases have");
+  if (files.steps && !time) throw Error(ErrorCode::bad_data, name + ": names files of a set of times, but has no line TIME");
   return files;
 }
 
@@ -75,6 +90,13 @@ std::set<std::uint32_t> parts_of(const fs::path& path) {
   return parts;
 }
 
+/// By its first 80 bytes VTK chooses one of three readers.
+bool begins_well(const fs::path& path) {
+  const MappedFile file(path);
+  const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), std::min<std::size_t>(file.bytes().size(), 80));
+  return bytes.find("Binary") != std::string_view::npos || bytes.find('\0') == std::string_view::npos;
+}
+
 /// VTK's reader follows a part that has values and no points to nowhere. Of large files, which take a while to look through, that is left to it.
 void check_parts(const ReadRequest& request, const CaseFiles& files) {
   std::uintmax_t left = std::uintmax_t{256} << 20;
@@ -92,7 +114,10 @@ void check_parts(const ReadRequest& request, const CaseFiles& files) {
   };
   const std::string name = request.file.filename().string();
   std::set<std::uint32_t> parts;
-  for (const fs::path& path : files_like(files.geometry)) parts.merge(parts_of(path));
+  for (const fs::path& path : files_like(files.geometry)) {
+    if (!begins_well(path)) throw Error(ErrorCode::bad_data, name + ": expected its geometry '" + path.filename().string() + "' to begin with C Binary, Fortran Binary or a text");
+    parts.merge(parts_of(path));
+  }
   if (left == 0 || files.geometry.find('"') != std::string::npos) return;
   if (parts.empty()) throw Error(ErrorCode::bad_data, name + ": expected a part in its geometry '" + files.geometry + "', which has none or is not there");
   for (const std::string& pattern : files.values)
