@@ -44,6 +44,17 @@ std::string_view after_keyword(std::string_view text, std::string_view keyword) 
 
 }  // namespace
 
+void check_legacy_counts(std::span<const std::byte> file, const std::string& name) {
+  const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 1 << 20));
+  for (const char* keyword : {"POINTS", "X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"}) {
+    std::string_view rest = after_keyword(head, keyword);
+    const auto count = take_integer(rest);
+    if (count && (*count < 0 || static_cast<std::uint64_t>(*count) > file.size()))
+      throw Error(ErrorCode::bad_data,
+                  name + ": " + keyword + " " + std::to_string(*count) + " declared in a file of " + std::to_string(file.size()) + " bytes");
+  }
+}
+
 void check_legacy_cells(std::span<const std::byte> file, const std::string& name) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
   std::string_view rest = after_keyword(text, "CELLS");

@@ -5,8 +5,12 @@
 #include <vtkNIFTIImageReader.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <zlib.h>
 
+#include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "import/place_image.h"
 #include "import/read_vtk.h"
@@ -49,12 +53,26 @@ FileArray part_of(const FileArray& all, std::size_t first, std::size_t count, do
   return out;
 }
 
+/// VTK's reader takes a header without these letters for that of a pair of files, and looks for the other one by a name that it does not have.
+void check_magic(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) return;
+  std::array<char, 348> header{};
+  const gzFile file = gzopen(request.file.c_str(), "rb");
+  const int size = file ? gzread(file, header.data(), header.size()) : 0;
+  if (file) gzclose(file);
+  const std::string_view bytes(header.data(), header.size());
+  if (size < 348 || !(bytes.substr(344, 3) == "n+1" || bytes.substr(4, 3) == "n+2"))
+    throw Error(ErrorCode::bad_data, name + ": expected the letters n+1 or n+2 in its header, as one file of NIfTI has them");
+}
+
 const char* unit_of(int code) { return code == 1 ? "m" : code == 2 ? "mm" : code == 3 ? "um" : nullptr; }
 
 }  // namespace
 
 Imported read_nifti(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
+  check_magic(request);
   vtkNew<vtkNIFTIImageReader> reader;
   if (!reader->CanReadFile(request.file.c_str())) throw Error(ErrorCode::bad_data, name + ": is not a NIfTI file");
   reader->SetFileName(request.file.c_str());

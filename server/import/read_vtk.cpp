@@ -178,7 +178,7 @@ std::uint64_t check_data_files(const ReadRequest& request, const MetaHeader& hea
   const int found = std::sscanf(line.c_str(), "%199s %d %d %d", pattern, &first, &last, &by);
   const auto conversion = line.find_first_not_of("0123456789", percent + 1);
   const std::string text(pattern);
-  if (found < 3 || by < 1 || last < first || (last - first) / by > 100'000 || conversion == std::string::npos || conversion > percent + 3 ||
+  if (found < 4 || by < 1 || last < first || (last - first) / by > 100'000 || conversion == std::string::npos || conversion > percent + 3 ||
       line[conversion] != 'd' || line.find('%', conversion) != std::string::npos || text.size() > kLongestPattern || conversion >= text.size())
     throw Error(ErrorCode::bad_data, request.file.filename().string() + ": ElementDataFile is '" + line +
                                          "'; expected a pattern with one number, the first, the last and the stride: slice_%03d.raw 1 64 1");
@@ -228,10 +228,13 @@ Imported read_vtk_legacy(const ReadRequest& request) {
     case VTK_IMAGE_DATA:
       return run_legacy<vtkStructuredPointsReader>(request);
     case VTK_RECTILINEAR_GRID:
+      check_legacy_counts(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkRectilinearGridReader>(request);
     case VTK_STRUCTURED_GRID:
+      check_legacy_counts(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkStructuredGridReader>(request);
     case VTK_UNSTRUCTURED_GRID:
+      check_legacy_counts(MappedFile(request.file).bytes(), name);
       check_legacy_cells(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkUnstructuredGridReader>(request);
     case VTK_POLY_DATA:
