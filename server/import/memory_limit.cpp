@@ -88,7 +88,7 @@ std::uint64_t memory_limit(const fs::path& file, std::uint64_t max_bytes) {
 }
 
 std::uint64_t cpu_limit(const fs::path& file, std::uint64_t most) {
-  constexpr std::uint64_t kStart = 10;                         // libraries, on a slow machine
+  constexpr std::uint64_t kStart = 8;                          // libraries, on a slow machine
   constexpr std::uint64_t kSlowest = std::uint64_t{256} << 10;  // bytes a second: a tenth of what VTK reads of packed XML
   return std::min(most, kStart + stored_bytes(file) / kSlowest);
 }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t", kSeparators = "=:";
 constexpr std::size_t kLongest = 499;  // MetaIO's buffers have 500 bytes
+constexpr std::size_t kLongestName = 200;  // MetaIO has a place for 255
 constexpr int kMostLines = 1000;
 
 std::string shown(std::string_view line) {
@@ -86,6 +87,7 @@ MetaHeader read_meta_header(std::istream& in, std::string_view file) {
     const auto value = separator == std::string::npos ? separator : line.find_first_not_of(" \t=:", separator);
     if (value == std::string::npos) throw refuse("the line '" + shown(line) + "' has no value; expected 'Name = value'");
     const std::string name = line.substr(0, line.find_last_not_of(kBlanks, separator == 0 ? 0 : separator - 1) + 1);
+    if (name.size() > kLongestName) throw refuse("the name '" + shown(name) + "...' has " + std::to_string(name.size()) + " bytes; expected at most 200");
     line.erase(line.find_last_not_of(kBlanks) + 1);
     if (name == "ElementDataFile") {
       header.data = line.substr(value);

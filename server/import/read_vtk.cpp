@@ -127,6 +127,16 @@ std::int64_t count_pieces(vtkXMLDataElement* element) {
   return count;
 }
 
+/// Points have three components. VTK copies those of the pieces, which have, into what the list declares (one if it says nothing).
+void check_declared_points(vtkXMLDataElement* root, const std::string& name) {
+  vtkXMLDataElement* points = root->LookupElementWithName("PPoints");
+  for (int i = 0; points && i < points->GetNumberOfNestedElements(); ++i) {
+    const char* components = points->GetNestedElement(i)->GetAttribute("NumberOfComponents");
+    if (!components || std::string_view(components) != "3")
+      throw Error(ErrorCode::bad_data, name + ": its points have NumberOfComponents '" + (components ? components : "") + "'; expected 3");
+  }
+}
+
 /// Each piece is a block of its own, so that it is known which points are of which.
 Imported read_unstructured_pieces(const ReadRequest& request, int pieces) {
   const std::string name = request.file.filename().string();
@@ -261,6 +271,7 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   if (type == "PImageData" || type == "PRectilinearGrid" || type == "PStructuredGrid" || type == "PUnstructuredGrid") {
     const auto root = parse_small_xml(request);
     check_pieces(root, request);
+    check_declared_points(root, name);
     if (type == "PImageData") return run_named<vtkXMLPImageDataReader>(request);
     if (type == "PRectilinearGrid") return run_named<vtkXMLPRectilinearGridReader>(request);
     if (type == "PStructuredGrid") return run_named<vtkXMLPStructuredGridReader>(request);

@@ -60,7 +60,7 @@ class Run:
             self.faults.append("died: without a word")
         if found := re.search(r"the reader crashed \(signal \d+\)", said):
             self.faults.append(found.group())
-        if self.seconds > SECONDS + 2:  # it is ended after ten, and a second's grace
+        if self.seconds > SECONDS:
             self.faults.append(f"slow: {self.seconds:.1f} s")
         if self.memory > MEMORY(size):
             self.faults.append(f"large: {self.memory >> 20} MB for {size} bytes")

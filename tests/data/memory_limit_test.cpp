@@ -34,8 +34,8 @@ TEST(MemoryLimit, OfProcessorTimeGrowsWithTheFileToo) {
   const test::Scratch scratch;
   const auto small = scratch.write("in/a.vti", std::string(1000, 'a')), listing = scratch.write("in/a.pvd", std::string(10, 'a'));
   scratch.write("in/steps/b.raw", std::string(3 << 20, 'b'));
-  EXPECT_EQ(cpu_limit(small, 600), 10u);
-  EXPECT_EQ(cpu_limit(listing, 600), 22u);
+  EXPECT_EQ(cpu_limit(small, 600), 8u);
+  EXPECT_EQ(cpu_limit(listing, 600), 20u);
   EXPECT_EQ(cpu_limit(listing, 15), 15u);
 }
 
