@@ -46,7 +46,7 @@ def legacy(folder):
     for binary in (False, True):
         kind = "BINARY" if binary else "ASCII"
         data = f"POINT_DATA {len(POINTS)}\nSCALARS s float 1\nLOOKUP_TABLE default\n".encode() + lines(FIELD, binary, "f")
-        data += f"VECTORS v double\n".encode() + lines(flat(POINTS), binary, "d") + b"FIELD more 1\nw 1 %d short\n" % len(POINTS) + lines([int(v) for v in FIELD], binary, "h")
+        data += b"VECTORS v double\n" + lines(flat(POINTS), binary, "d") + b"FIELD more 1\nw 1 %d short\n" % len(POINTS) + lines([int(v) for v in FIELD], binary, "h")
         places = f"POINTS {len(POINTS)} double\n".encode() + lines(flat(POINTS), binary, "d")
         sides = b"".join(f"{axis}_COORDINATES {n} float\n".encode() + lines([float(i) for i in range(n)], binary, "f") for axis, n in zip("XYZ", (NX, NY, NZ)))
         cells = flat([len(cell), *cell] for _, cell in CELLS)
