@@ -31,34 +31,36 @@ constexpr int kMostLines = 1'000'000;
 struct CaseFiles {
   std::string geometry;
   std::vector<std::string> values;
-  bool steps = false;  // one is of a set of times
 };
 
 CaseFiles files_of(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   std::ifstream in(request.file);
   std::string line;
-  bool format = false, time = false;
+  bool format = false;
+  std::set<std::string> named, there;  // sets of times, by their numbers
   CaseFiles files;
   for (int lines = 0; std::getline(in, line); ++lines) {
     if (lines > kMostLines) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
+    line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
     if (line.starts_with("#")) continue;
     if (line.starts_with("FORMAT")) format = true;
-    if (line.starts_with("TIME")) time = true;
     if (line.starts_with("number of steps:") && std::strtod(line.c_str() + 16, nullptr) > kMostLines)
       throw Error(ErrorCode::too_large, name + ": " + line + "; expected at most a million");
     const auto colon = line.find(':');
-    if (colon == std::string::npos || line.starts_with("time")) continue;
+    if (colon == std::string::npos) continue;
     std::istringstream words(line.substr(colon + 1));
+    if (line.starts_with("time")) {
+      if (std::string number; line.starts_with("time set") && words >> number) there.insert(number);
+      continue;
+    }
     std::string word, first;  // first: behind the numbers of sets
     int names = 0;
     while (words >> word) {
       ++names;
       check_name_below(request.file, word);
-      if (word.find_first_not_of("0123456789") == std::string::npos)
-        files.steps = files.steps || first.empty();
-      else if (first.empty())
-        first = word;
+      if (first.empty() && word.find_first_not_of("0123456789") != std::string::npos) first = word;
+      if (names == 1 && first.empty() && (line.starts_with("model") || line.find(" per ") < colon)) named.insert(word);
     }
     if (line.find(" per ") < colon && names < 2)
       throw Error(ErrorCode::bad_data, name + ": expected a name and a file behind '" + line.substr(0, colon + 1) + "'");
@@ -66,7 +68,8 @@ CaseFiles files_of(const ReadRequest& request) {
     if (line.substr(0, colon).ends_with("per node") || line.substr(0, colon).ends_with("per element")) files.values.push_back(word);
   }
   if (!format) throw Error(ErrorCode::bad_data, name + ": expected a line FORMAT, as EnSight's cases have");
-  if (files.steps && !time) throw Error(ErrorCode::bad_data, name + ": names files of a set of times, but has no line TIME");
+  for (const std::string& number : named)
+    if (!there.contains(number)) throw Error(ErrorCode::bad_data, name + ": names files of the time set " + number + ", but has no line 'time set: " + number + "'");
   return files;
 }
 

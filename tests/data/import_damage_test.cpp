@@ -132,7 +132,7 @@ TEST(ImportDamage, WhatCrashedReadersIsRefusedWithItsReason) {
        "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid><PPoints><PDataArray type=\"Float32\"/></PPoints><Piece Source=\"piece.vtu\"/></PUnstructuredGrid></VTKFile>"},
       {"part.case", "values of part 2", box + "VARIABLE\nscalar per node: f two.scl\n"},
       {"cut.case", "expected a name and a file", box + "VARIABLE\nscalar per node:"},
-      {"time.case", "no line TIME", box + "VARIABLE\nscalar per node: 1 f two.scl\n"},
+      {"time.case", "no line 'time set: 1'", box + "VARIABLE\nscalar per node: 1 f two.scl\n"},
       {"steps.case", "at most a million", box + "TIME\ntime set: 1\nnumber of steps: 2147483647\n"},
       {"none.case", "expected a part", replaced(box, "box.geo", "none.geo")},
       {"zeros.case", "to begin with C Binary", replaced(box, "box.geo", "zeros.geo")},
