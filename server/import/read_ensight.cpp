@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -73,34 +72,33 @@ CaseFiles files_of(const ReadRequest& request) {
   return files;
 }
 
-/// The numbers that follow a line "part" in a text, or such a record of 80 bytes in a binary file, by either order of bytes.
+/// The numbers behind the lines of a text that begin with "part", on the same line (EnSight 6) or the next (Gold).
 std::set<std::uint32_t> parts_of(const fs::path& path) {
   const MappedFile file(path);
   const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
   std::set<std::uint32_t> parts;
   for (auto at = bytes.find("part"); at != std::string_view::npos; at = bytes.find("part", at + 4)) {
-    const std::string_view behind = bytes.substr(at + 4, 100);
-    const auto word = behind.find_first_not_of(std::string_view(" \t\r\n\0", 5));
-    if (behind.substr(0, word).find('\n') != std::string_view::npos && word != std::string_view::npos) {
-      std::uint32_t number = 0;
-      if (std::from_chars(behind.data() + word, behind.data() + behind.size(), number).ec == std::errc()) parts.insert(number);
-    } else if (behind.size() >= 80 && word >= 76) {
-      std::uint32_t number = 0;
-      std::memcpy(&number, behind.data() + 76, sizeof number);
-      parts.insert(std::min(number, __builtin_bswap32(number)));
-    }
+    if (at > 0 && bytes[at - 1] != '\n') continue;
+    std::string_view behind = bytes.substr(at + 4, 100);
+    behind.remove_prefix(std::min(behind.find_first_not_of(" \t\r\n"), behind.size()));
+    std::uint32_t number = 0;
+    if (std::from_chars(behind.data(), behind.data() + behind.size(), number).ec == std::errc()) parts.insert(number);
   }
   return parts;
 }
 
+enum class Beginning { text, binary, neither };
+
 /// By its first 80 bytes VTK chooses one of three readers.
-bool begins_well(const fs::path& path) {
+Beginning beginning_of(const fs::path& path) {
   const MappedFile file(path);
-  const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), std::min<std::size_t>(file.bytes().size(), 80));
-  return bytes.find("Binary") != std::string_view::npos || bytes.find('\0') == std::string_view::npos;
+  const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), std::min<std::size_t>(file.bytes().size(), 84));
+  if (bytes.find("Binary") != std::string_view::npos) return Beginning::binary;
+  return bytes.find('\0') == std::string_view::npos ? Beginning::text : Beginning::neither;
 }
 
-/// VTK's reader follows a part that has values and no points to nowhere. Of large files, which take a while to look through, that is left to it.
+/// VTK's reader follows a part that has values and no points to nowhere. Of binary files, and of large ones, which take a while to look through, that is
+/// left to it.
 void check_parts(const ReadRequest& request, const CaseFiles& files) {
   std::uintmax_t left = std::uintmax_t{256} << 20;
   const auto files_like = [&](const std::string& pattern) {
@@ -118,7 +116,10 @@ void check_parts(const ReadRequest& request, const CaseFiles& files) {
   const std::string name = request.file.filename().string();
   std::set<std::uint32_t> parts;
   for (const fs::path& path : files_like(files.geometry)) {
-    if (!begins_well(path)) throw Error(ErrorCode::bad_data, name + ": expected its geometry '" + path.filename().string() + "' to begin with C Binary, Fortran Binary or a text");
+    const Beginning beginning = beginning_of(path);
+    if (beginning == Beginning::binary) return;
+    if (beginning == Beginning::neither)
+      throw Error(ErrorCode::bad_data, name + ": expected its geometry '" + path.filename().string() + "' to begin with C Binary, Fortran Binary or a text");
     parts.merge(parts_of(path));
   }
   if (left == 0 || files.geometry.find('"') != std::string::npos) return;

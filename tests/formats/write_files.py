@@ -339,6 +339,33 @@ def ensight():
                [0, 10, 0, NY - 1, 0, NZ - 1], [10, 3, 2, "f", 1000 * step + 240], [0.5, 1.5], step)
 
 
+def older_and_binary_ensight():
+    """EnSight 6 as text, whose parts stand on one line, and EnSight Gold in C's bytes, whose texts end at a zero and go on with anything."""
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    text = lambda words: (words.encode() + b"\0").ljust(80, b"x")
+    whole = lambda *numbers: struct.pack(f"<{len(numbers)}i", *numbers)
+    reals = lambda numbers: struct.pack(f"<{len(numbers)}f", *numbers)
+    with open("six.case", "w") as out:
+        out.write("FORMAT\ntype: ensight\nGEOMETRY\nmodel: six.geo\nVARIABLE\nscalar per node: f six.scl\n")
+    with open("six.geo", "w") as out:
+        out.write("made by a test\na box\nnode id assign\nelement id assign\ncoordinates\n       8\n")
+        out.write("".join("%12.5e%12.5e%12.5e\n" % corner for corner in corners) + "part 1\nbox\nhexa8\n       1\n" + "".join(f"{n:8d}" for n in range(1, 9)) + "\n")
+    with open("six.scl", "w") as out:
+        out.write("f\n" + "".join(f"{n:12.5e}" for n in range(6)) + "\n" + "".join(f"{n:12.5e}" for n in (6, 7)) + "\n")
+    with open("gold.case", "w") as out:
+        out.write("FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 gold.geo\nVARIABLE\nscalar per node: 1 f gold.scl\nTIME\ntime set: 1 steps\n"
+                  "number of steps: 1\ntime values: 0.5\n")
+    with open("gold.geo", "wb") as out:
+        for line in ("C Binary", "made by a test", "a box", "node id assign", "element id assign", "part"):
+            out.write(text(line))
+        out.write(whole(1) + text("box") + text("coordinates") + whole(8) + b"".join(reals([corner[axis] for corner in corners]) for axis in range(3)))
+        out.write(text("hexa8") + whole(1, *range(1, 9)))
+    with open("gold.scl", "wb") as out:
+        out.write(text("f") + text("part") + whole(1) + text("coordinates") + reals(range(8)))
+    for name, time in (("six.case", 0.0), ("gold.case", 0.5)):
+        expect(name, "unstructured", 8, 1, {"f": [0, 7, 0]}, [0, 1, 0, 1, 0, 1], [1, 1, 0, "f", 2], [time])
+
+
 def pictures():
     unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
     values = FIELD.astype("u2")
@@ -439,6 +466,7 @@ def main():
     gaussian_cube()
     openfoam("cavity")
     ensight()
+    older_and_binary_ensight()
     pictures()
     meta_images()
     packed()
