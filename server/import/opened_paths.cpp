@@ -98,23 +98,7 @@ int open(const char* path, int flags, ...) {
   return isostrata::opened(AT_FDCWD, path, flags, mode);
 }
 
-int open64(const char* path, int flags, ...) {
-  std::va_list words;
-  va_start(words, flags);
-  const mode_t mode = isostrata::mode_of(flags, words);
-  va_end(words);
-  return isostrata::opened(AT_FDCWD, path, flags, mode);
-}
-
 int openat(int directory, const char* path, int flags, ...) {
-  std::va_list words;
-  va_start(words, flags);
-  const mode_t mode = isostrata::mode_of(flags, words);
-  va_end(words);
-  return isostrata::opened(directory, path, flags, mode);
-}
-
-int openat64(int directory, const char* path, int flags, ...) {
   std::va_list words;
   va_start(words, flags);
   const mode_t mode = isostrata::mode_of(flags, words);
@@ -127,12 +111,15 @@ FILE* fopen(const char* path, const char* mode) {
   return isostrata::refused(path) ? nullptr : function(path, mode);
 }
 
-FILE* fopen64(const char* path, const char* mode) { return fopen(path, mode); }
-
 DIR* opendir(const char* path) {
   static const auto function = isostrata::next<DIR*(const char*)>("opendir");
   return isostrata::refused(path) ? nullptr : function(path);
 }
+
+// The names for large files: here a file's size has 64 bits by either.
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
+int openat64(int directory, const char* path, int flags, ...) __attribute__((alias("openat")));
+FILE* fopen64(const char* path, const char* mode) __attribute__((alias("fopen")));
 
 }  // extern "C"
 #pragma GCC visibility pop
