@@ -168,7 +168,7 @@ void FolderWatch::poll_folder(const fs::path& folder, Polled& polled, News& news
   for (const dirent* it = readdir(listed.get()); it; it = readdir(listed.get())) {
     struct stat about {};
     const std::string name = it->d_name;
-    if ((name.starts_with('.') && !is_zarr_metadata(name)) || fstatat(dirfd(listed.get()), it->d_name, &about, 0) != 0) continue;
+    if (is_hidden(name) || fstatat(dirfd(listed.get()), it->d_name, &about, 0) != 0) continue;
     const FileStamp stamp = stamp_of(about);
     const auto before = polled.files.find(name);
     const std::string path = (folder / name).string();

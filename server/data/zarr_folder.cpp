@@ -30,6 +30,8 @@ std::string beginning(const fs::path& file) {
 
 bool is_zarr_metadata(std::string_view name) { return std::find(kMetadata.begin(), kMetadata.end(), name) != kMetadata.end(); }
 
+bool is_hidden(std::string_view name) { return name.starts_with('.') && !is_zarr_metadata(name); }
+
 bool is_zarr(const fs::path& folder) {
   std::error_code error;
   if (small_letters(plain_folder(folder).extension().string()) == ".zarr" || fs::is_regular_file(folder / ".zarray", error)) return true;

@@ -74,7 +74,7 @@ void allow_reading(const PathRules& rules, int directory) {
   for (fs::directory_iterator it(listed, error), end; !error && it != end; it.increment(error)) {
     if (++count > kMost) return rules.allow(directory, PathRules::kRead);
     const fs::path name = it->path().filename();
-    if (name.native().starts_with('.') && !is_zarr_metadata(name.native())) continue;
+    if (is_hidden(name.native())) continue;
     const int opened = open_beneath(directory, name, O_PATH);
     rules.allow(opened, PathRules::kRead);
     if (opened >= 0) close(opened);

@@ -52,8 +52,7 @@ bool may_open(const std::string& path) {
     if (real == file) return true;
   if (!is_below(real, only->directory, rest)) return false;
   rest.erase(0, rest.find_first_not_of('/'));
-  const std::string first = rest.substr(0, rest.find('/'));
-  return !first.starts_with('.') || is_zarr_metadata(first);
+  return !is_hidden(rest.substr(0, rest.find('/')));
 }
 
 bool refused(const char* path, int directory = AT_FDCWD) {

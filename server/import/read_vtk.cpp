@@ -233,19 +233,20 @@ Imported read_vtk_legacy(const ReadRequest& request) {
   peek->SetFileName(request.file.c_str());
   const int type = peek->ReadOutputType();
   throw_on_vtk_error(name);
+  if (type == VTK_RECTILINEAR_GRID || type == VTK_STRUCTURED_GRID || type == VTK_UNSTRUCTURED_GRID) {
+    const MappedFile file(request.file);
+    check_legacy_counts(file.bytes(), name);
+    if (type == VTK_UNSTRUCTURED_GRID) check_legacy_cells(file.bytes(), name);
+  }
   switch (type) {
     case VTK_STRUCTURED_POINTS:
     case VTK_IMAGE_DATA:
       return run_legacy<vtkStructuredPointsReader>(request);
     case VTK_RECTILINEAR_GRID:
-      check_legacy_counts(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkRectilinearGridReader>(request);
     case VTK_STRUCTURED_GRID:
-      check_legacy_counts(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkStructuredGridReader>(request);
     case VTK_UNSTRUCTURED_GRID:
-      check_legacy_counts(MappedFile(request.file).bytes(), name);
-      check_legacy_cells(MappedFile(request.file).bytes(), name);
       return run_legacy<vtkUnstructuredGridReader>(request);
     case VTK_POLY_DATA:
       throw Error(ErrorCode::unsupported, name + ": holds polygonal data (surfaces); expected a grid with 3-D cells");

@@ -1,0 +1,134 @@
+#include "import/check_ensight.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "import/imported.h"
+#include "import/mapped_file.h"
+
+namespace isostrata {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMostLines = 1'000'000;
+
+/// The files that a case names, with * where the number of a step stands: none may lie elsewhere.
+struct CaseFiles {
+  std::string geometry;
+  std::vector<std::string> values;
+};
+
+CaseFiles files_of(const fs::path& file) {
+  const std::string name = file.filename().string();
+  std::ifstream in(file);
+  std::string line;
+  bool format = false;
+  std::set<std::string> named, there;  // sets of times, by their numbers
+  CaseFiles files;
+  for (int lines = 0; std::getline(in, line); ++lines) {
+    if (lines > kMostLines) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
+    line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
+    if (line.starts_with("#")) continue;
+    if (line.starts_with("FORMAT")) format = true;
+    if (line.starts_with("number of steps:") && std::strtod(line.c_str() + 16, nullptr) > kMostLines)
+      throw Error(ErrorCode::too_large, name + ": " + line + "; expected at most a million");
+    const auto colon = line.find(':');
+    if (colon == std::string::npos) continue;
+    std::istringstream words(line.substr(colon + 1));
+    if (line.starts_with("time")) {
+      if (std::string number; line.starts_with("time set") && words >> number) there.insert(number);
+      continue;
+    }
+    std::string word, first;  // first: behind the numbers of sets
+    int names = 0;
+    while (words >> word) {
+      ++names;
+      check_name_below(file, word);
+      if (first.empty() && word.find_first_not_of("0123456789") != std::string::npos) first = word;
+      if (names == 1 && first.empty() && (line.starts_with("model") || line.find(" per ") < colon)) named.insert(word);
+    }
+    if (line.find(" per ") < colon && names < 2)
+      throw Error(ErrorCode::bad_data, name + ": expected a name and a file behind '" + line.substr(0, colon + 1) + "'");
+    if (line.starts_with("model")) files.geometry = first;
+    if (line.substr(0, colon).ends_with("per node") || line.substr(0, colon).ends_with("per element")) files.values.push_back(word);
+  }
+  if (!format) throw Error(ErrorCode::bad_data, name + ": expected a line FORMAT, as EnSight's cases have");
+  for (const std::string& number : named)
+    if (!there.contains(number)) throw Error(ErrorCode::bad_data, name + ": names files of the time set " + number + ", but has no line 'time set: " + number + "'");
+  return files;
+}
+
+std::string_view text_of(const MappedFile& file) { return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}; }
+
+/// The numbers behind the lines of a text that begin with "part", on the same line (EnSight 6) or the next (Gold).
+std::set<std::uint32_t> parts_of(std::string_view bytes) {
+  std::set<std::uint32_t> parts;
+  for (auto at = bytes.find("part"); at != std::string_view::npos; at = bytes.find("part", at + 4)) {
+    if (at > 0 && bytes[at - 1] != '\n') continue;
+    std::string_view behind = bytes.substr(at + 4, 100);
+    behind.remove_prefix(std::min(behind.find_first_not_of(" \t\r\n"), behind.size()));
+    std::uint32_t number = 0;
+    if (std::from_chars(behind.data(), behind.data() + behind.size(), number).ec == std::errc()) parts.insert(number);
+  }
+  return parts;
+}
+
+enum class Beginning { text, binary, neither };
+
+/// By its first 80 bytes VTK chooses one of three readers.
+Beginning beginning_of(std::string_view bytes) {
+  bytes = bytes.substr(0, 84);
+  if (bytes.find("Binary") != std::string_view::npos) return Beginning::binary;
+  return bytes.find('\0') == std::string_view::npos ? Beginning::text : Beginning::neither;
+}
+
+}  // namespace
+
+void check_ensight_case(const fs::path& file) {
+  const CaseFiles files = files_of(file);
+  std::uintmax_t left = std::uintmax_t{256} << 20;
+  const auto files_like = [&](const std::string& pattern) {
+    const fs::path path = file.parent_path() / pattern;
+    std::vector<fs::path> found;
+    std::error_code error;
+    for (fs::directory_iterator it(path.parent_path(), error), end; !error && it != end; it.increment(error)) {
+      if (fnmatch(path.filename().c_str(), it->path().filename().c_str(), 0) != 0) continue;
+      const std::uintmax_t size = it->file_size(error);
+      left -= error ? left : std::min(left, size);
+      if (left > 0) found.push_back(it->path());
+    }
+    return found;
+  };
+  const std::string name = file.filename().string();
+  std::set<std::uint32_t> parts;
+  for (const fs::path& path : files_like(files.geometry)) {
+    const MappedFile geometry(path);
+    const Beginning beginning = beginning_of(text_of(geometry));
+    if (beginning == Beginning::binary) return;
+    if (beginning == Beginning::neither)
+      throw Error(ErrorCode::bad_data, name + ": expected its geometry '" + path.filename().string() + "' to begin with C Binary, Fortran Binary or a text");
+    parts.merge(parts_of(text_of(geometry)));
+  }
+  if (left == 0 || files.geometry.find('"') != std::string::npos) return;
+  if (parts.empty()) throw Error(ErrorCode::bad_data, name + ": expected a part in its geometry '" + files.geometry + "', which has none or is not there");
+  for (const std::string& pattern : files.values)
+    for (const fs::path& path : files_like(pattern))
+      for (const std::uint32_t part : parts_of(text_of(MappedFile(path))))
+        if (!parts.contains(part))
+          throw Error(ErrorCode::bad_data,
+                      name + ": " + path.filename().string() + " has values of part " + std::to_string(part) + ", which its geometry '" + files.geometry + "' lacks");
+}
+
+}  // namespace isostrata
