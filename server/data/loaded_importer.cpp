@@ -31,15 +31,16 @@ std::pair<Descriptor, Descriptor> line_of_packets() {
 /// Ends with its line.
 class LoadedImporter {
  public:
-  explicit LoadedImporter(const fs::path& program) {
+  LoadedImporter(const fs::path& program, bool ahead) {
     auto [here, there] = line_of_packets();
-    // All symbols at once: what is found late is found again in each copy. Huge pages for what malloc gives: to touch the memory of 5 million
+    // All symbols at once if there is time: what is found late is found again in each copy, but a third of them is all that one file needs. Huge pages for what malloc gives: to touch the memory of 5 million
     // tetrahedra page by page took three quarters of the time that they are read in.
     Spawn spawn{.program = program,
                 .words = {program.string(), kForkForFiles},
                 .environment = importer_environment(),
                 .descriptors = {there.get(), -1, STDERR_FILENO}};
-    spawn.environment.insert(spawn.environment.end(), {"LD_BIND_NOW=1", "GLIBC_TUNABLES=glibc.malloc.hugetlb=1"});
+    spawn.environment.emplace_back("GLIBC_TUNABLES=glibc.malloc.hugetlb=1");
+    if (ahead) spawn.environment.emplace_back("LD_BIND_NOW=1");
     if (const int error = spawn_in_group(id_, spawn); error != 0) throw_system_error(program.string() + ": cannot be started", error);
     line_ = std::move(here);
   }
@@ -65,19 +66,19 @@ class OneImporter {
  public:
   void ask(const std::string& request, int out, int err, int control) {
     const std::lock_guard lock(mutex_);
-    if (loaded().ask(request, out, err, control)) return;
+    if (loaded(false).ask(request, out, err, control)) return;
     importer_.reset();
-    if (!loaded().ask(request, out, err, control))
+    if (!loaded(false).ask(request, out, err, control))
       throw Error(ErrorCode::unavailable, default_importer().string() + ": ended as soon as it was started");
   }
   void load() {
     const std::lock_guard lock(mutex_);
-    loaded();
+    loaded(true);
   }
 
  private:
-  const LoadedImporter& loaded() {
-    if (!importer_) importer_.emplace(default_importer());
+  const LoadedImporter& loaded(bool ahead) {
+    if (!importer_) importer_.emplace(default_importer(), ahead);
     return *importer_;
   }
 

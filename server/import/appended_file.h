@@ -1,10 +1,14 @@
 // A file of a reader's folder that is written from its beginning on and then mapped, for what would otherwise be in memory twice.
 #pragma once
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
-#include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -13,6 +17,7 @@
 
 #include "import/imported.h"
 #include "import/mapped_file.h"
+#include "import/write_behind.h"
 
 namespace isostrata {
 
@@ -22,38 +27,57 @@ class AppendedFile {
  public:
   /// Another block of the dataset may have a file of this name: then it gets another.
   AppendedFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / name) {
-    for (int n = 2; !(file_ = std::fopen(path_.c_str(), "wbx")) && errno == EEXIST; ++n) path_ = request.scratch / (name + "." + std::to_string(n));
-    if (file_) std::setvbuf(file_, buffer_.data(), _IOFBF, buffer_.size());
+    constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+    for (int n = 2; (file_ = open(path_.c_str(), kNew, 0666)) < 0 && errno == EEXIST; ++n) path_ = request.scratch / (name + "." + std::to_string(n));
+    if (file_ < 0) throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
   }
   ~AppendedFile() {
-    if (!file_) return;
-    std::fclose(file_);
-    std::remove(path_.c_str());
+    if (file_ < 0) return;
+    try {
+      wait_for_written(last_);
+    } catch (const Error&) {
+    }
+    close(file_);
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
   }
   AppendedFile(const AppendedFile&) = delete;
   AppendedFile& operator=(const AppendedFile&) = delete;
 
   /// Throws unavailable where there is no room.
   void add(std::span<const T> values) {
-    if (!file_ || std::fwrite(values.data(), sizeof(T), values.size(), file_) != values.size()) give_up();
+    for (auto bytes = std::as_bytes(values); !bytes.empty();) {
+      const std::size_t here = std::min(bytes.size(), kTogether - filling_.size());
+      filling_.insert(filling_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(here));
+      bytes = bytes.subspan(here);
+      if (filling_.size() == kTogether) hand_over();
+    }
   }
   /// All that was added, and what keeps it. Once.
   std::pair<std::span<const T>, std::shared_ptr<const void>> finish() {
-    std::FILE* const file = std::exchange(file_, nullptr);
-    if (!file || std::fclose(file) != 0) give_up();
+    hand_over();
+    wait_for_written(last_);
+    close(std::exchange(file_, -1));
     const auto mapped = std::make_shared<const MappedFile>(path_);
     const auto bytes = mapped->bytes();
     return {{reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)}, mapped};
   }
 
  private:
-  [[noreturn]] static void give_up() {
-    throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
+  static constexpr std::size_t kTogether = 1u << 18;
+
+  void hand_over() {
+    wait_for_written(last_);
+    std::swap(filling_, written_);
+    last_ = write_behind(Hurry::some, file_, written_);
+    filling_.clear();
+    filling_.reserve(kTogether);
   }
 
   std::filesystem::path path_;
-  std::vector<char> buffer_ = std::vector<char>(1u << 18);
-  std::FILE* file_ = nullptr;
+  std::vector<std::byte> filling_, written_;
+  WriteCall last_;
+  int file_ = -1;
 };
 
 }  // namespace isostrata

@@ -1,10 +1,12 @@
 #include "import/write_dataset.h"
 
+#include <fcntl.h>
+
 #include <boost/json.hpp>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
+#include <map>
 #include <set>
 
 #include "base/utf8.h"
@@ -12,6 +14,7 @@
 #include "import/append_blocks.h"
 #include "import/average_cells.h"
 #include "import/mapped_file.h"
+#include "import/write_behind.h"
 
 namespace isostrata {
 namespace {
@@ -21,19 +24,27 @@ namespace json = boost::json;
 class Writer {
  public:
   Writer(std::filesystem::path directory, const ReadRequest& request) : directory_(std::move(directory)), request_(request) {}
+  ~Writer() {
+    try {
+      wait();
+    } catch (const Error&) {
+    }
+  }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
 
-  void file(const std::string& name, std::span<const std::byte> bytes) {
+  /// The bytes must stay until wait(), or as long as `storage`.
+  void file(const std::string& name, std::span<const std::byte> bytes, std::shared_ptr<const void> storage = nullptr) {
     total_ += bytes.size();
     check_bytes(request_, total_, request_.file.filename().string());
     written_.insert(name);
     if (const auto place = MappedFile::place_of(bytes); place && place->offset == 0 && place->file == directory_ / name) return;  // its reader wrote it
-    std::FILE* out = std::fopen((directory_ / name).c_str(), "wb");
-    const bool written = out && (bytes.empty() || std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size());
-    const int error = errno;
-    if ((out && std::fclose(out) != 0) || !written)
-      throw Error(ErrorCode::unavailable, "cannot write " + std::to_string(bytes.size()) +
-                                              " bytes to a temporary file: " + std::strerror(written ? errno : error));
+    const int out = open((directory_ / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (out < 0) throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
+    last_ = write_behind(Hurry::none, out, bytes, true, std::move(storage));
   }
+  /// Until all files are written.
+  void wait() { wait_for_written(last_); }
   /// Where the server itself can map an array's bytes: a large one, as it lies in a file beside the one that was asked for, or below.
   std::optional<FilePlace> in_place(std::span<const std::byte> bytes, std::size_t element) const {
     if (bytes.size() < kLeastInPlace) return std::nullopt;
@@ -65,6 +76,7 @@ class Writer {
   const ReadRequest& request_;
   std::set<std::string> written_;
   std::uint64_t total_ = 0;
+  WriteCall last_{Hurry::none};
 };
 
 /// Names travel as JSON: what is not UTF-8, or is a control character, becomes '?'.
@@ -127,33 +139,40 @@ class ArrayWriter {
  public:
   ArrayWriter(Writer& writer, json::array& list) : writer_(writer), list_(list) {}
 
-  /// `cells`: what `array` was averaged from; null if it was not.
-  void add(const FileArray& array, const FileArray* cells, const std::string& base) {
-    const std::size_t first = list_.size();
-    add(array, base, [&](std::string name, const std::string& component, ScalarType type, std::span<const std::byte> bytes) {
-      write(array, std::move(name), component, type, bytes);
-    });
-    if (!cells) return;
-    std::size_t at = first;
-    add(*cells, base, [&](const std::string&, const std::string&, ScalarType type, std::span<const std::byte> bytes) {
-      json::object& entry = list_[at].as_object();
+  /// How many places of the list the array takes: its own, or its magnitude's and its components'.
+  static std::size_t places(const FileArray& array) { return array.components == 1 ? 1 : 1 + static_cast<std::size_t>(array.components); }
+
+  /// Values on cells, whose means take this place of the list and the next ones. Before the means, so that they are written while those are found.
+  void add_cells(const FileArray& cells, std::size_t place) {
+    add_parts(cells, "", [&](const std::string&, const std::string&, ScalarType type, std::span<const std::byte> bytes) {
+      json::object& entry = of_cells_[place];
       entry["cell_type"] = to_string(type);
-      if (json::object place; put_in_place(bytes, type, place))
-        entry["cells"] = std::move(place);
+      if (json::object there; put_in_place(bytes, type, there))
+        entry["cells"] = std::move(there);
       else
-        writer_.file("cells_" + std::to_string(at) + ".bin", bytes);
-      ++at;
+        writer_.file("cells_" + std::to_string(place) + ".bin", bytes, cells.storage);
+      ++place;
+    });
+  }
+
+  void add(const FileArray& array, const std::string& base) {
+    add_parts(array, base, [&](std::string name, const std::string& component, ScalarType type, std::span<const std::byte> bytes) {
+      write(array, std::move(name), component, type, bytes);
     });
   }
 
  private:
   /// put(name, component, type, values) for the array, or for its magnitude and each component.
   template <class Put>
-  void add(const FileArray& array, const std::string& base, const Put& put) {
+  void add_parts(const FileArray& array, const std::string& base, const Put& put) {
     if (array.components == 1) {
       put(base, "", array.type, array.values);
       return;
     }
+    const auto put_away = [&](const std::string& name, const std::string& component, ScalarType type, std::span<const std::byte> bytes) {
+      put(name, component, type, bytes);
+      writer_.wait();
+    };
     static constexpr const char* kAxes[3] = {"x", "y", "z"};
     std::visit(
         [&](auto values) {
@@ -162,16 +181,14 @@ class ArrayWriter {
           const std::size_t n = values.size() / components;
           // The magnitude keeps single precision for float32 and for integers that it holds exactly.
           if constexpr (sizeof(T) <= 2 || std::is_same_v<T, float>)
-            put(base, "magnitude", ScalarType::float32,
-                  std::as_bytes(std::span<const float>(magnitude<float>(values, components))));
+            put_away(base, "magnitude", ScalarType::float32, std::as_bytes(std::span<const float>(magnitude<float>(values, components))));
           else
-            put(base, "magnitude", ScalarType::float64,
-                  std::as_bytes(std::span<const double>(magnitude<double>(values, components))));
+            put_away(base, "magnitude", ScalarType::float64, std::as_bytes(std::span<const double>(magnitude<double>(values, components))));
           std::vector<T> one(n);
           for (std::size_t c = 0; c < components; ++c) {
             for (std::size_t p = 0; p < n; ++p) one[p] = values[p * components + c];
             const std::string component = components <= 3 ? kAxes[c] : std::to_string(c);
-            put(base + "_" + component, component, array.type, std::as_bytes(std::span<const T>(one)));
+            put_away(base + "_" + component, component, array.type, std::as_bytes(std::span<const T>(one)));
           }
         },
         scalar_span(array.type, array.values));
@@ -199,7 +216,8 @@ class ArrayWriter {
                        {"components", array.components},
                        {"component", component},
                        {"type", to_string(type)}};
-    if (!put_in_place(bytes, type, entry)) writer_.file(array_file(list_.size()), bytes);
+    if (!put_in_place(bytes, type, entry)) writer_.file(array_file(list_.size()), bytes, array.storage);
+    if (const auto cells = of_cells_.find(list_.size()); cells != of_cells_.end()) entry.insert(cells->second.begin(), cells->second.end());
     list_.push_back(std::move(entry));
   }
 
@@ -215,6 +233,7 @@ class ArrayWriter {
   Writer& writer_;
   json::array& list_;
   std::set<std::string> names_;
+  std::map<std::size_t, json::object> of_cells_;  // by places of the list
 };
 
 }  // namespace
@@ -232,12 +251,17 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
     if (!array.on_cells) point_names.insert(array.name);
   json::array arrays;
   ArrayWriter array_writer(writer, arrays);
+  std::size_t place = 0;
+  for (const FileArray& array : block.arrays) {
+    if (array.on_cells) array_writer.add_cells(array, place);
+    place += ArrayWriter::places(array);
+  }
   CellMeans means(block, request);
   std::size_t done = 0;
   for (const FileArray& array : block.arrays) {
     const std::string name =
         printable(array.on_cells && point_names.contains(array.name) ? array.name + " (cell)" : array.name, 200);
-    array_writer.add(array.on_cells ? means.next(array.components == 1 ? array_file(arrays.size()) : "means.bin") : array, array.on_cells ? &array : nullptr, name);
+    array_writer.add(array.on_cells ? means.next(array.components == 1 ? array_file(arrays.size()) : "means.bin") : array, name);
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }
   manifest["arrays"] = std::move(arrays);
@@ -251,7 +275,9 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
   manifest["notes"] = std::move(notes);
   const std::string text = json::serialize(manifest);
   writer.sweep();
+  writer.wait();
   writer.values("manifest.json", std::span<const char>(text));  // last: without it the rest means nothing
+  writer.wait();
 }
 
 }  // namespace isostrata
