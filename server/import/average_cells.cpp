@@ -170,6 +170,24 @@ void with_constant(std::size_t number, const Use& use) {
   }
 }
 
+/// sum_at_points, of cells of a mesh that all count.
+template <std::size_t kStride>
+void sum_cells(const UnstructuredGrid& mesh, ValuesOfCells& values, std::size_t stride, double* sums) {
+  constexpr std::int64_t kAhead = 64;  // ids: their sums lie anywhere
+  if constexpr (kStride > 0) stride = kStride;
+  const std::int64_t* const ids = mesh.connectivity.data();
+  const auto all = static_cast<std::int64_t>(mesh.connectivity.size()), cells = static_cast<std::int64_t>(mesh.types.size());
+  std::int64_t at = 0;
+  for (std::int64_t cell = 0; cell < cells; ++cell) {
+    const double* const of_cell = values.of(cell);
+    for (const std::int64_t end = mesh.offsets[static_cast<std::size_t>(cell) + 1]; at < end; ++at) {
+      __builtin_prefetch(sums + static_cast<std::size_t>(ids[std::min(at + kAhead, all - 1)]) * stride, 1);
+      double* const of_point = sums + static_cast<std::size_t>(ids[at]) * stride;
+      for (std::size_t c = 0; c < stride; ++c) of_point[c] += of_cell[c];
+    }
+  }
+}
+
 /// At each point the sums of the arrays' numbers, and how many cells are in them. partial: a cell whose first number is NaN has none.
 template <std::size_t kStride>
 std::vector<double> sum_at_points(const Block& block, std::span<const FileArray* const> arrays, bool partial) {
@@ -181,6 +199,10 @@ std::vector<double> sum_at_points(const Block& block, std::span<const FileArray*
   // A cell that was split counts once at each of its points, however many of its pieces meet there.
   std::vector<std::int64_t> counted(block.source.empty() ? 0 : points, -1);
   ValuesOfCells values(arrays, width, grid.cell_count());
+  if (const auto* mesh = std::get_if<UnstructuredGrid>(&grid.shape); mesh && !partial && !seams && counted.empty() && grid.hidden_cells.empty()) {
+    sum_cells<kStride>(*mesh, values, stride, sums.data());
+    return sums;
+  }
   for_each_cell(grid, [&](std::int64_t cell, std::span<const std::int64_t> ids) {
     const double* const of_cell = values.of(cell);
     if (partial && std::isnan(of_cell[0])) return;
@@ -200,19 +222,25 @@ std::vector<double> sum_at_points(const Block& block, std::span<const FileArray*
 
 /// The numbers from `column` on of each point's sums, by how many cells are in them.
 template <class Out>
-FileArray mean_of(const Block& block, const FileArray& array, const std::vector<double>& sums, std::size_t width, std::size_t column) {
+FileArray mean_of(const Block& block, const FileArray& array, const std::vector<double>& sums, std::size_t width, std::size_t column, AppendedFile<Out> file) {
+  constexpr std::size_t kTogether = 4096;  // points
   const auto points = static_cast<std::size_t>(block.grid.point_count());
   const auto components = static_cast<std::size_t>(array.components);
   const bool seams = has_seams(block);
-  auto [storage, means] = allocate<Out>(points * components);
-  for (std::size_t p = 0; p < points; ++p) {
-    const auto from = seams ? static_cast<std::size_t>(without_seams(block, static_cast<std::int64_t>(p))) : p;
-    const double* const of_point = &sums[from * (width + 1)];
-    const double cells = of_point[width];
-    for (std::size_t c = 0; c < components; ++c)
-      means[p * components + c] = cells > 0 ? static_cast<Out>(of_point[column + c] / cells) : std::numeric_limits<Out>::quiet_NaN();
+  std::vector<Out> means;
+  for (std::size_t first = 0; first < points; first += kTogether) {
+    means.clear();
+    for (std::size_t p = first; p < std::min(first + kTogether, points); ++p) {
+      const auto from = seams ? static_cast<std::size_t>(without_seams(block, static_cast<std::int64_t>(p))) : p;
+      const double* const of_point = &sums[from * (width + 1)];
+      const double cells = of_point[width];
+      for (std::size_t c = 0; c < components; ++c)
+        means.push_back(cells > 0 ? static_cast<Out>(of_point[column + c] / cells) : std::numeric_limits<Out>::quiet_NaN());
+    }
+    file.add(means);
   }
-  return of_points<Out>(array, means, storage);
+  const auto [written, storage] = file.finish();
+  return of_points<const Out>(array, written, storage);
 }
 
 /// What is float32, and what it holds exactly.
@@ -241,24 +269,23 @@ std::size_t CellMeans::together() const {
 }
 
 FileArray CellMeans::next(const std::string& file) {
-  if (means_.empty() && goes_by_rows(block_, *arrays_[at_])) {
-    const FileArray& array = *arrays_[at_++];
+  const FileArray& array = *arrays_[at_];
+  if (summed_ == 0 && goes_by_rows(block_, array)) {
+    ++at_;
     return is_single(array) ? mean_by_rows<float>(block_, array, {request_, file}) : mean_by_rows<double>(block_, array, {request_, file});
   }
-  if (means_.empty()) {
+  if (summed_ == 0) {
     const auto arrays = std::span<const FileArray* const>(arrays_).subspan(at_, together());
-    at_ += arrays.size();
-    const std::size_t width = width_of(arrays);
-    std::vector<double> sums;
-    with_constant(width + 1, [&](auto stride) { sums = sum_at_points<stride>(block_, arrays, arrays.front()->partial); });
-    std::size_t column = 0;
-    for (const FileArray* array : arrays) {
-      means_.push_back(is_single(*array) ? mean_of<float>(block_, *array, sums, width, column) : mean_of<double>(block_, *array, sums, width, column));
-      column += static_cast<std::size_t>(array->components);
-    }
+    summed_ = arrays.size();
+    width_ = width_of(arrays);
+    column_ = 0;
+    with_constant(width_ + 1, [&](auto stride) { sums_ = sum_at_points<stride>(block_, arrays, arrays.front()->partial); });
   }
-  FileArray mean = std::move(means_.front());
-  means_.pop_front();
+  FileArray mean = is_single(array) ? mean_of<float>(block_, array, sums_, width_, column_, {request_, file})
+                                    : mean_of<double>(block_, array, sums_, width_, column_, {request_, file});
+  column_ += static_cast<std::size_t>(array.components);
+  ++at_;
+  if (--summed_ == 0) sums_ = {};
   return mean;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <string>
 #include <vector>
 
@@ -17,7 +16,7 @@ class CellMeans {
   /// Both must outlive it.
   CellMeans(const Block& block, const ReadRequest& request);
   /// Of the block's next array on cells, in their order. Precondition: there is one. Some are found together, since looking for the points of cells takes
-  /// longer than adding numbers; their sums take at most kMostSums bytes, or those of one array. Means may be written to a file of this name in
+  /// longer than adding numbers; their sums take at most kMostSums bytes, or those of one array. Means are written to a file of this name in
   /// request.scratch, and mapped.
   FileArray next(const std::string& file);
 
@@ -29,8 +28,10 @@ class CellMeans {
   const Block& block_;
   const ReadRequest& request_;
   std::vector<const FileArray*> arrays_;
-  std::size_t at_ = 0;           // of those that are not averaged yet, the first
-  std::deque<FileArray> means_;  // not asked for yet
+  std::size_t at_ = 0;        // of those that are not averaged yet, the first
+  std::size_t summed_ = 0;    // how many from there on are in the sums
+  std::vector<double> sums_;  // [points][width_ + 1]
+  std::size_t width_ = 0, column_ = 0;
 };
 
 }  // namespace isostrata

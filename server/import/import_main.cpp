@@ -33,6 +33,8 @@ namespace {
 using isostrata::Error;
 using isostrata::ErrorCode;
 
+constexpr int kMostThreads = 4;  // each has 8 MiB of the address space, which is bounded
+
 constexpr const char* kUsage =
     "usage: isostrata-import FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS require|try|off [LIKE], or --fork-for-files (started by isostrata, not by people)\n";
 
@@ -72,7 +74,7 @@ void run(const std::vector<std::string>& words) {
     std::printf("progress %.3f\n", fraction);
     std::fflush(stdout);
   };
-  isostrata::set_thread_count(1);
+  isostrata::set_thread_count(kMostThreads);
   isostrata::collect_vtk_messages(request.file.filename().string());
   isostrata::prepare_pictures(request.file);
   std::error_code error;

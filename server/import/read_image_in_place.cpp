@@ -15,11 +15,11 @@
 #include <string_view>
 
 #include "data/import_door.h"
-#include "import/appended_xml.h"
 #include "import/declared_time.h"
 #include "import/parsed_number.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
+#include "import/vtk_xml.h"
 
 namespace isostrata {
 namespace {
@@ -71,7 +71,7 @@ std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::
 }
 
 /// The arrays on points and on cells; none if the file holds anything else.
-std::vector<FileArray> arrays_of(const AppendedXml& xml, std::uint64_t& points) {
+std::vector<XmlArray> arrays_of(const VtkXml& xml, std::uint64_t& points) {
   const auto image = xml.only_piece("ImageData");
   int whole[6], extent[6];
   if (!image || image->grid->GetVectorAttribute("WholeExtent", 6, whole) != 6 || image->piece->GetVectorAttribute("Extent", 6, extent) != 6 ||
@@ -82,7 +82,7 @@ std::vector<FileArray> arrays_of(const AppendedXml& xml, std::uint64_t& points) 
   points = *count;
   std::uint64_t cells = 1;  // of a flat image none: its cells have other corners
   for (int a = 0; a < 3; ++a) cells *= static_cast<std::uint64_t>(extent[2 * a + 1] - extent[2 * a]);
-  std::vector<FileArray> arrays;
+  std::vector<XmlArray> arrays;
   for (int i = 0; i < image->piece->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* const part = image->piece->GetNestedElement(i);
     if (part->GetNumberOfNestedElements() == 0) continue;
@@ -98,13 +98,17 @@ bool says_yes(std::string_view text) { return !text.empty() && (std::tolower(sta
 }  // namespace
 
 std::optional<Imported> vti_in_place(const ReadRequest& request) {
-  const auto xml = AppendedXml::open(request.file);
+  const auto xml = VtkXml::open(request.file);
   if (!xml) return std::nullopt;
-  std::uint64_t points = 0;
-  std::vector<FileArray> arrays = arrays_of(*xml, points);
-  if (arrays.empty()) return std::nullopt;
+  std::uint64_t points = 0, bytes = 0;
+  const std::vector<XmlArray> found = arrays_of(*xml, points);
+  if (found.empty()) return std::nullopt;
+  for (const XmlArray& array : found) bytes += array.coded.plain() ? 0 : array.coded.bytes;
+  check_bytes(request, bytes, request.file.filename().string());
+  auto arrays = decoded(found);
+  if (!arrays) return std::nullopt;
   vtkNew<vtkXMLImageDataReader> reader;
-  auto imported = placed(request, reader.Get(), std::move(arrays), points);
+  auto imported = placed(request, reader.Get(), std::move(*arrays), points);
   if (imported) imported->times = {declared_time(request.file).value_or(0)};
   return imported;
 }

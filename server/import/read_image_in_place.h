@@ -1,4 +1,4 @@
-// Large images whose values need not be read, because they lie in the file as they are in memory.
+// Images whose values are read past VTK's readers, or need not be read, because they lie in the file as they are in memory.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,9 @@
 
 namespace isostrata {
 
-/// Of .vti: one piece, point arrays of one component, appended raw (appended_xml.h); of .mhd and .mha: one file of values in the machine's byte order.
-/// Values that are not aligned there are copied once, from file to file, without passing through the child's memory. VTK's readers tell where the image lies in space, and are not asked for its values. Nothing for every other file, also
+/// Of .vti: one piece whose arrays vtk_xml.h finds; of .mhd and .mha: one file of values in the machine's byte order. Values that lie there as in memory, but
+/// are not aligned, are copied once, from file to file, without passing through the child's memory. VTK's readers tell where the image lies in space, and
+/// are not asked for its values. Nothing for every other file, also
 /// for one that is too short or says what makes no sense: what is wrong with it is VTK's readers' to say.
 std::optional<Imported> vti_in_place(const ReadRequest& request);
 std::optional<Imported> meta_image_in_place(const ReadRequest& request, const MetaHeader& header);

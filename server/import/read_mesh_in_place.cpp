@@ -9,10 +9,10 @@
 #include <variant>
 
 #include "import/appended_file.h"
-#include "import/appended_xml.h"
 #include "import/declared_time.h"
 #include "import/for_parts.h"
 #include "import/parsed_number.h"
+#include "import/vtk_xml.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -21,37 +21,28 @@ namespace {
 constexpr std::size_t kReadTogether = 1u << 19;  // bytes, so that two of them fit the second cache
 
 struct MeshArrays {
-  FileArray points, types, ends, ids;
-  std::vector<FileArray> values;
+  XmlArray points, types, ends, ids;
+  std::vector<XmlArray> values;
 };
 
-bool add_cells(const AppendedXml& xml, vtkXMLDataElement* cells, std::uint64_t count, MeshArrays& to) {
-  vtkXMLDataElement* ids = nullptr;
+bool is_whole(const XmlArray& array) { return array.as.components == 1 && (array.as.type == ScalarType::int64 || array.as.type == ScalarType::int32); }
+
+bool add_cells(const VtkXml& xml, vtkXMLDataElement* cells, std::uint64_t count, MeshArrays& to) {
+  bool all[3] = {};
   for (int i = 0; i < cells->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* const element = cells->GetNestedElement(i);
     const std::string_view name = attribute(element, "Name");
-    if (name == "connectivity") {
-      ids = element;
-      continue;
-    }
-    auto array = xml.array(element, count);
-    if (!array || array->components != 1 || (name != "offsets" && name != "types")) return false;
-    (name == "types" ? to.types : to.ends) = std::move(*array);
+    const bool ids = name == "connectivity", types = name == "types";
+    if (!ids && !types && name != "offsets") return false;
+    auto array = ids ? xml.array(element) : xml.array(element, count);
+    if (!array || array->as.components != 1 || (types ? size_of(array->as.type) != 1 : !is_whole(*array))) return false;
+    all[ids ? 0 : types ? 1 : 2] = true;
+    (ids ? to.ids : types ? to.types : to.ends) = std::move(*array);
   }
-  const auto& ends = to.ends;
-  const bool long_ends = ends.type == ScalarType::int64;
-  if (!ids || ends.values.empty() || (!long_ends && ends.type != ScalarType::int32) || to.types.values.size() != count) return false;
-  std::int64_t last = 0;
-  std::int32_t short_last = 0;
-  std::memcpy(long_ends ? static_cast<void*>(&last) : &short_last, ends.values.last(size_of(ends.type)).data(), size_of(ends.type));
-  if (!long_ends) last = short_last;
-  auto array = last >= 0 ? xml.array(ids, static_cast<std::uint64_t>(last)) : std::nullopt;
-  if (!array || array->components != 1 || (array->type != ScalarType::int64 && array->type != ScalarType::int32)) return false;
-  to.ids = std::move(*array);
-  return true;
+  return all[0] && all[1] && all[2];
 }
 
-std::optional<MeshArrays> arrays_of(const AppendedXml& xml, vtkXMLDataElement* piece) {
+std::optional<MeshArrays> arrays_of(const VtkXml& xml, vtkXMLDataElement* piece) {
   const auto points = parsed_number<std::uint64_t>(attribute(piece, "NumberOfPoints")), cells = parsed_number<std::uint64_t>(attribute(piece, "NumberOfCells"));
   if (!points || !cells || *points == 0 || *cells == 0) return std::nullopt;
   MeshArrays out;
@@ -64,52 +55,51 @@ std::optional<MeshArrays> arrays_of(const AppendedXml& xml, vtkXMLDataElement* p
       if (!add_cells(xml, part, *cells, out)) return std::nullopt;
     } else if (name == "Points" && part->GetNumberOfNestedElements() == 1) {
       auto array = xml.array(part->GetNestedElement(0), *points);
-      if (!array || array->components != 3 || (array->type != ScalarType::float32 && array->type != ScalarType::float64)) return std::nullopt;
-      out.points = aligned(std::move(*array));
+      if (!array || array->as.components != 3 || (array->as.type != ScalarType::float32 && array->as.type != ScalarType::float64)) return std::nullopt;
+      out.points = std::move(*array);
     } else {
       return std::nullopt;
     }
   }
-  if (out.points.values.empty() || out.ids.values.empty()) return std::nullopt;
+  if (out.points.coded.bytes == 0 || out.ids.coded.bytes == 0) return std::nullopt;
   return out;
 }
 
 /// Of each cell.
-std::span<const std::uint8_t> types_of(const MeshArrays& arrays) {
-  return {reinterpret_cast<const std::uint8_t*>(arrays.types.values.data()), arrays.types.values.size()};
-}
+std::span<const std::uint8_t> types_of(const FileArray& array) { return {reinterpret_cast<const std::uint8_t*>(array.values.data()), array.values.size()}; }
 
 /// Cells of the four kinds whose ids are all points; nothing for others.
-bool set_cells(const MeshArrays& arrays, std::int64_t points, const ReadRequest& request, UnstructuredGrid& grid, std::vector<std::shared_ptr<const void>>& keep) {
-  const std::span<const std::uint8_t> types = types_of(arrays);
+bool set_cells(const FileArray& of_types, const FileArray& ends, const FileArray& ids, std::int64_t points, const ReadRequest& request, UnstructuredGrid& grid,
+               std::vector<std::shared_ptr<const void>>& keep) {
+  const std::span<const std::uint8_t> types = types_of(of_types);
+  const std::size_t all = ids.values.size() / size_of(ids.type);
   AppendedFile<std::int64_t> offsets(request, "offsets.bin"), connectivity(request, "connectivity.bin");
   offsets.add(std::array<std::int64_t, 1>{0});
   std::size_t cell = 0;
   std::int64_t last = 0;
-  const bool ends_fit = for_parts(arrays.ends.type, arrays.ends.values, [&](std::span<const std::int64_t> ends) {
-    for (const std::int64_t end : ends) {
+  const bool ends_fit = for_parts(ends.type, ends.values, [&](std::span<const std::int64_t> part) {
+    for (const std::int64_t end : part) {
       const std::uint8_t type = types[cell++];
       if (!holds_volume(type) || end - last != kPointsOfType[type]) return false;
       last = end;
     }
-    offsets.add(ends);
+    offsets.add(part);
     return true;
   });
-  if (!ends_fit) return false;
+  if (!ends_fit || static_cast<std::uint64_t>(last) != all) return false;
   std::size_t done = 0;
-  const std::size_t all = arrays.ids.values.size() / size_of(arrays.ids.type);
-  const bool ids_fit = for_parts(arrays.ids.type, arrays.ids.values, [&](std::span<const std::int64_t> ids) {
+  const bool ids_fit = for_parts(ids.type, ids.values, [&](std::span<const std::int64_t> part) {
     std::uint64_t largest = 0;  // a negative one is larger than all
-    for (const std::int64_t id : ids) largest = std::max(largest, static_cast<std::uint64_t>(id));
+    for (const std::int64_t id : part) largest = std::max(largest, static_cast<std::uint64_t>(id));
     if (largest >= static_cast<std::uint64_t>(points)) return false;
-    connectivity.add(ids);
-    done += ids.size();
+    connectivity.add(part);
+    done += part.size();
     request.progress(0.5 * static_cast<double>(done) / static_cast<double>(all));
     return true;
   });
   if (!ids_fit) return false;
   grid.types = types;
-  keep.push_back(arrays.types.storage);
+  keep.push_back(of_types.storage);
   std::tie(grid.offsets, keep.emplace_back()) = offsets.finish();
   std::tie(grid.connectivity, keep.emplace_back()) = connectivity.finish();
   return true;
@@ -133,25 +123,28 @@ bool same_in_files(const FilePlace& a, const FilePlace& b, std::size_t bytes) {
   return true;
 }
 
-bool same_bytes(const FileArray& a, const FileArray& b) {
-  if (a.type != b.type || a.values.size() != b.values.size()) return false;
-  const auto here = MappedFile::place_of(a.values), there = MappedFile::place_of(b.values);
-  return here && there ? same_in_files(*here, *there, a.values.size()) : std::memcmp(a.values.data(), b.values.data(), a.values.size()) == 0;
+/// As they stand: what is coded otherwise counts as something else.
+bool same_values(const XmlArray& a, const XmlArray& b) {
+  if (a.as.type != b.as.type || a.coded.coding != b.coded.coding || a.coded.text.size() != b.coded.text.size()) return false;
+  const auto here = MappedFile::place_of(a.coded.text), there = MappedFile::place_of(b.coded.text);
+  return here && there && same_in_files(*here, *there, a.coded.text.size());
 }
 
 /// Whether the file that the caller has in memory holds the very same mesh, which is its grid as it is: VTK's reader divides other cells, about points that
 /// no file has. Also no where that cannot be told.
 bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
-  const auto types = types_of(arrays);
-  if (request.like.empty() || !std::all_of(types.begin(), types.end(), [](std::uint8_t type) { return holds_volume(type); }) ||
-      std::any_of(arrays.values.begin(), arrays.values.end(), [](const FileArray& array) { return array.on_cells; }))
-    return false;
+  if (request.like.empty() || std::any_of(arrays.values.begin(), arrays.values.end(), [](const XmlArray& array) { return array.as.on_cells; })) return false;
   try {
-    const auto xml = AppendedXml::open(request.like);
+    const auto xml = VtkXml::open(request.like);
     const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
     const auto other = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
-    return other && same_bytes(arrays.types, other->types) && same_bytes(arrays.ends, other->ends) && same_bytes(arrays.ids, other->ids) &&
-           same_bytes(arrays.points, other->points);
+    if (!other || !same_values(arrays.types, other->types) || !same_values(arrays.ends, other->ends) || !same_values(arrays.ids, other->ids) ||
+        !same_values(arrays.points, other->points))
+      return false;
+    const auto decoded_types = decoded(arrays.types);
+    if (!decoded_types) return false;
+    const auto types = types_of(*decoded_types);
+    return std::all_of(types.begin(), types.end(), [](std::uint8_t type) { return holds_volume(type); });
   } catch (const std::exception&) {
     return false;
   }
@@ -160,33 +153,39 @@ bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
 }  // namespace
 
 std::optional<Imported> vtu_in_place(const ReadRequest& request) {
-  const auto xml = AppendedXml::open(request.file);
+  const auto xml = VtkXml::open(request.file);
   const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
-  auto arrays = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
+  const auto arrays = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
   if (!arrays) return std::nullopt;
   check_step(request, 1);
   Imported imported;
   Block& block = imported.blocks.emplace_back();
   imported.times = {declared_time(request.file).value_or(0)};
-  if (is_like(request, *arrays)) {
-    block.like = true;
-    block.arrays = std::move(arrays->values);
-    return imported;
+  const std::uint64_t cells = arrays->types.coded.bytes, ids = arrays->ids.coded.bytes / size_of(arrays->ids.as.type);
+  std::uint64_t bytes = 9 * cells + 8 * ids + arrays->points.coded.bytes;
+  for (const XmlArray& array : arrays->values) bytes += array.coded.plain() ? 0 : array.coded.bytes;
+  check_bytes(request, bytes, request.file.filename().string());
+  block.like = is_like(request, *arrays);
+  if (!block.like) {
+    const auto types = decoded(arrays->types), ends = decoded(arrays->ends), all_ids = decoded(arrays->ids);
+    auto places = decoded(arrays->points);
+    if (!types || !ends || !all_ids || !places) return std::nullopt;
+    const FileArray points = aligned(std::move(*places));
+    UnstructuredGrid grid;
+    if (points.type == ScalarType::float32)
+      grid.points = points_of<Vec3f>(points);
+    else
+      grid.points = points_of<Vec3d>(points);
+    const auto keep = std::make_shared<std::vector<std::shared_ptr<const void>>>();
+    const auto count = static_cast<std::int64_t>(std::visit([](auto span) { return span.size(); }, grid.points));
+    if (!set_cells(*types, *ends, *all_ids, count, request, grid, *keep)) return std::nullopt;
+    keep->push_back(points.storage);
+    block.grid.shape = grid;
+    block.grid.storage = keep;
   }
-  const std::uint64_t cells = arrays->types.values.size(), ids = arrays->ids.values.size() / size_of(arrays->ids.type);
-  check_bytes(request, 9 * cells + 8 * ids + arrays->points.values.size(), request.file.filename().string());
-  UnstructuredGrid grid;
-  if (arrays->points.type == ScalarType::float32)
-    grid.points = points_of<Vec3f>(arrays->points);
-  else
-    grid.points = points_of<Vec3d>(arrays->points);
-  const auto keep = std::make_shared<std::vector<std::shared_ptr<const void>>>();
-  const auto points = static_cast<std::int64_t>(std::visit([](auto span) { return span.size(); }, grid.points));
-  if (!set_cells(*arrays, points, request, grid, *keep)) return std::nullopt;
-  keep->push_back(arrays->points.storage);
-  block.grid.shape = grid;
-  block.grid.storage = keep;
-  block.arrays = std::move(arrays->values);
+  auto values = decoded(arrays->values);
+  if (!values) return std::nullopt;
+  block.arrays = std::move(*values);
   return imported;
 }
 

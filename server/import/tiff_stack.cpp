@@ -11,8 +11,8 @@
 #include <set>
 #include <string_view>
 
-#include "import/appended_xml.h"
 #include "import/parsed_number.h"
+#include "import/vtk_xml.h"
 
 namespace isostrata {
 namespace {

@@ -60,10 +60,13 @@ class Behind {
     std::unique_lock lock(mutex_);
     Lane& lane = lanes_[static_cast<std::size_t>(hurry)];
     changed_.wait(lock, [&] { return lane.queue.size() < (few ? 1 : kMostBehind); });
-    lane.queue.push_back(std::move(request));
-    if (alone_ || few)
-      while (!lane.queue.empty()) write_part(lane, lock);
-    changed_.notify_all();
+    if (alone_ || few) {
+      write_part(request, request.bytes.size(), lock);  // nobody else adds, and the thread looks at the queue alone
+      ++lane.done;
+    } else {
+      lane.queue.push_back(std::move(request));
+      changed_.notify_all();
+    }
     return {hurry, ++lane.given};
   }
 
@@ -74,10 +77,9 @@ class Behind {
   }
 
  private:
-  /// Of the lane's first request.
-  void write_part(Lane& lane, std::unique_lock<std::mutex>& lock) {
-    Request& request = lane.queue.front();
-    const auto part = request.bytes.first(std::min(request.bytes.size(), kTogether));
+  /// At most so many bytes. Without the lock, which it takes again. Whether all are written then.
+  bool write_part(Request& request, std::size_t most, std::unique_lock<std::mutex>& lock) {
+    const auto part = request.bytes.first(std::min(request.bytes.size(), most));
     request.bytes = request.bytes.subspan(part.size());
     const bool last = request.bytes.empty();
     lock.unlock();
@@ -85,20 +87,20 @@ class Behind {
     if (last && request.close && ::close(request.file) != 0 && error == 0) error = errno;
     lock.lock();
     if (error_ == 0) error_ = error;
-    if (!last) return;
-    lane.queue.pop_front();
-    ++lane.done;
-    changed_.notify_all();
+    return last;
   }
 
   [[noreturn]] void run() {
     std::unique_lock lock(mutex_);
     for (;;) {
       const auto lane = std::find_if(lanes_.begin(), lanes_.end(), [](const Lane& any) { return !any.queue.empty(); });
-      if (lane != lanes_.end())
-        write_part(*lane, lock);
-      else
+      if (lane == lanes_.end()) {
         changed_.wait(lock);
+      } else if (write_part(lane->queue.front(), kTogether, lock)) {
+        lane->queue.pop_front();
+        ++lane->done;
+        changed_.notify_all();
+      }
     }
   }
 

@@ -1,0 +1,197 @@
+#include "import/vtk_xml.h"
+
+#include <vtkDataSetAttributes.h>
+#include <vtkXMLUtilities.h>
+
+#include <cstring>
+#include <map>
+#include <string>
+
+#include "data/partition.h"
+#include "import/parsed_number.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kLongestHead = 1u << 20;
+constexpr const char* kText = "IsostrataText";  // an element that says where the text in another one begins
+
+std::optional<ScalarType> vtk_type(std::string_view name) {
+  static const std::map<std::string_view, ScalarType> names{
+      {"Int8", ScalarType::int8},     {"UInt8", ScalarType::uint8},   {"Int16", ScalarType::int16},     {"UInt16", ScalarType::uint16},
+      {"Int32", ScalarType::int32},   {"UInt32", ScalarType::uint32}, {"Int64", ScalarType::int64},     {"UInt64", ScalarType::uint64},
+      {"Float32", ScalarType::float32}, {"Float64", ScalarType::float64}};
+  const auto at = names.find(name);
+  return at == names.end() ? std::nullopt : std::optional(at->second);
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+struct Elements {
+  std::string text;          // all elements in front of what is appended, without the texts in them; those of DataArrays are where kText says
+  std::size_t appended = 0;  // where it begins, behind its '_'
+  bool base64 = false;
+};
+
+/// The end of the element that begins there: a '>' in quotes is none.
+std::size_t end_of_element(std::string_view text, std::size_t at) {
+  for (char quote = 0; at < text.size(); ++at) {
+    if (quote ? text[at] == quote : text[at] == '>') {
+      if (!quote) return at;
+      quote = 0;
+    } else if (!quote && (text[at] == '"' || text[at] == '\'')) {
+      quote = text[at];
+    }
+  }
+  return std::string_view::npos;
+}
+
+std::optional<Elements> elements_of(std::string_view text) {
+  Elements out;
+  for (auto at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with("<!--") || rest.starts_with("<?")) {
+      const auto end = text.find(rest[1] == '?' ? "?>" : "-->", at);
+      if (end == std::string_view::npos) return std::nullopt;
+      at = end;
+      continue;
+    }
+    const auto close = end_of_element(text, at);
+    if (close == std::string_view::npos || out.text.size() + (close - at) > kLongestHead) return std::nullopt;
+    const std::string_view element = text.substr(at, close + 1 - at);
+    at = close + 1;
+    if (element.starts_with("<AppendedData")) {
+      const bool raw = element.find("\"raw\"") != std::string_view::npos;
+      out.base64 = !raw;
+      while (at < text.size() && is_space(text[at])) ++at;
+      if ((!raw && element.find("\"base64\"") == std::string_view::npos) || at == text.size() || text[at] != '_') return std::nullopt;
+      out.appended = at + 1;
+      out.text += "</VTKFile>";
+      return out;
+    }
+    out.text += element;
+    if (element.starts_with("<DataArray") && !element.ends_with("/>")) out.text += std::string("<") + kText + " at=\"" + std::to_string(at) + "\"/>";
+    if (element.starts_with("</VTKFile")) return out;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view attribute(vtkXMLDataElement* element, const char* name) {
+  const char* text = element->GetAttribute(name);
+  return text ? text : "";
+}
+
+std::optional<VtkXml> VtkXml::open(const std::filesystem::path& file) {
+  VtkXml out;
+  out.file_ = std::make_shared<const MappedFile>(file);
+  const auto bytes = out.file_->bytes();
+  const auto elements = elements_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (!elements) return std::nullopt;
+  out.root_ = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromString(elements->text.c_str()));
+  if (!out.root_ || std::string_view(out.root_->GetName()) != "VTKFile") return std::nullopt;
+  const std::string_view length = attribute(out.root_, "header_type"), compressor = attribute(out.root_, "compressor");
+  out.appended_ = elements->appended;
+  out.coding_ = {.packing = compressor == "vtkZLibDataCompressor" ? Packing::zlib : compressor == "vtkLZ4DataCompressor" ? Packing::lz4 : Packing::none,
+                 .base64 = elements->base64,
+                 .wide = length == "UInt64"};
+  const bool ours = attribute(out.root_, "byte_order") == "LittleEndian" && (compressor.empty() || out.coding_.packing != Packing::none) &&
+                    (out.coding_.wide || length == "UInt32" || length.empty());
+  return ours ? std::optional(std::move(out)) : std::nullopt;
+}
+
+std::optional<VtkXml::Piece> VtkXml::only_piece(std::string_view kind) const {
+  if (root_->GetNumberOfNestedElements() != 1 || std::string_view(root_->GetNestedElement(0)->GetName()) != kind) return std::nullopt;
+  Piece found{root_->GetNestedElement(0), nullptr};
+  if (!attribute(found.grid, "TimeValues").empty()) return std::nullopt;
+  for (int i = 0; i < found.grid->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* part = found.grid->GetNestedElement(i);
+    const std::string_view name = part->GetName();
+    if (name == "FieldData") continue;
+    if (name != "Piece" || found.piece) return std::nullopt;
+    found.piece = part;
+  }
+  return found.piece ? std::optional(found) : std::nullopt;
+}
+
+std::optional<XmlArray> VtkXml::array(vtkXMLDataElement* element) const {
+  const auto type = vtk_type(attribute(element, "type"));
+  const std::string_view said = attribute(element, "NumberOfComponents"), format = attribute(element, "format");
+  const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : parsed_number<std::uint64_t>(said);
+  if (std::string_view(element->GetName()) != "DataArray" || !type || !components || *components > 1000) return std::nullopt;
+  const auto all = file_->bytes();
+  XmlCoding coding = coding_;
+  std::uint64_t from = 0;
+  if (format == "appended") {
+    const auto offset = parsed_number<std::uint64_t>(attribute(element, "offset"));
+    if (appended_ == 0 || !offset || __builtin_add_overflow(appended_, *offset, &from)) return std::nullopt;
+  } else if (format == "binary") {
+    vtkXMLDataElement* const place = element->FindNestedElementWithName(kText);
+    const auto text = place ? parsed_number<std::uint64_t>(attribute(place, "at")) : std::nullopt;
+    if (!text) return std::nullopt;
+    from = *text;
+    while (from < all.size() && is_space(static_cast<char>(all[from]))) ++from;
+    coding.base64 = true;
+  }
+  if (from == 0 || from > all.size()) return std::nullopt;
+  auto coded = coded_values(all.subspan(static_cast<std::size_t>(from)), coding);
+  if (!coded || coded->bytes % (*components * size_of(*type)) != 0) return std::nullopt;
+  XmlArray array{.as = {}, .coded = std::move(*coded)};
+  array.as.name = attribute(element, "Name");
+  array.as.type = *type;
+  array.as.components = static_cast<int>(*components);
+  array.as.storage = file_;
+  if (array.coded.plain()) array.as.values = array.coded.as_they_lie();
+  return array;
+}
+
+std::optional<XmlArray> VtkXml::array(vtkXMLDataElement* element, std::uint64_t tuples) const {
+  auto found = array(element);
+  std::uint64_t wanted = 0;
+  if (!found || __builtin_mul_overflow(tuples, static_cast<std::uint64_t>(found->as.components) * size_of(found->as.type), &wanted) || found->coded.bytes != wanted)
+    return std::nullopt;
+  return found;
+}
+
+bool VtkXml::add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<XmlArray>& to) const {
+  if (!attribute(attributes, "GlobalIds").empty()) return false;
+  for (int i = 0; i < attributes->GetNumberOfNestedElements(); ++i) {
+    auto found = array(attributes->GetNestedElement(i), tuples);
+    if (!found || found->as.name.empty() || found->as.name == vtkDataSetAttributes::GhostArrayName() || found->as.name == kGlobalPoints) return false;
+    found->as.on_cells = on_cells;
+    to.push_back(std::move(*found));
+  }
+  return true;
+}
+
+FileArray aligned(FileArray array) {
+  if (reinterpret_cast<std::uintptr_t>(array.values.data()) % size_of(array.type) == 0) return array;
+  auto [storage, bytes] = allocate<std::byte>(array.values.size());
+  std::memcpy(bytes.data(), array.values.data(), bytes.size());
+  array.values = bytes;
+  array.storage = storage;
+  return array;
+}
+
+std::optional<FileArray> decoded(const XmlArray& array) {
+  FileArray out = array.as;
+  if (array.coded.plain()) return out;
+  auto [storage, values] = allocate<std::byte>(static_cast<std::size_t>(array.coded.bytes));
+  if (!decode(array.coded, values)) return std::nullopt;
+  out.values = values;
+  out.storage = storage;
+  return out;
+}
+
+std::optional<std::vector<FileArray>> decoded(const std::vector<XmlArray>& arrays) {
+  std::vector<FileArray> out;
+  for (const XmlArray& array : arrays) {
+    auto values = decoded(array);
+    if (!values) return std::nullopt;
+    out.push_back(values->components > 1 ? aligned(std::move(*values)) : std::move(*values));
+  }
+  return out;
+}
+
+}  // namespace isostrata

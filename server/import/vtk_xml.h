@@ -1,0 +1,66 @@
+// VTK's XML files, read past VTK's readers: where each array stands, as it lies in memory or coded (xml_coding.h).
+//
+// Simulations that write such files themselves mostly append raw arrays, which are found in the mapped file and not copied. What ParaView, PyVista and meshio
+// write is packed in blocks, and is unpacked on all threads.
+#pragma once
+
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "import/imported.h"
+#include "import/mapped_file.h"
+#include "import/xml_coding.h"
+
+namespace isostrata {
+
+/// An array where it stands. Those of `as` are its name, type, components and association; its values as well, where they lie as in memory.
+struct XmlArray {
+  FileArray as;
+  CodedValues coded;
+};
+
+class VtkXml {
+ public:
+  /// Nothing for files of the other byte order, and for values packed by other than zlib and LZ4. What is wrong with a file is VTK's readers' to say.
+  static std::optional<VtkXml> open(const std::filesystem::path& file);
+
+  struct Piece {
+    vtkXMLDataElement *grid, *piece;
+  };
+  /// The only piece of a file of this kind ("ImageData"), of one step. Beside it there may be fields, of which readers want the time alone (declared_time.h).
+  std::optional<Piece> only_piece(std::string_view kind) const;
+
+  /// A DataArray of whole tuples, as many as are there.
+  std::optional<XmlArray> array(vtkXMLDataElement* element) const;
+  /// Of this many tuples and no more.
+  std::optional<XmlArray> array(vtkXMLDataElement* element, std::uint64_t tuples) const;
+  /// Appends the arrays of a PointData or CellData. False if one of them is no such array, or says what belongs to no array: ghosts, numbers in a whole.
+  bool add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<XmlArray>& to) const;
+
+ private:
+  VtkXml() = default;
+
+  std::shared_ptr<const MappedFile> file_;
+  vtkSmartPointer<vtkXMLDataElement> root_;
+  std::size_t appended_ = 0;  // where offsets count from; 0: nothing is appended
+  XmlCoding coding_;          // of what is appended
+};
+
+std::string_view attribute(vtkXMLDataElement* element, const char* name);
+
+/// Its values as in memory; nothing where they are damaged. Somebody has said that there is room for them.
+std::optional<FileArray> decoded(const XmlArray& array);
+/// All of them, at addresses where several components can be read as numbers.
+std::optional<std::vector<FileArray>> decoded(const std::vector<XmlArray>& arrays);
+
+/// With its own values where those in the file may not be read as numbers where they lie.
+FileArray aligned(FileArray array);
+
+}  // namespace isostrata
