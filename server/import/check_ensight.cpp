@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "import/check_ensight_gold.h"
 #include "import/imported.h"
 #include "import/mapped_file.h"
 
@@ -26,8 +28,14 @@ constexpr int kMostLines = 1'000'000;
 
 /// The files that a case names, with * where the number of a step stands: none may lie elsewhere.
 struct CaseFiles {
+  struct Values {
+    std::string file;
+    bool on_cells = false;
+    std::uint64_t components = 1;
+  };
+  bool gold = false;
   std::string geometry;
-  std::vector<std::string> values;
+  std::vector<Values> values;
 };
 
 CaseFiles files_of(const fs::path& file) {
@@ -42,6 +50,7 @@ CaseFiles files_of(const fs::path& file) {
     line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
     if (line.starts_with("#")) continue;
     if (line.starts_with("FORMAT")) format = true;
+    if (line.starts_with("type:")) files.gold = line.find("gold") != std::string::npos;
     if (line.starts_with("number of steps:") && std::strtod(line.c_str() + 16, nullptr) > kMostLines)
       throw Error(ErrorCode::too_large, name + ": " + line + "; expected at most a million");
     const auto colon = line.find(':');
@@ -59,10 +68,16 @@ CaseFiles files_of(const fs::path& file) {
       if (first.empty() && word.find_first_not_of("0123456789") != std::string::npos) first = word;
       if (names == 1 && first.empty() && (line.starts_with("model") || line.find(" per ") < colon)) named.insert(word);
     }
+    static const std::set<std::string> kPer{"node", "element", "measured node", "measured element", "case", "case file"};
+    if (const auto per = line.find(" per "); per < colon && !kPer.contains(line.substr(per + 5, colon - per - 5)))
+      throw Error(ErrorCode::bad_data, name + ": expected values per node, element, measured node, measured element or case in '" + line.substr(0, colon + 1) + "'");
     if (line.find(" per ") < colon && names < 2)
       throw Error(ErrorCode::bad_data, name + ": expected a name and a file behind '" + line.substr(0, colon + 1) + "'");
     if (line.starts_with("model")) files.geometry = first;
-    if (line.substr(0, colon).ends_with("per node") || line.substr(0, colon).ends_with("per element")) files.values.push_back(word);
+    const std::string kind = line.substr(0, colon);
+    if (kind.ends_with("per node") || kind.ends_with("per element"))
+      files.values.push_back({word, kind.ends_with("per element"),
+                              kind.starts_with("vector") ? 3u : kind.starts_with("tensor symm") ? 6u : kind.starts_with("tensor asym") ? 9u : 1u});
   }
   if (!format) throw Error(ErrorCode::bad_data, name + ": expected a line FORMAT, as EnSight's cases have");
   for (const std::string& number : named)
@@ -113,18 +128,33 @@ void check_ensight_case(const fs::path& file) {
   };
   const std::string name = file.filename().string();
   std::set<std::uint32_t> parts;
-  for (const fs::path& path : files_like(files.geometry)) {
+  std::optional<GoldParts> gold;  // of binary geometries the last one
+  bool binary = false;
+  const std::vector<fs::path> geometries = files_like(files.geometry);
+  for (const fs::path& path : geometries) {
     const MappedFile geometry(path);
     const Beginning beginning = beginning_of(text_of(geometry));
-    if (beginning == Beginning::binary) return;
+    if (beginning == Beginning::binary) {
+      binary = true;
+      if (!files.gold || !text_of(geometry).starts_with("C Binary")) return;
+      gold = check_gold_geometry(geometry.bytes(), path.filename().string());
+      continue;
+    }
     if (beginning == Beginning::neither)
       throw Error(ErrorCode::bad_data, name + ": expected its geometry '" + path.filename().string() + "' to begin with C Binary, Fortran Binary or a text");
     parts.merge(parts_of(text_of(geometry)));
   }
+  if (binary) {
+    if (!gold || geometries.size() != 1) return;
+    for (const CaseFiles::Values& values : files.values)
+      for (const fs::path& path : files_like(values.file))
+        check_gold_values(MappedFile(path).bytes(), *gold, values.on_cells, values.components, path.filename().string());
+    return;
+  }
   if (left == 0 || files.geometry.find('"') != std::string::npos) return;
   if (parts.empty()) throw Error(ErrorCode::bad_data, name + ": expected a part in its geometry '" + files.geometry + "', which has none or is not there");
-  for (const std::string& pattern : files.values)
-    for (const fs::path& path : files_like(pattern))
+  for (const CaseFiles::Values& values : files.values)
+    for (const fs::path& path : files_like(values.file))
       for (const std::uint32_t part : parts_of(text_of(MappedFile(path))))
         if (!parts.contains(part))
           throw Error(ErrorCode::bad_data,
