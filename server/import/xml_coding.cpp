@@ -130,7 +130,8 @@ std::optional<CodedValues> coded_values(std::span<const std::byte> from, const X
   }
   const std::uint64_t text = length_of(end, coding.base64);
   if (text > from.size() - out.front || (count > 0 && (count - 1) > end)) return std::nullopt;
-  if (count > 0) out.bytes = (count - 1) * out.block_bytes + (last > 0 ? last : out.block_bytes);
+  if (count > 0 && (__builtin_mul_overflow(count - 1, out.block_bytes, &out.bytes) || __builtin_add_overflow(out.bytes, last > 0 ? last : out.block_bytes, &out.bytes)))
+    return std::nullopt;
   if (out.bytes / kMostUnpacked > end) return std::nullopt;
   out.text = from.first(out.front + static_cast<std::size_t>(text));
   return out;
