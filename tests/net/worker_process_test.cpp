@@ -147,7 +147,9 @@ TEST_F(ServerWithWorker, AFloodToAWorkerThatStandsStillFillsNoMemory) {
     while (client.receive(0ms)) {
     }
   }
+#ifndef ISOSTRATA_SANITIZED  // it keeps what was freed
   EXPECT_LT(resident_bytes(), before + (20u << 20));
+#endif
   signal_worker(SIGCONT);
   const std::uint64_t shown = client.lossless_frame().revision();
   EXPECT_EQ(shown, client.state().revision());
