@@ -138,13 +138,8 @@ bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
     const auto xml = VtkXml::open(request.like);
     const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
     const auto other = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
-    if (!other || !same_values(arrays.types, other->types) || !same_values(arrays.ends, other->ends) || !same_values(arrays.ids, other->ids) ||
-        !same_values(arrays.points, other->points))
-      return false;
-    const auto decoded_types = decoded(arrays.types);
-    if (!decoded_types) return false;
-    const auto types = types_of(*decoded_types);
-    return std::all_of(types.begin(), types.end(), [](std::uint8_t type) { return holds_volume(type); });
+    return other && same_values(arrays.types, other->types) && same_values(arrays.ends, other->ends) && same_values(arrays.ids, other->ids) &&
+           same_values(arrays.points, other->points);
   } catch (const std::exception&) {
     return false;
   }
@@ -165,11 +160,14 @@ std::optional<Imported> vtu_in_place(const ReadRequest& request) {
   std::uint64_t bytes = 9 * cells + 8 * ids + arrays->points.coded.bytes;
   for (const XmlArray& array : arrays->values) bytes += array.coded.plain() ? 0 : array.coded.bytes;
   check_bytes(request, bytes, request.file.filename().string());
+  const auto types = decoded(arrays->types);  // before all else: where a cell is of another kind, nothing else is of use
+  const auto kinds = types ? types_of(*types) : std::span<const std::uint8_t>();
+  if (kinds.empty() || !std::all_of(kinds.begin(), kinds.end(), [](std::uint8_t type) { return holds_volume(type); })) return std::nullopt;
   block.like = is_like(request, *arrays);
   if (!block.like) {
-    const auto types = decoded(arrays->types), ends = decoded(arrays->ends), all_ids = decoded(arrays->ids);
+    const auto ends = decoded(arrays->ends), all_ids = decoded(arrays->ids);
     auto places = decoded(arrays->points);
-    if (!types || !ends || !all_ids || !places) return std::nullopt;
+    if (!ends || !all_ids || !places) return std::nullopt;
     const FileArray points = aligned(std::move(*places));
     UnstructuredGrid grid;
     if (points.type == ScalarType::float32)
