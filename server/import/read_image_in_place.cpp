@@ -19,7 +19,7 @@
 #include "import/parsed_number.h"
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
-#include "import/vtk_xml.h"
+#include "import/xml_arrays.h"
 
 namespace isostrata {
 namespace {
@@ -71,7 +71,7 @@ std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::
 }
 
 /// The arrays on points and on cells; none if the file holds anything else.
-std::vector<XmlArray> arrays_of(const VtkXml& xml, std::uint64_t& points) {
+std::vector<XmlArray> arrays_of(const XmlArrays& xml, std::uint64_t& points) {
   const auto image = xml.only_piece("ImageData");
   int whole[6], extent[6];
   if (!image || image->grid->GetVectorAttribute("WholeExtent", 6, whole) != 6 || image->piece->GetVectorAttribute("Extent", 6, extent) != 6 ||
@@ -98,7 +98,7 @@ bool says_yes(std::string_view text) { return !text.empty() && (std::tolower(sta
 }  // namespace
 
 std::optional<Imported> vti_in_place(const ReadRequest& request) {
-  const auto xml = VtkXml::open(request.file);
+  const auto xml = XmlArrays::open(request.file);
   if (!xml) return std::nullopt;
   std::uint64_t points = 0, bytes = 0;
   const std::vector<XmlArray> found = arrays_of(*xml, points);

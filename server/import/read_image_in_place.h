@@ -8,7 +8,7 @@
 
 namespace isostrata {
 
-/// Of .vti: one piece whose arrays vtk_xml.h finds; of .mhd and .mha: one file of values in the machine's byte order. Values that lie there as in memory, but
+/// Of .vti: one piece whose arrays xml_arrays.h finds; of .mhd and .mha: one file of values in the machine's byte order. Values that lie there as in memory, but
 /// are not aligned, are copied once, from file to file, without passing through the child's memory. VTK's readers tell where the image lies in space, and
 /// are not asked for its values. Nothing for every other file, also
 /// for one that is too short or says what makes no sense: what is wrong with it is VTK's readers' to say.

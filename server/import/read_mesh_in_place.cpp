@@ -12,7 +12,7 @@
 #include "import/declared_time.h"
 #include "import/for_parts.h"
 #include "import/parsed_number.h"
-#include "import/vtk_xml.h"
+#include "import/xml_arrays.h"
 #include "tables/cell_type.h"
 
 namespace isostrata {
@@ -27,7 +27,7 @@ struct MeshArrays {
 
 bool is_whole(const XmlArray& array) { return array.as.components == 1 && (array.as.type == ScalarType::int64 || array.as.type == ScalarType::int32); }
 
-bool add_cells(const VtkXml& xml, vtkXMLDataElement* cells, std::uint64_t count, MeshArrays& to) {
+bool add_cells(const XmlArrays& xml, vtkXMLDataElement* cells, std::uint64_t count, MeshArrays& to) {
   bool all[3] = {};
   for (int i = 0; i < cells->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* const element = cells->GetNestedElement(i);
@@ -42,7 +42,7 @@ bool add_cells(const VtkXml& xml, vtkXMLDataElement* cells, std::uint64_t count,
   return all[0] && all[1] && all[2];
 }
 
-std::optional<MeshArrays> arrays_of(const VtkXml& xml, vtkXMLDataElement* piece) {
+std::optional<MeshArrays> arrays_of(const XmlArrays& xml, vtkXMLDataElement* piece) {
   const auto points = parsed_number<std::uint64_t>(attribute(piece, "NumberOfPoints")), cells = parsed_number<std::uint64_t>(attribute(piece, "NumberOfCells"));
   if (!points || !cells || *points == 0 || *cells == 0) return std::nullopt;
   MeshArrays out;
@@ -135,7 +135,7 @@ bool same_values(const XmlArray& a, const XmlArray& b) {
 bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
   if (request.like.empty() || std::any_of(arrays.values.begin(), arrays.values.end(), [](const XmlArray& array) { return array.as.on_cells; })) return false;
   try {
-    const auto xml = VtkXml::open(request.like);
+    const auto xml = XmlArrays::open(request.like);
     const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
     const auto other = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
     return other && same_values(arrays.types, other->types) && same_values(arrays.ends, other->ends) && same_values(arrays.ids, other->ids) &&
@@ -148,7 +148,7 @@ bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
 }  // namespace
 
 std::optional<Imported> vtu_in_place(const ReadRequest& request) {
-  const auto xml = VtkXml::open(request.file);
+  const auto xml = XmlArrays::open(request.file);
   const auto mesh = xml ? xml->only_piece("UnstructuredGrid") : std::nullopt;
   const auto arrays = mesh ? arrays_of(*xml, mesh->piece) : std::nullopt;
   if (!arrays) return std::nullopt;

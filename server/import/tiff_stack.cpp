@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "import/parsed_number.h"
-#include "import/vtk_xml.h"
+#include "import/xml_arrays.h"
 
 namespace isostrata {
 namespace {

@@ -1,4 +1,4 @@
-#include "import/vtk_xml.h"
+#include "import/xml_arrays.h"
 
 #include <vtkDataSetAttributes.h>
 #include <vtkXMLUtilities.h>
@@ -83,8 +83,8 @@ std::string_view attribute(vtkXMLDataElement* element, const char* name) {
   return text ? text : "";
 }
 
-std::optional<VtkXml> VtkXml::open(const std::filesystem::path& file) {
-  VtkXml out;
+std::optional<XmlArrays> XmlArrays::open(const std::filesystem::path& file) {
+  XmlArrays out;
   out.file_ = std::make_shared<const MappedFile>(file);
   const auto bytes = out.file_->bytes();
   const auto elements = elements_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -101,7 +101,7 @@ std::optional<VtkXml> VtkXml::open(const std::filesystem::path& file) {
   return ours ? std::optional(std::move(out)) : std::nullopt;
 }
 
-std::optional<VtkXml::Piece> VtkXml::only_piece(std::string_view kind) const {
+std::optional<XmlArrays::Piece> XmlArrays::only_piece(std::string_view kind) const {
   if (root_->GetNumberOfNestedElements() != 1 || std::string_view(root_->GetNestedElement(0)->GetName()) != kind) return std::nullopt;
   Piece found{root_->GetNestedElement(0), nullptr};
   if (!attribute(found.grid, "TimeValues").empty()) return std::nullopt;
@@ -115,7 +115,7 @@ std::optional<VtkXml::Piece> VtkXml::only_piece(std::string_view kind) const {
   return found.piece ? std::optional(found) : std::nullopt;
 }
 
-std::optional<XmlArray> VtkXml::array(vtkXMLDataElement* element) const {
+std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element) const {
   const auto type = vtk_type(attribute(element, "type"));
   const std::string_view said = attribute(element, "NumberOfComponents"), format = attribute(element, "format");
   const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : parsed_number<std::uint64_t>(said);
@@ -146,7 +146,7 @@ std::optional<XmlArray> VtkXml::array(vtkXMLDataElement* element) const {
   return array;
 }
 
-std::optional<XmlArray> VtkXml::array(vtkXMLDataElement* element, std::uint64_t tuples) const {
+std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element, std::uint64_t tuples) const {
   auto found = array(element);
   std::uint64_t wanted = 0;
   if (!found || __builtin_mul_overflow(tuples, static_cast<std::uint64_t>(found->as.components) * size_of(found->as.type), &wanted) || found->coded.bytes != wanted)
@@ -154,7 +154,7 @@ std::optional<XmlArray> VtkXml::array(vtkXMLDataElement* element, std::uint64_t 
   return found;
 }
 
-bool VtkXml::add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<XmlArray>& to) const {
+bool XmlArrays::add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<XmlArray>& to) const {
   if (!attribute(attributes, "GlobalIds").empty()) return false;
   for (int i = 0; i < attributes->GetNumberOfNestedElements(); ++i) {
     auto found = array(attributes->GetNestedElement(i), tuples);

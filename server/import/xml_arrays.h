@@ -26,10 +26,10 @@ struct XmlArray {
   CodedValues coded;
 };
 
-class VtkXml {
+class XmlArrays {
  public:
   /// Nothing for files of the other byte order, and for values packed by other than zlib and LZ4. What is wrong with a file is VTK's readers' to say.
-  static std::optional<VtkXml> open(const std::filesystem::path& file);
+  static std::optional<XmlArrays> open(const std::filesystem::path& file);
 
   struct Piece {
     vtkXMLDataElement *grid, *piece;
@@ -45,7 +45,7 @@ class VtkXml {
   bool add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<XmlArray>& to) const;
 
  private:
-  VtkXml() = default;
+  XmlArrays() = default;
 
   std::shared_ptr<const MappedFile> file_;
   vtkSmartPointer<vtkXMLDataElement> root_;
