@@ -3,7 +3,7 @@
 # Debian machine, of whatever release. A folder gets nothing of this machine but the way to the network: its mirror, its name servers, the
 # certificates added to it.
 
-# make_bare_root DIR [SUITE]: what debootstrap calls minbase of bookworm or of another release, with /proc and /dev mounted.
+# make_bare_root DIR [SUITE]: what debootstrap calls minbase of bookworm or of another release, with /proc, /dev and /sys mounted.
 make_bare_root() {
   local dir=$1 suite=${2:-bookworm} own from mirror script=/usr/share/debootstrap/scripts/${2:-bookworm}
   ((EUID == 0)) || { echo "making a root folder needs root" >&2; return 1; }
@@ -49,6 +49,7 @@ clone_into_bare_root() {
 mount_bare_root() {
   mountpoint -q "$1/proc" || mount -t proc proc "$1/proc"
   mountpoint -q "$1/dev" || mount --bind /dev "$1/dev"
+  mountpoint -q "$1/sys" || mount -t sysfs -o ro sysfs "$1/sys"  # OpenMPI 5 complains without it, and among what ranks say
 }
 
 # Unmounts everything below DIR, deepest first.

@@ -51,7 +51,8 @@ std::vector<pid_t> ranks() {
 std::vector<pid_t> launchers() {
   std::vector<pid_t> found;
   for (const Living& of : descendants())
-    if (of.line.substr(0, of.line.find('\0')).ends_with("mpirun")) found.push_back(of.process);
+    if (const std::string program = of.line.substr(0, of.line.find('\0')); program.ends_with("mpirun") || program.ends_with("prterun"))  // that of OpenMPI 5
+      found.push_back(of.process);
   return found;
 }
 
