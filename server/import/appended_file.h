@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -29,7 +28,7 @@ class AppendedFile {
   AppendedFile(const ReadRequest& request, const std::string& name) : path_(request.scratch / name) {
     constexpr int kNew = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
     for (int n = 2; (file_ = open(path_.c_str(), kNew, 0666)) < 0 && errno == EEXIST; ++n) path_ = request.scratch / (name + "." + std::to_string(n));
-    if (file_ < 0) throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
+    if (file_ < 0) throw_system_error("cannot write to a temporary file", errno);
   }
   ~AppendedFile() {
     if (file_ < 0) return;

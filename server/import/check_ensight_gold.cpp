@@ -1,7 +1,6 @@
 #include "import/check_ensight_gold.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <string_view>
 
@@ -57,7 +56,10 @@ class GoldFile {
     if (value < 0) fail("declares " + std::to_string(value) + " " + of);
     return static_cast<std::uint64_t>(value);
   }
-  void skip(std::uint64_t numbers) { take(numbers, 4); }
+  /// Numbers whose values VTK may have as they are.
+  void step_over(std::uint64_t numbers, std::uint64_t times = 1) {
+    for (std::uint64_t i = 0; i < times; ++i) take(numbers, 4);
+  }
   /// The sum of these, none of them below 0.
   std::uint64_t sum(std::uint64_t numbers) {
     std::uint64_t all = 0;
@@ -99,10 +101,8 @@ void read_block(GoldFile& file, const std::string& line, GoldPart& part) {
     if (along == 0 || __builtin_mul_overflow(points, along, &points)) file.fail("has a block without points, or of too many");
   }
   part.points = points;
-  file.skip(points);
-  file.skip(points);
-  file.skip(points);
-  if (line.find("iblanked") != std::string::npos) file.skip(points);
+  file.step_over(points, 3);
+  if (line.find("iblanked") != std::string::npos) file.step_over(points);
 }
 
 /// Cells of one kind; false where this knows no such.
@@ -111,7 +111,7 @@ bool read_cells(GoldFile& file, const std::string& kind, bool ids, GoldPart& par
   const std::uint64_t points = points_of(kind);
   if (points == 0 && !sided && !faced) return false;
   const std::uint64_t cells = file.count("cells");
-  if (ids) file.skip(cells);
+  if (ids) file.step_over(cells);
   part.cells[kind] += cells;
   std::uint64_t numbers = 0;
   if (sided)
@@ -140,7 +140,7 @@ std::optional<GoldParts> check_gold_geometry(std::span<const std::byte> bytes, c
   if (file.ended()) return parts;
   line = file.line();
   if (line.starts_with("extents")) {
-    file.skip(6);
+    file.step_over(6);
     if (file.ended()) return parts;
     line = file.line();
   }
@@ -156,8 +156,8 @@ std::optional<GoldParts> check_gold_geometry(std::span<const std::byte> bytes, c
       read_block(file, line, part);
     } else if (line == "coordinates") {
       part.points = file.count("points");
-      if (node_ids) file.skip(part.points);
-      for (int axis = 0; axis < 3; ++axis) file.skip(part.points);
+      if (node_ids) file.step_over(part.points);
+      file.step_over(part.points, 3);
     } else {
       file.fail("expected 'coordinates' or 'block' in a part, not '" + line + "'");
     }
@@ -191,7 +191,7 @@ void check_gold_values(std::span<const std::byte> bytes, const GoldParts& parts,
       } else if (line != "coordinates" && line != "block") {
         return;
       }
-      for (std::uint64_t c = 0; c < components; ++c) file.skip(values);
+      file.step_over(values, components);
     }
   }
 }

@@ -100,11 +100,10 @@ bool says_yes(std::string_view text) { return !text.empty() && (std::tolower(sta
 std::optional<Imported> vti_in_place(const ReadRequest& request) {
   const auto xml = XmlArrays::open(request.file);
   if (!xml) return std::nullopt;
-  std::uint64_t points = 0, bytes = 0;
+  std::uint64_t points = 0;
   const std::vector<XmlArray> found = arrays_of(*xml, points);
   if (found.empty()) return std::nullopt;
-  for (const XmlArray& array : found) bytes += array.coded.plain() ? 0 : array.coded.bytes;
-  check_bytes(request, bytes, request.file.filename().string());
+  check_bytes(request, decoded_bytes(found), request.file.filename().string());
   auto arrays = decoded(found);
   if (!arrays) return std::nullopt;
   vtkNew<vtkXMLImageDataReader> reader;

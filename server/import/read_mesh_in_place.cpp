@@ -157,9 +157,7 @@ std::optional<Imported> vtu_in_place(const ReadRequest& request) {
   Block& block = imported.blocks.emplace_back();
   imported.times = {declared_time(request.file).value_or(0)};
   const std::uint64_t cells = arrays->types.coded.bytes, ids = arrays->ids.coded.bytes / size_of(arrays->ids.as.type);
-  std::uint64_t bytes = 9 * cells + 8 * ids + arrays->points.coded.bytes;
-  for (const XmlArray& array : arrays->values) bytes += array.coded.plain() ? 0 : array.coded.bytes;
-  check_bytes(request, bytes, request.file.filename().string());
+  check_bytes(request, 9 * cells + 8 * ids + arrays->points.coded.bytes + decoded_bytes(arrays->values), request.file.filename().string());
   const auto types = decoded(arrays->types);  // before all else: where a cell is of another kind, nothing else is of use
   const auto kinds = types ? types_of(*types) : std::span<const std::uint8_t>();
   if (kinds.empty() || !std::all_of(kinds.begin(), kinds.end(), [](std::uint8_t type) { return holds_volume(type); })) return std::nullopt;

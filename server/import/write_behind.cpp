@@ -6,10 +6,8 @@
 #include <array>
 #include <cerrno>
 #include <condition_variable>
-#include <cstring>
 #include <deque>
 #include <mutex>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -73,7 +71,7 @@ class Behind {
   void wait(const WriteCall& call) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return lanes_[static_cast<std::size_t>(call.hurry)].done >= call.number; });
-    if (error_ != 0) throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(error_));
+    if (error_ != 0) throw_system_error("cannot write to a temporary file", error_);
   }
 
  private:

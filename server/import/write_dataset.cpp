@@ -5,7 +5,6 @@
 #include <boost/json.hpp>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <set>
 
@@ -40,7 +39,7 @@ class Writer {
     written_.insert(name);
     if (const auto place = MappedFile::place_of(bytes); place && place->offset == 0 && place->file == directory_ / name) return;  // its reader wrote it
     const int out = open((directory_ / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (out < 0) throw Error(ErrorCode::unavailable, std::string("cannot write to a temporary file: ") + std::strerror(errno));
+    if (out < 0) throw_system_error("cannot write to a temporary file", errno);
     last_ = write_behind(Hurry::none, out, bytes, true, std::move(storage));
   }
   /// Until all files are written.

@@ -174,6 +174,12 @@ FileArray aligned(FileArray array) {
   return array;
 }
 
+std::uint64_t decoded_bytes(const std::vector<XmlArray>& arrays) {
+  std::uint64_t bytes = 0;
+  for (const XmlArray& array : arrays) bytes += array.coded.plain() ? 0 : array.coded.bytes;
+  return bytes;
+}
+
 std::optional<FileArray> decoded(const XmlArray& array) {
   FileArray out = array.as;
   if (array.coded.plain()) return out;

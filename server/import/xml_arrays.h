@@ -8,6 +8,7 @@
 #include <vtkXMLDataElement.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -55,6 +56,8 @@ class XmlArrays {
 
 std::string_view attribute(vtkXMLDataElement* element, const char* name);
 
+/// What those of them take in memory that do not lie in the file as there.
+std::uint64_t decoded_bytes(const std::vector<XmlArray>& arrays);
 /// Its values as in memory; nothing where they are damaged. Somebody has said that there is room for them.
 std::optional<FileArray> decoded(const XmlArray& array);
 /// All of them, at addresses where several components can be read as numbers.
