@@ -115,8 +115,8 @@ inline SimulatedRun simulate(const SimulatedWorld& world, double seconds) {
     encoder_free = std::max(encoder_free, drawn) + world.encode_ms;
     const double made = encoder_free;
     later(start - now, [&, frame, made]() mutable {
-      scheduler.started();
       const std::uint64_t shows = revision;  // the newest when the drawing begins
+      scheduler.started(shows);
       frame.input_ms = input_of(shows);
       later(made - now, [&, frame, shows]() mutable {
         frame.bytes = frame.order.lossless ? world.lossless_bytes : jpeg_bytes(world, frame.order, kWidth);

@@ -41,7 +41,7 @@ std::optional<std::string> FrameMaker::draw(Renderer& renderer, PictureOrder ord
     begin();
     order.task->check();
   });
-  ports_.send(FrameStarted{request.session, request.request});
+  ports_.send(FrameStarted{request.session, request.request, order.scene.revision});
   try {
     if (const std::uint64_t bytes = is_still(request) && !order.room ? still_bytes(request, order.scene) : 0)
       order.room = ports_.lend(request.session, bytes, "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height));

@@ -213,6 +213,7 @@ struct ExportReady {
 struct FrameStarted {
   SessionKey session = 0;
   RequestId request = 0;
+  std::uint64_t revision = 0;  // of the scene that it shows
 };
 
 struct IntervalFacts {

@@ -21,6 +21,7 @@ int scaled(int side, double scale) {
 }  // namespace
 
 void FrameScheduler::scene_changed(std::uint64_t revision, bool drawable, TimePoint now) {
+  anew_ = revision == newest_ || (anew_ && dirty_);
   newest_ = revision;
   drawable_ = drawable;
   dirty_ = wants_lossless_ = drawable;
@@ -38,6 +39,7 @@ void FrameScheduler::set_viewport(int width, int height, bool hidden, TimePoint 
   height_ = height;
   if (shown_again || resized) {
     dirty_ = wants_lossless_ = drawable_;
+    anew_ = true;
     reduced_ = false;
     samples_ = 0;
     last_change_ = now;
@@ -110,6 +112,11 @@ Duration FrameScheduler::lossless_time(TimePoint now) const {
   return duration((lossless_bytes_ > 0 ? lossless_bytes_ : kLosslessPerFull * pictures_.expected_bytes(0)) / rate);
 }
 
+/// Less than the viewport deserves.
+bool FrameScheduler::is_reduced(const FrameOrder& order) const {
+  return is_video(order.codec) || order.quality < kFullQuality || order.width < width_ || order.height < height_;
+}
+
 void FrameScheduler::remember() { wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_}; }
 
 FrameOrder FrameScheduler::give(const FrameOrder& order, TimePoint now) {
@@ -145,7 +152,7 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
     allowed_at_ = now;
     order = order_of(FramePhase::moving);
     dirty_ = false;
-    reduced_ = is_video(order.codec) || order.quality < kFullQuality || order.width < width_ || order.height < height_;
+    reduced_ = is_reduced(order);
   } else {
     return std::nullopt;
   }
@@ -201,7 +208,11 @@ void FrameScheduler::put_back() {
   allowed_at_ = wanted_.allowed_at;
 }
 
-void FrameScheduler::started() {
+void FrameScheduler::started(std::uint64_t revision) {
+  if (ordered_ && ordered_->phase == FramePhase::moving && dirty_ && !anew_ && revision == newest_) {
+    dirty_ = false;
+    reduced_ = is_reduced(*ordered_);
+  }
   ordered_.reset();
   making_.push_back(ordered_at_);
   ++started_;

@@ -86,7 +86,8 @@ class FrameScheduler {
   /// The order that next() has just given is not to be done now; it is as if never given.
   void put_back();
 
-  void started();
+  /// The order is being drawn, of the scene of this revision: one that came since it was given need not be ordered by itself.
+  void started(std::uint64_t revision);
   /// An order will not be answered by a frame.
   void failed(bool had_started);
   /// A frame leaves: gives it its id. bytes: of what is sent.
@@ -128,6 +129,7 @@ class FrameScheduler {
 
  private:
   FrameOrder order_of(FramePhase phase) const;
+  bool is_reduced(const FrameOrder& order) const;
   void remember();  // what put_back() brings back
   FrameOrder give(const FrameOrder& order, TimePoint now);
   bool may_refine(TimePoint now) const;
@@ -145,6 +147,7 @@ class FrameScheduler {
   TimePoint last_change_{};
 
   bool dirty_ = false;           // the newest state has not been ordered
+  bool anew_ = false;            // nor does an order that is there already show it
   bool wants_lossless_ = false;  // nor has a lossless frame of it
   bool reduced_ = false;         // the newest state was ordered, as less than the viewport deserves
   std::optional<FrameOrder> still_;

@@ -75,9 +75,10 @@ std::vector<RequestId> FramesInMaking::leave_all(ViewerKey viewer) {
   return unwanted;
 }
 
-const FramesInMaking::Making* FramesInMaking::start(RequestId id) {
+const FramesInMaking::Making* FramesInMaking::start(RequestId id, std::uint64_t revision) {
   const auto it = making_.find(id);
   if (it == making_.end()) return nullptr;
+  it->second.revision = std::max(it->second.revision, revision);
   it->second.started = true;
   return &it->second;
 }

@@ -22,7 +22,7 @@ class FramesInMaking {
   struct Making {
     FrameRequest request;
     FrameOrder order;            // of whoever asked first
-    std::uint64_t revision = 0;  // of the scene when it was asked for: it shows this one or a newer one
+    std::uint64_t revision = 0;  // of the scene when it was asked for, or when its drawing began
     bool started = false;        // it is being drawn
     std::map<ViewerKey, FrameOrder> takers;
   };
@@ -40,8 +40,8 @@ class FramesInMaking {
   bool crowded() const;
   /// One that is there and does for who ordered this.
   std::optional<Kept> kept_for(const FrameRequest& wanted, const FrameOrder& order, std::uint64_t revision) const;
-  /// Takes part in one that is being made and does: one that is not being drawn yet, which will show the newest scene, or one that was
-  /// asked for after the newest change. Never twice in the same one.
+  /// Takes part in one that is being made and does: one that is not being drawn yet, which will show the newest scene, or one that
+  /// shows it. Never twice in the same one.
   std::optional<Joined> join(ViewerKey viewer, const FrameRequest& wanted, const FrameOrder& order, std::uint64_t revision);
   /// Is made for this viewer, and whoever joins.
   void ask(RequestId id, const FrameRequest& request, const FrameOrder& order, std::uint64_t revision, ViewerKey viewer);
@@ -51,8 +51,8 @@ class FramesInMaking {
   /// The viewer is gone. Those that nobody wants any more are not made, but for frames of a stream, every one of which has to come.
   std::vector<RequestId> leave_all(ViewerKey viewer);
 
-  /// It is being drawn. Null: it is none of these.
-  const Making* start(RequestId id);
+  /// It is being drawn, of the scene of this revision. Null: it is none of these.
+  const Making* start(RequestId id, std::uint64_t revision);
   /// It is ready, or has failed.
   std::optional<Making> finish(RequestId id);
   /// A picture that stands by itself and shows the newest scene is kept.

@@ -118,7 +118,7 @@ FrameRequest SharedFrames::request_of(Viewer& viewer, FrameOrder& order, TimePoi
 bool SharedFrames::give_kept(Viewer& viewer, const FrameRequest& wanted, const FrameOrder& order, TimePoint now) {
   const auto kept = making_.kept_for(wanted, order, scene_.revision);
   if (!kept) return false;
-  viewer.frames.started();
+  viewer.frames.started(scene_.revision);
   give(viewer, kept->order, kept->ready, now);
   return true;
 }
@@ -127,7 +127,7 @@ bool SharedFrames::join(Viewer& viewer, const FrameRequest& wanted, const FrameO
   const auto joined = making_.join(viewer.key, wanted, order, scene_.revision);
   if (!joined) return false;
   if (joined->started)
-    viewer.frames.started();
+    viewer.frames.started(scene_.revision);
   else
     viewer.ordered_request = joined->request;
   return true;
@@ -158,13 +158,13 @@ std::optional<TimePoint> SharedFrames::wake_at(TimePoint now) const {
 // ---- giving ----
 
 void SharedFrames::answered(RequestId request, const EngineEvent& event, TimePoint now) {
-  if (std::holds_alternative<FrameStarted>(event)) {
-    const auto* making = making_.start(request);
+  if (const auto* begun = std::get_if<FrameStarted>(&event)) {
+    const auto* making = making_.start(request, begun->revision);
     if (!making) return;
     for (const auto& [key, order] : making->takers)
       if (Viewer* viewer = people_.find(key)) {
         viewer->ordered_request = 0;
-        viewer->frames.started();
+        viewer->frames.started(begun->revision);
       }
     return ports_.pump(now);
   }

@@ -20,7 +20,7 @@ class Scheduler : public ::testing::Test {
   void tick(Duration time) { now_ += time; }
   void change() { frames_.scene_changed(++revision_, true, now_); }
   std::uint64_t deliver(const FrameOrder& order) {
-    frames_.started();
+    frames_.started(revision_);
     return frames_.sent(order, revision_, kBytes, now_);
   }
   void deliver_and_acknowledge(const FrameOrder& order) { frames_.acknowledged(deliver(order), now_); }
@@ -144,14 +144,41 @@ TEST_F(Scheduler, OneOrderAtATimeAndCreditsBoundWhatIsUnderWay) {
   ASSERT_TRUE(frames_.next(now_));
   change();
   EXPECT_FALSE(frames_.next(now_));
-  frames_.started();
+  frames_.started(revision_);
   int given = 1;
   for (int i = 0; i < 20; ++i, change())
     if (frames_.next(now_)) {
-      frames_.started();
+      frames_.started(revision_);
       ++given;
     }
   EXPECT_EQ(given, frames_.window());
+}
+
+TEST_F(Scheduler, AFrameThatBeginsWithAChangeThatCameAfterItsOrderIsNotDrawnTwice) {
+  deliver_and_acknowledge(*frames_.next(now_));
+  change();
+  const auto order = frames_.next(now_);
+  change();
+  const auto id = deliver(*order);
+  EXPECT_FALSE(frames_.next(now_)) << "it shows the newest state";
+  frames_.acknowledged(id, now_);
+  EXPECT_FALSE(frames_.next(now_));
+  tick(FrameScheduler::kSettle);
+  EXPECT_TRUE(frames_.next(now_)->lossless) << "the state's exact picture comes all the same";
+}
+
+TEST_F(Scheduler, AFrameThatBeginsAfterAChangeThatItCannotShowIsFollowedByAnother) {
+  deliver_and_acknowledge(*frames_.next(now_));
+  change();
+  auto order = frames_.next(now_);
+  change();
+  frames_.set_viewport(320, 240, false, now_);
+  frames_.acknowledged(deliver(*order), now_);
+  order = frames_.next(now_);
+  ASSERT_TRUE(order) << "it has the old size";
+  frames_.scene_changed(revision_, true, now_);
+  frames_.acknowledged(deliver(*order), now_);
+  EXPECT_TRUE(frames_.next(now_)) << "the same revision is to be drawn again";
 }
 
 TEST_F(Scheduler, NothingFollowsTheFirstFrameUntilItIsKnownWhatTheLinkCarries) {
@@ -194,7 +221,7 @@ TEST_F(Scheduler, AFrameOfAnOlderStateIsFollowedByTheNewest) {
   const auto order = frames_.next(now_);
   change();
   frames_.next(now_);
-  frames_.started();
+  frames_.started(revision_ - 1);
   frames_.acknowledged(frames_.sent(*order, revision_ - 1, kBytes, now_), now_);
   EXPECT_TRUE(frames_.next(now_)) << "the newest state has not been shown";
 }

@@ -48,16 +48,23 @@ TEST(FramesInMakingOfASession, WhoeverLooksAtTheSameSizeGetsThePictureThatWasAsk
   EXPECT_FALSE(making.finish(1)) << "it is answered once";
 }
 
-TEST(FramesInMakingOfASession, OneThatIsBeingDrawnShowsTheSceneOfWhenItWasAskedFor) {
+TEST(FramesInMakingOfASession, OneThatIsBeingDrawnShowsTheSceneOfWhenItBegan) {
   FramesInMaking making;
   making.ask(1, request(), order(), 5, 10);
   EXPECT_TRUE(making.join(11, request(), order(), 6)) << "not begun: it will show the newest";
-  ASSERT_NE(making.start(1), nullptr);
-  EXPECT_FALSE(making.join(12, request(), order(), 6));
-  const auto joined = making.join(12, request(), order(), 5);
+  ASSERT_NE(making.start(1, 6), nullptr);
+  EXPECT_FALSE(making.join(12, request(), order(), 7));
+  const auto joined = making.join(12, request(), order(), 6);
   ASSERT_TRUE(joined);
   EXPECT_TRUE(joined->started);
-  EXPECT_EQ(making.start(2), nullptr);
+  EXPECT_EQ(making.start(2, 6), nullptr);
+}
+
+TEST(FramesInMakingOfASession, OneThatBeganBeforeItsLayersWereThereDoesForWhoeverAsksForTheSameScene) {
+  FramesInMaking making;
+  making.ask(1, request(), order(), 5, 10);
+  ASSERT_NE(making.start(1, 3), nullptr);
+  EXPECT_TRUE(making.join(11, request(), order(), 5)) << "another drawing would show no more";
 }
 
 TEST(FramesInMakingOfASession, MovingPicturesOfAboutTheSameStepDoForEachOther) {
@@ -140,7 +147,7 @@ TEST(FramesInMakingOfASession, AreCrowdedByThoseThatHaveBegun) {
   for (RequestId id = 1; id <= FramesInMaking::kMostMaking; ++id) {
     making.ask(id, request(100 + static_cast<int>(id)), order(), 5, 10);
     EXPECT_FALSE(making.crowded());
-    making.start(id);
+    making.start(id, 5);
   }
   EXPECT_TRUE(making.crowded());
   making.finish(2);
