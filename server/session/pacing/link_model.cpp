@@ -16,8 +16,8 @@ constexpr double kLeastPassage = 1e-4;           // clocks and threads are no be
 
 enum class Word { none, doubtful, good };
 
-// A frame that should pass within the grain says nothing about the rate, since what it was late by was something else; where it
-// is very late, the next one must say so too. But none is early by accident.
+// What should pass within the grain says nothing about the rate, since what it was late by was something else; where it
+// is very late, the next one must say so too. But nothing is early by accident.
 Word word_of(double bytes, double passing, double known_rate) {
   if (known_rate <= 0 || bytes >= known_rate * passing) return Word::good;
   const double expected = bytes / known_rate;
@@ -48,12 +48,25 @@ void LinkModel::acknowledged(std::uint64_t frame, Duration decode, TimePoint now
   const TimePoint began = std::max(first_sent, last_passed_);
   const Duration waited = std::max(last_passed_ - first_sent, Duration::zero());
   queue_delay_ += (waited - queue_delay_) / 4;
-  const double passing = std::max(seconds(passed - began), kLeastPassage);
-  const Word word = word_of(bytes, passing, mean_rate());
+  double passing = std::max(seconds(passed - began), kLeastPassage);
+  Word word = word_of(bytes, passing, mean_rate());
+  // Of frames that pass close behind each other, what one was late by the next one makes good: together they say more than one
+  // by one.
+  if (waited == Duration::zero()) run_ = {};
+  run_.bytes += bytes;
+  run_.seconds += passing;
+  if (word == Word::none && run_.seconds >= kShortPassage && run_.bytes >= mean_rate() * 2 * kGrain) {
+    word = Word::good;
+    bytes = run_.bytes;
+    passing = run_.seconds;
+  }
   const bool doubted = !passages_.empty() && passages_.back().seconds < 0;
   if (word != Word::doubtful && doubted) passages_.pop_back();
   if (word == Word::doubtful && doubted) passages_.back().seconds *= -1;
-  if (word != Word::none) passages_.push_back({now, bytes, word == Word::doubtful && !doubted ? -passing : passing});
+  if (word != Word::none) {
+    passages_.push_back({now, bytes, word == Word::doubtful && !doubted ? -passing : passing});
+    run_ = {};
+  }
   if (passages_.size() > 256) passages_.pop_front();
   last_passed_ = std::max(passed, last_passed_);
   flying_.erase(flying_.begin(), it + 1);

@@ -60,7 +60,12 @@ class LinkModel {
   double mean_rate() const;
   double overdue_seconds(TimePoint now) const;
 
+  struct Run {
+    double bytes = 0, seconds = 0;
+  };
+
   std::deque<Flying> flying_;
+  Run run_;                                                 // of frames that passed close behind each other and have told nothing yet
   std::deque<Passage> passages_;                            // the newest last
   std::deque<std::pair<TimePoint, Duration>> round_trips_;  // increasing in both: only what may become the shortest is kept
   TimePoint last_passed_{};

@@ -111,6 +111,18 @@ TEST_F(Link, OneSmallFrameThatIsVeryLateIsDoubtedAndTwoAreBelieved) {
   EXPECT_LT(rate(), 125e3);
 }
 
+TEST_F(Link, SmallFramesThatQueueOneByOneTellOfASlowerLinkTogether) {
+  send(25000);
+  hear();
+  const auto begin = now_;
+  for (int i = 0; i < 6; ++i) {  // ten milliseconds of the rate that is known, and each is late by less than would be doubted
+    model_.sent(++frame_, 2500, begin + i * milliseconds(15));
+    now_ = begin + kTrip + (i + 1) * milliseconds(40);
+    model_.acknowledged(frame_, {}, now_);
+  }
+  EXPECT_LT(rate(), 80e3);
+}
+
 TEST_F(Link, ADecoderThatFallsBehindIsAQueueToo) {
   for (int i = 0; i < 4; ++i) {
     send(2500);
