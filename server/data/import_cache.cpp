@@ -21,6 +21,7 @@
 #include "data/file_series.h"
 #include "data/import_door.h"
 #include "data/kept_facts.h"
+#include "data/recognise.h"
 #include "data/sandbox.h"
 #include "data/source_files.h"
 
@@ -88,7 +89,7 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
 std::optional<std::string> origin_of(const fs::path& file, const OpenOptions& options) {
   const auto files = source_files(file);
   if (!files) return std::nullopt;
-  const fs::path reader = options.importer.empty() ? default_importer() : options.importer;
+  const fs::path reader = options.importer.empty() ? default_importer(needs_all_readers(file)) : options.importer;
   const SourceStamp stamp = stamp_of(reader);
   return std::to_string(kVersion) + ' ' + std::to_string(stamp.bytes) + ' ' + std::to_string(stamp.changed) + "\nstep " +
          std::to_string(options.step) + '\n' + fs::absolute(file).string() + '\n' + *files;

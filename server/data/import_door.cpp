@@ -65,9 +65,9 @@ std::string last_line(std::string text) {
 
 }  // namespace
 
-fs::path default_importer() {
+fs::path default_importer(bool all_readers) {
   std::error_code error;
-  const fs::path importer = program_file().parent_path() / "isostrata-import";
+  const fs::path importer = program_file().parent_path() / (all_readers ? "isostrata-import-all" : "isostrata-import");
   if (!fs::exists(importer, error))
     throw Error(ErrorCode::unavailable, importer.string() + " is not there: files cannot be read, only analytic data");
   return importer;

@@ -96,7 +96,7 @@ std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, cons
                                     ImportFiles files = ImportFiles::unlinked, const ImportMeasures* known = nullptr,
                                     ImportValues values = ImportValues::measured);
 
-/// isostrata-import beside this executable. Throws unavailable where it is not there.
-std::filesystem::path default_importer();
+/// isostrata-import beside this executable, or isostrata-import-all for what needs_all_readers (recognise.h). Throws unavailable where it is not there.
+std::filesystem::path default_importer(bool all_readers);
 
 }  // namespace isostrata

@@ -16,6 +16,7 @@
 #include "base/spawn.h"
 #include "data/import_door.h"
 #include "data/importer_request.h"
+#include "data/recognise.h"
 
 namespace isostrata {
 namespace {
@@ -61,15 +62,16 @@ class LoadedImporter {
   pid_t id_ = 0;
 };
 
-/// That of this process. One that has died is started again.
+/// One of the two programs of this process. One that has died is started again.
 class OneImporter {
  public:
+  explicit OneImporter(bool all_readers) : all_readers_(all_readers) {}
   void ask(const std::string& request, int out, int err, int control) {
     const std::lock_guard lock(mutex_);
     if (loaded(false).ask(request, out, err, control)) return;
     importer_.reset();
     if (!loaded(false).ask(request, out, err, control))
-      throw Error(ErrorCode::unavailable, default_importer().string() + ": ended as soon as it was started");
+      throw Error(ErrorCode::unavailable, default_importer(all_readers_).string() + ": ended as soon as it was started");
   }
   void load() {
     const std::lock_guard lock(mutex_);
@@ -78,17 +80,18 @@ class OneImporter {
 
  private:
   const LoadedImporter& loaded(bool ahead) {
-    if (!importer_) importer_.emplace(default_importer(), ahead);
+    if (!importer_) importer_.emplace(default_importer(all_readers_), ahead);
     return *importer_;
   }
 
+  const bool all_readers_;
   std::mutex mutex_;
   std::optional<LoadedImporter> importer_;
 };
 
-OneImporter& importer() {
-  static OneImporter one;
-  return one;
+OneImporter& importer(bool all_readers) {
+  static OneImporter small(false), whole(true);
+  return all_readers ? whole : small;
 }
 
 /// Known by its control: closed here it ends the reader, closed there the reader is gone.
@@ -135,15 +138,15 @@ std::vector<std::string> importer_environment() {
 std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, int out, int err) {
   auto [here, there] = line_of_packets();
   const int nice = getpriority(PRIO_PROCESS, 0);  // of this thread
-  importer().ask(to_packet({words, importer_environment(), nice}), out, err, there.get());
+  importer(needs_all_readers(words.at(0))).ask(to_packet({words, importer_environment(), nice}), out, err, there.get());
   return std::make_unique<ForkedChild>(std::move(here));
 }
 
 void load_importer() {
-  try {
-    importer().load();
-  } catch (const Error&) {  // the first file says it
-  }
+  for (const bool all_readers : {false, true}) try {
+      importer(all_readers).load();
+    } catch (const Error&) {  // the first file says it
+    }
 }
 
 }  // namespace isostrata

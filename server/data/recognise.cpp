@@ -1,12 +1,14 @@
 #include "data/recognise.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 #include <string_view>
 #include <system_error>
 
 #include "base/error.h"
+#include "data/file_series.h"
 #include "data/zarr_folder.h"
 
 namespace isostrata {
@@ -137,6 +139,18 @@ bool is_dicom(const fs::path& file) {
   std::string head(132, '\0');
   in.read(head.data(), 132);
   return in && head.substr(128) == "DICM";
+}
+
+bool needs_all_readers(const fs::path& file) {
+  // What server/import/CMakeLists.txt gives that program alone, and lists and wrappers of any kind.
+  static constexpr std::array kKinds{FileKind::exodus, FileKind::vtkhdf, FileKind::openfoam, FileKind::ensight, FileKind::cgns, FileKind::netcdf, FileKind::hdf5,
+                                     FileKind::multi_block, FileKind::pvd, FileKind::series, FileKind::gzip};
+  try {
+    const FileKind kind = recognise(is_series_pattern(file) ? series_files(file).front().path : file).kind;
+    return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 Recognised recognise(const fs::path& path) {

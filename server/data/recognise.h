@@ -17,6 +17,10 @@ struct Recognised {
 /// file, a folder of other things), unsupported saying what it is and what to do.
 Recognised recognise(const std::filesystem::path& file);
 
+/// Whether the file is of a format that isostrata-import-all alone reads, or may hold others that are. False where it cannot be told: what is wrong with
+/// such a file any reader says. Of a pattern (file_series.h) its first file counts.
+bool needs_all_readers(const std::filesystem::path& file);
+
 /// A folder that holds an OpenFOAM case, whole or in parts for processors.
 bool is_openfoam_case(const std::filesystem::path& folder);
 

@@ -1,5 +1,5 @@
-// isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that shall be read. Started by
-// data/import_door.h only; what a reader says:
+// isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that shall be read. What it has
+// no reader for becomes isostrata-import-all's, if it is there. Started by data/import_door.h only; what a reader says:
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
 #include <sys/prctl.h>
@@ -17,7 +17,10 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/program_file.h"
+#include "base/spawn.h"
 #include "data/importer_request.h"
+#include "data/recognise.h"
 #include "data/zarr_folder.h"
 #include "import/confine.h"
 #include "import/fork_for_files.h"
@@ -62,6 +65,9 @@ std::uint64_t number(const std::string& text) {
 void run(const std::vector<std::string>& words) {
   isostrata::ReadRequest request;
   request.file = std::filesystem::absolute(words[0]);
+#ifdef ISOSTRATA_HANDS_ON
+  if (isostrata::needs_all_readers(request.file)) isostrata::become(isostrata::program_file().parent_path() / "isostrata-import-all", words);
+#endif
   const std::filesystem::path output = words[1];
   request.scratch = output;
   request.step = static_cast<int>(number(words[2]));

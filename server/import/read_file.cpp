@@ -25,8 +25,11 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::npz, read_npz},               {FileKind::fits, read_fits},
     {FileKind::mrc, read_mrc},
     {FileKind::slc, read_slc},               {FileKind::gaussian_cube, read_gaussian_cube},
-    {FileKind::exodus, read_exodus},         {FileKind::plot3d, read_plot3d},
-    {FileKind::gzip, read_gzip},             {FileKind::zarr, read_zarr},
+    {FileKind::plot3d, read_plot3d},         {FileKind::gzip, read_gzip},
+    {FileKind::zarr, read_zarr},
+#ifdef ISOSTRATA_READS_EXODUS
+    {FileKind::exodus, read_exodus},
+#endif
 #ifdef ISOSTRATA_READS_VTKHDF
     {FileKind::vtkhdf, read_vtkhdf},
 #endif
@@ -47,14 +50,18 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
 #endif
 };
 
+const std::pair<FileKind, Reader>* reader_of(FileKind kind) {
+  const auto found = std::find_if(std::begin(kReaders), std::end(kReaders), [&](const auto& of) { return of.first == kind; });
+  return found == std::end(kReaders) ? nullptr : found;
+}
+
 }  // namespace
 
 Imported read_file(const ReadRequest& request) {
   if (is_series_pattern(request.file)) return names_pictures(request.file) ? read_pictures(request) : read_numbered(request);
   const Recognised recognised = recognise(request.file);
   if (recognised.kind == FileKind::vtk_xml) return read_vtk_xml(request, recognised.vtk_type);
-  const auto reader = std::find_if(std::begin(kReaders), std::end(kReaders), [&](const auto& of) { return of.first == recognised.kind; });
-  if (reader != std::end(kReaders)) return reader->second(request);
+  if (const auto* reader = reader_of(recognised.kind)) return reader->second(request);
   throw Error(ErrorCode::unsupported, request.file.filename().string() + ": is " + std::string(format_of(recognised.kind).name) +
                                           ", for which the VTK that this program was built with has no reader");
 }

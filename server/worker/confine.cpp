@@ -93,7 +93,7 @@ void allow_system(const PathRules& rules) {
     for (const fs::path& place : places_in(variable)) rules.allow(place, PathRules::kWrite);
   const fs::path folder = program_file().parent_path();
   rules.allow(folder.parent_path() / "lib/isostrata", PathRules::kRead);
-  rules.allow(folder / "isostrata-import", PathRules::kReadFile | PathRules::kExecute);
+  for (const char* reader : {"isostrata-import", "isostrata-import-all"}) rules.allow(folder / reader, PathRules::kReadFile | PathRules::kExecute);
   rules.allow(interpreter, PathRules::kReadFile | PathRules::kExecute);
   std::error_code error;
   for (fs::directory_iterator it("/dev", error), end; !error && it != end; it.increment(error)) {

@@ -47,9 +47,15 @@ std::vector<pid_t> children(const std::string& name, pid_t parent) {
   }
   return found;
 }
+/// This process's own that make readers, of one of the two programs.
+std::vector<pid_t> forks(const std::string& program) {
+  auto found = children("isostrata-forks", getpid());
+  std::erase_if(found, [&](pid_t id) { return fs::read_symlink("/proc/" + std::to_string(id) + "/exe").filename() != program; });
+  return found;
+}
 pid_t forking() {
   test::open(test::Scratch().write("one.vtk", field(1)));
-  const auto found = children("isostrata-forks", getpid());
+  const auto found = forks("isostrata-import");
   return found.size() == 1 ? found[0] : 0;
 }
 
@@ -85,7 +91,7 @@ struct Busy {
     });
   }
   static fs::path program() { return fs::path(places::binaries()) / "isostrata-import"; }
-  std::vector<pid_t> readers() const { return children("isostrata-impor", children("isostrata-forks", getpid()).at(0)); }
+  std::vector<pid_t> readers() const { return children("isostrata-impor", forks("isostrata-import").at(0)); }
 };
 
 TEST(ImporterRequest, ComesOutAsItWentIn) {
@@ -110,6 +116,17 @@ TEST(LoadedImporter, OneProcessReadsAllFilesAtOnce) {
   for (int i = 0; i < 12; ++i) EXPECT_EQ(uppers[static_cast<std::size_t>(i)].get(), 100 + i);
   EXPECT_EQ(forking(), first);
   EXPECT_THAT(children("isostrata-impor", first), IsEmpty());
+}
+
+TEST(LoadedImporter, OfManyLibrariesThereIsAnotherThatOnlyFilesWhichNeedItStart) {
+  const auto before = forks("isostrata-import-all");
+  ASSERT_NE(forking(), 0);
+  EXPECT_EQ(forks("isostrata-import-all"), before) << "a legacy file of VTK";
+  const test::Scratch scratch;
+  scratch.write("one.vtk", field(7));
+  const fs::path list = scratch.write("list.pvd", "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" file=\"one.vtk\"/></Collection></VTKFile>");
+  EXPECT_EQ(test::open(list)->arrays.at(0).upper, 7);
+  EXPECT_THAT(forks("isostrata-import-all"), SizeIs(1)) << "a list may name any file";
 }
 
 TEST(LoadedImporter, AReaderHasTheVariablesOfItsOwnRequest) {
