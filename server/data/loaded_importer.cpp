@@ -66,6 +66,7 @@ class LoadedImporter {
 class OneImporter {
  public:
   explicit OneImporter(bool all_readers) : all_readers_(all_readers) {}
+
   void ask(const std::string& request, int out, int err, int control) {
     const std::lock_guard lock(mutex_);
     if (loaded(false).ask(request, out, err, control)) return;
@@ -143,10 +144,12 @@ std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& wor
 }
 
 void load_importer() {
-  for (const bool all_readers : {false, true}) try {
+  for (const bool all_readers : {false, true}) {
+    try {
       importer(all_readers).load();
     } catch (const Error&) {  // the first file says it
     }
+  }
 }
 
 }  // namespace isostrata

@@ -65,9 +65,6 @@ std::uint64_t number(const std::string& text) {
 void run(const std::vector<std::string>& words) {
   isostrata::ReadRequest request;
   request.file = std::filesystem::absolute(words[0]);
-#ifdef ISOSTRATA_HANDS_ON
-  if (isostrata::needs_all_readers(request.file)) isostrata::become(isostrata::program_file().parent_path() / "isostrata-import-all", words);
-#endif
   const std::filesystem::path output = words[1];
   request.scratch = output;
   request.step = static_cast<int>(number(words[2]));
@@ -94,6 +91,18 @@ void run(const std::vector<std::string>& words) {
                       .sandbox = isostrata::sandbox_of(words[5])});
   write_dataset(read_file(request), request, output);
 }
+
+#ifdef ISOSTRATA_HANDS_ON
+/// This process becomes the program that has all readers, if the file needs it. Who asks a process that is loaded already has chosen between the two, so a
+/// copy looks at no file before it is confined.
+void hand_on(const std::vector<std::string>& words) {
+  try {
+    if (isostrata::needs_all_readers(words[0])) isostrata::become(isostrata::program_file().parent_path() / "isostrata-import-all", words);
+  } catch (const Error& error) {
+    fail(error.code(), error.what());
+  }
+}
+#endif
 
 /// words: those of the usage.
 [[noreturn]] void read_one(const std::vector<std::string>& words) {
@@ -122,5 +131,8 @@ int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (words.size() == 1 && words[0] == isostrata::kForkForFiles) isostrata::fork_for_files(read_one);
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what a dead worker has asked for; a copy has seen to it
+#ifdef ISOSTRATA_HANDS_ON
+  if (!words.empty()) hand_on(words);
+#endif
   read_one(words);
 }
