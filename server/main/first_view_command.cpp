@@ -58,6 +58,7 @@ boost::json::object to_json(const FirstView& view, const Dataset& dataset, const
                                          {"at", vector(camera.at)},
                                          {"up", vector(camera.up)},
                                          {"fov", camera.fov_deg},
+                                         {"projection", camera.orthographic ? "orthographic" : "perspective"},
                                          {"reason", view.camera_reason},
                                          {"up_reason", view.up_reason}}},
           {"light", boost::json::object{{"shading", light.diffuse}, {"occlusion", 0}, {"body_shading", 0}, {"reason", view.light_reason}}},
@@ -80,9 +81,9 @@ void print_text(const FirstView& view, const Dataset& dataset, const Camera& cam
   }
   std::printf("  light   %s\n", view.light_reason.c_str());
   std::printf("  up      %g, %g, %g: %s\n", view.up.x, view.up.y, view.up.z, view.up_reason.c_str());
-  std::printf("  camera  eye=%.9g,%.9g,%.9g;at=%.9g,%.9g,%.9g;up=%g,%g,%g;fov=%g: %s\n", camera.eye.x, camera.eye.y, camera.eye.z,
+  std::printf("  camera  eye=%.9g,%.9g,%.9g;at=%.9g,%.9g,%.9g;up=%g,%g,%g;fov=%g%s: %s\n", camera.eye.x, camera.eye.y, camera.eye.z,
               camera.at.x, camera.at.y, camera.at.z, camera.up.x, camera.up.y, camera.up.z, camera.fov_deg,
-              view.camera_reason.c_str());
+              camera.orthographic ? ";projection=orthographic" : "", view.camera_reason.c_str());
 }
 
 void run(const FirstViewArguments& arguments) {

@@ -60,6 +60,17 @@ bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
   return true;
 }
 
+/// The middle of the box, or of its near end if parallel rays need no more distance than that, and the eye, so far away that the box fits with a margin.
+void step_back(Camera& camera, const Box3d& bounds, Vec3d direction, double aspect) {
+  constexpr double kMargin = 1.05;
+  const Vec3d size = bounds.upper - bounds.lower, right = cross(camera.up, direction);
+  const auto along = [&](Vec3d axis) { return std::abs(axis.x) * size.x + std::abs(axis.y) * size.y + std::abs(axis.z) * size.z; };
+  const double half = std::max(along(camera.up), along(right) / std::max(aspect, 1e-3)) / 2 * kMargin, depth = along(direction) / 2;
+  const double fit = std::max(half, 0.01 * depth) / std::tan(radians(camera.fov_deg / 2));
+  if (camera.orthographic && fit < 2 * depth) camera.at = camera.at + direction * depth;
+  camera.eye = camera.at + direction * (camera.orthographic ? fit : fit + depth);
+}
+
 }  // namespace
 
 double half_height(const Camera& camera) { return length(camera.eye - camera.at) * std::tan(radians(camera.fov_deg / 2)); }
@@ -76,7 +87,7 @@ void check(const Camera& camera) {
   if (length(cross(forward / distance, camera.up / up_length)) < 1e-9) fail("up must not be parallel to the direction of view");
 }
 
-Camera view_of(const Box3d& bounds, std::string_view side, double aspect) {
+Camera view_of(const Box3d& bounds, std::string_view side, double aspect, bool orthographic) {
   Camera camera;
   Vec3d direction;
   if (!named_direction(side, direction, camera.up)) refuse(side, "unknown view");
@@ -88,6 +99,11 @@ Camera view_of(const Box3d& bounds, std::string_view side, double aspect) {
   }
   const double radius = bounds.diagonal() > 0 ? bounds.diagonal() / 2 : 1.0;
   camera.at = bounds.empty() ? Vec3d{} : bounds.center();
+  camera.orthographic = orthographic;
+  if (side != "reset" && bounds.diagonal() > 0) {
+    step_back(camera, bounds, direction, aspect);
+    return camera;
+  }
   // The sphere about the box touches the narrower pair of sides of the pyramid of view.
   const double half_height_angle = radians(camera.fov_deg / 2);
   const double half_angle = aspect < 1 ? std::atan(std::tan(half_height_angle) * std::max(aspect, 1e-3)) : half_height_angle;
@@ -114,7 +130,7 @@ Camera parse_camera(std::string_view text, const Camera& base, const Box3d& boun
   std::string_view rest = text;
   if (rest.empty()) refuse(text, "empty");
   if (const std::string_view first = rest.substr(0, rest.find(';')); named_direction(first, direction, up)) {
-    camera = view_of(bounds, first, aspect);
+    camera = view_of(bounds, first, aspect, rest.find("projection=orthographic") != std::string_view::npos);
     rest.remove_prefix(std::min(rest.size(), first.size() + 1));
   }
   while (!rest.empty()) {

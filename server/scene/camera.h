@@ -24,8 +24,9 @@ double half_height(const Camera& camera);
 void check(const Camera& camera);
 
 /// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z". aspect: the
-/// picture's width over its height; from a tall narrow one the box is farther away, so that its width shows too.
-Camera view_of(const Box3d& bounds, std::string_view side, double aspect = 1);
+/// picture's width over its height; from a tall narrow one the box is farther away, so that its width shows too. From "reset" the sphere about the box fits,
+/// from the others the box itself.
+Camera view_of(const Box3d& bounds, std::string_view side, double aspect = 1, bool orthographic = false);
 
 /// Right-handed, looking down -z.
 Mat4d view_from_world(const Camera& camera);

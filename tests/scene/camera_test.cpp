@@ -56,6 +56,18 @@ TEST(Camera, EveryNamedViewShowsTheWholeBoxWhateverThePicturesShape) {
       }
 }
 
+TEST(Camera, FromAnEndOfALongBoxItsEndFillsThePicture) {
+  const Box3d ocean{{0, -90, -5000}, {360, 90, 0}};
+  for (const bool orthographic : {false, true}) {
+    const Camera camera = view_of(ocean, "+z", 2, orthographic);
+    const auto corner = project_point(camera, 2, {360, 90, 0});
+    EXPECT_GT(corner[0], 0.9);
+    EXPECT_LE(corner[0], 1);
+    EXPECT_GT(camera.eye.z, 0);
+    EXPECT_EQ(parse_camera(orthographic ? "+z;projection=orthographic" : "+z", {}, ocean, 2), camera);
+  }
+}
+
 TEST(Camera, NamedViewsStandOnTheirSide) {
   EXPECT_GT(view_of(kBox, "+x").eye.x, 1);
   EXPECT_LT(view_of(kBox, "-y").eye.y, -2);
@@ -76,7 +88,7 @@ TEST(Camera, ParsesEveryPartOverTheBase) {
   EXPECT_EQ(parse_camera("at=0,0,1;up=0,0,1;", base, kBox).up, (Vec3d{0, 0, 1}));
   EXPECT_EQ(parse_camera("-z", base, kBox), view_of(kBox, "-z"));
   EXPECT_EQ(parse_camera("-z", base, kBox, 0.5), view_of(kBox, "-z", 0.5));
-  Camera parallel = view_of(kBox, "+y");
+  Camera parallel = view_of(kBox, "+y", 1, true);
   parallel.orthographic = true;
   EXPECT_EQ(parse_camera("+y;projection=orthographic", base, kBox), parallel);
 }

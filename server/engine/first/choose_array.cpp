@@ -131,10 +131,6 @@ Spread spread_of(const PointArray& array) {
   return spread;
 }
 
-bool varies(double lower, double upper) {
-  return lower < upper && upper / 2 - lower / 2 > 0.5e-6 * std::max(std::abs(lower), std::abs(upper));
-}
-
 const PointArray* find(const Dataset& step, std::string_view name) {
   for (const PointArray& array : step.arrays)
     if (array.name == name) return &array;
@@ -143,10 +139,11 @@ const PointArray* find(const Dataset& step, std::string_view name) {
 
 bool varies_anywhere(std::span<const Dataset* const> steps, const std::string& name) {
   double lower = INFINITY, upper = -INFINITY;
+  ScalarType type = ScalarType::float32;
   for (const Dataset* step : steps)
     if (const PointArray* array = find(*step, name); array && array->lower <= array->upper)
-      lower = std::min(lower, array->lower), upper = std::max(upper, array->upper);
-  return varies(lower, upper);
+      lower = std::min(lower, array->lower), upper = std::max(upper, array->upper), type = array->type;
+  return varies(lower, upper, type);
 }
 
 /// u, v and w beside a speed, or V_x beside V.
@@ -165,6 +162,12 @@ bool is_component(const Dataset& step, const PointArray& array) {
 }
 
 }  // namespace
+
+double rounding_of(ScalarType type) { return type == ScalarType::float64 ? 1e-9 : 1e-6; }
+
+bool varies(double lower, double upper, ScalarType type) {
+  return lower < upper && upper / 2 - lower / 2 > rounding_of(type) / 2 * std::max(std::abs(lower), std::abs(upper));
+}
 
 bool rests_at_zero(const PointArray& array) {
   if (!array.component.empty() && array.component != "magnitude") return false;
@@ -192,7 +195,7 @@ std::vector<ArrayChoice> rank_arrays(std::span<const Dataset* const> steps) {
     const PointArray& array = shown.arrays[i];
     if (!varies_anywhere(steps, array.name)) continue;
     ArrayChoice choice{array.name, -0.01 * static_cast<double>(i), ""};
-    const Spread spread = varies(array.lower, array.upper) ? spread_of(array) : Spread{0, 1, false};
+    const Spread spread = varies(array.lower, array.upper, array.type) ? spread_of(array) : Spread{0, 1, false};
     if (const auto place = place_of(array)) {
       choice.score += 1.5 - 0.1 * *place;
       choice.reason = "a quantity that is looked at first";

@@ -22,6 +22,10 @@ struct ArrayChoice {
 /// and what varies before what hardly does. `steps` are some of one dataset, the shown one first.
 std::vector<ArrayChoice> rank_arrays(std::span<const Dataset* const> steps);
 
+/// What a program that computed a constant may be off by, in shares of it.
+double rounding_of(ScalarType type);
+/// Whether a range is of more than one value, whatever was rounded.
+bool varies(double lower, double upper, ScalarType type);
 /// Whether the name says a length of a vector for which zero is rest: speed, displacement, momentum.
 bool rests_at_zero(const PointArray& array);
 /// Whether the name says what a solid's own outline belongs to: stress, strain, displacement.

@@ -77,6 +77,8 @@ double lining(const ProxyGrid& proxy, double from, double to) {
   return inside ? static_cast<double>(at_end) / static_cast<double>(inside) : 1;
 }
 
+constexpr double kDust = 0.01;  // of the range
+
 LayersChoice filled_layers(const ProxyGrid& proxy, const ValueCurves& curves, const Reference& ref, const FieldHints& hints) {
   LayersChoice choice;
   choice.reason = "a field that fills its domain";
@@ -101,7 +103,9 @@ LayersChoice filled_layers(const ProxyGrid& proxy, const ValueCurves& curves, co
   const std::string end = high ? "the highest " : "the lowest ";
   shells.outer_reason = end + "15 % of the domain";
   shells.inner_reason = end + "3 % of the domain";
+  const Shells before = shells;
   calm(curves, high, shells);
+  if ((high ? 1 - shells.outer : shells.outer) < kDust) shells = before;  // no part holds together
   leave_plateau(curves, high, shells);
   choice.layers = as_layers(shells, high);
   if (!(proxy.thickness > 0.04)) return choice;

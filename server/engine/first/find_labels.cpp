@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -81,9 +82,14 @@ bool is_rounded(const Neighbours<T>& all) {
   const auto rank = [&](T value) { return std::lower_bound(all.values.begin(), all.values.end(), value) - all.values.begin(); };
   std::vector<std::ptrdiff_t> steps;
   for (const auto& [a, b] : all.steps) steps.push_back(std::abs(rank(a) - rank(b)));
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle < std::max<std::ptrdiff_t>(2, std::ssize(all.values) / 32);
+  const auto percentile = [&](std::size_t percent) {
+    const auto at = steps.begin() + static_cast<std::ptrdiff_t>(percent * (steps.size() - 1) / 100);
+    std::nth_element(steps.begin(), at, steps.end());
+    return *at;
+  };
+  const auto part = [&](std::ptrdiff_t of) { return std::max<std::ptrdiff_t>(2, std::ssize(all.values) / of); };
+  // In an atlas, too, half of the steps may be small, for the parts of a thing have numbers one behind the other; but others go far.
+  return percentile(50) < part(32) && percentile(90) < part(5);
 }
 
 bool most(std::size_t alike, std::size_t of) { return static_cast<double>(alike) >= kAlike * static_cast<double>(of); }

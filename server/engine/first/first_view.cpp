@@ -15,6 +15,7 @@
 #include "engine/first/find_labels.h"
 #include "engine/first/find_missing.h"
 #include "engine/first/kept_first_view.h"
+#include "engine/first/unlike_axis.h"
 
 namespace isostrata {
 namespace {
@@ -213,9 +214,10 @@ std::string nothing_to_show(const Dataset& dataset) {
   bool finite = false;
   for (const PointArray& array : dataset.arrays) finite = finite || array.lower <= array.upper;
   if (!finite) return "no array has a finite value";
-  for (const PointArray& array : dataset.arrays)
-    if (array.lower < array.upper) return "the points' box is not finite, or all cells are hidden or have no value";
-  return "every array has one value everywhere";
+  const auto differs = std::find_if(dataset.arrays.begin(), dataset.arrays.end(), [](const PointArray& array) { return array.lower < array.upper; });
+  if (differs == dataset.arrays.end()) return "every array has one value everywhere";
+  if (std::any_of(dataset.arrays.begin(), dataset.arrays.end(), [](const PointArray& array) { return varies(array.lower, array.upper, array.type); })) return "the points' box is not finite, or all cells are hidden or have no value";
+  return "every array has nearly one value everywhere: '" + differs->name + "' differs by less than one part in " + shortest(1 / rounding_of(differs->type));
 }
 
 /// The share of the domain in which labels lie.
@@ -284,6 +286,19 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   view.camera_reason = camera.reason;
 }
 
+/// As a map, straight along that axis.
+void look_along(FirstView& view, const Dataset& dataset, int axis) {
+  const bool from_below = axis == 1;  // then x runs to the right and z up
+  view.direction = {};
+  view.direction[axis] = from_below ? -1 : 1;
+  view.up = axis == 2 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
+  view.parallel = true;
+  for (Vec3d& p : view.outline) p[axis] = from_below ? dataset.bounds.lower[axis] : dataset.bounds.upper[axis];
+  constexpr std::array kNames{"x", "y", "z"};
+  view.camera_reason = std::string("as a map, along ") + kNames[static_cast<std::size_t>(axis)] + ", which is in another unit than the others, by its length";
+  view.up_reason = axis == 2 ? "y, as on maps" : "z, as in most data";
+}
+
 // ---- the step ----
 
 /// The width of the middle nine tenths of the values.
@@ -310,7 +325,7 @@ const PointArray* find(const Dataset& dataset, const std::string& name) {
 
 }  // namespace
 
-Camera FirstView::camera(double aspect) const { return camera_on({direction, up, outline, {}}, aspect); }
+Camera FirstView::camera(double aspect) const { return camera_on({direction, up, outline, {}, parallel}, aspect); }
 
 namespace {
 
@@ -363,7 +378,10 @@ FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const F
   }
   view.step = shown->step;
   Looked looked;
-  if (shown->grid.cell_count() > 0) looked = choose(*shown, ranked, view, task);
+  const std::optional<int> unlike = unlike_axis(*shown);
+  const std::optional<Dataset> map = unlike ? std::optional(as_map(*shown, *unlike)) : std::nullopt;
+  const Dataset& seen = map ? *map : *shown;
+  if (shown->grid.cell_count() > 0) looked = choose(seen, ranked, view, task);
   if (!looked.array) {
     view.array.clear();
     view.array_reason = nothing_to_show(*shown);
@@ -375,7 +393,8 @@ FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const F
   for (const Dataset* step : looked_at)
     if (const PointArray* array = find(*step, view.array); array && array->lower <= array->upper)
       range = join(range, {array->lower, array->upper});
-  look_at(view, *shown, looked, range);
+  look_at(view, seen, looked, range);
+  if (unlike) look_along(view, *shown, *unlike);
   return view;
 }
 

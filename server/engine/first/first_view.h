@@ -43,6 +43,7 @@ struct FirstView {
   std::string light_reason;
   Vec3d direction{0, 0, 1}, up{0, 1, 0};
   std::vector<Vec3d> outline;  // [at most 1024] world: what the camera sees all of
+  bool parallel = false;       // the camera's rays
   std::string up_reason, camera_reason;
 
   /// For a picture `aspect` times as wide as high.

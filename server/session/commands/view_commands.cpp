@@ -68,7 +68,7 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
     refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
   const bool orthographic = state.scene.camera && state.scene.camera->orthographic;
   state.scene.camera = command.view() == "reset" ? opening_camera(dataset, context.aspect)
-                                                 : view_of(dataset.bounds, command.view(), context.aspect);
+                                                 : view_of(dataset.bounds, command.view(), context.aspect, orthographic);
   state.scene.camera->orthographic = orthographic;
 }
 

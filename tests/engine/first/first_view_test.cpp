@@ -34,7 +34,8 @@ FirstView view_of_data(const Dataset& dataset, const std::string& array = "") { 
 std::array<double, 2> on_picture(const Camera& camera, Vec3d p, double aspect) {
   const auto q = view_from_world(camera) * std::array<double, 4>{p.x, p.y, p.z, 1};
   const double reach = std::tan(camera.fov_deg / 2 * std::acos(-1.0) / 180);
-  return {q[0] / -q[2] / reach / aspect, q[1] / -q[2] / reach};
+  const double away = camera.orthographic ? length(camera.eye - camera.at) : -q[2];
+  return {q[0] / away / reach / aspect, q[1] / away / reach};
 }
 
 void expect_sound(const FirstView& view, const Dataset& dataset) {
@@ -286,6 +287,12 @@ TEST(FindLabels, AreFewWholeNumbersThatHoldTogether) {
   EXPECT_TRUE(values(field_dataset<float>({20, 20, 20}, [](Vec3d p) { return p.x < -0.5 ? 2 : p.x > 0.5 ? 9 : 4.5; })).empty());
   EXPECT_TRUE(values(field_dataset<std::int16_t>({50, 20, 20}, [](Vec3d p) { return std::round(p.x * 100); })).empty()) << "many values";
   EXPECT_EQ(values(field_dataset<std::int16_t>({64, 64, 64}, grains(60))).size(), 60u);
+  const auto atlas = [](Vec3d p) {  // along x three areas whose numbers follow each other, and then three with numbers far from these
+    const auto at = [](double x, int n) { return std::clamp(static_cast<int>((x + 1) / 2 * n), 0, n - 1); };
+    const int part = at(p.x, 12), group = part / 3;
+    return length(p) > 1 ? 0 : 1 + 24 * (group % 2) + 12 * (group / 2) + 3 * at(p.y, 4) + part % 3;
+  };
+  EXPECT_EQ(values(field_dataset<std::uint8_t>({90, 90, 90}, atlas)).size(), 49u);
   const auto rounded = [](Vec3d p) { return std::round(120 * std::exp(-2 * dot(p, p)) + 40 * std::sin(3 * p.x)); };
   EXPECT_TRUE(values(field_dataset<std::int16_t>({200, 60, 60}, rounded)).empty()) << "a smooth quantity, of which most neighbours are alike";
   const auto in_nothing = [&](Vec3d p) { return length(p) < 0.5 ? rounded(p) : 0; };
@@ -299,6 +306,42 @@ TEST(FirstView, OfASheetIsBandsFromItsBroadSide) {
   EXPECT_EQ(view.layers.size(), 4u);
   EXPECT_GT(std::abs(view.direction.z), 0.7);
   expect_sound(view, *sheet);
+}
+
+TEST(FirstView, OfMetresOverDegreesIsAMap) {
+  const auto ocean = field_dataset({72, 36, 12}, [](Vec3d p) { return p.x * p.x + p.y < -0.2 ? NAN : 30 * std::cos(1.5 * p.y) * std::exp(-3 * (p.z + 1)); });
+  std::vector<double> levels, longitudes, latitudes;
+  for (int i = 0; i < 12; ++i) levels.push_back(-40.0 * (11 - i) * (11 - i));
+  for (int i = 0; i < 72; ++i) longitudes.push_back(5 * i);
+  for (int i = 0; i < 36; ++i) latitudes.push_back(-87.5 + 5 * i);
+  ocean->grid.shape = RectilinearGrid{{72, 36, 12}, {longitudes, latitudes, levels}};
+  ocean->bounds = ocean->grid.bounds();
+  const FirstView view = view_of_data(*ocean);
+  expect_sound(view, *ocean);
+  EXPECT_EQ(view.kind, "sheet");
+  EXPECT_EQ(view.direction, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(view.up, (Vec3d{0, 1, 0}));
+  const Camera camera = view.camera(1);
+  EXPECT_TRUE(camera.orthographic);
+  EXPECT_GE(camera.eye.z, 0) << "no part is behind the eye";
+  EXPECT_LT(half_height(camera), 220);
+
+  auto points = std::make_shared<std::vector<Vec3f>>();
+  for (std::int64_t id = 0; id < ocean->grid.point_count(); ++id) {
+    const Vec3d p = ocean->grid.point(id);
+    points->push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
+  }
+  Dataset curved = *ocean;
+  curved.grid.shape = CurvilinearGrid{{72, 36, 12}, std::span<const Vec3f>(*points)};
+  curved.grid.storage = points;
+  const FirstView of_curved = view_of_data(curved);
+  EXPECT_EQ(of_curved.direction, view.direction);
+  EXPECT_TRUE(of_curved.parallel);
+}
+
+TEST(FirstView, OfALongTunnelIsOfItsSide) {
+  const auto tunnel = field_dataset({20, 20, 200}, [](Vec3d p) { return 1 - (p.x + 0.9) * (p.x + 0.9) - (p.y + 0.9) * (p.y + 0.9) + 0.01 * std::sin(9 * p.z); });
+  EXPECT_FALSE(view_of_data(*tunnel).parallel);
 }
 
 TEST(FirstView, KeepsTheArrayThatIsAskedFor) {
@@ -345,6 +388,15 @@ TEST(FirstView, LeavesOutAnArrayThatIsConstantAtEveryStepAndTakesTheStepWhereThe
   EXPECT_EQ(view.step, 2);
 }
 
+TEST(FirstView, OfASoundInTheAirIsThatOfTheSoundAlone) {
+  const auto sound = [](Vec3d p) { return std::exp(-8 * dot(p, p)); };
+  const FirstView alone = view_of_data(*field_dataset<double>({30, 30, 30}, sound));
+  const FirstView in_air = view_of_data(*field_dataset<double>({30, 30, 30}, [&](Vec3d p) { return 101325 + 0.02 * sound(p); }));
+  ASSERT_EQ(in_air.layers.size(), alone.layers.size());
+  for (std::size_t i = 0; i < alone.layers.size(); ++i) EXPECT_NEAR((in_air.layers[i].lower - 101325) / 0.02, alone.layers[i].lower, 1e-3) << "a number with few digits";
+  EXPECT_EQ(in_air.camera(1), alone.camera(1));
+}
+
 TEST(FirstView, OfBadDataSaysWhyThereIsNothing) {
   const auto nothing = [](const std::shared_ptr<Dataset>& dataset) {
     const FirstView view = view_of_data(*dataset);
@@ -353,6 +405,8 @@ TEST(FirstView, OfBadDataSaysWhyThereIsNothing) {
     return view.array_reason;
   };
   EXPECT_EQ(nothing(field_dataset({8, 8, 8}, [](Vec3d) { return 4; })), "every array has one value everywhere");
+  const auto nearly = [](Vec3d p) { return 4 + 1e-12 * p.x; };
+  EXPECT_EQ(nothing(field_dataset<double>({8, 8, 8}, nearly)), "every array has nearly one value everywhere: 'value' differs by less than one part in 1e+09");
   EXPECT_EQ(nothing(field_dataset({8, 8, 8}, [](Vec3d) { return NAN; })), "no array has a finite value");
   EXPECT_EQ(nothing(field_dataset({8, 1, 1}, [](Vec3d p) { return p.x; })),
             "the dataset has no cells: one point or one line of points has no inside");
@@ -439,6 +493,16 @@ TEST(FirstView, LeavesOutWhatStandsForNoValue) {
     else
       EXPECT_EQ(view.layers.front().lower, found->lower);
   }
+}
+
+TEST(FirstView, BesideALargeNumberThatStandsForNoValueIsNoDust) {
+  const auto blob = field_dataset({24, 24, 24}, [](Vec3d p) { 
+    const double value = std::exp(-3 * dot(p, p));
+    return value < 0.2 ? 1e30 : value;
+  });
+  const FirstView view = view_of_data(*blob);
+  ASSERT_GE(view.layers.size(), 2u);
+  for (const FirstLayer& layer : view.layers) EXPECT_GT(layer.upper - layer.lower, 0.005) << layer.reason;
 }
 
 TEST(FindMissing, IsFarFromAllOthersAndNoPhaseOfSomething) {
