@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <fstream>
+#include <utility>
 
 namespace isostrata::client {
 namespace {

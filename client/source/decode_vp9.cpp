@@ -2,6 +2,7 @@
 #include <vpx/vpx_decoder.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "bad_image.h"
 #include "isostrata/options.h"

@@ -12,6 +12,7 @@
 #include <boost/beast/core/role.hpp>
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "server_address.h"
 

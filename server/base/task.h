@@ -4,6 +4,7 @@
 #include <atomic>
 #include <functional>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 

@@ -1,6 +1,7 @@
 // Arrays of scalars in their own type, mapped or owned, read-only once made.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>

@@ -1,5 +1,6 @@
 #include "data/referred_names.h"
 
+#include <algorithm>
 #include <cctype>
 #include <fstream>
 #include <sstream>

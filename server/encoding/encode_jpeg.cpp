@@ -3,6 +3,7 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <string>
 

@@ -1,6 +1,7 @@
 #include "import/append_blocks.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <iterator>
 #include <limits>

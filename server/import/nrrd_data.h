@@ -1,6 +1,7 @@
 // NRRD's five encodings.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>

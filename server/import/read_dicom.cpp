@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <tuple>
+#include <type_traits>
 
 #include "data/recognise.h"
 #include "import/dicom_header.h"

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "import/appended_file.h"
 #include "import/mapped_file.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <type_traits>
 
 #include "base/utf8.h"
 #include "data/import_door.h"

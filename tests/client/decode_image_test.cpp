@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "encoding/encode_image.h"
 #include "isostrata/client.h"

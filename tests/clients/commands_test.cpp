@@ -1,6 +1,8 @@
 // isostrata-client's commands before a real server.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "isostrata/client.h"
 #include "support/served.h"
 

@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <cmath>
+#include <string_view>
 
 #include "isostrata/client.h"
 #include "support/run_isostrata.h"

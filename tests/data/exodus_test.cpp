@@ -1,7 +1,9 @@
 // Exodus files of every kind that people publish: most are meshes without time steps, or hold more than volumes.
-#include <tuple>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cstddef>
+#include <tuple>
 
 #include "data/files.h"
 #include "support/exodus_file.h"

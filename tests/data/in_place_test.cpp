@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <bit>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 

@@ -2,6 +2,8 @@
 // several of these, and others at each run.
 #include <gtest/gtest.h>
 
+#include <type_traits>
+
 #include "data/files.h"
 
 namespace isostrata {

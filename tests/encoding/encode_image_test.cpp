@@ -12,10 +12,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <limits>
 #include <random>
 #include <thread>
+#include <type_traits>
+#include <utility>
 
 #include "base/error.h"
 #include "support/temporary_folder.h"

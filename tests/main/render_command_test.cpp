@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <boost/json.hpp>
 
 #include "support/run_isostrata.h"

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "support/run_isostrata.h"
 

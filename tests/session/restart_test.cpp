@@ -1,6 +1,8 @@
 // A session in a server's next life: the same state to the last byte, the same tokens, and no secret on the disk.
 #include <gtest/gtest.h>
 
+#include <iterator>
+
 #include "session/fake_engine.h"
 #include "session/people_messages.h"
 #include "support/temporary_folder.h"

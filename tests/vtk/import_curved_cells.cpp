@@ -18,6 +18,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 #include "data/files.h"
 #include "extraction/facets/boundary_facets.h"

@@ -1,6 +1,7 @@
 #include "extraction/unstructured/ordered_memory.h"
 
 #include <chrono>
+#include <exception>
 
 #include "base/error.h"
 #include "base/pulse.h"

@@ -1,6 +1,7 @@
 #include "net/http/request_target.h"
 
 #include <cctype>
+#include <utility>
 
 namespace isostrata {
 namespace {

@@ -15,7 +15,9 @@
 #include <vtkSmartPointer.h>
 #include <vtkXMLGenericDataObjectReader.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <utility>
 
 #include "base/error.h"
 

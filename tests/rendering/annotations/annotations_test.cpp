@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "rendering/annotations/glyphs.h"
 #include "support/project_point.h"

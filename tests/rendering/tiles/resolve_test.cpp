@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "rendering/tiles/resolve_simd.h"
 #include "support/simd_levels.h"

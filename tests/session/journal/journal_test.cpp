@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <cstdint>
+#include <iterator>
 #include <mutex>
 #include <random>
 
