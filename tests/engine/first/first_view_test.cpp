@@ -496,7 +496,7 @@ TEST(FirstView, LeavesOutWhatStandsForNoValue) {
 }
 
 TEST(FirstView, BesideALargeNumberThatStandsForNoValueIsNoDust) {
-  const auto blob = field_dataset({24, 24, 24}, [](Vec3d p) { 
+  const auto blob = field_dataset({24, 24, 24}, [](Vec3d p) {
     const double value = std::exp(-3 * dot(p, p));
     return value < 0.2 ? 1e30 : value;
   });
