@@ -135,7 +135,8 @@ Task& command_task() {
     signalled_task = &task;
     const auto cancel = [](int) { signalled_task->cancel(); };
     std::signal(SIGINT, cancel);
-    std::signal(SIGTERM, cancel);
+    // A launcher that ends its ranks has ended those for whose replies a cancelled one would wait.
+    if (!ranks_in_use()) std::signal(SIGTERM, cancel);
   }
   return task;
 }

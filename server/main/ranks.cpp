@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "base/program_file.h"
+#include "worker/launch_ranks.h"
 
 namespace isostrata {
 namespace {
@@ -104,6 +105,7 @@ void run_by_ranks(const std::string& launcher, const std::string& out) {
   const auto before = fs::last_write_time(out, ignored);
   std::fflush(nullptr);
   std::signal(SIGINT, SIG_IGN);  // the launcher ends its ranks, and then this process its wait
+  end_job_with_any_rank();
   const int status = run_words(words);
   if (WIFSIGNALED(status))
     throw Error(ErrorCode::unavailable, "--ranks: '" + launcher + "' was ended by signal " + std::to_string(WTERMSIG(status)));

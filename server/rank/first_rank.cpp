@@ -277,7 +277,7 @@ class FirstRank final : public SceneRanks {
       failure = std::current_exception();
     }
     const std::vector<RankReply> replies = wait_for_all(order.number, failure != nullptr, task);
-    const auto failed = std::find_if(replies.begin(), replies.end(), [](const RankReply& of) { return of.failed; });
+    const auto failed = first_failure(replies);
     if (failure || failed != replies.end()) {
       const std::lock_guard lock(line_.mutex());
       line_.send(RankForget{{order.number}});
@@ -291,6 +291,12 @@ class FirstRank final : public SceneRanks {
         add(sum, of.measured);
       else
         add(sum, of.made);
+  }
+
+  /// Once one has failed the others are cancelled, which is not the reason.
+  static std::vector<RankReply>::const_iterator first_failure(const std::vector<RankReply>& replies) {
+    const auto reason = std::find_if(replies.begin(), replies.end(), [](const RankReply& of) { return of.failed && of.code != ErrorCode::cancelled; });
+    return reason != replies.end() ? reason : std::find_if(replies.begin(), replies.end(), [](const RankReply& of) { return of.failed; });
   }
 
   /// In the order of the ranks.
@@ -390,7 +396,14 @@ std::unique_ptr<Renderer> FirstRank::make_renderer() { return std::make_unique<R
 
 void FirstRank::write_index(const RankWrite& order) const {
   std::vector<std::string> pieces;
-  for (int rank = 0; rank < line_.count(); ++rank) pieces.push_back(fs::path(piece_path(order.path, rank)).filename().string());
+  for (int rank = 0; rank < line_.count(); ++rank) {
+    const fs::path piece = piece_path(order.path, rank);
+    std::error_code ignored;
+    if (!fs::exists(piece, ignored))
+      throw Error(ErrorCode::unavailable, piece.string() + ": rank " + std::to_string(rank) + " has written it, and it is not there for the first rank on " + line_.node() +
+                                              "; expected a folder that all nodes share");
+    pieces.push_back(piece.filename().string());
+  }
   OutputFile out(order.path);
   write_pvtu(out, pieces, order.request.terms.empty() ? order.request.array : "", order.request.carry);
   out.finish();

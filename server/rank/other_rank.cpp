@@ -1,6 +1,7 @@
 #include "rank/other_rank.h"
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -66,6 +67,7 @@ class OtherRank {
 
  private:
   void send_replies() {
+    if (std::strcmp(ranks_control(), "silent") == 0) return;
     for (auto& [number, job] : jobs_) {
       const std::lock_guard lock(job->mutex);
       if (job->reply) line_.reply(std::move(*job->reply));
@@ -82,6 +84,7 @@ class OtherRank {
   }
 
   bool obey(const RankSetup& setup) {
+    if (std::strcmp(ranks_control(), "no-setup") == 0) throw Error(ErrorCode::internal, "no setup, as was asked for");
     setup_ = setup;
     if (!setup.sandbox.empty()) use_sandbox(setup.sandbox);
     set_thread_count(line_.threads(setup.threads));

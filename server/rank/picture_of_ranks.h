@@ -9,7 +9,7 @@
 namespace isostrata {
 
 /// What goes wrong on purpose, so that a comparison of pictures shows that it would see it: $ISOSTRATA_RANKS_CONTROL, "reversed" (the nearest
-/// region is put behind all others) or "no-ghosts" (regions have no margin). Empty: nothing.
+/// region is put behind all others) or "no-ghosts" (regions have no margin); "no-setup": all ranks but the first fail at their beginning, "silent": they never reply. Empty: nothing.
 const char* ranks_control();
 
 /// Memory that was freed and kept for the next time goes to the kernel: parts are large, and ranks share a node.

@@ -4,9 +4,11 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
+#include "base/core_share.h"
 #include "base/program_file.h"
 #include "worker/message_bytes.h"
 
@@ -24,6 +26,13 @@ std::uint64_t build_mark() {
   while (file.read(part.data(), part.size()) || file.gcount() > 0)
     for (std::streamsize i = 0; i < file.gcount(); ++i) mark = (mark ^ static_cast<unsigned char>(part[static_cast<std::size_t>(i)])) * 1099511628211ull;
   return mark;
+}
+
+/// What the launcher says of its job's size; 0 if it says nothing.
+int told_count() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
+    if (const char* told = std::getenv(name)) return std::atoi(told);
+  return 0;
 }
 
 }  // namespace
@@ -46,8 +55,15 @@ RankLine::RankLine(int& argc, char**& argv) {
   node_.assign(name.data(), static_cast<std::size_t>(length));
   MPI_Comm node = MPI_COMM_NULL;
   MPI_Comm_split_type(all_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &node);
-  MPI_Comm_size(node, &on_node_);
+  const std::vector<int> own = usable_cores();
+  std::vector<int> users(own.size());
+  MPI_Allreduce(own.data(), users.data(), static_cast<int>(own.size()), MPI_INT, MPI_SUM, node);
+  core_share_ = core_share(own, users);
   MPI_Comm_free(&node);
+  // Each would take itself for the first rank, and all would write the same files.
+  if (const int told = told_count(); count_ == 1 && told > 1)
+    throw Error(ErrorCode::unavailable, "the launcher has started " + std::to_string(told) + " processes and MPI does not join them: expected the launcher of the MPI that " +
+                                            "isostrata-rank was built with, or srun with the --mpi of that MPI (`srun --mpi=list` says which there are)");
   if (agree(threads) < MPI_THREAD_SERIALIZED)
     throw Error(ErrorCode::unavailable, "this MPI lets one thread alone call it; expected MPI_THREAD_SERIALIZED");
   check_builds();
@@ -59,9 +75,9 @@ RankLine::~RankLine() {
   MPI_Finalize();
 }
 
-int RankLine::threads(int asked) const {
-  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / on_node_);
-}
+int RankLine::threads(int asked) const { return asked > 0 ? asked : core_share_; }
+
+void RankLine::abort() { MPI_Abort(all_, 1); }
 
 void RankLine::check_builds() {
   const std::uint64_t own = build_mark();

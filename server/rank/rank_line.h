@@ -19,7 +19,7 @@ namespace isostrata {
 /// ranks have one thread that calls.
 class RankLine {
  public:
-  /// Starts MPI. All ranks. Throws unavailable where the ranks run different builds of this program, or MPI forbids threads.
+  /// Starts MPI. All ranks. Throws unavailable where the ranks run different builds of this program, MPI forbids threads, or it does not join what the launcher has started.
   RankLine(int& argc, char**& argv);
   ~RankLine();
   RankLine(const RankLine&) = delete;
@@ -27,9 +27,11 @@ class RankLine {
 
   int rank() const { return rank_; }
   int count() const { return count_; }
-  /// That this rank computes with: as many as are asked for, else the node's cores, shared out among its ranks.
+  /// That this rank computes with: as many as are asked for, else its share of the cores that ranks of its node may use.
   int threads(int asked) const;
   const std::string& node() const { return node_; }
+  /// Ends the job: for a rank that cannot go on, whose replies the others would wait for.
+  void abort();
   MPI_Comm communicator() const { return all_; }
   std::mutex& mutex() { return mutex_; }
 
@@ -53,7 +55,7 @@ class RankLine {
   void check_builds();
 
   MPI_Comm all_ = MPI_COMM_NULL;
-  int rank_ = 0, count_ = 1, on_node_ = 1;
+  int rank_ = 0, count_ = 1, core_share_ = 1;
   std::string node_;
   std::mutex mutex_;
   struct Sent {

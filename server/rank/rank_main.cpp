@@ -54,6 +54,19 @@ int lead(RankLine& line, int argc, char** argv) {
   return status;
 }
 
+/// Of what it can still say of one order it replies; here is what remains.
+int follow(RankLine& line) {
+  try {
+    serve_orders(line);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "isostrata-rank: rank %d on %s: %s\n", line.rank(), line.node().c_str(), error.what());
+    std::fflush(stderr);
+    line.abort();
+    return 1;
+  }
+}
+
 }  // namespace
 }  // namespace isostrata
 
@@ -65,9 +78,7 @@ int main(int argc, char** argv) {
     isostrata::use_simd_level_of_environment();
     isostrata::set_import_cache(isostrata::import_cache_of_environment());
     isostrata::RankLine line(argc, argv);
-    if (line.rank() == 0) return isostrata::lead(line, argc, argv);
-    isostrata::serve_orders(line);
-    return 0;
+    return line.rank() == 0 ? isostrata::lead(line, argc, argv) : isostrata::follow(line);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "isostrata-rank: %s\n", error.what());
     std::fflush(stderr);

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "base/temporary_directory.h"
@@ -89,6 +90,8 @@ int end_likewise(int status) {
 
 }  // namespace
 
+void end_job_with_any_rank() { setenv("SLURM_KILL_BAD_EXIT", "1", 0); }
+
 int launch_ranks(const WorkerArguments& arguments, std::vector<std::string> launcher, const std::filesystem::path& program) {
   if (!become_worker(arguments.parent)) return 1;
   Descriptor socket(fcntl(arguments.socket, F_DUPFD_CLOEXEC, 16));
@@ -103,6 +106,7 @@ int launch_ranks(const WorkerArguments& arguments, std::vector<std::string> laun
     const Descriptor listening = listen_at(place);
     std::vector<std::string> words = launcher;
     for (const std::string& more : {program.string(), std::string("worker"), std::string("--socket"), place.string()}) words.push_back(more);
+    end_job_with_any_rank();
     const pid_t job = start(words);
     int status = 0;
     const Descriptor first = wait_for_first_rank(listening.get(), job, status);

@@ -15,6 +15,10 @@ namespace isostrata {
 /// first rank has come is told to the server as a worker that cannot begin. Returns the exit status.
 int launch_ranks(const WorkerArguments& arguments, std::vector<std::string> launcher, const std::filesystem::path& program);
 
+/// Has srun end the whole job when one rank ends badly, as mpirun does: the others would wait for it without end. A user's own
+/// SLURM_KILL_BAD_EXIT stays. Before a launcher is started.
+void end_job_with_any_rank();
+
 /// By the first rank: what launch_ranks hands over. Throws unavailable.
 WorkerArguments take_worker_descriptors(const std::filesystem::path& socket);
 

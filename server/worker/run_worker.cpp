@@ -1,5 +1,6 @@
 #include "worker/run_worker.h"
 
+#include <csignal>
 #include <cstdio>
 #include <optional>
 
@@ -72,7 +73,10 @@ int run_worker(const WorkerArguments& arguments, std::function<std::unique_ptr<R
     if (threads > 0) set_thread_count(threads);
     EngineOptions options = options_of(std::move(*setup), board.get());
     options.renderer = std::move(renderer);
-    if (ranks) use_ranks_of(*ranks, threads, options);
+    if (ranks) {
+      std::signal(SIGTERM, SIG_DFL);  // by which a launcher ends its ranks
+      use_ranks_of(*ranks, threads, options);
+    }
     load_importer();
     std::unique_ptr<Engine> engine;
     try {

@@ -49,6 +49,20 @@ TEST(ExtractByRanks, PiecesBesideThePvtuAreReadAsTheWholeMesh) {
   EXPECT_GT(many.at("points").to_number<std::int64_t>(), one.at("points").to_number<std::int64_t>());
 }
 
+// As where each node has a folder of that name for itself.
+TEST(ExtractByRanks, APieceThatTheFirstRankDoesNotSeeIsAnError) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "own");
+  const auto start = folder.write("start.sh", "[ \"$OMPI_COMM_WORLD_RANK\" != 1 ] || exec unshare --user --map-root-user --mount sh -c 'mount -t tmpfs tmpfs \"'" +
+                                                  (folder / "own").string() + "'\" && exec \"$@\"' sh \"$@\"\nexec \"$@\"\n");
+  if (std::system("unshare --user --map-root-user --mount true") != 0) GTEST_SKIP() << "no namespaces here";
+  const CommandResult run = run_isostrata("extract torus:8 --interval 0:0.3 --out " + quoted(folder / "own" / "all.pvtu") + " --ranks '" + launcher(2) + " sh " + start.string() + "'",
+                                          launcher_environment());
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("all_1.vtu: rank 1 has written it, and it is not there for the first rank on "), std::string::npos) << run.err;
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "own"));
+}
+
 TEST(ExtractByRanks, WhatNeedsTheWholeMeshIsRefused) {
   const TemporaryFolder folder;
   for (const std::string& more : {std::string("--verify"), "--out " + quoted(folder / "a.vtu"), "--out " + quoted(folder / "a.stl")}) {

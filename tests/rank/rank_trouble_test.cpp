@@ -41,6 +41,54 @@ TEST(RankTrouble, WhatOneProcessRefusesRanksRefuseInTheSameWords) {
   }
 }
 
+// The others are cancelled then: that is not what is said.
+TEST(RankTrouble, AFileThatOneRankAloneMissesIsNamedWithTheRank) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_isostrata("extract torus:24 --interval 0:0.3 --out " + quoted(folder / "field.vtu")).status, 0);
+  // As on a node of its own: where rank 2 begins the file is not there.
+  std::filesystem::create_directory(folder / "other");
+  const auto start = folder.write("start.sh", "cd '" + folder.path().string() + "'\n[ \"$OMPI_COMM_WORLD_RANK\" != 2 ] || cd other\nexec \"$@\"\n");
+  const CommandResult run = render(folder, "field.vtu --interval 0:0.2", launcher(3) + " sh " + start.string());
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("isostrata-rank: rank 2 on "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(": field.vtu: "), std::string::npos) << run.err;
+}
+
+TEST(RankTrouble, ARankThatCannotGoOnEndsTheJobWithTheReason) {
+  const TemporaryFolder folder;
+  const CommandResult run = render(folder, "torus:8 --interval 0:0.2", launcher(3), "ISOSTRATA_RANKS_CONTROL=no-setup");
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.err.find("isostrata-rank: rank 1 on "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(": no setup, as was asked for"), std::string::npos) << run.err;
+}
+
+// By which a launcher ends what is left of its job: the first rank does not wait for replies then.
+TEST(RankTrouble, TheFirstRankEndsWhenItIsAskedTo) {
+  const TemporaryFolder folder;
+  const auto start = folder.write("start.sh", "[ \"$OMPI_COMM_WORLD_RANK\" != 0 ] || (sleep 3; kill -TERM $$) &\nexec \"$@\"\n");
+  const CommandResult run = render(folder, "torus:8 --interval 0:0.2", "timeout -s KILL 60 " + launcher(2) + " sh " + start.string(), "ISOSTRATA_RANKS_CONTROL=silent");
+  EXPECT_EQ(run.status, 128 + 15) << run.err;
+}
+
+// As the launcher of another MPI does it, or srun without --mpi.
+TEST(RankTrouble, ALauncherWhoseProcessesMpiDoesNotJoinIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* said : {"PMI_SIZE=4", "SLURM_STEP_NUM_TASKS=4"}) {
+    const CommandResult run = render(folder, "torus:8 --interval 0:0.2", std::string("env ") + said);
+    EXPECT_EQ(run.status, 1);
+    EXPECT_NE(run.err.find("the launcher has started 4 processes and MPI does not join them"), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
+  }
+  EXPECT_EQ(render(folder, "torus:8 --interval 0:0.2", "env PMI_SIZE=1").status, 0);
+}
+
+TEST(RankTrouble, SlurmIsToldToEndAJobThatHasLostARank) {
+  const TemporaryFolder folder;
+  const auto say = folder.write("say.sh", "echo \"kill $SLURM_KILL_BAD_EXIT\" >&2\nexit 3\n");
+  EXPECT_NE(render(folder, "torus:8", "sh " + say.string()).err.find("kill 1\n"), std::string::npos);
+  EXPECT_NE(render(folder, "torus:8", "sh " + say.string(), "SLURM_KILL_BAD_EXIT=0").err.find("kill 0\n"), std::string::npos);
+}
+
 TEST(RankTrouble, AFlatGridIsRefused) {
   const TemporaryFolder folder;
   const auto file = folder.write("flat.vtk", "# vtk DataFile Version 3.0\nflat\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 3 1\nORIGIN 0 0 0\nSPACING 1 1 1\n"

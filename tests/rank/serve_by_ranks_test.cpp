@@ -110,6 +110,20 @@ TEST_F(ServeByRanks, ADeadRankOrLauncherIsAWorkerThatIsReplaced) {
   EXPECT_TRUE(descendants().empty());
 }
 
+// By which a launcher ends what is left of its job.
+TEST_F(ServeByRanks, TheFirstRankEndsWhenItIsAskedTo) {
+  Served server({"torus:20", "--renderer", "native", "--ranks", launcher(2)});
+  ASSERT_FALSE(server.url().empty()) << server.process().err();
+  const std::vector<pid_t> before = ranks();
+  const pid_t first = *std::min_element(before.begin(), before.end());  // launchers start them in their order
+  ::kill(first, SIGTERM);
+  for (int i = 0; i < 300 && fs::exists("/proc/" + std::to_string(first)); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(fs::exists("/proc/" + std::to_string(first)));
+  EXPECT_EQ(picture(server, folder_ / "after.exr", "0:0.2,opacity=0.5").width, 120);
+  EXPECT_EQ(server.stop(SIGTERM), 0);
+  EXPECT_TRUE(descendants().empty());
+}
+
 TEST_F(ServeByRanks, AServerThatIsKilledLeavesNoRankBehind) {
   pid_t some = 0;
   {
