@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# One line for each thing that is proved, for prove-deb, prove-slurm and prove-container, which source this file and end with $status.
+# One line for each thing that is proved, for prove-deb, prove-slurm, prove-slurm-ranks and prove-container, which source this file and end with $status.
 
 status=0
 
@@ -14,6 +14,15 @@ check() {
     # shellcheck disable=SC2034  # of who sources this
     status=1
   fi
+}
+
+# says STATUS WORDS COMMAND...: the command ends with that status and these words.
+says() {
+  local wanted=$1 words=$2 ended=0 said
+  shift 2
+  said=$("$@" 2>&1) || ended=$?
+  echo "$said"
+  [[ $ended == "$wanted" && $said == *"$words"* ]]
 }
 
 # eventually COMMAND...: tries again for half a minute.

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154  # $work and $job are the caller's
-# A Slurm of two nodes on this machine, for prove-slurm and prove-ondemand, which source this file in namespaces of their own (apart) and after checks.sh. Each node
+# A Slurm of two nodes on this machine, for prove-slurm, prove-slurm-ranks and prove-ondemand, which source this file in namespaces of their own (apart) and after checks.sh. Each node
 # has a network, a name and a /tmp of its own, and a laptop beside them reaches n1 alone. Needs root, slurm-wlm, munge, openssh-server, iproute2.
 
 # apart "$0" "$@": the script again, with processes, mounts, network and name that nobody else sees; whatever it starts ends with it.
@@ -64,7 +64,8 @@ SetEnv XDG_STATE_HOME=$work/home/.local/state
 CONF
 }
 
-# two_nodes: $work is a folder of the caller's, not in /tmp; $work/home becomes the home of both nodes.
+# two_nodes: $work is a folder of the caller's, not in /tmp; $work/home becomes the home of both nodes; $slurm_conf are lines that slurm.conf has besides.
+slurm_conf=()
 two_nodes() {
   declare -gA holder=()
   hostname n1
@@ -82,6 +83,7 @@ two_nodes() {
   chmod 755 "$work"
   munged --force --key-file="$work/munge.key" --socket="$work/munge" --pid-file="$work/munge.pid" --log-file="$work/munge.log" \
     --seed-file="$work/munge.seed"
+  # Numbers of jobs that no earlier Slurm here had: its PMIx refuses a job of which a folder is left in /tmp.
   cat >/etc/slurm/slurm.conf <<CONF
 ClusterName=proof
 SlurmctldHost=n1(10.99.0.1)
@@ -92,7 +94,9 @@ TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
 MpiDefault=none
 ReturnToService=2
+SlurmdParameters=config_overrides
 KillWait=10
+FirstJobId=$((1000 + EPOCHSECONDS % 1000000))
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 StateSaveLocation=$work/state
@@ -101,10 +105,11 @@ SlurmctldPidFile=$work/slurmctld.pid
 SlurmdPidFile=$work/slurmd-%n.pid
 SlurmctldLogFile=$work/slurmctld.log
 SlurmdLogFile=$work/slurmd-%n.log
-NodeName=n1 NodeAddr=10.99.0.1 CPUs=1 RealMemory=2000
-NodeName=n2 NodeAddr=10.99.0.2 CPUs=1 RealMemory=2000
+NodeName=n1 NodeAddr=10.99.0.1 CPUs=2 RealMemory=2000
+NodeName=n2 NodeAddr=10.99.0.2 CPUs=2 RealMemory=2000
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
+  printf '%s\n' "${slurm_conf[@]}" >>/etc/slurm/slurm.conf
   slurmctld
   local node
   for node in n1 n2; do
