@@ -19,6 +19,8 @@ constexpr std::size_t kMostMessages = 20;
 /// What VTK writes before it ends the process for want of memory (9.4 and newer, as distributions build it).
 constexpr const char* kNoMemory = "Unable to allocate";
 volatile std::sig_atomic_t out_of_memory = 0;
+/// In place of what VTK says of a reader that failed. Why it failed may be in a warning before it.
+const std::string kGaveUp = "VTK's reader cannot read it";
 std::string said_then;
 
 /// abort after that says the same as every other want of memory; any other is a crash.
@@ -31,10 +33,10 @@ void on_abort(int) {
 
 /// "ERROR: In FILE, line N\nvtkXMLDataReader (0x55): What happened.\n\n" -> "What happened."
 std::string plain(std::string text) {
+  if (text.find(" returned failure for request: ") != std::string::npos) return kGaveUp;  // what follows are its objects, as they lie in memory
   if (const auto header = text.find(", line "); header != std::string::npos)
     if (const auto end = text.find('\n', header); end != std::string::npos) text.erase(0, end + 1);
-  if (text.starts_with("vtk"))
-    if (const auto colon = text.find("): "); colon != std::string::npos && colon < 100) text.erase(0, colon + 3);
+  if (const auto address = text.find(" (0x"), colon = text.find("): "); address < colon && colon < 100) text.erase(0, colon + 3);
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, ' ');
   while (!text.empty() && text.back() == ' ') text.pop_back();
@@ -82,7 +84,10 @@ void collect_vtk_messages(const std::string& name) {
 }
 
 void throw_on_vtk_error(const std::string& name) {
-  if (messages && !messages->errors.empty()) throw Error(ErrorCode::bad_data, name + ": " + messages->errors.front());
+  if (!messages || messages->errors.empty()) return;
+  const std::string& first = messages->errors.front();
+  const std::string why = first == kGaveUp && !messages->warnings.empty() ? ": " + messages->warnings.back() : "";
+  throw Error(ErrorCode::bad_data, name + ": " + first + why);
 }
 
 std::vector<std::string> take_vtk_errors(const std::string& beginning) {
