@@ -1,18 +1,33 @@
 #include <netcdf.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataSet.h>
+#include <vtkDoubleArray.h>
+#include <vtkIntArray.h>
 #include <vtkNetCDFCFReader.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkPointData.h>
+#include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <map>
+#include <optional>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "import/check_netcdf.h"
 #include "import/mapped_file.h"
+#include "import/netcdf_axes.h"
+#include "import/netcdf_file.h"
+#include "import/netcdf_values.h"
 #include "import/read_own.h"
 #include "import/read_vtk.h"
 #include "import/vtk_messages.h"
@@ -21,116 +36,151 @@
 namespace isostrata {
 namespace {
 
-/// VTK reads variables over the same dimensions at once: "(time, z, y, x)". The best are those over the most, then those that are the most
-/// variables, then the first in the file.
-std::string choose_dimensions(vtkNetCDFCFReader* reader, std::vector<std::string>& notes) {
-  struct Group {
-    std::ptrdiff_t axes = 0, variables = 0, first = 0;
-  };
-  std::map<std::string, Group> groups;
-  vtkStringArray* names = reader->GetAllVariableArrayNames();
-  vtkStringArray* of_variables = reader->GetVariableDimensions();
-  const vtkIdType count = std::min(names->GetNumberOfValues(), of_variables->GetNumberOfValues());
-  for (vtkIdType i = 0; i < count; ++i) {
-    const std::string dimensions = of_variables->GetValue(i);
-    Group& group = groups[dimensions];
-    if (group.variables++ == 0) {
-      group.axes = dimensions.size() > 2 ? 1 + std::count(dimensions.begin(), dimensions.end(), ',') : 0;
-      group.first = i;
-    }
-  }
-  const auto best = std::max_element(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
-    return std::tuple(a.second.axes, a.second.variables, -a.second.first) < std::tuple(b.second.axes, b.second.variables, -b.second.first);
-  });
-  if (best == groups.end() || best->second.axes < 2) return {};
-  std::string others;
-  int skipped = 0;
-  for (vtkIdType i = 0; i < count; ++i) {
-    const std::string name = names->GetValue(i), dimensions = of_variables->GetValue(i);
-    if (dimensions == best->first) continue;
-    if (++skipped <= 8) others += (others.empty() ? "" : ", ") + name + dimensions;
-  }
-  if (skipped > 0)
-    notes.push_back(std::to_string(skipped) + " variables skipped that are not over " + best->first + ": " + others + (skipped > 8 ? ", ..." : ""));
-  return best->first;
-}
-
-/// A file that VTK has read already, once more.
-class NetcdfFile {
+/// VTK's, which makes the grid. Values are read here, of all types and with gaps, and times are numbers of steps: VTK drops those that do not increase.
+class NetcdfReader : public vtkNetCDFCFReader {
  public:
-  explicit NetcdfFile(const std::string& path) { open_ = nc_open(path.c_str(), NC_NOWRITE, &file_) == NC_NOERR; }
-  ~NetcdfFile() {
-    if (open_) nc_close(file_);
-  }
-  NetcdfFile(const NetcdfFile&) = delete;
-  NetcdfFile& operator=(const NetcdfFile&) = delete;
+  static NetcdfReader* New();
+  vtkTypeMacro(NetcdfReader, vtkNetCDFCFReader);
 
-  /// The numbers that stand for no value in a variable, unpacked as VTK unpacks.
-  std::vector<double> fills(const std::string& name) const {
-    int variable = 0;
-    if (!open_ || nc_inq_varid(file_, name.c_str(), &variable) != NC_NOERR) return {};
-    const auto number = [&](const char* attribute, double other) {
-      std::size_t length = 0;
-      double value = other;
-      if (nc_inq_attlen(file_, variable, attribute, &length) != NC_NOERR || length != 1 || nc_get_att_double(file_, variable, attribute, &value) != NC_NOERR)
-        return other;
-      return value;
-    };
-    const double scale = number("scale_factor", 1), offset = number("add_offset", 0);
-    std::vector<double> fills;
-    for (const char* attribute : {"_FillValue", "missing_value"})
-      if (const double fill = number(attribute, std::numeric_limits<double>::quiet_NaN()); !std::isnan(fill)) fills.push_back(fill * scale + offset);
-    return fills;
+  void set_file(const NetcdfFile& file) { file_ = &file; }
+  /// A dimension whose places are steps, though it does not say that it is time. The metadata is read again.
+  void count_along(int dimension) {
+    counted_ = dimension;
+    FileNameMTime.Modified();
+    UpdateMetaData();
   }
+  bool is_time(int dimension) { return IsTimeDimension(0, dimension) != 0; }
+  void set_steps(NetcdfSteps steps) { steps_ = std::move(steps), Modified(); }
+  std::vector<int> loading() const { return {LoadingDimensions->GetPointer(0), LoadingDimensions->GetPointer(0) + LoadingDimensions->GetNumberOfTuples()}; }
 
-  /// The least and the greatest value that a variable may have, unpacked; infinite if none is said.
-  std::array<double, 2> valid_range(const std::string& name) const {
-    constexpr double kInfinite = std::numeric_limits<double>::infinity();
-    std::array<double, 2> range{-kInfinite, kInfinite}, both{};
-    int variable = 0;
-    std::size_t length = 0;
-    if (!open_ || nc_inq_varid(file_, name.c_str(), &variable) != NC_NOERR) return range;
-    if (nc_inq_attlen(file_, variable, "valid_range", &length) == NC_NOERR && length == 2 && nc_get_att_double(file_, variable, "valid_range", both.data()) == NC_NOERR) range = both;
-    for (const auto& [attribute, end] : {std::pair{"valid_min", 0}, std::pair{"valid_max", 1}})
-      if (double value = 0; nc_inq_attlen(file_, variable, attribute, &length) == NC_NOERR && length == 1 && nc_get_att_double(file_, variable, attribute, &value) == NC_NOERR) range[static_cast<std::size_t>(end)] = value;
-    return range;
+ protected:
+  int IsTimeDimension(int file, int dimension) override { return dimension == counted_ ? 1 : vtkNetCDFCFReader::IsTimeDimension(file, dimension); }
+  vtkSmartPointer<vtkDoubleArray> GetTimeValues(int, int) override {
+    auto numbers = vtkSmartPointer<vtkDoubleArray>::New();
+    for (std::size_t step = 0; step < steps_.times.size(); ++step) numbers->InsertNextValue(static_cast<double>(step));
+    return numbers;
   }
-  /// Whether its numbers are others than those that are stored: then the range is not one of the values.
-  bool is_packed(const std::string& name) const {
-    int variable = 0;
-    if (!open_ || nc_inq_varid(file_, name.c_str(), &variable) != NC_NOERR) return false;
-    return nc_inq_att(file_, variable, "scale_factor", nullptr, nullptr) == NC_NOERR || nc_inq_att(file_, variable, "add_offset", nullptr, nullptr) == NC_NOERR;
+  int LoadVariable(int, const char* name, double time, vtkDataSet* output) override {
+    try {
+      const int variable = file_->variable(name).value();
+      if (!file_->type(variable)) return 1;  // VTK turns on whatever has the dimensions
+      const auto [from, count] = part(variable, static_cast<std::size_t>(time), output);
+      const vtkSmartPointer<vtkDataArray> values = netcdf_values(*file_, variable, from, count);
+      values->SetName(name);
+      DimensionsAreForPointData(LoadingDimensions) ? output->GetPointData()->AddArray(values) : output->GetCellData()->AddArray(values);
+      return 1;
+    } catch (const Error& error) {
+      vtkErrorMacro(<< error.what());
+      return 0;
+    }
   }
 
  private:
-  int file_ = 0;
-  bool open_ = false;
+  /// From where and how many along each of a variable's dimensions.
+  std::pair<std::vector<std::size_t>, std::vector<std::size_t>> part(int variable, std::size_t step, vtkDataSet* output) {
+    const std::vector<int> dimensions = file_->dimensions(variable);
+    const std::size_t before = !dimensions.empty() && is_time(dimensions.front()) ? 1 : 0, axes = dimensions.size() - before;
+    int extent[6];
+    GetUpdateExtentForOutput(output, extent);
+    const int fewer = DimensionsAreForPointData(LoadingDimensions) ? 0 : 1;
+    std::vector<std::size_t> from(dimensions.size()), count(dimensions.size(), 1);
+    if (before) from[0] = steps_.index.at(dimensions.front()).at(step);
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      const int* ends = extent + 2 * (axes - 1 - axis);
+      from[before + axis] = static_cast<std::size_t>(ends[0]);
+      count[before + axis] = static_cast<std::size_t>(ends[1] - ends[0] + 1 - fewer);
+    }
+    return {from, count};
+  }
+
+  const NetcdfFile* file_ = nullptr;
+  int counted_ = -1;
+  NetcdfSteps steps_;
+};
+vtkStandardNewMacro(NetcdfReader);
+
+/// Variables over the same dimensions, apart from time: "(z, y, x)" to VTK.
+struct Group {
+  std::ptrdiff_t axes = 0, variables = 0, first = 0;
+  bool timed = false;
+  std::vector<int> dimensions;  // of the first, with time
+
+  /// VTK reads three axes of space. A fourth that does not say that it is time counts steps, if no variable has both.
+  std::ptrdiff_t rank() const { return axes == 3 && timed ? 5 : axes < 4 || dimensions.size() == 4 ? axes : 0; }
 };
 
-template <class T>
-void replace_by_nan(FileArray& array, const std::vector<double>& fills, const std::array<double, 2>& valid) {
-  const std::span<const T> values(reinterpret_cast<const T*>(array.values.data()), array.values.size() / sizeof(T));
-  const auto is_fill = [&](T value) {
-    return value < static_cast<T>(valid[0]) || value > static_cast<T>(valid[1]) || std::any_of(fills.begin(), fills.end(), [&](double fill) { return value == static_cast<T>(fill); });
-  };
-  if (std::none_of(values.begin(), values.end(), is_fill)) return;
-  auto copy = std::make_shared<std::vector<T>>(values.begin(), values.end());
-  std::replace_if(copy->begin(), copy->end(), is_fill, std::numeric_limits<T>::quiet_NaN());
-  array.values = std::as_bytes(std::span<const T>(*copy));
-  array.storage = std::move(copy);
+/// The best are those over the most, then those that are the most variables, then the first in the file.
+std::pair<std::string, Group> choose_group(NetcdfReader& reader, const NetcdfFile& file) {
+  std::map<std::string, Group> groups;
+  vtkStringArray* names = reader.GetAllVariableArrayNames();
+  vtkStringArray* of_variables = reader.GetVariableDimensions();
+  const vtkIdType count = std::min(names->GetNumberOfValues(), of_variables->GetNumberOfValues());
+  for (vtkIdType i = 0; i < count; ++i) {
+    const std::string dimensions = of_variables->GetValue(i);
+    const std::optional<int> variable = file.variable(names->GetValue(i));
+    if (!variable || !file.type(*variable)) continue;
+    Group& group = groups[dimensions];
+    const std::vector<int> over = file.dimensions(*variable);
+    if (group.variables++ == 0) {
+      group.axes = dimensions.size() > 2 ? 1 + std::count(dimensions.begin(), dimensions.end(), ',') : 0;
+      group.first = i;
+      group.dimensions = over;
+    }
+    group.timed = group.timed || static_cast<std::ptrdiff_t>(over.size()) > group.axes;
+  }
+  const auto best = std::max_element(groups.begin(), groups.end(), [](const auto& a, const auto& b) {
+    return std::tuple(a.second.rank(), a.second.variables, -a.second.first) < std::tuple(b.second.rank(), b.second.variables, -b.second.first);
+  });
+  if (best == groups.end() || best->second.rank() < 2) return {};
+  return *best;
 }
 
-/// VTK is asked to do this (SetReplaceFillValueWithNan), and 9.3 does not; no version does it for packed numbers or missing_value.
-void leave_out_fills(Imported& imported, const NetcdfFile& file) {
-  for (Block& block : imported.blocks)
-    for (FileArray& array : block.arrays) {
-      const std::vector<double> fills = file.fills(array.name);
-      constexpr std::array kAny{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-      const std::array<double, 2> valid = file.is_packed(array.name) ? kAny : file.valid_range(array.name);
-      if (fills.empty() && valid == kAny) continue;
-      if (array.type == ScalarType::float32) replace_by_nan<float>(array, fills, valid);
-      if (array.type == ScalarType::float64) replace_by_nan<double>(array, fills, valid);
+/// Turns on the variables over these dimensions, and returns those that hold numbers.
+std::vector<int> turn_on(NetcdfReader& reader, const NetcdfFile& file, const std::string& dimensions, std::vector<std::string>& notes) {
+  reader.SetDimensions(dimensions.c_str());
+  vtkStringArray* names = reader.GetAllVariableArrayNames();
+  vtkStringArray* of_variables = reader.GetVariableDimensions();
+  std::vector<int> on;
+  std::string others;
+  int skipped = 0;
+  for (vtkIdType i = 0; i < std::min(names->GetNumberOfValues(), of_variables->GetNumberOfValues()); ++i) {
+    const std::string name = names->GetValue(i), over = of_variables->GetValue(i);
+    const std::optional<int> variable = file.variable(name);
+    if (over != dimensions) {
+      if (++skipped <= 8) others += (others.empty() ? "" : ", ") + name + over;
+    } else if (!variable || !file.type(*variable)) {
+      notes.push_back("variable '" + name + "' skipped: it holds text or records, not numbers");
+    } else {
+      on.push_back(*variable);
     }
+  }
+  if (skipped > 0)
+    notes.push_back(std::to_string(skipped) + " variables skipped that are not over " + dimensions + ": " + others + (skipped > 8 ? ", ..." : ""));
+  return on;
+}
+
+/// The dimensions in front of variables that are time, each once.
+std::vector<int> time_dimensions(NetcdfReader& reader, const NetcdfFile& file, const std::vector<int>& variables) {
+  std::vector<int> out;
+  for (const int variable : variables)
+    if (const std::vector<int> over = file.dimensions(variable); !over.empty() && reader.is_time(over.front()) && std::find(out.begin(), out.end(), over.front()) == out.end()) out.push_back(over.front());
+  return out;
+}
+
+/// UGRID's meshes have their own arrays for what joins their points.
+void refuse_mesh(const NetcdfFile& file, const std::string& name) {
+  for (int variable = 0; variable < file.variables(); ++variable)
+    if (file.text(variable, "cf_role") == "mesh_topology")
+      throw Error(ErrorCode::unsupported, name + ": netCDF with a mesh by the UGRID convention ('" + file.name(variable) + "'); save it as .vtu, VTKHDF or CGNS (ParaView: Save Data)");
+}
+
+/// VTK turns the spacing of an even axis whose values go down, and not its origin.
+void place_downward(UniformGrid& grid, const NetcdfFile& file, const std::vector<int>& dimensions) {
+  for (std::size_t axis = 0; axis < std::min<std::size_t>(dimensions.size(), 3); ++axis) {
+    const std::optional<int> coordinate = file.coordinate(dimensions[dimensions.size() - 1 - axis]);
+    if (!coordinate || file.text(*coordinate, "positive") != "down") continue;
+    if (const std::vector<double> places = file.values(*coordinate); !places.empty()) grid.origin[static_cast<int>(axis)] = -places.front();
+  }
 }
 
 }  // namespace
@@ -138,24 +188,41 @@ void leave_out_fills(Imported& imported, const NetcdfFile& file) {
 Imported read_netcdf(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_netcdf_classic(MappedFile(request.file).bytes(), name);
-  vtkNew<vtkNetCDFCFReader> reader;
+  const NetcdfFile file(request.file);
+  refuse_mesh(file, name);
+  vtkNew<NetcdfReader> reader;
+  reader->set_file(file);
   reader->SetFileName(request.file.c_str());
   reader->SetSphericalCoordinates(0);  // places as the file has them, degrees as well
-  reader->SetReplaceFillValueWithNan(1);
   report_progress(reader, request);
   reader->UpdateMetaData();
   throw_on_vtk_error(name);
-  std::vector<std::string> notes;
-  const std::string dimensions = choose_dimensions(reader, notes);
-  if (dimensions.empty())
+  auto [dimensions, group] = choose_group(*reader, file);
+  const auto is_time = [&](int dimension) { return reader->is_time(dimension); };
+  if (group.axes == 4) {
+    if (std::any_of(group.dimensions.begin(), group.dimensions.end(), is_time)) return read_netcdf_plainly(request);  // time is not in front
+    reader->count_along(group.dimensions.front());
+    dimensions = choose_group(*reader, file).first;
+  }
+  if (dimensions.empty()) {
+    if (file.has_groups()) return read_netcdf_plainly(request);
     throw Error(ErrorCode::unsupported, name + ": netCDF without a variable over two or three axes of space");
-  reader->SetDimensions(dimensions.c_str());
+  }
+  std::vector<std::string> notes;
+  const std::vector<int> variables = turn_on(*reader, file, dimensions, notes), timed = time_dimensions(*reader, file, variables);
+  const NetcdfSteps steps = netcdf_steps(file, timed, name);
+  reader->set_steps(steps);
   reader->UpdateInformation();
-  if (std::count(dimensions.begin(), dimensions.end(), ',') > 2 && listed_times(reader).empty()) return read_netcdf_plainly(request);  // none of the axes says that it is time: WRF's
   Imported imported = read_step(reader, request);
-  leave_out_fills(imported, NetcdfFile(request.file.string()));
+  if (!steps.times.empty()) imported.times = steps.times;
+  const std::vector<int> over = reader->loading();
+  for (Block& block : imported.blocks) {
+    if (auto* uniform = std::get_if<UniformGrid>(&block.grid.shape)) place_downward(*uniform, file, over);
+    if (const auto from = netcdf_turned(file, over)) turn_block(block, *from);
+  }
   imported.notes.insert(imported.notes.end(), notes.begin(), notes.end());
-  if (const char* units = reader->GetTimeUnits(); units && *units) imported.notes.push_back("times are in " + std::string(units));
+  if (!steps.sorted) imported.notes.push_back("the file's times do not increase: its steps are in the order of their times");
+  if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);
   for (Block& block : imported.blocks)
     for (const FileArray& array : block.arrays)
       if (const std::string units = reader->QueryArrayUnits(array.name.c_str()); !units.empty())

@@ -8,6 +8,8 @@
 #include <random>
 #include <set>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 #include "data/file_formats.h"
 #include "data/files.h"
@@ -101,6 +103,23 @@ TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
     ++pairs;
   }
   EXPECT_GE(pairs, 11);
+}
+
+TEST_F(ForeignFormats, NetcdfThatIsRefusedSaysWhy) {
+  for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"}}) {
+    const Error error = test::refusal(file(name));
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(ForeignFormats, NetcdfKeepsItsTypesWhereNothingIsMissing) {
+  const auto types = test::open(file("types.nc")), gaps = test::open(file("gaps.nc"));
+  for (const auto& [name, type] : {std::pair{"of_i1", ScalarType::int8}, {"of_u1", ScalarType::uint8}, {"of_u2", ScalarType::uint16}, {"of_u4", ScalarType::uint32}, {"of_i8", ScalarType::int64}, {"of_u8", ScalarType::uint64}, {"named", ScalarType::uint8}})
+    EXPECT_EQ(types->array(std::string_view(name)).type, type) << name;
+  for (const auto& [name, type] : {std::pair{"unfilled", ScalarType::int16}, {"filled_i2", ScalarType::float32}, {"filled_i4", ScalarType::float64}})
+    EXPECT_EQ(gaps->array(std::string_view(name)).type, type) << name;
 }
 
 TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {

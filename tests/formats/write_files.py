@@ -15,6 +15,7 @@ import sys
 
 import h5py
 import netCDF4
+import netcdf_files
 import numpy as np
 import PIL.Image
 import pydicom
@@ -50,7 +51,7 @@ def numpy_arrays():
     expect("flat.npy", "uniform", 30, 20, {"flat": [0, 45, 0]}, [0, 5, 0, 4, 0, 0], [5, 4, 0, "flat", 45])
 
 
-def netcdf(name, format, first=0.0):
+def climate(name, format, first=0.0):
     with netCDF4.Dataset(name, "w", format=format) as d:
         for dimension, size in (("time", None), ("lev", NZ), ("lat", NY), ("lon", NX)):
             d.createDimension(dimension, size)
@@ -82,10 +83,10 @@ def netcdf(name, format, first=0.0):
         d.createVariable("pressure", "f4", ("time", "lat", "lon"))[:] = 1
 
 
-def netcdf_files():
+def netcdf():
     bounds = [0, 25, -20, 20, 0, 70]
     for name, format in (("classic.nc", "NETCDF3_CLASSIC"), ("offset64.cdf", "NETCDF3_64BIT_OFFSET"), ("four.nc", "NETCDF4")):
-        netcdf(name, format)
+        climate(name, format)
         lattice(name, {"T": [1, 345, 1], "packed": [0, 345, 0], "missing": [2, 345, 2], "gone": [0, 345, 1]}, bounds, [25, 10, 30, "T", 235], [0, 6, 12], grid="rectilinear")
         lattice(name, {"T": [2000, 2345, 0]}, bounds, [25, 10, 30, "T", 2235], [0, 6, 12], 2, grid="rectilinear")
     with netCDF4.Dataset("weather.nc", "w", format="NETCDF3_64BIT_OFFSET") as d:  # as WRF writes: no axis says that it is time
@@ -105,8 +106,8 @@ def netcdf_files():
             v[:] = FIELD
             v.setncatts(attributes)
     lattice("range.nc", {"both": [10, 300, 35], "least": [2, 345, 2], "any": [0, 345, 0]}, unit, [5, 3, 2, "both", 235])
-    netcdf("ocean_09.nc", "NETCDF3_CLASSIC")
-    netcdf("ocean_10.nc", "NETCDF3_CLASSIC", 18.0)
+    climate("ocean_09.nc", "NETCDF3_CLASSIC")
+    climate("ocean_10.nc", "NETCDF3_CLASSIC", 18.0)
     lattice("ocean_*.nc", {"T": [1018, 1363, 0]}, bounds, [0, -20, 0, "T", 1018], [0, 6, 12, 18, 24, 30], 4, grid="rectilinear")
 
 
@@ -456,7 +457,8 @@ def main():
     os.makedirs(sys.argv[1], exist_ok=True)
     os.chdir(sys.argv[1])
     numpy_arrays()
-    netcdf_files()
+    netcdf()
+    netcdf_files.write(FIELD, lattice)
     vtkhdf()
     containers()
     cgns()

@@ -1,0 +1,50 @@
+// A netCDF file as its own library tells of it: for what VTK does not tell, and for values that VTK does not read.
+#pragma once
+
+#include <netcdf.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/array.h"
+
+namespace isostrata {
+
+/// Of numbers, and of names for whole numbers (enum). `file` is where the type is known.
+std::optional<ScalarType> netcdf_type(int file, nc_type type);
+
+/// The root of a file. Variables and dimensions go by their numbers.
+class NetcdfFile {
+ public:
+  /// Throws bad_data where the library cannot open it.
+  explicit NetcdfFile(const std::filesystem::path& file);
+  ~NetcdfFile();
+  NetcdfFile(const NetcdfFile&) = delete;
+  NetcdfFile& operator=(const NetcdfFile&) = delete;
+
+  int number() const { return file_; }
+  int variables() const;
+  bool has_groups() const;
+  std::optional<int> variable(const std::string& name) const;
+  std::string name(int variable) const;
+  std::vector<int> dimensions(int variable) const;
+  std::size_t length(int dimension) const;
+  /// The variable that says where the points of a dimension are: over it alone, and of its name.
+  std::optional<int> coordinate(int dimension) const;
+
+  /// Nothing where it does not hold numbers. Bytes and whole numbers have a sign if it does not say otherwise.
+  std::optional<ScalarType> type(int variable) const;
+  /// An attribute of a variable, or of the file (NC_GLOBAL); empty where it has none of the kind.
+  std::string text(int variable, const char* attribute) const;
+  std::vector<double> numbers(int variable, const char* attribute) const;
+  /// All of a variable; empty where it cannot be read as numbers.
+  std::vector<double> values(int variable) const;
+
+ private:
+  int file_ = 0;
+};
+
+}  // namespace isostrata

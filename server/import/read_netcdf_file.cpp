@@ -1,0 +1,128 @@
+#include "import/netcdf_file.h"
+
+#include <functional>
+#include <numeric>
+
+#include "base/error.h"
+
+namespace isostrata {
+namespace {
+
+std::optional<ScalarType> unsigned_type(ScalarType type) {
+  switch (type) {
+    case ScalarType::int8: return ScalarType::uint8;
+    case ScalarType::int16: return ScalarType::uint16;
+    case ScalarType::int32: return ScalarType::uint32;
+    case ScalarType::int64: return ScalarType::uint64;
+    default: return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<ScalarType> netcdf_type(int file, nc_type type) {
+  switch (type) {
+    case NC_BYTE:
+    case NC_CHAR: return ScalarType::int8;
+    case NC_UBYTE: return ScalarType::uint8;
+    case NC_SHORT: return ScalarType::int16;
+    case NC_USHORT: return ScalarType::uint16;
+    case NC_INT: return ScalarType::int32;
+    case NC_UINT: return ScalarType::uint32;
+    case NC_INT64: return ScalarType::int64;
+    case NC_UINT64: return ScalarType::uint64;
+    case NC_FLOAT: return ScalarType::float32;
+    case NC_DOUBLE: return ScalarType::float64;
+    default: break;
+  }
+  nc_type base = NC_NAT;
+  int kind = 0;
+  if (type < NC_FIRSTUSERTYPEID || nc_inq_user_type(file, type, nullptr, nullptr, &base, nullptr, &kind) != NC_NOERR || kind != NC_ENUM) return std::nullopt;
+  return netcdf_type(file, base);
+}
+
+NetcdfFile::NetcdfFile(const std::filesystem::path& file) {
+  if (const int error = nc_open(file.c_str(), NC_NOWRITE, &file_); error != NC_NOERR)
+    throw Error(ErrorCode::bad_data, file.filename().string() + ": cannot be read as netCDF: " + nc_strerror(error));
+}
+
+NetcdfFile::~NetcdfFile() { nc_close(file_); }
+
+int NetcdfFile::variables() const {
+  int count = 0;
+  return nc_inq_nvars(file_, &count) == NC_NOERR ? count : 0;
+}
+
+bool NetcdfFile::has_groups() const {
+  int count = 0;
+  return nc_inq_grps(file_, &count, nullptr) == NC_NOERR && count > 0;
+}
+
+std::optional<int> NetcdfFile::variable(const std::string& name) const {
+  int variable = 0;
+  return nc_inq_varid(file_, name.c_str(), &variable) == NC_NOERR ? std::optional(variable) : std::nullopt;
+}
+
+std::string NetcdfFile::name(int variable) const {
+  char name[NC_MAX_NAME + 1] = {};
+  return nc_inq_varname(file_, variable, name) == NC_NOERR ? name : "";
+}
+
+std::vector<int> NetcdfFile::dimensions(int variable) const {
+  int count = 0;
+  if (nc_inq_varndims(file_, variable, &count) != NC_NOERR || count < 1) return {};
+  std::vector<int> dimensions(static_cast<std::size_t>(count));
+  return nc_inq_vardimid(file_, variable, dimensions.data()) == NC_NOERR ? dimensions : std::vector<int>{};
+}
+
+std::size_t NetcdfFile::length(int dimension) const {
+  std::size_t length = 0;
+  return nc_inq_dimlen(file_, dimension, &length) == NC_NOERR ? length : 0;
+}
+
+std::optional<int> NetcdfFile::coordinate(int dimension) const {
+  char name[NC_MAX_NAME + 1] = {};
+  if (nc_inq_dimname(file_, dimension, name) != NC_NOERR) return std::nullopt;
+  const std::optional<int> found = variable(name);
+  return found && dimensions(*found) == std::vector{dimension} ? found : std::nullopt;
+}
+
+std::optional<ScalarType> NetcdfFile::type(int variable) const {
+  nc_type stored = NC_NAT;
+  if (nc_inq_vartype(file_, variable, &stored) != NC_NOERR) return std::nullopt;
+  const std::optional<ScalarType> type = netcdf_type(file_, stored);
+  const bool without_sign = text(variable, "_Unsigned") == "true" || text(variable, "signtype") == "unsigned";  // the latter of MINC
+  return type && without_sign && stored != NC_CHAR ? unsigned_type(*type).value_or(*type) : type;
+}
+
+std::string NetcdfFile::text(int variable, const char* attribute) const {
+  nc_type type = NC_NAT;
+  std::size_t length = 0;
+  if (nc_inq_att(file_, variable, attribute, &type, &length) != NC_NOERR || length < 1) return {};
+  if (type == NC_STRING) {
+    std::vector<char*> strings(length);
+    if (nc_get_att_string(file_, variable, attribute, strings.data()) != NC_NOERR) return {};
+    const std::string first = strings.front() ? strings.front() : "";
+    nc_free_string(length, strings.data());
+    return first;
+  }
+  std::string text(length, '\0');
+  if (type != NC_CHAR || nc_get_att_text(file_, variable, attribute, text.data()) != NC_NOERR) return {};
+  return text.c_str();  // some end with a zero
+}
+
+std::vector<double> NetcdfFile::numbers(int variable, const char* attribute) const {
+  std::size_t length = 0;
+  if (nc_inq_attlen(file_, variable, attribute, &length) != NC_NOERR || length < 1) return {};
+  std::vector<double> numbers(length);
+  return nc_get_att_double(file_, variable, attribute, numbers.data()) == NC_NOERR ? numbers : std::vector<double>{};
+}
+
+std::vector<double> NetcdfFile::values(int variable) const {
+  const std::vector<int> over = dimensions(variable);
+  const std::size_t count = std::accumulate(over.begin(), over.end(), std::size_t{1}, [&](std::size_t all, int dimension) { return all * length(dimension); });
+  std::vector<double> values(count);
+  return nc_get_var_double(file_, variable, values.data()) == NC_NOERR ? values : std::vector<double>{};
+}
+
+}  // namespace isostrata

@@ -1,0 +1,124 @@
+"""netCDF files of what programs write beside float variables over axes that all say what they are, for write_files.py."""
+
+import netCDF4
+import numpy as np
+
+SPACE = ("z", "y", "x")
+PLACED = (("lev", "lev", [0, 10, 30, 70], {"units": "m"}), ("lat", "lat", [-20, -10, 0, 10, 20], {"units": "degrees_north"}), ("lon", "lon", np.arange(6) * 5, {"units": "degrees_east"}))
+PLACES = [0, 25, -20, 20, 0, 70]
+UNIT = [0, 5, 0, 4, 0, 3]
+
+
+def opened(name, sizes, format="NETCDF4"):
+    file = netCDF4.Dataset(name, "w", format=format)
+    file.set_fill_on()
+    for dimension, size in sizes:
+        file.createDimension(dimension, size)
+    return file
+
+
+def stored(file, name, type, dimensions, values, fill=None, **attributes):
+    variable = file.createVariable(name, type, dimensions, fill_value=fill)
+    variable.set_auto_maskandscale(False)
+    variable.setncatts(attributes)
+    if values is not None:
+        variable[:] = values
+    return variable
+
+
+def axis(file, name, dimension, values, attributes):
+    stored(file, name, "f8", (dimension,), values, **attributes)
+
+
+def types(field, lattice):
+    sizes = list(zip(SPACE, field.shape))
+    wholes = {"i1": field % 100 - 50, "i2": -field, "i4": -field * 1000, "i8": field * 1e9, "u1": field % 200, "u2": field * 100, "u4": field * 1e6, "u8": field * 1e12}
+    for name, format, kinds in (("types.nc", "NETCDF4", wholes), ("types5.nc", "NETCDF3_64BIT_DATA", wholes), ("bytes.nc", "NETCDF3_CLASSIC", ["i1", "i2", "i4"]),
+                                ("whole.nc", "NETCDF4", ["u1"])):
+        ranges = {}
+        with opened(name, sizes, format) as file:
+            for kind in kinds:
+                stored(file, "of_" + kind, kind, SPACE, wholes[kind].astype(kind))
+                ranges["of_" + kind] = [float(wholes[kind].min()), float(wholes[kind].max()), 0]
+            if name != "whole.nc":
+                stored(file, "T", "f4", SPACE, field)
+                ranges["T"] = [0, 345, 0]
+            if name == "bytes.nc":
+                stored(file, "no_sign", "i1", SPACE, (field % 200).astype("u1").view("i1"), _Unsigned="true")
+                ranges["no_sign"] = [0, 145, 0]
+            if name == "types.nc":
+                names = file.createEnumType("u1", "names", {"rock": 0, "sand": 1})
+                stored(file, "named", names, SPACE, (field % 2).astype("u1"))
+                ranges["named"] = [0, 1, 0]
+                file.createVariable("records", file.createCompoundType(np.dtype([("a", "f4"), ("b", "f4")]), "pair"), SPACE)
+                file.createVariable("text", str, SPACE)
+        first = "of_u1" if name == "whole.nc" else "T"
+        lattice(name, ranges, UNIT, [5, 3, 2, first, 35 if name == "whole.nc" else 235])
+
+
+def gaps(field, lattice):
+    for name, format in (("gaps.nc", "NETCDF4"), ("gaps3.nc", "NETCDF3_CLASSIC")):
+        with opened(name, zip(SPACE, field.shape), format) as file:
+            for kind, fill in (("i2", -32767), ("i4", -9999), ("i1", -128)):
+                values = (field % 100).astype(kind)
+                values[0, 0, 0] = fill
+                stored(file, "filled_" + kind, kind, SPACE, values, fill)
+            stored(file, "unfilled", "i2", SPACE, field.astype("i2"), -1)
+            for kind in ("f4", "f8", "i2", "i4"):
+                stored(file, "half_" + kind, kind, SPACE, None)[:2] = field[:2].astype(kind)
+            stored(file, "range", "i2", SPACE, field.astype("i2"), valid_range=np.array([10, 300], "i2"))
+            stored(file, "two", "f4", SPACE, field, missing_value=np.array([1, 345], "f4"))
+        lattice(name, {**{"filled_" + kind: [0, 45, 1] for kind in ("i2", "i4", "i1")}, "unfilled": [0, 345, 0], "range": [10, 300, 35], "two": [0, 344, 2],
+                       **{"half_" + kind: [0, 145, 60] for kind in ("f4", "f8", "i2", "i4")}}, UNIT, [5, 3, 1, "half_i4", 135])
+
+
+def steps(field, lattice):
+    """A first axis that does not say that it is time; times that go back or are there twice."""
+    at = [25, 10, 30, "T"]
+    for name, times, attributes, order in (("nothing_said.nc", [5, 6, 8], {}, [0, 1, 2]), ("years.nc", [2000, 2001, 2002], {"units": "year AD"}, [0, 1, 2]), ("no_times.nc", None, {}, [0, 1, 2]),
+                                           ("back.nc", [2, 1, 0], {"units": "days since 2000-01-01"}, [2, 1, 0]), ("twice.nc", [0, 0, 1], {"units": "days since 2000-01-01"}, [0, 1, 2]),
+                                           ("restart.nc", [0, 2, 1], {"units": "days since 2000-01-01"}, [0, 2, 1])):
+        with opened(name, [("time", None), *((d, len(v)) for d, _, v, _ in PLACED)]) as file:
+            for dimension, called, values, of_axis in PLACED:
+                axis(file, called, dimension, values, of_axis)
+            if times:
+                axis(file, "time", "time", times, attributes)
+            stored(file, "T", "f4", ("time", "lev", "lat", "lon"), np.stack([field + 1000 * t for t in range(3)]))
+        for step, t in enumerate(order):
+            lattice(name, {"T": [1000 * t, 1000 * t + 345, 0]}, PLACES, at + [1000 * t + 235], sorted(times or range(3)), step, grid="rectilinear")
+
+
+def axes(field, lattice):
+    said = {"lon": {"units": "degrees_east"}, "lat": {"units": "degrees_north"}, "lev": {"units": "hPa"}}
+    letters = {name: {"axis": letter} for name, letter in zip(("lon", "lat", "lev"), "XYZ")}
+    places = {"lon": np.arange(6) * 5.0, "lat": np.arange(5) * 10.0 - 20, "lev": np.array([0, 10, 30, 70.0])}
+    for name, attributes, order in (("lon_first.nc", said, ("lon", "lat", "lev")), ("lat_first.nc", letters, ("lat", "lon", "lev"))):
+        with opened(name, [(d, len(places[d])) for d in order]) as file:
+            for dimension in order:
+                axis(file, dimension, dimension, places[dimension], attributes[dimension])
+            stored(file, "T", "f4", order, field.transpose([("lev", "lat", "lon").index(d) for d in order]))
+        lattice(name, {"T": [0, 345, 0]}, PLACES, [25, 10, 30, "T", 235], grid="rectilinear")
+    with opened("down.nc", zip(SPACE, field.shape)) as file:
+        axis(file, "z", "z", [10, 20, 30, 40], {"positive": "down"})
+        stored(file, "T", "f4", SPACE, field)
+    lattice("down.nc", {"T": [0, 345, 0]}, [0, 5, 0, 4, -40, -10], [5, 3, -30, "T", 235])
+
+
+def refused():
+    with opened("mesh.nc", [("node", 4), ("face", 2), ("corner", 3)]) as file:
+        stored(file, "mesh", "i4", (), 0, cf_role="mesh_topology", topology_dimension=2, node_coordinates="nx ny", face_node_connectivity="corners")
+        stored(file, "corners", "i4", ("face", "corner"), [[0, 1, 2], [0, 2, 3]])
+    with opened("no_time.nc", [("time", 3), *zip(SPACE, (2, 2, 2))]) as file:
+        axis(file, "time", "time", [0, np.nan, 2], {"units": "days since 2000-01-01"})
+        stored(file, "T", "f4", ("time", *SPACE), np.zeros((3, 2, 2, 2)))
+
+
+def write(field, lattice):
+    types(field, lattice)
+    gaps(field, lattice)
+    steps(field, lattice)
+    axes(field, lattice)
+    with opened("group.nc", zip(SPACE, field.shape)) as file:
+        stored(file.createGroup("run"), "T", "f4", SPACE, field)
+    lattice("group.nc", {"run/T": [0, 345, 0]}, UNIT, [5, 3, 2, "run/T", 235])
+    refused()
