@@ -35,6 +35,11 @@ Box3d bounds_of(const PointSpan& points) {
   return total;
 }
 
+Box3d without_negative_zero(Box3d box) {
+  for (int a = 0; a < 3; ++a) box.lower[a] += 0.0, box.upper[a] += 0.0;
+  return box;
+}
+
 /// The two directions in which a flat structured grid has more than one point.
 std::array<std::size_t, 2> wide_directions(const std::array<std::int64_t, 3>& dims) {
   return {dims[0] == 1 ? std::size_t{1} : std::size_t{0}, dims[2] == 1 ? std::size_t{1} : std::size_t{2}};
@@ -137,13 +142,13 @@ int Grid::cell_points(std::int64_t cell, std::array<std::int64_t, kMaxCellVertic
 }
 
 Box3d Grid::bounds() const {
-  if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape)) return bounds_of(unstructured->points);
-  if (const auto* curvilinear = std::get_if<CurvilinearGrid>(&shape)) return bounds_of(curvilinear->points);
+  if (const auto* unstructured = std::get_if<UnstructuredGrid>(&shape)) return without_negative_zero(bounds_of(unstructured->points));
+  if (const auto* curvilinear = std::get_if<CurvilinearGrid>(&shape)) return without_negative_zero(bounds_of(curvilinear->points));
   Box3d box;
   if (point_count() == 0) return box;
   box.include(point(0));
   box.include(point(point_count() - 1));  // axes are monotone
-  return box;
+  return without_negative_zero(box);
 }
 
 std::map<std::string, std::int64_t> count_cell_types(const Grid& grid) {

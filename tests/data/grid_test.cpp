@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "data/files.h"
@@ -13,6 +14,14 @@ Grid uniform(std::array<std::int64_t, 3> dims, Vec3d origin = {0, 0, 0}, Vec3d s
   Grid grid;
   grid.shape = UniformGrid{dims, origin, spacing};
   return grid;
+}
+
+TEST(Grid, NoBoundIsANegativeZero) {
+  for (const Grid& grid : {uniform({3, 3, 3}, {-2, -2, -0.0}, {1, 1, -1}), uniform({2, 2, 2}, {-0.0, 0, 0})})
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_FALSE(grid.bounds().lower[a] == 0 && std::signbit(grid.bounds().lower[a])) << a;
+      EXPECT_FALSE(grid.bounds().upper[a] == 0 && std::signbit(grid.bounds().upper[a])) << a;
+    }
 }
 
 TEST(Grid, StructuredPointsRunFastestAlongX) {
