@@ -83,7 +83,8 @@ Recognised recognise_folder(const fs::path& folder) {
 
 /// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
 Recognised recognise_container(std::string_view head, const std::string& file) {
-  if (ends_with_one_of(file, extensions_of(FileKind::exodus))) return {FileKind::exodus, {}};
+  const auto holds = [&](const char* dimension) { return head.find(dimension) != std::string_view::npos; };
+  if (ends_with_one_of(file, extensions_of(FileKind::exodus)) || (holds("num_nodes") && holds("num_el_blk"))) return {FileKind::exodus, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::cgns)) || head.find("CGNSLibraryVersion") != std::string_view::npos)
     return {FileKind::cgns, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::netcdf)) || head.starts_with("CDF")) return {FileKind::netcdf, {}};

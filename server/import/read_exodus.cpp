@@ -75,6 +75,8 @@ Imported read_exodus(const ReadRequest& request) {
   reader->SetGenerateObjectIdCellArray(0);
   reader->SetSqueezePoints(false);  // every element block over all of the file's points, so that blocks meet in common ones
   reader->UpdateInformation();
+  if (!take_vtk_errors("Could not read block params").empty())
+    throw Error(ErrorCode::bad_data, name + ": the Exodus library of VTK cannot read the sizes of one of its blocks of edges, faces or elements; write it anew without blocks of edges and faces");
   Imported imported;
   const int blocks = reader->GetNumberOfObjects(kBlocks);
   for (int i = 0; i < blocks; ++i) reader->SetObjectStatus(kBlocks, i, 1);

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "import/appended_file.h"
+#include "import/netcdf_file.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
 #include "import/read_vtk.h"
@@ -17,28 +18,12 @@ namespace {
 struct HdfArray {
   int group = 0, variable = 0;
   std::string name;  // with its groups: "run/density"
-  nc_type type = NC_NAT;
+  ScalarType type = ScalarType::float32;
   std::vector<std::size_t> shape;
   bool placed = false;  // each of its axes has an array of places
 
   std::size_t values() const { return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>()); }
 };
-
-std::optional<ScalarType> hdf_type(nc_type type) {
-  switch (type) {
-    case NC_BYTE: return ScalarType::int8;
-    case NC_UBYTE: return ScalarType::uint8;
-    case NC_SHORT: return ScalarType::int16;
-    case NC_USHORT: return ScalarType::uint16;
-    case NC_INT: return ScalarType::int32;
-    case NC_UINT: return ScalarType::uint32;
-    case NC_INT64: return ScalarType::int64;
-    case NC_UINT64: return ScalarType::uint64;
-    case NC_FLOAT: return ScalarType::float32;
-    case NC_DOUBLE: return ScalarType::float64;
-    default: return std::nullopt;
-  }
-}
 
 class HdfFile {
  public:
@@ -91,9 +76,11 @@ class HdfFile {
   void take(int group, int variable, const std::string& prefix) {
     char name[NC_MAX_NAME + 1] = {};
     int axes = 0, dimensions[NC_MAX_VAR_DIMS] = {};
-    HdfArray array{group, variable, {}, NC_NAT, {}};
-    if (nc_inq_var(group, variable, name, &array.type, &axes, dimensions, nullptr) != NC_NOERR || !hdf_type(array.type) || axes < 1) return;
-    array.name = prefix + name;
+    nc_type stored = NC_NAT;
+    if (nc_inq_var(group, variable, name, &stored, &axes, dimensions, nullptr) != NC_NOERR || stored == NC_CHAR || axes < 1) return;
+    const std::optional<ScalarType> type = netcdf_type(group, stored);
+    if (!type) return;
+    HdfArray array{group, variable, prefix + name, *type, {}};
     array.placed = true;
     for (int a = 0; a < axes; ++a) {
       std::size_t length = 0;
@@ -144,7 +131,7 @@ FileArray read_array(const HdfFile& file, const HdfArray& array, const HdfAxes& 
   constexpr std::size_t kAtOnce = std::size_t{64} << 20;
   FileArray out;
   out.name = array.name;
-  out.type = *hdf_type(array.type);
+  out.type = array.type;
   out.components = axes.components < array.shape.size() ? static_cast<int>(array.shape[axes.components]) : 1;
   std::vector<std::size_t> from(array.shape.size()), count = array.shape;
   if (axes.steps < array.shape.size()) from[axes.steps] = static_cast<std::size_t>(request.step), count[axes.steps] = 1;
@@ -192,7 +179,7 @@ Imported read_plainly(const HdfFile& file, const ReadRequest& request, bool comp
   if (request.times_only) return imported;
   std::uint64_t bytes = 0;
   for (const HdfArray& array : file.arrays())
-    if (array.shape == best.shape) check_bytes(request, bytes += static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(array.values() / steps), static_cast<std::int64_t>(size_of(*hdf_type(array.type)))}, name)), name);
+    if (array.shape == best.shape) check_bytes(request, bytes += static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(array.values() / steps), static_cast<std::int64_t>(size_of(array.type))}, name)), name);
   Block& block = imported.blocks.emplace_back();
   place_image(block, {dim(0), dim(1), dim(2)}, {0, 0, 0}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, name);
   std::string packed;
@@ -212,6 +199,9 @@ Imported read_plainly(const HdfFile& file, const ReadRequest& request, bool comp
 Imported read_netcdf_plainly(const ReadRequest& request) { return read_plainly(HdfFile(request), request, false); }
 
 Imported read_hdf5(const ReadRequest& request) {
+#ifdef ISOSTRATA_READS_EXODUS
+  if (NetcdfFile(request.file).is_exodus()) return read_exodus(request);
+#endif
   {
     const HdfFile file(request);
 #ifdef ISOSTRATA_READS_VTKHDF

@@ -189,6 +189,9 @@ Imported read_netcdf(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_netcdf_classic(MappedFile(request.file).bytes(), name);
   const NetcdfFile file(request.file);
+#ifdef ISOSTRATA_READS_EXODUS
+  if (file.is_exodus()) return read_exodus(request);
+#endif
   refuse_mesh(file, name);
   vtkNew<NetcdfReader> reader;
   reader->set_file(file);

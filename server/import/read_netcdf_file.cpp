@@ -58,6 +58,11 @@ bool NetcdfFile::has_groups() const {
   return nc_inq_grps(file_, &count, nullptr) == NC_NOERR && count > 0;
 }
 
+bool NetcdfFile::has_dimension(const char* name) const {
+  int dimension = 0;
+  return nc_inq_dimid(file_, name, &dimension) == NC_NOERR;
+}
+
 std::optional<int> NetcdfFile::variable(const std::string& name) const {
   int variable = 0;
   return nc_inq_varid(file_, name.c_str(), &variable) == NC_NOERR ? std::optional(variable) : std::nullopt;

@@ -201,7 +201,7 @@ Imported read_numbered(const ReadRequest& request) {
     for (std::size_t t = 0; t < times.size(); ++t) said.push_back({times[t], {file.path}, static_cast<int>(t)});
     if (said.size() > kMostSteps) throw Error(ErrorCode::too_large, name + ": above " + std::to_string(kMostSteps) + " steps");
   }
-  const auto later = [](const Listed& a, const Listed& b) { return !(a.time < b.time); };
+  const auto later = [](const Listed& a, const Listed& b) { return a.files == b.files ? b.time < a.time : !(a.time < b.time); };  // one file may have a time twice
   const bool increasing = std::adjacent_find(said.begin(), said.end(), later) == said.end();
   const bool use_said = all_say && increasing;
   Imported imported = read_listed(request, use_said ? said : counted);

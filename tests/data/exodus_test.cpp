@@ -61,6 +61,14 @@ TEST_F(Exodus, AMeshWithoutTimeStepsIsAMeshAtTimeZero) {
   EXPECT_THROW(open(file, 1), Error);
 }
 
+TEST_F(Exodus, ItsContentsTellItUnderAnyName) {
+  for (const char* name : {"mesh.g", "mesh.e.4.0", "mesh.par", "mesh.exoII", "mesh.nc", "mesh"}) {
+    const auto data = test::open(scratch_.write(name, cubes().bytes()));
+    EXPECT_STREQ(data->grid.kind_name(), "unstructured") << name;
+    EXPECT_NEAR(volume(*data), 2, 1e-14) << name;
+  }
+}
+
 TEST_F(Exodus, EveryStepHasItsTimeAndItsValues) {
   ExodusFile file = cubes();
   file.node_arrays = {"heat", "salt"};

@@ -88,6 +88,14 @@ def steps(field, lattice):
             lattice(name, {"T": [1000 * t, 1000 * t + 345, 0]}, PLACES, at + [1000 * t + 235], sorted(times or range(3)), step, grid="rectilinear")
 
 
+def series(field, lattice):
+    for name, times in (("run_1.nc", [0, 0, 1]), ("run_2.nc", [2, 3])):
+        with opened(name, [("time", None), *zip(SPACE, field.shape)]) as file:
+            axis(file, "time", "time", times, {"units": "s"})
+            stored(file, "T", "f4", ("time", *SPACE), np.stack([field + 1000 * t for t in range(len(times))]))
+    lattice("run_*.nc", {"T": [1000, 1345, 0]}, UNIT, [5, 3, 2, "T", 1235], [0, 0, 1, 2, 3], 1)
+
+
 def axes(field, lattice):
     said = {"lon": {"units": "degrees_east"}, "lat": {"units": "degrees_north"}, "lev": {"units": "hPa"}}
     letters = {name: {"axis": letter} for name, letter in zip(("lon", "lat", "lev"), "XYZ")}
@@ -113,12 +121,32 @@ def refused():
         stored(file, "T", "f4", ("time", *SPACE), np.zeros((3, 2, 2, 2)))
 
 
-def write(field, lattice):
+def brick(name, expect):
+    """Exodus II inside HDF5: one hexahedron."""
+    sizes = {"len_string": 33, "num_dim": 3, "time_step": None, "num_nodes": 8, "num_elem": 1, "num_el_blk": 1, "num_el_in_blk1": 1, "num_nod_per_el1": 8}
+    with opened(name, sizes.items()) as file:
+        file.setncatts({"api_version": np.float32(5.14), "version": np.float32(5.14), "floating_point_word_size": np.int32(8), "file_size": np.int32(1)})
+        stored(file, "eb_prop1", "i4", ("num_el_blk",), [1]).setncattr("name", "ID")
+        stored(file, "eb_status", "i4", ("num_el_blk",), [1])
+        for axis_name, places in zip("xyz", ([0, 1, 1, 0, 0, 1, 1, 0], [0, 0, 2, 2, 0, 0, 2, 2], [0, 0, 0, 0, 3, 3, 3, 3])):
+            stored(file, "coord" + axis_name, "f8", ("num_nodes",), places)
+        stored(file, "connect1", "i4", ("num_el_in_blk1", "num_nod_per_el1"), [range(1, 9)], elem_type="HEX8")
+        stored(file, "time_whole", "f8", ("time_step",), [0.0])
+        stored(file, "vals_nod_var1", "f8", ("time_step", "num_nodes"), [range(8)])
+        names = file.createVariable("name_nod_var", "S1", (file.createDimension("num_nod_var", 1).name, "len_string"))
+        names[0, 0] = "f"
+    expect(name, "unstructured", 8, 1, {"f": [0, 7, 0]}, [0, 1, 0, 2, 0, 3], [1, 2, 3, "f", 6])
+
+
+def write(field, lattice, expect):
     types(field, lattice)
     gaps(field, lattice)
     steps(field, lattice)
+    series(field, lattice)
     axes(field, lattice)
     with opened("group.nc", zip(SPACE, field.shape)) as file:
         stored(file.createGroup("run"), "T", "f4", SPACE, field)
     lattice("group.nc", {"run/T": [0, 345, 0]}, UNIT, [5, 3, 2, "run/T", 235])
+    for name in ("brick.nc", "brick.h5"):
+        brick(name, expect)
     refused()

@@ -458,7 +458,7 @@ def main():
     os.chdir(sys.argv[1])
     numpy_arrays()
     netcdf()
-    netcdf_files.write(FIELD, lattice)
+    netcdf_files.write(FIELD, lattice, expect)
     vtkhdf()
     containers()
     cgns()
