@@ -81,6 +81,13 @@ Recognised recognise_folder(const fs::path& folder) {
   throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, a Zarr folder, or a folder of DICOM slices");
 }
 
+/// HDF5 may begin with a block of something else, of 512 bytes times a power of two; empty where it does not.
+std::string_view past_user_block(std::string_view head) {
+  for (std::size_t at = 512; at + 8 <= head.size(); at *= 2)
+    if (head.substr(at, 8) == "\x89HDF\r\n\x1a\n") return head.substr(at);
+  return {};
+}
+
 /// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
 Recognised recognise_container(std::string_view head, const std::string& file) {
   const auto holds = [&](const char* dimension) { return head.find(dimension) != std::string_view::npos; };
@@ -183,6 +190,7 @@ Recognised recognise(const fs::path& path) {
     const bool blocks = type == "vtkMultiBlockDataSet" || type == "vtkPartitionedDataSet" || type == "vtkPartitionedDataSetCollection";
     return {blocks ? FileKind::multi_block : FileKind::vtk_xml, std::move(type)};
   }
+  if (const std::string_view inside = past_user_block(head); !inside.empty()) return recognise_container(inside, file);
   if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n"))
     return recognise_container(head, file);
   if (ends_with_one_of(file, extensions_of(FileKind::nifti))) return {FileKind::nifti, {}};

@@ -1,12 +1,24 @@
-// HDF5 that follows no convention of its own (h5py, MATLAB 7.3, instruments): its largest arrays as numbers on a grid, by the netCDF library, which reads all of HDF5.
+// HDF5 that follows no convention of its own (h5py, MATLAB 7.3, instruments): its largest arrays as numbers on a grid, by HDF5's own library.
 #include <netcdf.h>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstring>
+#include <filesystem>
+#include <functional>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <string>
 #include <tuple>
+#include <vector>
 
+#include "data/recognise.h"
 #include "import/appended_file.h"
+#include "import/array_file.h"
+#include "import/hdf5_file.h"
+#include "import/mapped_file.h"
 #include "import/netcdf_file.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
@@ -15,88 +27,29 @@
 namespace isostrata {
 namespace {
 
-struct HdfArray {
-  int group = 0, variable = 0;
-  std::string name;  // with its groups: "run/density"
-  ScalarType type = ScalarType::float32;
-  std::vector<std::size_t> shape;
-  bool placed = false;  // each of its axes has an array of places
-
-  std::size_t values() const { return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>()); }
-};
-
-class HdfFile {
+/// netCDF that is not HDF5.
+class ClassicArrays : public ArrayFile {
  public:
-  explicit HdfFile(const ReadRequest& request) : name_(request.file.filename().string()) {
-    if (const int error = nc_open(request.file.c_str(), NC_NOWRITE, &file_); error != NC_NOERR) throw Error(ErrorCode::bad_data, name_ + ": is damaged or cut off, or not read: " + nc_strerror(error));
-    open_ = true;
-    walk(file_, "", 0);
+  explicit ClassicArrays(const std::filesystem::path& file) : file_(file), name_(file.filename().string()) {
+    for (int variable = 0; variable < file_.variables(); ++variable) {
+      const std::optional<ScalarType> type = file_.type(variable);
+      if (!type || file_.dimensions(variable).empty()) continue;
+      StoredArray& array = arrays_.emplace_back();
+      array.name = file_.name(variable);
+      array.type = *type;
+      for (const int dimension : file_.dimensions(variable)) array.shape.push_back(file_.length(dimension));
+      for (const char* attribute : {"scale_factor", "add_offset", "_FillValue"}) array.packed = array.packed || !file_.numbers(variable, attribute).empty();
+    }
   }
-  ~HdfFile() {
-    if (open_) nc_close(file_);
-  }
-  HdfFile(const HdfFile&) = delete;
-  HdfFile& operator=(const HdfFile&) = delete;
-
-  const std::vector<HdfArray>& arrays() const { return arrays_; }
-  bool has_group(const char* name) const {
-    int group = 0;
-    return nc_inq_ncid(file_, name, &group) == NC_NOERR;
-  }
-
-  /// Part of one along each of its axes, in the machine's byte order.
-  void read(const HdfArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const {
-    if (const int error = nc_get_vara(array.group, array.variable, from.data(), count.data(), to.data()); error != NC_NOERR)
+  void read(const StoredArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const override {
+    if (const int error = nc_get_vara(file_.number(), file_.variable(array.name).value(), from.data(), count.data(), to.data()); error != NC_NOERR)
       throw Error(ErrorCode::bad_data, name_ + ": '" + array.name + "' cannot be read: " + nc_strerror(error));
   }
-  /// Whether it says that other values are meant than those that are stored.
-  bool is_packed(const HdfArray& array) const {
-    return std::ranges::any_of(std::array{"scale_factor", "add_offset", "_FillValue"}, [&](const char* name) { return nc_inq_att(array.group, array.variable, name, nullptr, nullptr) == NC_NOERR; });
-  }
-  /// Along its axis `a`; 1 if it is not in chunks.
-  std::size_t chunk(const HdfArray& array, std::size_t a) const {
-    int storage = NC_CONTIGUOUS;
-    std::vector<std::size_t> sizes(array.shape.size(), 1);
-    if (nc_inq_var_chunking(array.group, array.variable, &storage, sizes.data()) != NC_NOERR || storage != NC_CHUNKED) return 1;
-    return std::max<std::size_t>(sizes[a], 1);
-  }
+  std::size_t chunk(const StoredArray&, std::size_t) const override { return 1; }
 
  private:
-  void walk(int group, const std::string& prefix, int depth) {
-    constexpr std::size_t kMost = 10'000;
-    int count = 0;
-    if (nc_inq_nvars(group, &count) != NC_NOERR) return;
-    for (int v = 0; v < count && arrays_.size() < kMost; ++v) take(group, v, prefix);
-    if (depth >= 16 || nc_inq_grps(group, &count, nullptr) != NC_NOERR || count < 1) return;
-    std::vector<int> groups(static_cast<std::size_t>(count));
-    nc_inq_grps(group, nullptr, groups.data());
-    for (const int one : groups)
-      if (char name[NC_MAX_NAME + 1] = {}; nc_inq_grpname(one, name) == NC_NOERR && name[0] != '#') walk(one, prefix + name + "/", depth + 1);  // MATLAB's own: "#refs#"
-  }
-  void take(int group, int variable, const std::string& prefix) {
-    char name[NC_MAX_NAME + 1] = {};
-    int axes = 0, dimensions[NC_MAX_VAR_DIMS] = {};
-    nc_type stored = NC_NAT;
-    if (nc_inq_var(group, variable, name, &stored, &axes, dimensions, nullptr) != NC_NOERR || stored == NC_CHAR || axes < 1) return;
-    const std::optional<ScalarType> type = netcdf_type(group, stored);
-    if (!type) return;
-    HdfArray array{group, variable, prefix + name, *type, {}};
-    array.placed = true;
-    for (int a = 0; a < axes; ++a) {
-      std::size_t length = 0;
-      char axis[NC_MAX_NAME + 1] = {};
-      int places = 0;
-      if (nc_inq_dim(group, dimensions[a], axis, &length) != NC_NOERR) return;
-      array.placed = array.placed && nc_inq_varid(group, axis, &places) == NC_NOERR;
-      array.shape.push_back(length);
-    }
-    arrays_.push_back(std::move(array));
-  }
-
+  NetcdfFile file_;
   std::string name_;
-  int file_ = 0;
-  bool open_ = false;
-  std::vector<HdfArray> arrays_;
 };
 
 /// Which of an array's axes are which: of those of more than one point the last three are space, but for a fourth at the end that holds components (not in netCDF), and
@@ -127,7 +80,7 @@ std::string shown(const std::vector<std::size_t>& shape) {
   return out;
 }
 
-FileArray read_array(const HdfFile& file, const HdfArray& array, const HdfAxes& axes, const ReadRequest& request, std::size_t number) {
+FileArray read_array(const ArrayFile& file, const StoredArray& array, const HdfAxes& axes, const ReadRequest& request, std::size_t number) {
   constexpr std::size_t kAtOnce = std::size_t{64} << 20;
   FileArray out;
   out.name = array.name;
@@ -153,22 +106,33 @@ FileArray read_array(const HdfFile& file, const HdfArray& array, const HdfAxes& 
   return out;
 }
 
-/// The array of most values of those whose axes make sense.
-const HdfArray& largest(const HdfFile& file, const std::string& name, bool components) {
-  const auto& arrays = file.arrays();
-  const auto best = std::max_element(arrays.begin(), arrays.end(), [&](const HdfArray& a, const HdfArray& b) {
-    return std::tuple(hdf_axes(a.shape, components).has_value(), a.values()) < std::tuple(hdf_axes(b.shape, components).has_value(), b.values());
-  });
-  if (best == arrays.end() || !hdf_axes(best->shape, components))
-    throw Error(ErrorCode::unsupported, name + ": without an array of two or three axes of numbers" +
-                                            (best == arrays.end() ? "" : " (the largest, '" + best->name.substr(0, 80) + "', has " + shown(best->shape) + ")") +
-                                            "; save it as VTKHDF, CGNS, netCDF (.nc), or one array as .npy");
-  return *best;
+/// A mesh's or particles' own, by its name: the places of points, or the points of cells. As a picture it would be three to eight points wide.
+bool is_list(const StoredArray& array) {
+  if (array.shape.size() != 2 || array.shape[1] > 8) return false;
+  const std::string name = small_letters(array.name);
+  static constexpr std::array kWords{"topology", "connectivity", "coord", "geometry", "vertices", "points", "positions", "nodes", "elements", "cells"};
+  return std::any_of(kWords.begin(), kWords.end(), [&](const char* word) { return name.find(word) != std::string::npos; });
 }
 
-Imported read_plainly(const HdfFile& file, const ReadRequest& request, bool components) {
+/// The array of most values of those whose axes make sense.
+const StoredArray& largest(const ArrayFile& file, const std::string& name, bool components) {
+  const auto& arrays = file.arrays();
+  const auto order = [&](const StoredArray& array) {
+    const bool sense = hdf_axes(array.shape, components).has_value();
+    return std::tuple(sense && !is_list(array), sense, array.values());
+  };
+  const auto best = std::max_element(arrays.begin(), arrays.end(), [&](const StoredArray& a, const StoredArray& b) { return order(a) < order(b); });
+  if (best != arrays.end() && std::get<0>(order(*best))) return *best;
+  const std::string it = best == arrays.end() ? "" : "'" + best->name.substr(0, 80) + "'";
+  if (best != arrays.end() && std::get<1>(order(*best)))
+    throw Error(ErrorCode::unsupported, name + ": holds lists of points or cells (" + it + ", " + shown(best->shape) + "), not values on a grid; save it as VTKHDF, CGNS or .vtu (ParaView, or meshio convert)");
+  throw Error(ErrorCode::unsupported, name + ": without an array of two or three axes of numbers" + (it.empty() ? "" : " (the largest, " + it + ", has " + shown(best->shape) + ")") +
+                                          "; save it as VTKHDF, CGNS, netCDF (.nc), or one array as .npy");
+}
+
+Imported read_plainly(const ArrayFile& file, const ReadRequest& request, bool components) {
   const std::string name = request.file.filename().string();
-  const HdfArray& best = largest(file, name, components);
+  const StoredArray& best = largest(file, name, components);
   const HdfAxes axes = *hdf_axes(best.shape, components);
   const auto dim = [&](std::size_t from_last) { return from_last < axes.space.size() ? static_cast<std::int64_t>(best.shape[axes.space[axes.space.size() - 1 - from_last]]) : 1; };
   const std::size_t steps = axes.steps < best.shape.size() ? best.shape[axes.steps] : 1;
@@ -178,15 +142,15 @@ Imported read_plainly(const HdfFile& file, const ReadRequest& request, bool comp
   check_step(request, steps);
   if (request.times_only) return imported;
   std::uint64_t bytes = 0;
-  for (const HdfArray& array : file.arrays())
+  for (const StoredArray& array : file.arrays())
     if (array.shape == best.shape) check_bytes(request, bytes += static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(array.values() / steps), static_cast<std::int64_t>(size_of(array.type))}, name)), name);
   Block& block = imported.blocks.emplace_back();
   place_image(block, {dim(0), dim(1), dim(2)}, {0, 0, 0}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, name);
   std::string packed;
-  for (const HdfArray& array : file.arrays()) {
+  for (const StoredArray& array : file.arrays()) {
     if (array.shape != best.shape) continue;
     block.arrays.push_back(read_array(file, array, axes, request, block.arrays.size()));
-    if (file.is_packed(array)) packed += (packed.empty() ? "'" : ", '") + array.name + "'";
+    if (array.packed) packed += (packed.empty() ? "'" : ", '") + array.name + "'";
   }
   imported.notes.push_back("arrays of " + shown(best.shape) + " values: the last axis is x, points 1 apart" + (steps > 1 ? "; the first counts steps" : ""));
   if (const std::size_t others = file.arrays().size() - block.arrays.size(); others > 0) imported.notes.push_back(std::to_string(others) + " arrays of other shapes skipped");
@@ -194,22 +158,51 @@ Imported read_plainly(const HdfFile& file, const ReadRequest& request, bool comp
   return imported;
 }
 
+/// Whether each axis of an array has an array of its places, by netCDF's way.
+bool is_placed(const ReadRequest& request, const StoredArray& array) {
+  if (!array.placed) return false;
+  try {
+    const NetcdfFile file(request.file);
+    const auto slash = array.name.rfind('/');
+    const std::string prefix = slash == std::string::npos ? "" : array.name.substr(0, slash), name = slash == std::string::npos ? array.name : array.name.substr(slash + 1);
+    int group = file.number(), variable = 0, count = 0;
+    if (!prefix.empty() && nc_inq_grp_full_ncid(file.number(), prefix.c_str(), &group) != NC_NOERR) return false;
+    std::array<int, NC_MAX_VAR_DIMS> dimensions{};
+    if (nc_inq_varid(group, name.c_str(), &variable) != NC_NOERR || nc_inq_var(group, variable, nullptr, nullptr, &count, dimensions.data(), nullptr) != NC_NOERR) return false;
+    return std::all_of(dimensions.begin(), dimensions.begin() + count, [&](int dimension) {
+      char axis[NC_MAX_NAME + 1] = {};
+      return nc_inq_dimname(group, dimension, axis) == NC_NOERR && nc_inq_varid(group, axis, &variable) == NC_NOERR;
+    });
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+bool is_classic(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  return mapped.bytes().size() > 3 && std::memcmp(mapped.bytes().data(), "CDF", 3) == 0;
+}
+
 }  // namespace
 
-Imported read_netcdf_plainly(const ReadRequest& request) { return read_plainly(HdfFile(request), request, false); }
+Imported read_netcdf_plainly(const ReadRequest& request) {
+  if (is_classic(request.file)) return read_plainly(ClassicArrays(request.file), request, false);
+  return read_plainly(Hdf5File(request.file), request, false);
+}
 
 Imported read_hdf5(const ReadRequest& request) {
-#ifdef ISOSTRATA_READS_EXODUS
-  if (NetcdfFile(request.file).is_exodus()) return read_exodus(request);
-#endif
-  {
-    const HdfFile file(request);
+  const Hdf5File file(request.file);
 #ifdef ISOSTRATA_READS_VTKHDF
-    if (file.has_group("VTKHDF")) return read_vtkhdf(request);
+  if (file.has_group("VTKHDF")) return read_vtkhdf(request);
 #endif
-    if (!largest(file, request.file.filename().string(), true).placed) return read_plainly(file, request, true);
-  }
-  return read_netcdf(request);
+#ifdef ISOSTRATA_READS_EXODUS
+  const auto holds = [&](const char* name) { return file.has(name); };
+  if (holds("num_nodes") && holds("num_el_blk")) return read_exodus(request);
+#endif
+  if (is_placed(request, largest(file, request.file.filename().string(), true))) return read_netcdf(request);
+  Imported imported = read_plainly(file, request, true);
+  if (file.lost_links() > 0 && !request.times_only) imported.notes.push_back(std::to_string(file.lost_links()) + " links skipped that lead to nothing");
+  return imported;
 }
 
 }  // namespace isostrata

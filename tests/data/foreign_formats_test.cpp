@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/json.hpp>
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <random>
@@ -105,8 +106,9 @@ TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
   EXPECT_GE(pairs, 11);
 }
 
-TEST_F(ForeignFormats, NetcdfThatIsRefusedSaysWhy) {
-  for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"}}) {
+TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
+  for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"},
+                                         {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"}}) {
     const Error error = test::refusal(file(name));
     EXPECT_EQ(error.code(), code) << error.what();
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
@@ -120,6 +122,12 @@ TEST_F(ForeignFormats, NetcdfKeepsItsTypesWhereNothingIsMissing) {
     EXPECT_EQ(types->array(std::string_view(name)).type, type) << name;
   for (const auto& [name, type] : {std::pair{"unfilled", ScalarType::int16}, {"filled_i2", ScalarType::float32}, {"filled_i4", ScalarType::float64}})
     EXPECT_EQ(gaps->array(std::string_view(name)).type, type) << name;
+}
+
+TEST_F(ForeignFormats, LinksToNothingAreCounted) {
+  const auto data = test::open(file("links.h5"));
+  EXPECT_EQ(data->arrays.size(), 3u);
+  EXPECT_NE(std::find(data->notes.begin(), data->notes.end(), "2 links skipped that lead to nothing"), data->notes.end());
 }
 
 TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {

@@ -14,6 +14,7 @@ import struct
 import sys
 
 import h5py
+import hdf5_files
 import netCDF4
 import netcdf_files
 import numpy as np
@@ -461,6 +462,7 @@ def main():
     netcdf_files.write(FIELD, lattice, expect)
     vtkhdf()
     containers()
+    hdf5_files.write(FIELD, lattice)
     cgns()
     nifti_files()
     dicom("scan", False)
