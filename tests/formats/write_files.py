@@ -123,6 +123,18 @@ def vtkhdf():
         g.attrs["Direction"] = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
         g.create_group("PointData").create_dataset("f", data=FIELD.astype("f4"))
     lattice("image.vtkhdf", {"f": [0, 345, 0]}, [1, 3.5, 2, 6, 3, 9], [3.5, 5, 7, "f", 235])
+    with h5py.File("image_of_cells.vtkhdf", "w") as file:
+        g = file.create_group("VTKHDF")
+        g.attrs["Version"] = [1, 0]
+        g.attrs.create("Type", np.bytes_("ImageData"))
+        for name, value in {"WholeExtent": np.array([0, NX - 1, 0, NY - 1, 0, NZ - 1]), "Origin": [0.0, 0, 0], "Spacing": [1.0, 1, 1], "Direction": [1.0, 0, 0, 0, 1, 0, 0, 0, 1]}.items():
+            g.attrs[name] = value
+        g.create_group("PointData").create_dataset("f", data=FIELD.astype("f4"))
+        cells = g.create_group("CellData")
+        cells.create_dataset("c", data=FIELD[1:, 1:, 1:])
+        cells.create_dataset("v", data=np.stack([FIELD[1:, 1:, 1:]] * 3, -1))
+        g.create_group("FieldData").create_dataset("TimeValue", data=[2.5])
+    lattice("image_of_cells.vtkhdf", {"f": [0, 345, 0], "c": [111, 345, 0], "v_x": [111, 345, 0]}, [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 4, 3, "c", 345], [2.5])
     with h5py.File("cells.hdf", "w") as file:
         g = file.create_group("VTKHDF")
         g.attrs["Version"] = [1, 0]
