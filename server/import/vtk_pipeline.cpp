@@ -53,7 +53,7 @@ void report_progress(vtkAlgorithm* reader, const ReadRequest& request) {
   reader->AddObserver(vtkCommand::ProgressEvent, command);
 }
 
-std::vector<double> listed_times(vtkAlgorithm* reader) {
+std::vector<double> listed_times(vtkAlgorithm* reader, const std::string& name) {
   vtkInformation* information = reader->GetOutputInformation(0);
   const auto key = vtkStreamingDemandDrivenPipeline::TIME_STEPS();
   const int count = information && information->Has(key) ? information->Length(key) : 0;
@@ -61,7 +61,7 @@ std::vector<double> listed_times(vtkAlgorithm* reader) {
   const double* times = information->Get(key);
   std::vector<double> out(times, times + count);
   if (!std::all_of(out.begin(), out.end(), [](double time) { return std::isfinite(time); }))
-    throw Error(ErrorCode::bad_data, "a time is not a finite number");
+    throw Error(ErrorCode::bad_data, name + ": a time is not a finite number");
   return out;
 }
 
@@ -69,7 +69,7 @@ Imported read_step(vtkAlgorithm* reader, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   throw_on_vtk_error(name);
   check_declared_extent(reader, request, name);
-  const std::vector<double> listed = listed_times(reader);
+  const std::vector<double> listed = listed_times(reader, name);
   check_step(request, std::max<std::size_t>(listed.size(), 1));
   if (request.times_only) {
     Imported times;

@@ -1,6 +1,7 @@
 // What is the same for every reader of VTK's: checks, time steps, progress, and what is made of its output.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "import/imported.h"
@@ -13,8 +14,8 @@ namespace isostrata {
 /// Tells request.progress how far the reader is. The request must outlive the reader's work.
 void report_progress(vtkAlgorithm* reader, const ReadRequest& request);
 
-/// The times that a reader's information lists; empty where it lists none. After UpdateInformation.
-std::vector<double> listed_times(vtkAlgorithm* reader);
+/// The times that a reader's information lists; empty where it lists none. After UpdateInformation. `name` is the file's.
+std::vector<double> listed_times(vtkAlgorithm* reader, const std::string& name);
 
 /// The time that a file says it has, as ParaView and VTK write it; {0} where it says none.
 std::vector<double> declared_times(vtkDataObject* object);
