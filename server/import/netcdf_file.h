@@ -28,11 +28,14 @@ class NetcdfFile {
   int number() const { return file_; }
   int variables() const;
   bool has_groups() const;
+  bool has_many_axes() const;  // a variable over more than VTK reads: time and three
   bool has_dimension(const char* name) const;
   std::optional<int> variable(const std::string& name) const;
   std::string name(int variable) const;
+  std::vector<int> dimensions() const;
   std::vector<int> dimensions(int variable) const;
   std::size_t length(int dimension) const;
+  std::string dimension_name(int dimension) const;
   /// Whether it is Exodus II, which its name or its first bytes need not tell.
   bool is_exodus() const { return has_dimension("num_nodes") && has_dimension("num_el_blk"); }
   /// The variable that says where the points of a dimension are: over it alone, and of its name.

@@ -174,6 +174,13 @@ void refuse_mesh(const NetcdfFile& file, const std::string& name) {
       throw Error(ErrorCode::unsupported, name + ": netCDF with a mesh by the UGRID convention ('" + file.name(variable) + "'); save it as .vtu, VTKHDF or CGNS (ParaView: Save Data)");
 }
 
+/// Nothing was written along such a dimension yet. VTK takes its first place all the same.
+void refuse_empty(const NetcdfFile& file, const std::vector<int>& dimensions, const std::string& name) {
+  for (const int dimension : dimensions)
+    if (file.length(dimension) == 0)
+      throw Error(ErrorCode::bad_data, name + ": its dimension '" + file.dimension_name(dimension) + "' has length 0; expected at least one step or place along it");
+}
+
 /// VTK turns the spacing of an even axis whose values go down, and not its origin.
 void place_downward(UniformGrid& grid, const NetcdfFile& file, const std::vector<int>& dimensions) {
   for (std::size_t axis = 0; axis < std::min<std::size_t>(dimensions.size(), 3); ++axis) {
@@ -193,6 +200,9 @@ Imported read_netcdf(const ReadRequest& request) {
   if (file.is_exodus()) return read_exodus(request);
 #endif
   refuse_mesh(file, name);
+  std::vector<int> placed = file.dimensions();
+  std::erase_if(placed, [&](int dimension) { return !file.coordinate(dimension); });
+  refuse_empty(file, placed, name);
   vtkNew<NetcdfReader> reader;
   reader->set_file(file);
   reader->SetFileName(request.file.c_str());
@@ -208,11 +218,12 @@ Imported read_netcdf(const ReadRequest& request) {
     dimensions = choose_group(*reader, file).first;
   }
   if (dimensions.empty()) {
-    if (file.has_groups()) return read_netcdf_plainly(request);
+    if (file.has_groups() || file.has_many_axes()) return read_netcdf_plainly(request);
     throw Error(ErrorCode::unsupported, name + ": netCDF without a variable over two or three axes of space");
   }
   std::vector<std::string> notes;
   const std::vector<int> variables = turn_on(*reader, file, dimensions, notes), timed = time_dimensions(*reader, file, variables);
+  for (const int variable : variables) refuse_empty(file, file.dimensions(variable), name);
   const NetcdfSteps steps = netcdf_steps(file, timed, name);
   reader->set_steps(steps);
   reader->UpdateInformation();

@@ -58,6 +58,12 @@ bool NetcdfFile::has_groups() const {
   return nc_inq_grps(file_, &count, nullptr) == NC_NOERR && count > 0;
 }
 
+bool NetcdfFile::has_many_axes() const {
+  for (int variable = 0; variable < variables(); ++variable)
+    if (dimensions(variable).size() > 4) return true;
+  return false;
+}
+
 bool NetcdfFile::has_dimension(const char* name) const {
   int dimension = 0;
   return nc_inq_dimid(file_, name, &dimension) == NC_NOERR;
@@ -73,6 +79,13 @@ std::string NetcdfFile::name(int variable) const {
   return nc_inq_varname(file_, variable, name) == NC_NOERR ? name : "";
 }
 
+std::vector<int> NetcdfFile::dimensions() const {
+  int count = 0;
+  if (nc_inq_dimids(file_, &count, nullptr, 0) != NC_NOERR || count < 1) return {};
+  std::vector<int> dimensions(static_cast<std::size_t>(count));
+  return nc_inq_dimids(file_, &count, dimensions.data(), 0) == NC_NOERR ? dimensions : std::vector<int>{};
+}
+
 std::vector<int> NetcdfFile::dimensions(int variable) const {
   int count = 0;
   if (nc_inq_varndims(file_, variable, &count) != NC_NOERR || count < 1) return {};
@@ -85,10 +98,13 @@ std::size_t NetcdfFile::length(int dimension) const {
   return nc_inq_dimlen(file_, dimension, &length) == NC_NOERR ? length : 0;
 }
 
-std::optional<int> NetcdfFile::coordinate(int dimension) const {
+std::string NetcdfFile::dimension_name(int dimension) const {
   char name[NC_MAX_NAME + 1] = {};
-  if (nc_inq_dimname(file_, dimension, name) != NC_NOERR) return std::nullopt;
-  const std::optional<int> found = variable(name);
+  return nc_inq_dimname(file_, dimension, name) == NC_NOERR ? name : "";
+}
+
+std::optional<int> NetcdfFile::coordinate(int dimension) const {
+  const std::optional<int> found = variable(dimension_name(dimension));
   return found && dimensions(*found) == std::vector{dimension} ? found : std::nullopt;
 }
 

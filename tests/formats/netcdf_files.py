@@ -116,6 +116,11 @@ def refused():
     with opened("mesh.nc", [("node", 4), ("face", 2), ("corner", 3)]) as file:
         stored(file, "mesh", "i4", (), 0, cf_role="mesh_topology", topology_dimension=2, node_coordinates="nx ny", face_node_connectivity="corners")
         stored(file, "corners", "i4", ("face", "corner"), [[0, 1, 2], [0, 2, 3]])
+    for name, placed in (("no_steps.nc", True), ("no_steps_nor_times.nc", False)):
+        with opened(name, [("time", None), *zip(SPACE, (2, 2, 2))]) as file:
+            if placed:
+                axis(file, "time", "time", None, {"units": "days since 2000-01-01"})
+            stored(file, "T", "f4", ("time", *SPACE), None)
     with opened("no_time.nc", [("time", 3), *zip(SPACE, (2, 2, 2))]) as file:
         axis(file, "time", "time", [0, np.nan, 2], {"units": "days since 2000-01-01"})
         stored(file, "T", "f4", ("time", *SPACE), np.zeros((3, 2, 2, 2)))
@@ -138,11 +143,20 @@ def brick(name, expect):
     expect(name, "unstructured", 8, 1, {"f": [0, 7, 0]}, [0, 1, 0, 2, 0, 3], [1, 2, 3, "f", 6])
 
 
+def many_axes(field, lattice):
+    """An axis of one place beside time and space."""
+    with opened("member.nc", [("time", None), ("member", 1), *zip(SPACE, field.shape)]) as file:
+        axis(file, "time", "time", [0, 1], {"units": "s"})
+        stored(file, "T", "f4", ("time", "member", *SPACE), np.stack([field, field + 1000])[:, None])
+    lattice("member.nc", {"T": [1000, 1345, 0]}, UNIT, [5, 3, 2, "T", 1235], [0, 1], 1)
+
+
 def write(field, lattice, expect):
     types(field, lattice)
     gaps(field, lattice)
     steps(field, lattice)
     series(field, lattice)
+    many_axes(field, lattice)
     axes(field, lattice)
     with opened("group.nc", zip(SPACE, field.shape)) as file:
         stored(file.createGroup("run"), "T", "f4", SPACE, field)
