@@ -92,6 +92,7 @@ NetcdfSteps netcdf_steps(const NetcdfFile& file, const std::vector<int>& dimensi
 }
 
 std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfFile& file, const std::vector<int>& dimensions) {
+  if (dimensions.size() == 2 && direction(file, dimensions[0]) == 0u && direction(file, dimensions[1]) == 1u) return std::array<std::size_t, 3>{1, 0, 2};
   if (dimensions.size() != 3) return std::nullopt;
   constexpr std::size_t kNone = 3;
   std::array<std::size_t, 3> of{kNone, kNone, kNone};

@@ -96,7 +96,7 @@ def series(field, lattice):
     lattice("run_*.nc", {"T": [1000, 1345, 0]}, UNIT, [5, 3, 2, "T", 1235], [0, 0, 1, 2, 3], 1)
 
 
-def axes(field, lattice):
+def axes(field, lattice, expect):
     said = {"lon": {"units": "degrees_east"}, "lat": {"units": "degrees_north"}, "lev": {"units": "hPa"}}
     letters = {name: {"axis": letter} for name, letter in zip(("lon", "lat", "lev"), "XYZ")}
     places = {"lon": np.arange(6) * 5.0, "lat": np.arange(5) * 10.0 - 20, "lev": np.array([0, 10, 30, 70.0])}
@@ -106,6 +106,12 @@ def axes(field, lattice):
                 axis(file, dimension, dimension, places[dimension], attributes[dimension])
             stored(file, "T", "f4", order, field.transpose([("lev", "lat", "lon").index(d) for d in order]))
         lattice(name, {"T": [0, 345, 0]}, PLACES, [25, 10, 30, "T", 235], grid="rectilinear")
+    with opened("flat_lon_first.nc", [("time", 2), ("lon", 6), ("lat", 5)]) as file:
+        axis(file, "time", "time", [1, 2], {"units": "days since 2000-01-01"})
+        for dimension in ("lon", "lat"):
+            axis(file, dimension, dimension, places[dimension], said[dimension])
+        stored(file, "T", "f4", ("time", "lon", "lat"), np.stack([field[0].T, field[0].T + 1000]))
+    expect("flat_lon_first.nc", "uniform", 30, 20, {"T": [1000, 1045, 0]}, [0, 25, -20, 20, 0, 0], [25, 10, 0, "T", 1035], [1, 2], 1)
     with opened("down.nc", zip(SPACE, field.shape)) as file:
         axis(file, "z", "z", [10, 20, 30, 40], {"positive": "down"})
         stored(file, "T", "f4", SPACE, field)
@@ -157,7 +163,7 @@ def write(field, lattice, expect):
     steps(field, lattice)
     series(field, lattice)
     many_axes(field, lattice)
-    axes(field, lattice)
+    axes(field, lattice, expect)
     with opened("group.nc", zip(SPACE, field.shape)) as file:
         stored(file.createGroup("run"), "T", "f4", SPACE, field)
     lattice("group.nc", {"run/T": [0, 345, 0]}, UNIT, [5, 3, 2, "run/T", 235])
