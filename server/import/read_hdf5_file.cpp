@@ -145,6 +145,9 @@ void Hdf5File::take(hid_t dataset, const std::string& name) {
   if (axes < 1 || !scalars || is_bare_dimension(dataset)) return;
   std::vector<hsize_t> sizes(static_cast<std::size_t>(axes));
   H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr);
+  std::uint64_t values = 1;
+  for (const hsize_t size : sizes)
+    if (__builtin_mul_overflow(values, size, &values) || values > std::uint64_t{1} << 60) return;  // of a broken file
   StoredArray array{name, name, *scalars, {sizes.begin(), sizes.end()}};
   constexpr std::string_view kNoCoordinate = "_nc4_non_coord_";  // what netCDF puts before a name that is a dimension's as well
   if (const auto last = name.rfind('/') + 1; name.compare(last, kNoCoordinate.size(), kNoCoordinate) == 0) array.name.erase(last, kNoCoordinate.size());

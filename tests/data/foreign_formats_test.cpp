@@ -148,7 +148,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "scan/picture1.dcm", "plain.h5", "stored.npz", "packed.npz"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {
