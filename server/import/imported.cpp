@@ -1,5 +1,7 @@
 #include "import/imported.h"
 
+#include <algorithm>
+
 namespace isostrata {
 
 void check_bytes(const ReadRequest& request, std::uint64_t bytes, const std::string& what) {
@@ -42,6 +44,21 @@ std::filesystem::path referred_file(const std::filesystem::path& from, const std
     throw Error(ErrorCode::bad_data, refusal + "; expected a file below its own directory");
   if (!fs::is_regular_file(resolved, ignored)) throw Error(ErrorCode::not_found, refusal + ", which is not there");
   return resolved;
+}
+
+void add_note(std::vector<std::string>& notes, const std::string& note) {
+  const auto digits = [](const std::string& text) { return text.find_first_not_of("0123456789"); };
+  const auto at = digits(note);
+  if (at == 0 || at > 15 || at == std::string::npos) {
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+    return;
+  }
+  for (std::string& other : notes)
+    if (const auto there = digits(other); there != 0 && there <= 15 && other.substr(there) == note.substr(at)) {
+      other = std::to_string(std::stoll(other) + std::stoll(note)) + note.substr(at);
+      return;
+    }
+  notes.push_back(note);
 }
 
 }  // namespace isostrata

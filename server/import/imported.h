@@ -79,6 +79,9 @@ std::filesystem::path referred_file(const std::filesystem::path& from, const std
 /// Only the first half: throws bad_data where the name is absolute or leaves the directory of `from`, whatever is there.
 void check_name_below(const std::filesystem::path& from, const std::string& name);
 
+/// Appends it if it is new. "12 vtkQuad skipped" of one piece and "3 vtkQuad skipped" of another are 15.
+void add_note(std::vector<std::string>& notes, const std::string& note);
+
 /// Storage of n Ts and a span of it.
 template <class T>
 std::pair<std::shared_ptr<T[]>, std::span<T>> allocate(std::size_t n) {

@@ -1,8 +1,13 @@
-#include <vtkNew.h>
 #include <vtkPOpenFOAMReader.h>
-#include <vtkVersionMacros.h>
+#include <vtkSmartPointer.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
 #include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "data/recognise.h"
 #include "import/read_vtk.h"
@@ -32,19 +37,12 @@ void keep_polyhedra(Reader& reader) {
   if constexpr (requires { reader.SetDecomposePolyhedra(0); }) reader.SetDecomposePolyhedra(0);
 }
 
-}  // namespace
-
-Imported read_openfoam(const ReadRequest& request) {
-  std::error_code error;
-  const bool given_folder = fs::is_directory(request.file, error);
-  const fs::path folder = given_folder ? request.file : request.file.parent_path();
+/// Reads the internal meshes of a folder as a case of its own, and their fields.
+vtkSmartPointer<vtkPOpenFOAMReader> reader_of(const std::string& mark, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  if (!is_openfoam_case(folder))
-    throw Error(ErrorCode::bad_data, name + ": expected an OpenFOAM case around it: system/controlDict and constant/polyMesh");
-  vtkNew<vtkPOpenFOAMReader> reader;
-  reader->SetFileName((given_folder ? folder / "system" / "controlDict" : request.file).c_str());
-  const bool parts = decomposed(folder);
-  reader->SetCaseType(parts ? vtkPOpenFOAMReader::DECOMPOSED_CASE : vtkPOpenFOAMReader::RECONSTRUCTED_CASE);
+  auto reader = vtkSmartPointer<vtkPOpenFOAMReader>::New();
+  reader->SetFileName(mark.c_str());
+  reader->SetCaseType(vtkPOpenFOAMReader::RECONSTRUCTED_CASE);
   reader->SetSkipZeroTime(false);
   reader->SetCreateCellToPoint(0);    // cell arrays are averaged as those of any other format
   keep_polyhedra(*reader);
@@ -61,9 +59,65 @@ Imported read_openfoam(const ReadRequest& request) {
   if (meshes == 0) throw Error(ErrorCode::bad_data, name + ": the case has no internal mesh");
   reader->EnableAllCellArrays();
   reader->EnableAllPointArrays();
-  Imported imported = read_step(reader, request);
-  if (parts) imported.notes.push_back("read from the folders of the processors");
+  return reader;
+}
+
+/// processor0, processor1 and so on, as far as they go.
+std::vector<fs::path> processors_of(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::path next = folder / "processor0"; fs::is_directory(next, error); next = folder / ("processor" + std::to_string(found.size()))) found.push_back(next);
+  return found;
+}
+
+/// Those that all of them have: a run that was stopped may have written its last time in some folders alone.
+std::vector<double> common_times(const std::vector<vtkSmartPointer<vtkPOpenFOAMReader>>& readers) {
+  std::vector<double> common = listed_times(readers.front());
+  for (const auto& reader : readers) {
+    const std::vector<double> own = listed_times(reader);
+    std::erase_if(common, [&](double time) { return std::find(own.begin(), own.end(), time) == own.end(); });
+  }
+  return common;
+}
+
+/// Each folder is a block of its own, so that points on the border of two processors are joined and the values there are means over the cells of both. VTK would
+/// put the parts into one grid with such points twice.
+Imported read_processors(const fs::path& folder, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  const std::vector<fs::path> processors = processors_of(folder);
+  std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers;
+  for (const fs::path& processor : processors) readers.push_back(reader_of(processor / "case.foam", request));
+  Imported imported;
+  imported.times = common_times(readers);
+  if (imported.times.empty()) throw Error(ErrorCode::bad_data, name + ": its folders processor0 to processor" + std::to_string(readers.size() - 1) + " have no time in common");
+  check_step(request, imported.times.size());
+  if (request.times_only) return imported;
+  const double time = imported.times[static_cast<std::size_t>(request.step)];
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const std::vector<double> own = listed_times(readers[i]);
+    ReadRequest part = request;
+    part.step = static_cast<int>(std::find(own.begin(), own.end(), time) - own.begin());
+    Imported one = read_step(readers[i], part);
+    for (Block& block : one.blocks) {
+      block.name = processors[i].filename().string() + (block.name == "internalMesh" ? "" : "/" + block.name);
+      imported.blocks.push_back(std::move(block));
+    }
+    for (const std::string& note : one.notes) add_note(imported.notes, note);
+  }
+  imported.notes.push_back("read from the folders of the processors");
   return imported;
+}
+
+}  // namespace
+
+Imported read_openfoam(const ReadRequest& request) {
+  std::error_code error;
+  const bool given_folder = fs::is_directory(request.file, error);
+  const fs::path folder = given_folder ? request.file : request.file.parent_path();
+  if (!is_openfoam_case(folder))
+    throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected an OpenFOAM case around it: system/controlDict and constant/polyMesh");
+  if (decomposed(folder)) return read_processors(folder, request);
+  return read_step(reader_of(given_folder ? folder / "system" / "controlDict" : request.file, request), request);
 }
 
 }  // namespace isostrata

@@ -105,22 +105,6 @@ vtkSmartPointer<vtkXMLDataElement> parse_small_xml(const ReadRequest& request) {
   return root;
 }
 
-/// "12 vtkQuad skipped" of one piece and "3 vtkQuad skipped" of another are 15.
-void add_note(std::vector<std::string>& notes, const std::string& note) {
-  const auto digits = [](const std::string& text) { return text.find_first_not_of("0123456789"); };
-  const auto at = digits(note);
-  if (at == 0 || at > 15 || at == std::string::npos) {
-    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
-    return;
-  }
-  for (std::string& other : notes)
-    if (const auto there = digits(other); there != 0 && there <= 15 && other.substr(there) == note.substr(at)) {
-      other = std::to_string(std::stoll(other) + std::stoll(note)) + note.substr(at);
-      return;
-    }
-  notes.push_back(note);
-}
-
 std::int64_t count_pieces(vtkXMLDataElement* element) {
   std::int64_t count = element->GetName() && std::strcmp(element->GetName(), "Piece") == 0;
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) count += count_pieces(element->GetNestedElement(i));

@@ -417,12 +417,12 @@ def packed():
     lattice("packed.npy.gz", {"packed": [0, 345, 0]}, [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 3, 2, "packed", 235])
 
 
-def openfoam(folder, cells=(3, 2, 2)):
-    """A box of hexahedra of edge 1, 2, 3, as blockMesh writes it in ASCII."""
+def openfoam_part(folder, cells, layer=0):
+    """A box of hexahedra of edge 1, 2, 3, as blockMesh writes it in ASCII. The first of its layers along z is this one of a whole."""
     nx, ny, nz = cells
     number = lambda i, j, k: i + (nx + 1) * (j + (ny + 1) * k)
     cell = lambda i, j, k: i + nx * (j + ny * k)
-    points = [(i, 2 * j, 3 * k) for k in range(nz + 1) for j in range(ny + 1) for i in range(nx + 1)]
+    points = [(i, 2 * j, 3 * (k + layer)) for k in range(nz + 1) for j in range(ny + 1) for i in range(nx + 1)]
     inner, outer = [], []
     for k in range(nz):
         for j in range(ny):
@@ -448,22 +448,32 @@ def openfoam(folder, cells=(3, 2, 2)):
 
     listed = lambda entries: f"{len(entries)}\n(\n" + "\n".join(entries) + "\n)\n"
     mesh = "constant/polyMesh"
-    write("system/controlDict", "dictionary", "application icoFoam;\nstartTime 0;\nendTime 1;\ndeltaT 0.5;\nwriteControl timeStep;\nwriteInterval 1;\n", "system")
     write(mesh + "/points", "vectorField", listed([f"({a} {b} {c})" for a, b, c in points]), mesh)
     write(mesh + "/faces", "faceList", listed([f"{len(f)}({' '.join(map(str, f))})" for f, _, _ in faces]), mesh)
     write(mesh + "/owner", "labelList", listed([str(o) for _, o, _ in faces]), mesh)
     write(mesh + "/neighbour", "labelList", listed([str(n) for _, _, n in inner]), mesh)
     write(mesh + "/boundary", "polyBoundaryMesh", f"1\n(\nwalls\n{{\n type wall;\n nFaces {len(outer)};\n startFace {len(inner)};\n}}\n)\n", mesh)
-    count = nx * ny * nz
+    first = nx * ny * layer
     for time in ("0", "0.5", "1"):
         write(time + "/p", "volScalarField", "dimensions [0 2 -2 0 0 0 0];\ninternalField nonuniform List<scalar>\n" +
-              listed([str(c + 100 * float(time)) for c in range(count)]) + ";\nboundaryField\n{\nwalls\n{\n type zeroGradient;\n}\n}\n", time)
-    open(os.path.join(folder, "case.foam"), "w").close()
-    size = (nx + 1) * (ny + 1) * (nz + 1)
+              listed([str(c + 100 * float(time)) for c in range(first, first + nx * ny * nz)]) + ";\nboundaryField\n{\nwalls\n{\n type zeroGradient;\n}\n}\n", time)
+
+
+def openfoam(folder, layers):
+    """A case of 3 x 2 cells in each layer; of several numbers of layers, one that a processor each has computed."""
+    for i, count in enumerate(layers):
+        openfoam_part(folder if len(layers) == 1 else f"{folder}/processor{i}", (3, 2, count), sum(layers[:i]))
+    os.makedirs(folder + "/system")
+    with open(folder + "/system/controlDict", "w") as out:
+        out.write("FoamFile\n{\n    version 2.0;\n    format ascii;\n    class dictionary;\n    location \"system\";\n    object controlDict;\n}\n"
+                  "application icoFoam;\nstartTime 0;\nendTime 1;\ndeltaT 0.5;\nwriteControl timeStep;\nwriteInterval 1;\n")
+    open(folder + "/case.foam", "w").close()
+    nz = sum(layers)
+    count = 6 * nz
     for name in (folder, folder + "/case.foam"):
         for step, time in enumerate((0, 0.5, 1)):
-            expect(name, "unstructured", size, count, {"p": [100 * time, 100 * time + count - 1, 0]}, [0, nx, 0, 2 * ny, 0, 3 * nz],
-                   [nx, 2 * ny, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
+            expect(name, "unstructured", 12 * (nz + 1), count, {"p": [100 * time, 100 * time + count - 1, 0]}, [0, 3, 0, 4, 0, 3 * nz],
+                   [3, 4, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
 
 
 def main():
@@ -480,7 +490,8 @@ def main():
     dicom("scan", False)
     dicom("scan_implicit", True)
     gaussian_cube()
-    openfoam("cavity")
+    openfoam("cavity", [2])
+    openfoam("parted", [2, 1, 3])
     ensight()
     older_and_binary_ensight()
     pictures()
