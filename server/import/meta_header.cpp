@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstddef>
 #include <limits>
 #include <sstream>
 
 #include "base/error.h"
+#include "import/parsed_number.h"
 
 namespace isostrata {
 namespace {
@@ -25,7 +28,7 @@ std::string shown(std::string_view line) {
 struct ElementType {
   std::string_view name;
   std::uint64_t bytes;
-  std::optional<ScalarType> type = std::nullopt;
+  ScalarType type;
 };
 
 const ElementType* element_type(std::string_view name) {
@@ -35,12 +38,13 @@ const ElementType* element_type(std::string_view name) {
                                                        {"MET_USHORT", 2, ScalarType::uint16},
                                                        {"MET_INT", 4, ScalarType::int32},
                                                        {"MET_UINT", 4, ScalarType::uint32},
-                                                       {"MET_LONG", 4},
-                                                       {"MET_ULONG", 4},
-                                                       {"MET_LONG_LONG", 8},
-                                                       {"MET_ULONG_LONG", 8},
+                                                       {"MET_LONG", 4, ScalarType::int32},
+                                                       {"MET_ULONG", 4, ScalarType::uint32},
+                                                       {"MET_LONG_LONG", 8, ScalarType::int64},
+                                                       {"MET_ULONG_LONG", 8, ScalarType::uint64},
                                                        {"MET_FLOAT", 4, ScalarType::float32},
                                                        {"MET_DOUBLE", 8, ScalarType::float64}}};
+  if (name.ends_with("_ARRAY")) name.remove_suffix(6);  // of several channels
   const auto at = std::find_if(kTypes.begin(), kTypes.end(), [&](const ElementType& type) { return type.name == name; });
   return at == kTypes.end() ? nullptr : &*at;
 }
@@ -54,7 +58,27 @@ std::string_view MetaHeader::field(std::string_view name) const {
 
 std::optional<ScalarType> MetaHeader::type() const {
   const ElementType* const of = element_type(field("ElementType"));
-  return of ? of->type : std::nullopt;
+  return of ? std::optional(of->type) : std::nullopt;
+}
+
+bool MetaHeader::says_yes(std::string_view text) {
+  return !text.empty() && (std::tolower(static_cast<unsigned char>(text[0])) == 't' || text[0] == '1');
+}
+
+std::vector<std::int64_t> MetaHeader::sizes() const {
+  const auto axes = parsed_number<std::size_t>(field("NDims"));
+  if (!axes || *axes < 1 || *axes > 3) return {};
+  std::vector<std::int64_t> sizes(*axes);
+  std::istringstream numbers{std::string(field("DimSize"))};
+  for (std::int64_t& size : sizes)
+    if (!(numbers >> size) || size < 1) return {};
+  return sizes;
+}
+
+std::optional<std::int64_t> MetaHeader::channels() const {
+  const std::string_view text = field("ElementNumberOfChannels");
+  const auto channels = text.empty() ? std::optional<std::int64_t>(1) : parsed_number<std::int64_t>(text);
+  return channels && *channels >= 1 && *channels <= 1000 ? channels : std::nullopt;
 }
 
 std::uint64_t MetaHeader::declared_bytes() const {

@@ -10,8 +10,9 @@
 #include <vtkXMLImageDataReader.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string_view>
 
 #include "data/import_door.h"
@@ -48,8 +49,8 @@ std::optional<std::uint64_t> point_count(const int (&extent)[6]) {
 
 /// The image without values as the reader places it, and the arrays on it.
 template <class Reader>
-std::optional<Imported> placed(const ReadRequest& request, Reader* reader, std::vector<FileArray> arrays, std::uint64_t points) {
-  reader->SetFileName(request.file.c_str());
+std::optional<Imported> placed(const ReadRequest& request, const std::filesystem::path& file, Reader* reader, std::vector<FileArray> arrays, std::uint64_t points) {
+  reader->SetFileName(file.c_str());
   reader->UpdateInformation();
   throw_on_vtk_error(request.file.filename().string());
   vtkInformation* information = reader->GetOutputInformation(0);
@@ -93,8 +94,6 @@ std::vector<XmlArray> arrays_of(const XmlArrays& xml, std::uint64_t& points) {
   return arrays;
 }
 
-bool says_yes(std::string_view text) { return !text.empty() && (std::tolower(static_cast<unsigned char>(text[0])) == 't' || text[0] == '1'); }
-
 }  // namespace
 
 std::optional<Imported> vti_in_place(const ReadRequest& request) {
@@ -107,28 +106,20 @@ std::optional<Imported> vti_in_place(const ReadRequest& request) {
   auto arrays = decoded(found);
   if (!arrays) return std::nullopt;
   vtkNew<vtkXMLImageDataReader> reader;
-  auto imported = placed(request, reader.Get(), std::move(*arrays), points);
+  auto imported = placed(request, request.file, reader.Get(), std::move(*arrays), points);
   if (imported) imported->times = {declared_time(request.file).value_or(0)};
   return imported;
 }
 
 std::optional<Imported> meta_image_in_place(const ReadRequest& request, const MetaHeader& header) {
   const auto type = header.type();
-  const std::string_view channels = header.field("ElementNumberOfChannels");
-  const bool swapped = says_yes(header.field("BinaryDataByteOrderMSB")) || says_yes(header.field("ElementByteOrderMSB"));
-  const std::string_view binary = header.field("BinaryData");  // as MetaIO has it, yes if nothing is said
-  if (!type || !(binary.empty() || says_yes(binary)) || says_yes(header.field("CompressedData")) || (swapped && size_of(*type) > 1) ||
-      header.field("NDims") != "3" || !(channels.empty() || channels == "1") || header.data.starts_with("LIST") ||
-      header.data.find_first_of("% ") != std::string::npos)
+  const std::vector<std::int64_t> sizes = header.sizes();
+  if (!type || !header.binary() || header.compressed() || (header.big_endian() && size_of(*type) > 1) || sizes.size() != 3 || header.channels() != 1 ||
+      header.data.starts_with("LIST") || header.data.find_first_of("% ") != std::string::npos)
     return std::nullopt;
   std::uint64_t points = 1;
-  std::string_view sizes = header.field("DimSize");
-  for (int a = 0; a < 3; ++a) {
-    const auto space = std::min(sizes.find(' '), sizes.size());
-    const auto size = parsed_number<std::uint64_t>(sizes.substr(0, space));
-    if (!size || __builtin_mul_overflow(points, *size, &points)) return std::nullopt;
-    sizes = sizes.substr(std::min(sizes.find_first_not_of(' ', space), sizes.size()));
-  }
+  for (const std::int64_t size : sizes)
+    if (__builtin_mul_overflow(points, static_cast<std::uint64_t>(size), &points)) return std::nullopt;
   const auto mapped = std::make_shared<const MappedFile>(header.local() ? request.file : referred_file(request.file, header.data));
   std::uint64_t from = header.local() ? header.end : 0, bytes = 0;
   if (__builtin_mul_overflow(points, std::uint64_t{size_of(*type)}, &bytes) || bytes < kLeastInPlace || bytes > mapped->bytes().size())
@@ -143,10 +134,23 @@ std::optional<Imported> meta_image_in_place(const ReadRequest& request, const Me
   auto array = array_at(mapped, from, points, *type);
   if (!array) return std::nullopt;
   array->name = "MetaImage";  // as VTK's reader calls it
+  return placed_meta_image(request, header, std::move(*array));
+}
+
+std::optional<Imported> placed_meta_image(const ReadRequest& request, const MetaHeader& header, FileArray array) {
+  const std::uint64_t points = array.values.size() / size_of(array.type) / static_cast<std::uint64_t>(array.components);
   std::vector<FileArray> arrays;
-  arrays.push_back(std::move(*array));
+  arrays.push_back(std::move(array));
   vtkNew<vtkMetaImageReader> reader;
-  return placed(request, reader.Get(), std::move(arrays), points);
+  if (size_of(arrays.front().type) < 8 || arrays.front().type == ScalarType::float64) return placed(request, request.file, reader.Get(), std::move(arrays), points);
+  const std::filesystem::path other = request.scratch / "bytes.mhd";  // of a type that VTK's reader knows
+  std::ofstream out(other);
+  out << "NDims = " << header.field("NDims") << '\n';
+  for (const auto& [field, value] : header.fields)
+    if (field != "NDims" && field != "ElementType") out << field << " = " << value << '\n';
+  out << "ElementType = MET_CHAR\nElementDataFile = LOCAL\n";
+  out.close();
+  return placed(request, other, reader.Get(), std::move(arrays), points);
 }
 
 }  // namespace isostrata

@@ -3,7 +3,6 @@
 #include <vtkDataObject.h>
 #include <vtkDataReader.h>
 #include <vtkGenericDataObjectReader.h>
-#include <vtkMetaImageReader.h>
 #include <vtkNew.h>
 #include <vtkRectilinearGridReader.h>
 #include <vtkSLCReader.h>
@@ -26,17 +25,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
 #include "import/check_legacy_cells.h"
 #include "import/mapped_file.h"
-#include "import/memory_limit.h"
-#include "import/meta_header.h"
-#include "import/place_image.h"
 #include "import/read_image_in_place.h"
 #include "import/read_mesh_in_place.h"
 #include "import/vtk_blocks.h"
@@ -148,67 +142,6 @@ Imported read_unstructured_pieces(const ReadRequest& request, int pieces) {
   return imported;
 }
 
-/// The header says LOCAL, a file, "LIST" and the files in the lines behind it, or "slice_%03d.raw 1 64 1". Returns how many bytes there are.
-std::uint64_t check_data_files(const ReadRequest& request, const MetaHeader& header, std::istream& behind) {
-  if (header.local()) return std::filesystem::file_size(request.file);
-  const std::string& line = header.data;
-  std::uint64_t bytes = 0;
-  const auto add = [&](const std::string& file) { bytes += std::filesystem::file_size(referred_file(request.file, file)); };
-  if (line.starts_with("LIST")) {
-    for (std::string file; std::getline(behind, file);) {
-      file.erase(file.find_last_not_of(" \t\r") + 1);
-      if (!file.empty()) add(file);
-    }
-    return bytes;
-  }
-  const auto percent = line.find('%');
-  if (percent == std::string::npos) {
-    add(line);
-    return bytes;
-  }
-  constexpr std::size_t kLongestPattern = 79;  // MetaIO's buffer
-  char pattern[200] = "";
-  int first = 0, last = 0, by = 1;
-  const int found = std::sscanf(line.c_str(), "%199s %d %d %d", pattern, &first, &last, &by);
-  const auto conversion = line.find_first_not_of("0123456789", percent + 1);
-  const std::string text(pattern);
-  if (found < 4 || by < 1 || last < first || (last - first) / by > 100'000 || conversion == std::string::npos || conversion > percent + 3 ||
-      line[conversion] != 'd' || line.find('%', conversion) != std::string::npos || text.size() > kLongestPattern || conversion >= text.size())
-    throw Error(ErrorCode::bad_data, request.file.filename().string() + ": ElementDataFile is '" + line +
-                                         "'; expected a pattern with one number, the first, the last and the stride: slice_%03d.raw 1 64 1");
-  const auto width = static_cast<std::size_t>(std::max(0, std::atoi(line.substr(percent + 1, conversion - percent - 1).c_str())));
-  for (int i = first; i <= last; i += by) {
-    std::string number = std::to_string(i);
-    if (number.size() < width) number.insert(0, width - number.size(), line[percent + 1] == '0' ? '0' : ' ');
-    add(text.substr(0, percent) + number + text.substr(conversion + 1));
-  }
-  return bytes;
-}
-
-/// VTK's reader takes the spacing and the origin alone. Row i of the matrix is the direction of axis i, as ITK has it.
-void turn_axes(Block& block, const MetaHeader& header, const std::string& name) {
-  auto* const image = std::get_if<UniformGrid>(&block.grid.shape);
-  std::string_view text;
-  for (const char* field : {"Orientation", "Rotation", "TransformMatrix"})
-    if (!header.field(field).empty()) text = header.field(field);
-  if (!image || text.empty()) return;
-  std::array<std::array<double, 3>, 3> step{};
-  std::istringstream numbers{std::string(text)};
-  double over = 0;
-  for (auto& row : step)
-    for (double& number : row)
-      if (!(numbers >> number)) return;
-  if (numbers >> over) return;  // of other than three axes
-  const auto& [x, y, z] = step;
-  if (x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) + x[2] * (y[0] * z[1] - y[1] * z[0]) == 0)
-    throw Error(ErrorCode::bad_data, name + ": the directions of its axes, " + std::string(text.substr(0, 60)) + ", lie in one plane");
-  for (std::size_t i = 0; i < 3; ++i)
-    for (double& number : step[i]) number *= image->spacing[static_cast<int>(i)];
-  const auto dims = image->dims;
-  const Vec3d origin = image->origin;
-  place_image(block, dims, {origin.x, origin.y, origin.z}, step, name);
-}
-
 }  // namespace
 
 Imported read_vtk_legacy(const ReadRequest& request) {
@@ -268,18 +201,6 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
               name + ": VTKFile of type '" + type +
                   "'; expected ImageData, RectilinearGrid, StructuredGrid, UnstructuredGrid, one of their parallel "
                   "forms, or Collection");
-}
-
-Imported read_meta_image(const ReadRequest& request) {
-  const std::string name = request.file.filename().string();
-  std::ifstream in(request.file, std::ios::binary);
-  const MetaHeader header = read_meta_header(in, name);
-  const std::uint64_t stored = check_data_files(request, header, in), declared = header.declared_bytes();
-  check_unpacked(declared, stored, name);
-  std::optional<Imported> in_place = meta_image_in_place(request, header);
-  Imported imported = in_place ? std::move(*in_place) : run_named<vtkMetaImageReader>(request);
-  if (!imported.blocks.empty()) turn_axes(imported.blocks.front(), header, name);
-  return imported;
 }
 
 Imported read_slc(const ReadRequest& request) { return run_named<vtkSLCReader>(request); }

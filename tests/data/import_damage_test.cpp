@@ -215,6 +215,27 @@ TEST(ImportDamage, AMetaImageDeclaresNoMoreThanItsFilesCanHold) {
   EXPECT_NE(std::string(error.what()).find("64000000000 bytes declared; 8 are there"), std::string::npos) << error.what();
 }
 
+// VTK's reader takes what is missing for zeros.
+TEST(ImportDamage, AMetaImageWhoseValuesAreCutOffIsRefused) {
+  const Scratch scratch;
+  const std::string head = "NDims = 3\nDimSize = 2 2 2\nElementType = MET_SHORT\n", packed = test::gzip(std::string(16, '\7'));
+  scratch.write("half.raw", std::string(9, '\7'));
+  scratch.write("half.zraw", packed.substr(0, packed.size() / 2));
+  scratch.write("plane.raw", std::string(8, '\7'));
+  const auto refused = [&](const std::string& rest, const std::string& reason) {
+    const Error error = refusal(scratch.write("x.mhd", head + rest));
+    EXPECT_EQ(error.code(), ErrorCode::bad_data) << rest;
+    EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+  };
+  refused("ElementDataFile = half.raw\n", "half.raw: 2x2x2 int16 declared, which is 16 bytes in this file; 9 present");
+  refused("ElementDataFile = LOCAL\n1234567", "x.mhd: 2x2x2 int16 declared, which is 16 bytes in this file; 7 present");
+  refused("CompressedData = True\nElementDataFile = half.zraw\n", "16 bytes in this file; 0 present");
+  refused("CompressedData = True\nElementDataFile = LOCAL\nnothing of zlib", "damaged");
+  refused("BinaryData = False\nElementDataFile = LOCAL\n1 2 3 4 5", "16 bytes in this file; 10 present");
+  refused("ElementDataFile = LIST\nplane.raw\n", "x.mhd: names 1 files of values; expected 2 by its DimSize");
+  EXPECT_EQ(test::open(scratch.write("x.mhd", head + "ElementDataFile = LIST\nplane.raw\nplane.raw\n"))->arrays.at(0).lower, 0x707);
+}
+
 TEST(ImportDamage, ALinkIsReadUnderItsOwnName) {
   const Scratch scratch;
   scratch.write("store/4f2a", kImageHeader);

@@ -12,6 +12,7 @@ import json
 import os
 import struct
 import sys
+import zlib
 
 import h5py
 import hdf5_files
@@ -404,6 +405,21 @@ def meta_images():
         with open(name, "w") as out:  # the first axis runs along the matrix's first row
             out.write(head + "Offset = 10 20 30\nTransformMatrix = " + matrix + f"\nElementDataFile = plane_%03d.raw 1 {NZ} 1\n")
         lattice(name, {"MetaImage": [0, 345, 0]}, bounds, [*at, "MetaImage", 235], grid=grid)
+    placed = [0, 2.5, 0, 4, 0, 6], [2.5, 3, 4, "MetaImage", 235]
+    for name, kind in (("long", "<i4"), ("ulong", "<u4"), ("long_long", "<i8"), ("ulong_long", "<u8")):  # ITK's sizes, on every machine
+        with open(name + ".mha", "wb") as out:
+            out.write((head.replace("MET_SHORT", "MET_" + name.upper()) + "ElementDataFile = LOCAL\n").encode() + FIELD.astype(kind).tobytes())
+        lattice(name + ".mha", {"MetaImage": [0, 345, 0]}, *placed)
+    with open("compressed.mha", "wb") as out:  # without CompressedDataSize
+        out.write((head + "CompressedData = True\nElementDataFile = LOCAL\n").encode() + zlib.compress(FIELD.astype("<i2").tobytes()))
+    lattice("compressed.mha", {"MetaImage": [0, 345, 0]}, *placed)
+    with open("text.mha", "w") as out:
+        out.write(head + "BinaryData = False\nElementDataFile = LOCAL\n" + " ".join(str(int(v)) for v in FIELD.ravel()))
+    lattice("text.mha", {"MetaImage": [0, 345, 0]}, *placed)
+    with open("pairs.mha", "wb") as out:
+        out.write((head.replace("MET_SHORT", "MET_USHORT_ARRAY") + "ElementNumberOfChannels = 2\nHeaderSize = -1\nElementDataFile = LOCAL\n").encode() +
+                  np.stack([FIELD, FIELD + 1], -1).astype("<u2").tobytes())
+    lattice("pairs.mha", {"MetaImage_x": [0, 345, 0], "MetaImage_y": [1, 346, 0]}, placed[0], [2.5, 3, 4, "MetaImage_y", 236])
 
 
 def packed():
