@@ -36,6 +36,7 @@
 #include "import/vtk_blocks.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
+#include "import/xml_arrays.h"
 
 namespace isostrata {
 namespace {
@@ -61,10 +62,10 @@ Imported run_legacy(const ReadRequest& request) {
   return run_reader(reader, request);
 }
 
-/// Every piece of a parallel file must be a file below its directory.
+/// Every piece of a parallel file must be a whole file below its directory.
 void check_pieces(vtkXMLDataElement* element, const ReadRequest& request) {
   if (!element) return;
-  if (const char* source = element->GetAttribute("Source")) referred_file(request.file, source);
+  if (const char* source = element->GetAttribute("Source")) check_appended(referred_file(request.file, source));
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) check_pieces(element->GetNestedElement(i), request);
 }
 
@@ -176,6 +177,7 @@ Imported read_vtk_legacy(const ReadRequest& request) {
 Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   const std::string name = request.file.filename().string();
   if (type == "ImageData" || type == "PImageData") check_image_placement(request);
+  if (type == "ImageData" || type == "RectilinearGrid" || type == "StructuredGrid" || type == "UnstructuredGrid") check_appended(request.file);
   if (type == "ImageData") {
     if (auto in_place = vti_in_place(request)) return std::move(*in_place);
     return run_named<vtkXMLImageDataReader>(request);

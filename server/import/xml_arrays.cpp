@@ -3,10 +3,20 @@
 #include <vtkDataSetAttributes.h>
 #include <vtkXMLUtilities.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <map>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "base/error.h"
 #include "data/partition.h"
 #include "import/parsed_number.h"
 
@@ -76,11 +86,37 @@ std::optional<Elements> elements_of(std::string_view text) {
   return std::nullopt;
 }
 
+vtkSmartPointer<vtkXMLDataElement> tree_of(const Elements& elements) {
+  return vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromString(elements.text.c_str()));
+}
+
+void check_ends(vtkXMLDataElement* element, std::span<const std::byte> appended, const XmlCoding& coding, const std::string& file) {
+  const auto offset = attribute(element, "format") == "appended" ? parsed_number<std::uint64_t>(attribute(element, "offset")) : std::nullopt;
+  if (offset && (*offset > appended.size() || !coded_values(appended.subspan(static_cast<std::size_t>(*offset)), coding)))
+    throw Error(ErrorCode::bad_data, file + ": is cut off: it ends before its array '" + std::string(attribute(element, "Name")) + "' does");
+  for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) check_ends(element->GetNestedElement(i), appended, coding, file);
+}
+
 }  // namespace
 
 std::string_view attribute(vtkXMLDataElement* element, const char* name) {
   const char* text = element->GetAttribute(name);
   return text ? text : "";
+}
+
+void check_appended(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  const auto bytes = mapped.bytes();
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto last = text.find_last_not_of(std::string_view(" \t\r\n\0", 5));
+  if (last == std::string_view::npos || text.substr(0, last + 1).ends_with("</VTKFile>")) return;
+  const auto elements = elements_of(text);
+  if (!elements || elements->appended == 0) return;
+  const auto root = tree_of(*elements);
+  if (!root || !attribute(root, "compressor").empty()) return;
+  check_ends(root, bytes.subspan(elements->appended),
+             {.base64 = elements->base64, .wide = attribute(root, "header_type") == "UInt64", .swapped = attribute(root, "byte_order") == "BigEndian"},
+             file.filename().string());
 }
 
 std::optional<XmlArrays> XmlArrays::open(const std::filesystem::path& file) {
@@ -89,7 +125,7 @@ std::optional<XmlArrays> XmlArrays::open(const std::filesystem::path& file) {
   const auto bytes = out.file_->bytes();
   const auto elements = elements_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (!elements) return std::nullopt;
-  out.root_ = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromString(elements->text.c_str()));
+  out.root_ = tree_of(*elements);
   if (!out.root_ || std::string_view(out.root_->GetName()) != "VTKFile") return std::nullopt;
   const std::string_view length = attribute(out.root_, "header_type"), compressor = attribute(out.root_, "compressor");
   out.appended_ = elements->appended;

@@ -54,6 +54,10 @@ class XmlArrays {
   XmlCoding coding_;          // of what is appended
 };
 
+/// Throws bad_data where a file ends before one of its appended arrays that are not packed does, of any byte order: VTK's readers take what is missing for zeros.
+/// Of packed ones, and of what is not appended, they see it.
+void check_appended(const std::filesystem::path& file);
+
 std::string_view attribute(vtkXMLDataElement* element, const char* name);
 
 /// What those of them take in memory that do not lie in the file as there.

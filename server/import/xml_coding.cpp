@@ -65,11 +65,11 @@ std::optional<std::span<const std::byte>> bytes_of(std::span<const std::byte> te
   return std::span<const std::byte>(room).subspan(at % 3, count);
 }
 
-std::uint64_t number_at(std::span<const std::byte> numbers, std::size_t index, bool wide) {
+std::uint64_t number_at(std::span<const std::byte> numbers, std::size_t index, const XmlCoding& coding) {
   std::uint64_t out = 0;
-  const std::size_t width = wide ? 8 : 4;
+  const std::size_t width = coding.wide ? 8 : 4;
   std::memcpy(&out, numbers.data() + index * width, width);
-  return out;
+  return coding.swapped ? __builtin_bswap64(out) >> (64 - 8 * width) : out;
 }
 
 /// decode, of blocks.
@@ -104,7 +104,7 @@ std::optional<CodedValues> coded_values(std::span<const std::byte> from, const X
   if (coding.packing == Packing::none) {
     const auto length = bytes_of(from, coding.base64, 0, width, room);
     if (!length) return std::nullopt;
-    out.bytes = number_at(*length, 0, coding.wide);
+    out.bytes = number_at(*length, 0, coding);
     if (out.bytes > from.size()) return std::nullopt;
     const std::uint64_t all = length_of(width + out.bytes, coding.base64);
     if (all > from.size()) return std::nullopt;
@@ -114,8 +114,8 @@ std::optional<CodedValues> coded_values(std::span<const std::byte> from, const X
   }
   const auto beginning = bytes_of(from, coding.base64, 0, 3 * width, room);
   if (!beginning) return std::nullopt;
-  const std::uint64_t count = number_at(*beginning, 0, coding.wide), last = number_at(*beginning, 2, coding.wide);
-  out.block_bytes = number_at(*beginning, 1, coding.wide);
+  const std::uint64_t count = number_at(*beginning, 0, coding), last = number_at(*beginning, 2, coding);
+  out.block_bytes = number_at(*beginning, 1, coding);
   if (count > from.size() / width || out.block_bytes == 0 || out.block_bytes > std::numeric_limits<int>::max() || last > out.block_bytes) return std::nullopt;
   const std::uint64_t numbers = (3 + count) * width;
   out.front = static_cast<std::size_t>(length_of(numbers, coding.base64));
@@ -124,7 +124,7 @@ std::optional<CodedValues> coded_values(std::span<const std::byte> from, const X
   std::uint64_t end = 0;
   out.block_ends.reserve(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t packed = number_at(*all_numbers, 3 + i, coding.wide);
+    const std::uint64_t packed = number_at(*all_numbers, 3 + i, coding);
     if (packed > from.size() || (end += packed) > from.size()) return std::nullopt;
     out.block_ends.push_back(end);
   }

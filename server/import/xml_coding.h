@@ -18,7 +18,8 @@ enum class Packing { none, zlib, lz4 };
 struct XmlCoding {
   Packing packing = Packing::none;
   bool base64 = false;
-  bool wide = false;  // lengths have 8 bytes and not 4
+  bool wide = false;     // lengths have 8 bytes and not 4
+  bool swapped = false;  // they are of the other byte order, as the values are
   bool operator==(const XmlCoding&) const = default;
 };
 

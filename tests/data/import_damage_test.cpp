@@ -1,6 +1,11 @@
 // Broken and hostile files: one clear error each; the parent never crashes, hangs or leaves anything behind.
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
 #include "data/files.h"
 #include "data/import_door.h"
 #include "support/mutated_files.h"
@@ -213,6 +218,46 @@ TEST(ImportDamage, AMetaImageDeclaresNoMoreThanItsFilesCanHold) {
       "in/x.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2000 2000 2000\nElementType = MET_DOUBLE\nElementDataFile = ok.raw\n"));
   EXPECT_EQ(error.code(), ErrorCode::bad_data);
   EXPECT_NE(std::string(error.what()).find("64000000000 bytes declared; 8 are there"), std::string::npos) << error.what();
+}
+
+/// A cube of 8 points and a float at each of them, appended behind 4 bytes that say how many there are.
+std::string appended(const std::string& order, const std::string& tail) {
+  const bool big = order == "BigEndian";
+  std::string text = "<VTKFile type=\"StructuredGrid\" byte_order=\"" + order + "\" header_type=\"UInt32\"><StructuredGrid WholeExtent=\"0 1 0 1 0 1\"><Piece Extent=\"0 1 0 1 0 1\">"
+                     "<PointData><DataArray type=\"Float32\" Name=\"f\" format=\"appended\" offset=\"100\"/></PointData>"
+                     "<Points><DataArray type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points></Piece></StructuredGrid>"
+                     "<AppendedData encoding=\"raw\">_";
+  const auto add = [&](std::uint32_t word) {
+    for (int b = 0; b < 4; ++b) text += static_cast<char>(word >> 8 * (big ? 3 - b : b));
+  };
+  add(96);
+  for (int p = 0; p < 8; ++p)
+    for (int a = 0; a < 3; ++a) add(std::bit_cast<std::uint32_t>(p >> a & 1 ? 1.F : 0.F));
+  add(32);
+  for (int p = 0; p < 8; ++p) add(std::bit_cast<std::uint32_t>(1.F + static_cast<float>(p)));
+  return text + tail;
+}
+
+// VTK's readers take what is missing for zeros.
+TEST(ImportDamage, AppendedValuesThatAreCutOffAreRefusedInAParallelFileAsWell) {
+  const Scratch scratch;
+  const std::string list = "<VTKFile type=\"PStructuredGrid\"><PStructuredGrid WholeExtent=\"0 1 0 1 0 1\"><PPointData><PDataArray type=\"Float32\" Name=\"f\"/></PPointData>"
+                           "<PPoints><PDataArray type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"/></PPoints><Piece Extent=\"0 1 0 1 0 1\" Source=\"x.vts\"/></PStructuredGrid></VTKFile>";
+  for (const std::string order : {"LittleEndian", "BigEndian"}) {
+    const std::string whole = appended(order, "");
+    for (const std::string tail : {"\n</AppendedData>\n</VTKFile>\n", "\n</AppendedData>\n", ""})  // a writer that forgets the end has written all values
+      EXPECT_EQ(test::open(scratch.write("x.vts", whole + tail))->array("f").upper, 8) << order << tail;
+    EXPECT_EQ(test::open(scratch.write("x.pvts", list))->array("f").upper, 8);
+    for (const std::size_t missing : {1, 20, 40, 130}) {
+      const std::string array = missing < 36 ? "'f'" : "'";
+      scratch.write("x.vts", whole.substr(0, whole.size() - missing));
+      for (const char* file : {"x.vts", "x.pvts"}) {
+        const Error error = refusal(scratch / file);
+        EXPECT_EQ(error.code(), ErrorCode::bad_data);
+        EXPECT_NE(std::string(error.what()).find("x.vts: is cut off: it ends before its array " + array), std::string::npos) << error.what();
+      }
+    }
+  }
 }
 
 // VTK's reader takes what is missing for zeros.
