@@ -3,6 +3,7 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
@@ -38,6 +39,38 @@ struct CaseFiles {
   std::vector<Values> values;
 };
 
+/// VTK's reader takes a case's lines in one order, and each by its words.
+class Order {
+ public:
+  explicit Order(const std::string& name) : name_(name) {}
+
+  void check(const std::string& line) {
+    static const std::set<std::string> kRead{"FORMAT", "GEOMETRY", "VARIABLE", "TIME", "FILE"}, kNotRead{"MATERIAL", "SCRIPTS", "BLOCK_CONTINUATION"};
+    const std::string word = line.substr(0, line.find_first_of(" \t\r"));
+    if (kNotRead.contains(word)) {
+      if (section_ == "VARIABLE") ends_by_ = word;
+      section_ = word;
+    } else if (kRead.contains(word)) {
+      if (!ends_by_.empty() && (word == "TIME" || word == "FILE"))
+        throw Error(ErrorCode::bad_data, name_ + ": its section " + ends_by_ + " stands in front of " + word + "; expected it behind, as EnSight's manual has it");
+      section_ = word;
+    } else if (!kNotRead.contains(section_)) {
+      check_blank(line);
+    }
+  }
+
+ private:
+  void check_blank(const std::string& line) const {
+    const auto colon = line.find(':');
+    if (colon == std::string::npos || colon + 1 == line.size() || std::isspace(static_cast<unsigned char>(line[colon + 1]))) return;
+    if (line.starts_with("model") && line.find_last_not_of(" \t\r") > line.find_first_of(" \t", colon)) return;  // a time set and a file
+    throw Error(ErrorCode::bad_data, name_ + ": expected a blank behind '" + line.substr(0, colon + 1) + "'");
+  }
+
+  const std::string& name_;
+  std::string section_, ends_by_;
+};
+
 CaseFiles files_of(const fs::path& file) {
   const std::string name = file.filename().string();
   std::ifstream in(file);
@@ -45,10 +78,12 @@ CaseFiles files_of(const fs::path& file) {
   bool format = false;
   std::set<std::string> named, there;  // sets of times, by their numbers
   CaseFiles files;
+  Order order(name);
   for (int lines = 0; std::getline(in, line); ++lines) {
     if (lines > kMostLines) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
     line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
     if (line.starts_with("#")) continue;
+    order.check(line);
     if (line.starts_with("FORMAT")) format = true;
     if (line.starts_with("type:")) files.gold = line.find("gold") != std::string::npos;
     if (line.starts_with("number of steps:") && std::strtod(line.c_str() + 16, nullptr) > kMostLines)

@@ -1,8 +1,11 @@
 #include <vtkGenericEnSightReader.h>
 #include <vtkNew.h>
 
+#include <string>
+
 #include "import/check_ensight.h"
 #include "import/read_vtk.h"
+#include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
 
 namespace isostrata {
@@ -12,6 +15,8 @@ Imported read_ensight(const ReadRequest& request) {
   vtkNew<vtkGenericEnSightReader> reader;
   reader->SetCaseFileName(request.file.c_str());
   reader->ReadAllVariablesOn();
+  for (const char* section : {"MATERIAL", "SCRIPTS", "BLOCK_CONTINUATION"})  // where the reader stops, it has read all that it wants
+    pass_over_vtk_errors(std::string("invalid VARIABLE line: ") + section);
   return run_reader(reader, request);
 }
 

@@ -49,11 +49,14 @@ class Messages : public vtkOutputWindow {
   vtkTypeMacro(Messages, vtkOutputWindow)
 
       void DisplayText(const char*) override {}
-  void DisplayErrorText(const char* text) override { keep(errors, text); }
+  void DisplayErrorText(const char* text) override {
+    const std::string line = plain(text ? text : "");
+    if (std::none_of(passed_over.begin(), passed_over.end(), [&](const std::string& beginning) { return line.starts_with(beginning); })) keep(errors, text);
+  }
   void DisplayWarningText(const char* text) override { keep_warning(text); }
   void DisplayGenericWarningText(const char* text) override { keep_warning(text); }
 
-  std::vector<std::string> errors, warnings;
+  std::vector<std::string> errors, warnings, passed_over;
 
  private:
   /// The legacy readers only warn of "Error reading ascii data" where a file ends within its numbers, and go on with zeros.
@@ -99,6 +102,10 @@ std::vector<std::string> take_vtk_errors(const std::string& beginning) {
     return true;
   });
   return taken;
+}
+
+void pass_over_vtk_errors(const std::string& beginning) {
+  if (messages) messages->passed_over.push_back(beginning);
 }
 
 std::vector<std::string> vtk_warnings() { return messages ? messages->warnings : std::vector<std::string>{}; }

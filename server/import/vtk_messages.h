@@ -15,6 +15,9 @@ void throw_on_vtk_error(const std::string& name);
 /// Takes the errors that begin like this from those that throw_on_vtk_error looks at, without their beginning; each text once.
 std::vector<std::string> take_vtk_errors(const std::string& beginning);
 
+/// Errors that begin like this are none from now on.
+void pass_over_vtk_errors(const std::string& beginning);
+
 /// What VTK warned of so far, at most a few, one line each.
 std::vector<std::string> vtk_warnings();
 

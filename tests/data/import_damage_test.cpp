@@ -145,6 +145,9 @@ TEST(ImportDamage, WhatCrashedReadersIsRefusedWithItsReason) {
       {"cut.case", "expected a name and a file", box + "VARIABLE\nscalar per node:"},
       {"time.case", "no line 'time set: 1'", box + "VARIABLE\nscalar per node: 1 f two.scl\n"},
       {"steps.case", "at most a million", box + "TIME\ntime set: 1\nnumber of steps: 2147483647\n"},
+      {"blank.case", "expected a blank behind 'scalar per node:'", box + "VARIABLE\nscalar per node:f two.scl\n"},
+      {"model.case", "expected a blank behind 'model:'", replaced(box, "model: ", "model:")},
+      {"order.case", "its section MATERIAL stands in front of TIME", box + "VARIABLE\nMATERIAL\nmaterial set number: 1 m\nTIME\ntime set: 1\n"},
       {"none.case", "expected a part", replaced(box, "box.geo", "none.geo")},
       {"zeros.case", "to begin with C Binary", replaced(box, "box.geo", "zeros.geo")},
   };

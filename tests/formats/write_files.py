@@ -377,7 +377,10 @@ def older_and_binary_ensight():
         out.write(text("hexa8") + whole(1, *range(1, 9)))
     with open("gold.scl", "wb") as out:
         out.write(text("f") + text("part") + whole(1) + text("coordinates") + reals(range(8)))
-    for name, time in (("six.case", 0.0), ("gold.case", 0.5)):
+    for name, section in (("material.case", "MATERIAL\nmaterial set number: 1 m\n"), ("scripts.case", "SCRIPTS\nmetadata: x.xml\n")):
+        with open(name, "w") as out:
+            out.write("FORMAT\ntype: ensight\nGEOMETRY\nmodel: six.geo\nVARIABLE\nscalar per node: f six.scl\n" + section)
+    for name, time in (("six.case", 0.0), ("gold.case", 0.5), ("material.case", 0.0), ("scripts.case", 0.0)):
         expect(name, "unstructured", 8, 1, {"f": [0, 7, 0]}, [0, 1, 0, 1, 0, 1], [1, 1, 0, "f", 2], [time])
 
 
