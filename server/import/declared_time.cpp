@@ -4,11 +4,18 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <ios>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
+
+#include "import/xml_arrays.h"
 
 namespace isostrata {
 namespace {
@@ -21,13 +28,17 @@ std::optional<double> number(std::string_view text) {
   return value;
 }
 
-std::optional<double> of_xml(std::string_view head, std::string_view array) {
+/// A range has 11 digits; what is appended is looked up.
+std::optional<double> of_xml(const std::filesystem::path& file, std::string_view head, std::string_view array) {
   const auto name = head.find("Name=\"" + std::string(array) + "\"");
   const auto open = name == std::string_view::npos ? name : head.rfind('<', name);
   const auto close = name == std::string_view::npos ? name : head.find('>', name);
   if (open == std::string_view::npos || close == std::string_view::npos) return std::nullopt;
   const std::string_view element = head.substr(open, close - open);
   if (element.find("format=\"ascii\"") != std::string_view::npos) return number(head.substr(close + 1));
+  if (element.find("format=\"appended\"") != std::string_view::npos)
+    if (const auto xml = XmlArrays::open(file))
+      if (const auto value = xml->field(array); value && std::isfinite(*value)) return value;
   const auto range = element.find("RangeMin=\"");
   return range == std::string_view::npos ? std::nullopt : number(element.substr(range + 10));
 }
@@ -35,10 +46,10 @@ std::optional<double> of_xml(std::string_view head, std::string_view array) {
 /// "TIME 1 1 double", a line end, then the number: as text, or eight bytes of which the first is the highest.
 std::optional<double> of_legacy(std::string_view head, std::string_view array) {
   for (const std::string type : {"double", "float"}) {
-    const std::string line = "\n" + std::string(array) + " 1 1 " + type + "\n";
-    const auto at = head.find(line);
-    if (at == std::string_view::npos) continue;
-    const std::string_view rest = head.substr(at + line.size());
+    const std::string line = "\n" + std::string(array) + " 1 1 " + type;
+    const auto at = head.find(line), end = at == std::string_view::npos ? at : head.find_first_not_of(" \t\r", at + line.size());
+    if (end == std::string_view::npos || head[end] != '\n') continue;
+    const std::string_view rest = head.substr(end + 1);
     if (head.find("\nASCII") != std::string_view::npos && head.find("\nASCII") < at) return number(rest);
     const std::size_t width = type == "double" ? 8 : 4;
     if (rest.size() < width) return std::nullopt;
@@ -59,7 +70,7 @@ std::optional<double> declared_time(const std::filesystem::path& file) {
   head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
   const bool xml = head.find("<VTKFile") != std::string::npos;
   for (const char* array : {"TimeValue", "TIME"})
-    if (const auto time = xml ? of_xml(head, array) : of_legacy(head, array)) return time;
+    if (const auto time = xml ? of_xml(file, head, array) : of_legacy(head, array)) return time;
   return std::nullopt;
 }
 

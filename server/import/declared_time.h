@@ -6,7 +6,7 @@
 
 namespace isostrata {
 
-/// From the field array TimeValue or TIME in the first 64 KiB of an XML file (its text, or its range where the values are elsewhere) or of a legacy file.
+/// From the field array TimeValue or TIME in the first 64 KiB of an XML file (its text; the value where it is appended; else its range) or of a legacy file.
 /// Nothing where there is none, or it is not one finite number.
 std::optional<double> declared_time(const std::filesystem::path& file);
 

@@ -30,6 +30,7 @@
 #include <sstream>
 
 #include "import/check_legacy_cells.h"
+#include "import/declared_time.h"
 #include "import/mapped_file.h"
 #include "import/read_image_in_place.h"
 #include "import/read_mesh_in_place.h"
@@ -59,7 +60,9 @@ Imported run_legacy(const ReadRequest& request) {
   reader->ReadAllColorScalarsOn();
   reader->ReadAllTCoordsOn();
   reader->ReadAllFieldsOn();
-  return run_reader(reader, request);
+  Imported imported = run_reader(reader, request);
+  imported.times = {declared_time(request.file).value_or(imported.times.front())};  // the reader does not hand TIME on
+  return imported;
 }
 
 /// Every piece of a parallel file must be a whole file below its directory.

@@ -151,6 +151,21 @@ std::optional<XmlArrays::Piece> XmlArrays::only_piece(std::string_view kind) con
   return found.piece ? std::optional(found) : std::nullopt;
 }
 
+std::optional<double> XmlArrays::field(std::string_view name) const {
+  vtkXMLDataElement* const fields = root_->LookupElementWithName("FieldData");
+  for (int i = 0; fields && i < fields->GetNumberOfNestedElements(); ++i) {
+    if (attribute(fields->GetNestedElement(i), "Name") != name) continue;
+    const auto found = array(fields->GetNestedElement(i));
+    const auto values = found && found->coded.bytes == size_of(found->as.type) ? decoded(*found) : std::nullopt;
+    if (!values || (values->type != ScalarType::float64 && values->type != ScalarType::float32)) return std::nullopt;
+    double number = 0;
+    float shorter = 0;
+    std::memcpy(values->type == ScalarType::float64 ? static_cast<void*>(&number) : &shorter, values->values.data(), values->values.size());
+    return values->type == ScalarType::float64 ? number : static_cast<double>(shorter);
+  }
+  return std::nullopt;
+}
+
 std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element) const {
   const auto type = vtk_type(attribute(element, "type"));
   const std::string_view said = attribute(element, "NumberOfComponents"), format = attribute(element, "format");

@@ -38,6 +38,9 @@ class XmlArrays {
   /// The only piece of a file of this kind ("ImageData"), of one step. Beside it there may be fields, of which readers want the time alone (declared_time.h).
   std::optional<Piece> only_piece(std::string_view kind) const;
 
+  /// The only number of a field of this name, if it is a real one.
+  std::optional<double> field(std::string_view name) const;
+
   /// A DataArray of whole tuples, as many as are there.
   std::optional<XmlArray> array(vtkXMLDataElement* element) const;
   /// Of this many tuples and no more.

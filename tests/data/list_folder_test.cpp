@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <random>
 #include <set>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "data/beneath.h"
 #include "data/file_series.h"
@@ -148,12 +151,38 @@ TEST(NumberedFiles, HaveTheTimesThatTheySay) {
   EXPECT_EQ(test::open(scratch / "a*.vti")->times, (std::vector<double>{1, 2, 3, 4}));
   scratch.write("a4.vti", image(4, at_time(0.1)));
   EXPECT_EQ(test::open(scratch / "a*.vti")->times, (std::vector<double>{1, 2, 3, 4}));
+}
+
+TEST(NumberedFiles, HaveTheTimesOfLegacyFilesAsEachOfThemAlone) {
+  const Scratch scratch;
   const std::string head = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nFIELD FieldData 1\nTIME 1 1 double\n";
-  for (const int n : {1, 2})
-    scratch.write("l" + std::to_string(n) + ".vtk", head + std::to_string(1.5 * n) +
-                                                        "\nDIMENSIONS 2 2 2\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 8\nSCALARS f float 1\n"
-                                                        "LOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n");
-  EXPECT_EQ(test::open(scratch / "l*.vtk", 1)->times, (std::vector<double>{1.5, 3}));
+  for (const int n : {1, 2}) {
+    std::string text = head + std::to_string(1.5 * n) +
+                       "\nDIMENSIONS 2 2 2\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 8\nSCALARS f float 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n";
+    scratch.write("l" + std::to_string(n) + ".vtk", text);
+    for (auto at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 2)) text.insert(at, "\r");
+    scratch.write("windows" + std::to_string(n) + ".vtk", text);
+  }
+  for (const std::string name : {"l", "windows"}) {
+    EXPECT_EQ(test::open(scratch / (name + "*.vtk"), 1)->times, (std::vector<double>{1.5, 3})) << name;
+    EXPECT_EQ(test::open(scratch / (name + "2.vtk"))->times, (std::vector<double>{3})) << name;
+  }
+}
+
+// A range has 11 digits: those of seconds since 1970 are whole ones.
+TEST(NumberedFiles, HaveTheTimesThatAreAppendedToTheLastDigit) {
+  const Scratch scratch;
+  const std::vector<double> times{1500000000.125, 1500000000.25};
+  for (std::size_t n = 0; n < 2; ++n) {
+    std::string appended("\10\0\0\0\0\0\0\0", 8);
+    appended.append(reinterpret_cast<const char*>(&times[n]), 8);
+    std::string text = image(0, "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"appended\" RangeMin=\"1500000000.1\" "
+                                "RangeMax=\"1500000000.1\" offset=\"0\"/></FieldData>");
+    text.insert(text.find("</VTKFile>"), "<AppendedData encoding=\"raw\">_" + appended + "</AppendedData>");
+    scratch.write("a" + std::to_string(n) + ".vti", text);
+  }
+  EXPECT_EQ(test::open(scratch / "a*.vti")->times, times);
+  EXPECT_EQ(test::open(scratch / "a1.vti")->times, (std::vector<double>{times[1]}));
 }
 
 TEST(NumberedFiles, AListOfParaViewsSaysItsOwnTimes) {
