@@ -24,10 +24,19 @@
 #include <vtkXMLUtilities.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <ios>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "import/check_legacy_cells.h"
 #include "import/declared_time.h"
@@ -89,6 +98,32 @@ void check_image_placement(const ReadRequest& request) {
     for (int axis = 0; axis < 3; ++axis)
       if (!(numbers >> value) || !std::isfinite(value))
         throw Error(ErrorCode::bad_data, request.file.filename().string() + ": " + attribute + " is not three finite numbers");
+  }
+}
+
+/// Whether the text of an element says a Name that is not empty.
+bool says_name(std::string_view element) {
+  for (auto at = element.find("Name"); at != std::string_view::npos; at = element.find("Name", at + 1)) {
+    const auto value = element.find_first_not_of(" \t\r\n=", at + 4);
+    if (std::isspace(static_cast<unsigned char>(element[at - 1])) && value != std::string_view::npos && (element[value] == '"' || element[value] == '\''))
+      return element.substr(value + 1, 1) != element.substr(value, 1);
+  }
+  return false;
+}
+
+/// VTK's readers of structured grids give up where an array has no name.
+void check_names(const ReadRequest& request) {
+  std::ifstream in(request.file, std::ios::binary);
+  std::string head(64 << 10, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  for (const std::string part : {"PointData", "CellData"}) {
+    const auto begin = head.find("<" + part), end = head.find("</" + part);
+    for (auto at = head.find("<DataArray", begin); at < end && at != std::string::npos; at = head.find("<DataArray", at + 1)) {
+      const auto close = head.find('>', at);
+      if (close != std::string::npos && !says_name(std::string_view(head).substr(at, close - at)))
+        throw Error(ErrorCode::bad_data, request.file.filename().string() + ": an array of its " + part + " has no name; expected an attribute Name");
+    }
   }
 }
 
@@ -183,8 +218,10 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   if (type == "ImageData" || type == "RectilinearGrid" || type == "StructuredGrid" || type == "UnstructuredGrid") check_appended(request.file);
   if (type == "ImageData") {
     if (auto in_place = vti_in_place(request)) return std::move(*in_place);
+    check_names(request);
     return run_named<vtkXMLImageDataReader>(request);
   }
+  if (type == "RectilinearGrid" || type == "StructuredGrid") check_names(request);
   if (type == "RectilinearGrid") return run_named<vtkXMLRectilinearGridReader>(request);
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
   if (type == "UnstructuredGrid") {

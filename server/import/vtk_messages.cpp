@@ -31,12 +31,27 @@ void on_abort(int) {
   _exit(1);
 }
 
+/// "vtkXMLReader (0x55)" -> "vtkXMLReader"
+void erase_addresses(std::string& text) {
+  for (auto at = text.find("(0x"); at != std::string::npos; at = text.find("(0x", at)) {
+    const auto end = text.find_first_not_of("0123456789abcdef", at + 3);
+    if (end == std::string::npos || text[end] != ')') {
+      at += 3;
+      continue;
+    }
+    const bool blank = at > 0 && text[at - 1] == ' ';
+    text.erase(at - blank, end + 1 - at + blank);
+  }
+}
+
 /// "ERROR: In FILE, line N\nvtkXMLDataReader (0x55): What happened.\n\n" -> "What happened."
 std::string plain(std::string text) {
   if (text.find(" returned failure for request: ") != std::string::npos) return kGaveUp;  // what follows are its objects, as they lie in memory
   if (const auto header = text.find(", line "); header != std::string::npos)
     if (const auto end = text.find('\n', header); end != std::string::npos) text.erase(0, end + 1);
-  if (const auto address = text.find(" (0x"), colon = text.find("): "); address < colon && colon < 100) text.erase(0, colon + 3);
+  if (text.starts_with("vtk"))
+    if (const auto colon = text.find("): "); colon != std::string::npos && colon < 100) text.erase(0, colon + 3);
+  erase_addresses(text);
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, ' ');
   while (!text.empty() && text.back() == ' ') text.pop_back();

@@ -159,6 +159,17 @@ TEST(ImportDamage, WhatCrashedReadersIsRefusedWithItsReason) {
   }
 }
 
+// VTK's reader gives up without a word, and VTK shows the objects that it has made for that.
+TEST(ImportDamage, AnArrayWithoutANameIsSaid) {
+  const Scratch scratch;
+  for (const std::string name : {"Name=\"\"", ""}) {
+    const Error error = refusal(scratch.write("x.vti", replaced(kImageHeader, "Name=\"a\"", name)));
+    EXPECT_EQ(std::string(error.what()), "x.vti: an array of its PointData has no name; expected an attribute Name");
+  }
+  for (const std::string name : {"Name='a'", "\n\tName = \"a\""})
+    EXPECT_EQ(test::open(scratch.write("x.vti", replaced(kImageHeader, "Name=\"a\"", name)))->array("a").upper, 7) << name;
+}
+
 TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
   const Scratch scratch;
   scratch.write("secret.vti", kImageHeader);
