@@ -1,7 +1,20 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include "import/mapped_file.h"
+#include "import/parsed_number.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
 
@@ -23,10 +36,15 @@ class Words {
     text_.remove_prefix(first + (text_[first] == '+'));
     double value = 0;
     const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
-    if (error == std::errc::invalid_argument || (end != text_.data() + text_.size() && !std::isspace(static_cast<unsigned char>(*end))))
-      throw Error(ErrorCode::bad_data, name_ + ": expected a number for " + what + ", not '" + printable(text_.substr(0, 16)) + "'");
+    if (end != text_.data() + text_.size() && !std::isspace(static_cast<unsigned char>(*end))) return fortran_number(static_cast<std::size_t>(end - text_.data()), what);
+    if (error == std::errc::invalid_argument) refuse(what);
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
     return value;
+  }
+  std::string_view rest_of_line() {
+    const auto line = text_.substr(0, text_.find('\n'));
+    skip_line();
+    return line;
   }
   std::int64_t integer(const char* what, std::int64_t most) {
     const double value = number(what);
@@ -36,6 +54,23 @@ class Words {
   }
 
  private:
+  /// "0.5D-02", and "3.45-102" where the letter found no place. from_chars ends at `mantissa`.
+  double fortran_number(std::size_t mantissa, const char* what) {
+    const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
+    const char at = word[mantissa];
+    std::string text(word);
+    if (at == 'D' || at == 'd')
+      text[mantissa] = 'E';
+    else if (at == '+' || at == '-')
+      text.insert(mantissa, "E");
+    const auto value = mantissa > 0 && text != word ? parsed_number<double>(text) : std::nullopt;
+    if (!value) refuse(what);
+    text_.remove_prefix(word.size());
+    return *value;
+  }
+  [[noreturn]] void refuse(const char* what) const {
+    throw Error(ErrorCode::bad_data, name_ + ": expected a number for " + what + ", not '" + printable(text_.substr(0, 16)) + "'");
+  }
   static std::string printable(std::string_view text) {
     std::string out(text);
     for (char& c : out)
@@ -46,9 +81,16 @@ class Words {
   const std::string& name_;
 };
 
+/// How many values each point has; 1 if the line says nothing that can be a count of them.
+std::int64_t trailing_count(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+  const auto count = parsed_number<std::int64_t>(line.substr(0, line.find_first_of(" \t\r")));
+  return count && *count >= 1 && *count <= 1000 ? *count : 1;
+}
+
 }  // namespace
 
-// Gaussian's cube files: two lines of text; atoms and origin; three lines of count and step; the atoms; then the values, z fastest. A negative
+// Gaussian's cube files: two lines of text; atoms, origin and the number of values in each point, if it is not 1; three lines of count and step; the atoms; then the values, z fastest. A negative
 // number of atoms says that a line with the number of fields and their names follows; a negative count that lengths are in Angstrom.
 Imported read_gaussian_cube(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
@@ -62,11 +104,11 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   atoms = std::abs(atoms);
   std::array<double, 3> origin{};
   for (double& x : origin) x = words.number("the origin");
-  words.skip_line();  // a number of values in each point may follow
+  const std::int64_t values_of_point = trailing_count(words.rest_of_line());
   std::array<std::int64_t, 3> dims{};
   std::array<std::array<double, 3>, 3> step{};
   std::vector<std::string> notes;
-  std::int64_t fields = 1;
+  std::int64_t fields = named_fields ? 1 : values_of_point;
   for (std::size_t a = 0; a < 3; ++a) {
     dims[a] = words.integer("the number of points along an axis", 1 << 24);
     if (a == 0) notes.push_back(dims[a] < 0 ? "unit of length: Angstrom" : "unit of length: Bohr");
@@ -77,6 +119,8 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   }
   for (std::int64_t i = 0; i < atoms; ++i) words.skip_line();
   std::vector<std::string> names{"density"};
+  if (fields > 1) names.clear();
+  for (std::int64_t i = 1; fields > 1 && i <= fields; ++i) names.push_back("value " + std::to_string(i));
   if (named_fields) {
     fields = words.integer("the number of fields", 1000);
     if (fields < 1) throw Error(ErrorCode::bad_data, name + ": has no field");

@@ -323,6 +323,11 @@ def gaussian_cube():
         for at in range(0, len(values), 6):
             out.write(" ".join(f"{v:13.5E}" for v in values[at:at + 6]) + "\n")
     lattice("orbitals.cube", {"orbital 7": [0, 345, 0], "orbital 8": [-345, 0, 0]}, [1, 3.5, 2, 6, 3, 9], [3.5, 5, 7, "orbital 8", -235])
+    with open("orbitals.cube") as file:  # as Fortran writes numbers: 0.5D-02, and 0.5-102 where the letter finds no place
+        text = file.read().replace(" -1 1.0 2.0 3.0\n", " 1 1.0 2.0 3.0 2\n").replace(" 2 7 8\n", "").replace("E+", "D+")
+    with open("values.cube", "w") as out:
+        out.write(text.replace("  1.00000D+00", "  1.00000-102", 1))
+    lattice("values.cube", {"value 1": [0, 345, 0], "value 2": [-345, 0, 0]}, [1, 3.5, 2, 6, 3, 9], [1.5, 2, 3, "value 1", 1e-102])
 
 
 def ensight():
