@@ -38,6 +38,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/recognise.h"
 #include "import/check_legacy_cells.h"
 #include "import/declared_time.h"
 #include "import/mapped_file.h"
@@ -58,6 +59,24 @@ Imported run_named(const ReadRequest& request) {
   return run_reader(reader, request);
 }
 
+/// The reader says of a NaN as text that sizes may not match. Throws what it is, if the error is that and there is one.
+void refuse_unreadable_word(const ReadRequest& request, const Error& error) {
+  if (std::string_view(error.what()).find("reading ascii") == std::string_view::npos) return;
+  const MappedFile file(request.file);
+  std::string_view text(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+  for (int line = 0; line < 3; ++line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  constexpr std::string_view kBlanks = " \t\r\n";
+  while (!text.empty()) {
+    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+    const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+    const std::string plain = small_letters(std::string(word.substr(word.starts_with('-') || word.starts_with('+'), 9)));
+    if (plain == "nan" || plain == "inf" || plain == "infinity")
+      throw Error(ErrorCode::bad_data, request.file.filename().string() + ": holds '" + std::string(word) +
+                                           "' as text, which VTK's reader of legacy files takes for no number; save it as BINARY, or as XML (.vti, .vtu)");
+    text.remove_prefix(word.size());
+  }
+}
+
 template <class Reader>
 Imported run_legacy(const ReadRequest& request) {
   vtkNew<Reader> reader;
@@ -69,7 +88,14 @@ Imported run_legacy(const ReadRequest& request) {
   reader->ReadAllColorScalarsOn();
   reader->ReadAllTCoordsOn();
   reader->ReadAllFieldsOn();
-  Imported imported = run_reader(reader, request);
+  Imported imported = [&] {
+    try {
+      return run_reader(reader, request);
+    } catch (const Error& error) {
+      refuse_unreadable_word(request, error);
+      throw;
+    }
+  }();
   imported.times = {declared_time(request.file).value_or(imported.times.front())};  // the reader does not hand TIME on
   return imported;
 }

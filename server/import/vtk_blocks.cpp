@@ -279,7 +279,7 @@ void set_image(vtkImageData* image, Block& block, const std::string& name) {
     UniformGrid grid;
     grid.dims = dims;
     for (int a = 0; a < 3; ++a) {
-      grid.spacing[a] = spacing[a];
+      grid.spacing[a] = d[a] == 1 && spacing[a] == 0 ? 1 : spacing[a];  // of one slice it has no meaning
       grid.origin[a] = image->GetOrigin()[a] + extent[2 * a] * spacing[a];
     }
     block.grid.shape = grid;

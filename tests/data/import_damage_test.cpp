@@ -159,6 +159,31 @@ TEST(ImportDamage, WhatCrashedReadersIsRefusedWithItsReason) {
   }
 }
 
+TEST(ImportDamage, ANanAsTextOfALegacyFileIsSaid) {
+  const Scratch scratch;
+  for (const std::string word : {"nan", "-inf", "NaN"}) {
+    const std::string text = replaced(kStructured, "0 1 2 3 4 5 6 7", "0 1 2 " + word + " 4 5 6 7"), real = replaced(text, "SCALARS f int", "SCALARS f double");
+    for (const std::string& bytes : {text, real}) {
+      const auto file = scratch.write("x.vtk", bytes);
+      try {
+        EXPECT_EQ(test::open(file)->arrays.size(), 1u);  // a newer VTK reads it
+      } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("x.vtk: holds '" + word + "' as text"), std::string::npos) << error.what();
+      }
+    }
+  }
+  const Error other = refusal(scratch.write("x.vtk", replaced(kStructured, "0 1 2 3 4 5 6 7", "0 1 2")));
+  EXPECT_EQ(std::string(other.what()).find("as text"), std::string::npos) << other.what();
+}
+
+TEST(ImportDamage, AFlatImageMayHaveNoSpacingAcross) {
+  const Scratch scratch;
+  const auto flat = test::open(scratch.write("x.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 2 1\nORIGIN 0 0 5\nSPACING 1 2 0\n"
+                                                      "POINT_DATA 6\nSCALARS f float\nLOOKUP_TABLE default\n0 1 2 3 4 5\n"));
+  EXPECT_EQ(flat->bounds.upper.y, 2);
+  EXPECT_EQ(flat->bounds.upper.z, 5);
+}
+
 // VTK's reader gives up without a word, and VTK shows the objects that it has made for that.
 TEST(ImportDamage, AnArrayWithoutANameIsSaid) {
   const Scratch scratch;
