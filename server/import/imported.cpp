@@ -36,7 +36,6 @@ std::filesystem::path referred_file(const std::filesystem::path& from, const std
   const fs::path wanted(name);
   const std::string refusal = from.filename().string() + ": refers to '" + name + "'";
   if (name.empty()) throw Error(ErrorCode::bad_data, from.filename().string() + ": refers to a file without a name");
-  if (wanted.is_absolute()) throw Error(ErrorCode::bad_data, refusal + "; expected a file below its own directory");
   std::error_code ignored;
   const fs::path resolved = fs::weakly_canonical(directory / wanted, ignored);
   const auto [end, at] = std::mismatch(directory.begin(), directory.end(), resolved.begin(), resolved.end());

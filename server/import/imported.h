@@ -72,8 +72,7 @@ std::int64_t checked_product(std::initializer_list<std::int64_t> sizes, const st
 /// Throws not_found where step is not one of `steps`.
 void check_step(const ReadRequest& request, std::size_t steps);
 
-/// Resolves a file that `from` refers to. Throws bad_data where the name is absolute or leaves the directory of `from`,
-/// not_found where there is no such file.
+/// Resolves a file that `from` refers to. Throws bad_data where it does not lie below the directory of `from`, not_found where there is no such file.
 std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name);
 
 /// Only the first half: throws bad_data where the name is absolute or leaves the directory of `from`, whatever is there.

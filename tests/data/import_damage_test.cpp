@@ -206,6 +206,7 @@ TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
             "\"/></Collection></VTKFile>");
   };
   EXPECT_EQ(test::open(pvd("ok.vti"))->grid.point_count(), 8);
+  EXPECT_EQ(test::open(pvd((scratch / "in/ok.vti").string()))->grid.point_count(), 8);
   EXPECT_EQ(refusal(pvd("../secret.vti")).code(), ErrorCode::bad_data);
   EXPECT_EQ(refusal(pvd((scratch / "secret.vti").string())).code(), ErrorCode::bad_data);
   EXPECT_EQ(refusal(pvd("absent.vti")).code(), ErrorCode::not_found);
@@ -219,6 +220,8 @@ TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
             file + "\"/></PImageData></VTKFile>");
   };
   EXPECT_EQ(test::open(pvti("ok.vti"))->array("a").upper, 7);
+  EXPECT_EQ(test::open(pvti((scratch / "in/ok.vti").string()))->array("a").upper, 7);
+  EXPECT_EQ(refusal(pvti((scratch / "secret.vti").string())).code(), ErrorCode::bad_data);
   EXPECT_EQ(refusal(pvti("../secret.vti")).code(), ErrorCode::bad_data);
   scratch.write("secret.raw", std::string(8, 'x'));
   EXPECT_EQ(
