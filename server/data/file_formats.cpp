@@ -40,7 +40,7 @@ constexpr std::array kFormats{
 };
 
 constexpr std::array kForeign{
-    ForeignFormat{".vtp .pvtp .stl .ply .obj .off .3ds .gltf .glb .iges .step .stp .wrl", "a surface",
+    ForeignFormat{".vtp .pvtp .stl .ply .obj .off .3ds .gltf .glb .iges .step .stp .wrl .stla .stlb .facet", "a surface",
                   "expected a grid whose cells have a volume"},
     ForeignFormat{".xdmf .xmf", "XDMF", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
     ForeignFormat{".bp .bp4 .bp5", "ADIOS", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
@@ -49,13 +49,14 @@ constexpr std::array kForeign{
     ForeignFormat{".czi .nd2 .lif .oir .lsm .svs .ndpi .vsi", "a microscope's own format", "save it as OME-Zarr or OME-TIFF (bioformats2raw, Fiji)"},
     ForeignFormat{".vdb .dx .fld .xsf", "a grid of another program", "save it as .vti or .vtu (ParaView: Save Data), or one array as .npy"},
     ForeignFormat{".grib .grb .grib2 .grb2", "GRIB", "save it as netCDF (cdo -f nc copy IN OUT)"},
+    ForeignFormat{".dem", "a map of heights", "save it as netCDF (gdal_translate -of netCDF IN OUT)"},
     ForeignFormat{".plt .szplt .tec", "Tecplot", "save it as CGNS, or as .vtu (ParaView: Save Data)"},
     ForeignFormat{".visit", "VisIt's list of files", "open the files by their pattern, 'plume_*.vtk', or list them in a .pvd"},
     ForeignFormat{".lammpstrj .dump .xtc .pdb .gro .dcd", "particles", "expected a grid: save their density on one, as Gaussian cube, MRC or .npy"},
     ForeignFormat{".mat", "MATLAB of a form before 7.3", "save it in MATLAB with '-v7.3'"},
     ForeignFormat{".pkl .parquet .feather .root", "an array in a container that is not read",
                   "save one array as .npy (Python: numpy.save)"},
-    ForeignFormat{".msh .inp .med .unv .bdf .nas .frd .cas .msh2 .msh4 .mesh .ucd .rst .odb .xml .key .k .su2",
+    ForeignFormat{".msh .inp .med .unv .bdf .nas .frd .cas .msh2 .msh4 .mesh .ucd .rst .odb .xml .key .k .su2 .neu",
                   "a mesh or a case of another program", "save it as .vtu, VTKHDF, CGNS or Exodus (ParaView, or meshio convert)"},
     ForeignFormat{".raw .img .bin .vol .dat .u8 .u16 .f32", "numbers without a header",
                   "put a header beside it, NAME.nhdr: 'NRRD0004', 'type: float', 'dimension: 3', 'sizes: NX NY NZ', 'encoding: raw', "

@@ -3,9 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 #include <fstream>
+#include <ios>
+#include <iterator>
+#include <span>
+#include <sstream>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "data/file_series.h"
@@ -99,6 +107,25 @@ Recognised recognise_container(std::string_view head, const std::string& file) {
   return {FileKind::hdf5, {}};
 }
 
+std::vector<std::string> words_of_line(std::string_view text, int line) {
+  for (; line > 0; --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  std::istringstream words(std::string(text.substr(0, text.find('\n'))));
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+/// Atoms as text (.xyz), and surfaces of Movie.BYU (.g), have PLOT3D's names.
+void refuse_others_of_plot3d(std::string_view head, const std::string& name) {
+  const auto numbers = [](std::span<const std::string> words, const char* digits) {
+    return std::all_of(words.begin(), words.end(), [&](const std::string& word) { return word.find_first_not_of(digits) == std::string::npos; });
+  };
+  const auto first = words_of_line(head, 0), second = words_of_line(head, 1), third = words_of_line(head, 2);
+  if (first.size() == 1 && numbers(first, "0123456789") && third.size() >= 4 && std::isalpha(static_cast<unsigned char>(third[0][0])) &&
+      numbers(std::span(third).subspan(1, 3), "0123456789.+-eE"))
+    throw Error(ErrorCode::unsupported, name + ": a list of atoms; expected a grid: save their density on one, as Gaussian cube, MRC or .npy");
+  if (first.size() == 4 && second.size() == 2 && numbers(first, "0123456789") && numbers(second, "0123456789") && second[1] == first[2])
+    throw Error(ErrorCode::unsupported, name + ": a surface (Movie.BYU); expected a grid whose cells have a volume");
+}
+
 /// By what the name alone says.
 [[noreturn]] void refuse(const std::string& file, const std::string& name, std::string_view head) {
   if (file.ends_with(".vtk")) throw Error(ErrorCode::bad_data, name + ": expected '# vtk DataFile' at its start");
@@ -112,6 +139,8 @@ Recognised recognise_container(std::string_view head, const std::string& file) {
   if (file.ends_with(".npz")) throw Error(ErrorCode::bad_data, name + ": expected a ZIP archive, as NumPy's .npz is");
   if (ends_with_one_of(file, extensions_of(FileKind::fits))) throw Error(ErrorCode::bad_data, name + ": expected 'SIMPLE  =' at its start, as FITS has it");
   if (file.ends_with(".npy")) throw Error(ErrorCode::bad_data, name + ": expected '\\x93NUMPY' at its start");
+  if (file.ends_with(".plt") && (head.starts_with(std::string_view("\3\0\0\0", 4)) || head.starts_with(std::string_view("\0\0\0\3", 4))))
+    throw Error(ErrorCode::unsupported, name + ": a density of gOpenMol; save it as MRC or Gaussian cube, or as .npy (Python: gridData)");
   for (const ForeignFormat& foreign : foreign_formats())
     if (ends_with_one_of(file, foreign.extensions))
       throw Error(ErrorCode::unsupported, name + ": " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
@@ -204,8 +233,10 @@ Recognised recognise(const fs::path& path) {
   const bool text = std::any_of(foreign_formats().begin(), foreign_formats().end(),
                                 [&](const ForeignFormat& foreign) { return foreign.advice.empty() && ends_with_one_of(file, foreign.extensions); });
   if (ends_with_one_of(file, extensions_of(FileKind::plot3d)) || (!text && (stem.ends_with("xyz") || stem.ends_with("grid"))) ||
-      (stem.ends_with("q") && ends_with_one_of(file, ".bin .dat")))
+      (stem.ends_with("q") && ends_with_one_of(file, ".bin .dat"))) {
+    refuse_others_of_plot3d(head, name);
     return {FileKind::plot3d, {}};
+  }
   if (file.ends_with(".dcm")) return {FileKind::dicom, {}};
   refuse(file, name, head);
 }

@@ -53,13 +53,13 @@ struct Files {
 };
 
 std::vector<std::string> solution_names(const fs::path& grid) {
-  const std::string name = grid.filename().string(), stem = grid.stem().string();
+  const std::string name = grid.filename().string(), stem = grid.stem().string(), renamed = replaced(stem, "xyz", "q");
   return {replaced(name, "xyz", "q"),
           stem + ".q",
           stem + ".Q",
           replaced(name, "grid", "q"),
           replaced(name, "grid", "solution"),
-          replaced(stem, "xyz", "q") + grid.extension().string()};
+          renamed.empty() ? renamed : renamed + grid.extension().string()};
 }
 
 std::vector<std::string> grid_names(const fs::path& solution) {
