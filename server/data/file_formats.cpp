@@ -46,7 +46,7 @@ constexpr std::array kForeign{
     ForeignFormat{".bp .bp4 .bp5", "ADIOS", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
     ForeignFormat{".n5", "N5", "save it as OME-Zarr (Python: zarr, ome-zarr)"},
     ForeignFormat{".zarr.zip .ozx", "a Zarr folder in an archive", "unpack it into a folder, NAME.zarr, and open that"},
-    ForeignFormat{".czi .nd2 .lif .oir .lsm .svs .ndpi .vsi", "a microscope's own format", "save it as OME-Zarr or OME-TIFF (bioformats2raw, Fiji)"},
+    ForeignFormat{".czi .nd2 .lif .oir .lsm .stk .svs .ndpi .vsi", "a microscope's own format", "save it as OME-Zarr or OME-TIFF (bioformats2raw, Fiji)"},
     ForeignFormat{".vdb .dx .fld .xsf", "a grid of another program", "save it as .vti or .vtu (ParaView: Save Data), or one array as .npy"},
     ForeignFormat{".grib .grb .grib2 .grb2", "GRIB", "save it as netCDF (cdo -f nc copy IN OUT)"},
     ForeignFormat{".dem", "a map of heights", "save it as netCDF (gdal_translate -of netCDF IN OUT)"},

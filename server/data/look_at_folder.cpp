@@ -52,7 +52,7 @@ void look_inside(const fs::path& path, LookedAt& file) {
     file.of = recognise(path);
     if (file.of.kind == FileKind::dicom) {
       file.use = LookedAt::Use::dicom;
-    } else if (file.of.kind == FileKind::tiff) {
+    } else if (file.of.kind == FileKind::tiff && names_pictures(path)) {
       file.use = LookedAt::Use::picture;
     } else {
       file.why_not = not_a_grid(file.name, file.of);

@@ -126,6 +126,16 @@ void refuse_others_of_plot3d(std::string_view head, const std::string& name) {
     throw Error(ErrorCode::unsupported, name + ": a surface (Movie.BYU); expected a grid whose cells have a volume");
 }
 
+[[noreturn]] void refuse(const ForeignFormat& foreign, const std::string& name) {
+  throw Error(ErrorCode::unsupported, name + ": " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
+}
+
+/// TIFFs whose pages are not what they are in others, by the names that their makers give them.
+void refuse_microscope(const std::string& file, const std::string& name) {
+  for (const ForeignFormat& foreign : foreign_formats())
+    if (foreign.what == "a microscope's own format" && ends_with_one_of(file, foreign.extensions)) refuse(foreign, name);
+}
+
 /// By what the name alone says.
 [[noreturn]] void refuse(const std::string& file, const std::string& name, std::string_view head) {
   if (file.ends_with(".vtk")) throw Error(ErrorCode::bad_data, name + ": expected '# vtk DataFile' at its start");
@@ -142,8 +152,7 @@ void refuse_others_of_plot3d(std::string_view head, const std::string& name) {
   if (file.ends_with(".plt") && (head.starts_with(std::string_view("\3\0\0\0", 4)) || head.starts_with(std::string_view("\0\0\0\3", 4))))
     throw Error(ErrorCode::unsupported, name + ": a density of gOpenMol; save it as MRC or Gaussian cube, or as .npy (Python: gridData)");
   for (const ForeignFormat& foreign : foreign_formats())
-    if (ends_with_one_of(file, foreign.extensions))
-      throw Error(ErrorCode::unsupported, name + ": " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
+    if (ends_with_one_of(file, foreign.extensions)) refuse(foreign, name);
   if (head.starts_with("#!TDV")) throw Error(ErrorCode::unsupported, name + ": Tecplot; save it as CGNS, or as .vtu (ParaView: Save Data)");
   if (head.starts_with("\x7f" "ELF") || head.starts_with("#!")) throw Error(ErrorCode::unsupported, name + ": a program");
   throw Error(ErrorCode::unsupported, name + ": not a known kind of file; docs/formats.md lists those that are read");
@@ -224,8 +233,10 @@ Recognised recognise(const fs::path& path) {
     return recognise_container(head, file);
   if (ends_with_one_of(file, extensions_of(FileKind::nifti))) return {FileKind::nifti, {}};
   if (head.starts_with("\x1f\x8b") && file.ends_with(".gz") && !file.ends_with(".tar.gz")) return {FileKind::gzip, {}};
-  if (head.starts_with(std::string_view("II*\0", 4)) || head.starts_with(std::string_view("MM\0*", 4)) || head.starts_with("II+") || head.starts_with(std::string_view("MM\0+", 4)))
+  if (head.starts_with(std::string_view("II*\0", 4)) || head.starts_with(std::string_view("MM\0*", 4)) || head.starts_with("II+") || head.starts_with(std::string_view("MM\0+", 4))) {
+    refuse_microscope(file, name);
     return {FileKind::tiff, {}};
+  }
   for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
   if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark

@@ -20,6 +20,7 @@
 #include "base/program_file.h"
 #include "base/spawn.h"
 #include "data/importer_request.h"
+#include "data/picture_need.h"
 #include "data/recognise.h"
 #include "data/zarr_folder.h"
 #include "import/confine.h"
@@ -93,10 +94,11 @@ void run(const std::vector<std::string>& words) {
 }
 
 #ifdef ISOSTRATA_HANDS_ON
-/// This process becomes the program that has all readers, if the file needs it. Who asks a process that is loaded already has chosen between the two, so a
+/// This process becomes the program that has all readers, if the file needs it, or notes that it needs the reader of pictures. Who asks a process that is loaded already has chosen between the two, so a
 /// copy looks at no file before it is confined.
 void hand_on(const std::vector<std::string>& words) {
   try {
+    if (isostrata::is_picture_under_another_name(words[0])) setenv(isostrata::kPictureVariable, "yes", 1);
     if (isostrata::needs_all_readers(words[0])) isostrata::become(isostrata::program_file().parent_path() / "isostrata-import-all", words);
   } catch (const Error& error) {
     fail(error.code(), error.what());

@@ -1,7 +1,11 @@
 #include "import/picture_files.h"
 
+#include <cstdlib>
+#include <string>
+
 #include "base/load_module.h"
 #include "data/file_series.h"
+#include "data/picture_need.h"
 #include "data/recognise.h"
 #include "import/memory_limit.h"
 #include "import/place_image.h"
@@ -12,14 +16,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool prepared = false;
+
 const LoadedModule& module_of_pages() {
   static const LoadedModule found = load_module("libisostrata_oiio.so", "ISOSTRATA_OIIO", "isostrata_page_module", kPageReaderAbi);
   return found;
 }
 
+/// By its name, or by what whoever looked at it has said.
+bool may_be_picture(const fs::path& file) {
+  std::string name = small_letters(file.filename().string());
+  while (ends_with_one_of(name, ".gz .series")) name.resize(name.rfind('.'));
+  return names_pictures(name) || std::getenv(kPictureVariable) != nullptr;
+}
+
 }  // namespace
 
 std::unique_ptr<PageReader> open_pages(const fs::path& file) {
+  if (!prepared) throw Error(ErrorCode::unsupported, file.filename().string() + ": a picture by its first bytes, but not by its name; name it .tif");
   const auto* const module = static_cast<const PageModule*>(module_of_pages().entry);
   if (!module) throw Error(ErrorCode::unavailable, "OpenImageIO, which reads pictures, cannot be loaded: " + module_of_pages().problem);
   return named(file.filename().string(), [&] { return module->open(file.string()); });
@@ -60,7 +74,8 @@ Imported picture_volume(const fs::path& file, const PageLayout& layout, std::int
 }
 
 void prepare_pictures(const fs::path& file) {
-  if (names_pictures(file)) static_cast<void>(module_of_pages());
+  prepared = may_be_picture(file);
+  if (prepared) static_cast<void>(module_of_pages());
 }
 
 }  // namespace isostrata

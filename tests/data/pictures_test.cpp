@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "data/files.h"
+#include "data/list_folder.h"
 
 namespace isostrata {
 namespace {
@@ -188,6 +189,25 @@ TEST(Pictures, NumberedFilesAreSlicesOfOneSize) {
   EXPECT_EQ(error.code(), ErrorCode::bad_data);
   EXPECT_EQ(std::string(error.what()).find("slice_12.tif: 5 x 3 pixels of 1 components; the first slice, slice_9.tif, has 5 x 3 pixels of 3 components"), 0u)
       << error.what();
+}
+
+TEST(Pictures, ATiffMayHaveAnyName) {
+  const Scratch scratch;
+  const std::string whole = tiff({page_of<std::uint16_t>(1)});
+  for (const char* name : {"plain", "a.btf", "a.tf8", "a.dat", "a.p3d", "IM.0001"}) {
+    SCOPED_TRACE(name);
+    expect_values<int>(*open(scratch.write(name, whole)), 1, 1);
+  }
+  expect_values<int>(*open(scratch.write("a.tif.gz", test::gzip(whole))), 1, 1);
+  const FolderListing listing = list_folder(scratch.path());
+  EXPECT_EQ(listing.entries.size(), 7u);
+  EXPECT_TRUE(listing.passed_over.empty());
+  for (const auto& [name, words] : {std::pair{"a.lsm", "a.lsm: a microscope's own format; save it as OME-Zarr or OME-TIFF"},
+                                    std::pair{"a.stk", "a.stk: a microscope's own format"}}) {
+    const Error error = refusal(scratch.write(name, whole));
+    EXPECT_EQ(error.code(), ErrorCode::unsupported);
+    EXPECT_EQ(std::string(error.what()).find(words), 0u) << error.what();
+  }
 }
 
 TEST(Pictures, WhatIsDamagedIsRefusedByItsNameInOneLine) {
