@@ -6,9 +6,11 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <vector>
 
 #include "base/utf8.h"
+#include "data/analytic.h"
 #include "data/region.h"
 #include "main/ranks.h"
 
@@ -149,6 +151,16 @@ Region& region_argument() {
   return region;
 }
 
+/// The same file by a path without ".", but for one that is nothing else, and for what would then be the name of analytic data.
+std::string without_dots(const std::string& text) {
+  namespace fs = std::filesystem;
+  fs::path plain;
+  for (const fs::path& part : fs::path(text))
+    if (part != ".") plain /= part;
+  if (plain.empty() || is_analytic(text)) return text;
+  return is_analytic(plain.string()) ? (fs::current_path() / plain).string() : plain.string();
+}
+
 }  // namespace
 
 void add_region_options(CLI::App& command) {
@@ -170,6 +182,10 @@ void add_region_options(CLI::App& command) {
 }
 
 const Region& region_of_arguments() { return region_argument(); }
+
+void add_file_option(CLI::App& command, std::string& file, const std::string& help) {
+  command.add_option("FILE", file, help)->required()->transform([](const std::string& text) { return without_dots(text); });
+}
 
 std::shared_ptr<const Dataset> open_argument(const std::string& file, int step) {
   OpenOptions options;

@@ -434,7 +434,7 @@ void run(ExtractArguments& arguments) {
 void add_extract_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("extract", "Extracts interval volumes as a mesh of tetrahedra");
   auto arguments = std::make_shared<ExtractArguments>();
-  command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
   command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
   command->add_option("--interval", arguments->intervals, "LOWER:UPPER, of which -inf and inf leave an end open; may be repeated")->required()->allow_extra_args(false);
   add_layer_options(*command, arguments->layers);

@@ -108,7 +108,7 @@ void add_first_view_command(CLI::App& app) {
                                          "What the page, scripts and render show when nothing was chosen: array, layers, colours, "
                                          "light, camera, time, each with its reason");
   const auto arguments = std::make_shared<FirstViewArguments>();
-  command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
   add_region_options(*command);
   command->add_option("--array", arguments->array, "The array to show (default: the best)");
   command

@@ -211,7 +211,7 @@ struct InfoArguments {
 void add_info_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "Says what is in a file: grid, points, cells by type, arrays, time steps; of a folder, what can be opened and what was passed over");
   const auto arguments = std::make_shared<InfoArguments>();
-  command->add_option("FILE", arguments->file, "A file, a series such as 'plume_*.vtu', a folder, or analytic data such as torus:64")->required();
+  add_file_option(*command, arguments->file, "A file, a series such as 'plume_*.vtu', a folder, or analytic data such as torus:64");
   add_region_options(*command);
   command->add_option("--step", arguments->step, "The time step to look at, from 0");
   command->add_flag("--this-step", arguments->this_step,

@@ -133,7 +133,7 @@ void run(const PartitionArguments& arguments) {
 void add_partition_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("partition", "Writes a dataset in parts, so that each of as many ranks reads its own and no other (docs/ranks.md); VTK and ParaView open them as one");
   const auto arguments = std::make_shared<PartitionArguments>();
-  command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
   command->add_option("--parts", arguments->parts, "How many: as many as there will be ranks, and no more than there are cells")->required()->check(CLI::Range(1, 65536));
   command->add_option("--out", arguments->out, "The folder for the parts, their list (.pvtu, .pvti, .pvtr or .pvts, by the kind of grid) and the planes between them (.parts.json); empty, or not there yet")
       ->type_name("FOLDER")

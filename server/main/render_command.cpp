@@ -352,7 +352,7 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
 void add_render_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Draws interval volumes to a picture");
   auto arguments = std::make_shared<RenderArguments>();
-  command->add_option("FILE", arguments->file, "A file, or the name of analytic data (torus:64)")->required();
+  add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
   command
       ->add_option("--state", arguments->state,
                    "A session's state, as GET api/v1/sessions/ID/state gives it: the picture that the page shows. Other options "

@@ -23,8 +23,8 @@ struct Ran {
 };
 
 /// Standard error goes to standard output where `both`.
-Ran info(const std::string& arguments, bool both = false) {
-  const std::string command = isostrata::places::binaries() + "/isostrata info " + arguments + (both ? " 2>&1" : " 2>/dev/null");
+Ran info(const std::string& arguments, bool both = false, const std::string& before = "") {
+  const std::string command = before + isostrata::places::binaries() + "/isostrata info " + arguments + (both ? " 2>&1" : " 2>/dev/null");
   Ran ran;
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return ran;
@@ -34,6 +34,8 @@ Ran info(const std::string& arguments, bool both = false) {
   ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return ran;
 }
+
+Ran in_folder(const std::string& folder, const std::string& arguments) { return info(arguments, true, "cd '" + folder + "' && "); }
 
 using isostrata::testing::shared_data;
 
@@ -98,6 +100,25 @@ TEST(InfoCommand, DescribesAFile) {
   for (const json::value& array : document.at("arrays").as_array()) names.emplace_back(array.at("name").as_string());
   for (const char* name : {"Density", "Momentum", "Momentum_x", "StagnationEnergy"})
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+}
+
+TEST(InfoCommand, FollowsALinkThatIsNamedWithADot) {
+  namespace fs = std::filesystem;
+  const isostrata::testing::TemporaryFolder folder;
+  folder.write("data/field.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n1 2 3 4 5 6 7 8\n");
+  folder.write("here/step_1.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n1 2 3 4 5 6 7 9\n");
+  fs::create_symlink("../data/field.nhdr", folder / "here/link.nhdr");
+  fs::create_symlink("../data/field.nhdr", folder / "here/step_2.nhdr");
+  const std::string here = (folder / "here").string();
+  for (const std::string& file : {std::string("./link.nhdr"), std::string("./././link.nhdr"), std::string("../here/./link.nhdr"), here + "/./link.nhdr"}) {
+    const Ran ran = in_folder(here, "'" + file + "'");
+    EXPECT_EQ(ran.status, 0) << file << ": " << ran.out;
+    EXPECT_NE(ran.out.find("[1, 8]"), std::string::npos) << ran.out;
+  }
+  EXPECT_NE(in_folder(here, "'./step_*.nhdr'").out.find("[1, 9]"), std::string::npos);
+  EXPECT_NE(in_folder(here, ".").out.find("1 data sets"), std::string::npos);
+  folder.write("here/torus", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: ascii\n\n1 2 3 4 5 6 7 9\n");
+  EXPECT_NE(in_folder(here, "./torus").out.find("[1, 9]"), std::string::npos);
 }
 
 TEST(SharedDataInfo, ReadsTheBluntFin) {
