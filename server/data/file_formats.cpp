@@ -16,7 +16,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::vtkhdf, "VTKHDF", ".vtkhdf .hdf .h5 .hdf5", "image data and unstructured grids; steps and blocks as the VTK here knows them", "VTK"},
     FileFormat{FileKind::nrrd, "NRRD", ".nrrd .nhdr", "raw, ASCII, hexadecimal, gzip, bzip2; detached files; steps; space directions", "ours"},
     FileFormat{FileKind::meta_image, "MetaImage", ".mhd .mha", "one data file, a list or a pattern of them", "ours, placed by VTK"},
-    FileFormat{FileKind::nifti, "NIfTI", ".nii .nii.gz", "NIfTI 1 and 2; steps; sform or qform, scaled values", "VTK, placed by us"},
+    FileFormat{FileKind::nifti, "NIfTI", ".nii .nii.gz", "NIfTI 1 and 2, also as a pair x.hdr and x.img; steps; sform or qform, scaled values", "VTK, placed by us"},
     FileFormat{FileKind::dicom, "DICOM", ".dcm .ima .dicom", "a file or a folder: the largest series, uncompressed, in the patient's space", "ours"},
     FileFormat{FileKind::numpy, "NumPy array", ".npy", "one to three axes, the last is x; whole or real numbers", "ours"},
     FileFormat{FileKind::npz, "NumPy archive", ".npz", "the largest array, and all that have its axes", "ours"},

@@ -17,6 +17,7 @@
 
 #include "base/error.h"
 #include "data/file_series.h"
+#include "data/nifti_mark.h"
 #include "data/zarr_folder.h"
 
 namespace isostrata {
@@ -66,6 +67,15 @@ std::string head_of(const fs::path& file) {
 }
 
 bool begins_as_dicom(std::string_view head) { return head.size() > 132 && head.substr(128, 4) == "DICM"; }
+
+/// By its own first bytes, or those of the header beside it.
+bool is_nifti(const fs::path& path, const std::string& file, std::string_view head) {
+  if (file.ends_with(".hdr")) return begins_as_nifti_pair(head);
+  if (!file.ends_with(".img")) return begins_as_nifti(head);
+  std::error_code error;
+  const fs::path header = other_of_nifti_pair(path);
+  return fs::is_regular_file(header, error) && begins_as_nifti_pair(head_of(header));
+}
 
 /// The first files of a folder, in no order.
 bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
@@ -231,7 +241,7 @@ Recognised recognise(const fs::path& path) {
   if (const std::string_view inside = past_user_block(head); !inside.empty()) return recognise_container(inside, file);
   if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n"))
     return recognise_container(head, file);
-  if (ends_with_one_of(file, extensions_of(FileKind::nifti))) return {FileKind::nifti, {}};
+  if (ends_with_one_of(file, extensions_of(FileKind::nifti)) || is_nifti(path, file, head)) return {FileKind::nifti, {}};
   if (head.starts_with("\x1f\x8b") && file.ends_with(".gz") && !file.ends_with(".tar.gz")) return {FileKind::gzip, {}};
   if (head.starts_with(std::string_view("II*\0", 4)) || head.starts_with(std::string_view("MM\0*", 4)) || head.starts_with("II+") || head.starts_with(std::string_view("MM\0+", 4))) {
     refuse_microscope(file, name);

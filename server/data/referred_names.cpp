@@ -6,6 +6,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "data/nifti_mark.h"
+
 namespace isostrata {
 namespace {
 
@@ -76,6 +78,12 @@ std::vector<std::string> of_ensight(const std::string& text) {
   return names;
 }
 
+/// What holds the values of a pair is the header's.
+std::vector<std::string> of_nifti_header(const std::filesystem::path& file) {
+  if (small_letters(file.extension().string()) != ".hdr") return {};
+  return {other_of_nifti_pair(file).filename().string()};
+}
+
 }  // namespace
 
 std::vector<std::string> referred_names(const std::filesystem::path& file, const Recognised& of) {
@@ -93,6 +101,8 @@ std::vector<std::string> referred_names(const std::filesystem::path& file, const
       return of_header(beginning(file), "elementdatafile", '=');
     case FileKind::ensight:
       return of_ensight(beginning(file));
+    case FileKind::nifti:
+      return of_nifti_header(file);
     default:
       return {};
   }

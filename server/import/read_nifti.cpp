@@ -7,11 +7,17 @@
 #include <vtkPointData.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 
+#include "data/nifti_mark.h"
+#include "data/recognise.h"
 #include "import/place_image.h"
 #include "import/read_vtk.h"
 #include "import/vtk_messages.h"
@@ -19,6 +25,8 @@
 
 namespace isostrata {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Components [first, first + count) of each tuple, as the scaled numbers of the file where it scales them.
 FileArray part_of(const FileArray& all, std::size_t first, std::size_t count, double slope, double intercept) {
@@ -66,11 +74,40 @@ void check_magic(const ReadRequest& request) {
     throw Error(ErrorCode::bad_data, name + ": expected the letters n+1 or n+2 in its header, as one file of NIfTI has them");
 }
 
+/// Where there is no slope, some write NaN: nothing is scaled by it, as by 0.
+double finite_or_0(double value) { return std::isfinite(value) ? value : 0; }
+
+/// The file that VTK's reader is given: of a pair the header, whichever was named.
+fs::path header_file(const fs::path& file) {
+  std::error_code error;
+  const fs::path other = other_of_nifti_pair(file);
+  if (other.empty()) return file;
+  const bool values = small_letters(file.extension().string()) == ".img";
+  if (!values && !fs::is_regular_file(other, error))
+    throw Error(ErrorCode::not_found, file.filename().string() + ": the header of a pair of NIfTI files; expected " + other.filename().string() + " with its values beside it");
+  return values ? other : file;
+}
+
+/// Of a pair, which VTK's reader takes for whole if the values are short.
+void check_values(const fs::path& header, vtkNIFTIImageReader& reader) {
+  const fs::path values = other_of_nifti_pair(header);
+  const vtkNIFTIImageHeader* const of = reader.GetNIFTIHeader();
+  if (values.empty() || !of) return;
+  auto* const facts = const_cast<vtkNIFTIImageHeader*>(of);
+  std::int64_t points = 1;
+  for (int d = 1; d <= std::min<std::int64_t>(facts->GetDim(0), 7); ++d) points = checked_product({points, std::max<std::int64_t>(facts->GetDim(d), 1)}, header.filename().string());
+  const std::uint64_t bytes = static_cast<std::uint64_t>(checked_product({points, facts->GetBitPix()}, header.filename().string())) / 8, present = fs::file_size(values);
+  if (bytes > present)
+    throw Error(ErrorCode::bad_data, values.filename().string() + ": is cut off: " + std::to_string(bytes) + " bytes declared by " + header.filename().string() + ", " + std::to_string(present) + " present");
+}
+
 const char* unit_of(int code) { return code == 1 ? "m" : code == 2 ? "mm" : code == 3 ? "um" : nullptr; }
 
 }  // namespace
 
-Imported read_nifti(const ReadRequest& request) {
+Imported read_nifti(const ReadRequest& asked) {
+  ReadRequest request = asked;
+  request.file = header_file(asked.file);
   const std::string name = request.file.filename().string();
   check_magic(request);
   vtkNew<vtkNIFTIImageReader> reader;
@@ -80,13 +117,14 @@ Imported read_nifti(const ReadRequest& request) {
   report_progress(reader, request);
   reader->UpdateInformation();
   throw_on_vtk_error(name);
+  check_values(request.file, *reader);
   const int steps = std::max(1, reader->GetTimeDimension());
   const double between = reader->GetTimeSpacing();
   std::vector<double> times;
   for (int t = 0; t < steps; ++t) times.push_back(t * (between > 0 && std::isfinite(between) ? between : 1.0));
   check_step(request, times.size());
 
-  const double slope = reader->GetRescaleSlope(), intercept = reader->GetRescaleIntercept();
+  const double slope = finite_or_0(reader->GetRescaleSlope()), intercept = finite_or_0(reader->GetRescaleIntercept());
   vtkMatrix4x4* matrix = reader->GetSFormMatrix() ? reader->GetSFormMatrix() : reader->GetQFormMatrix();
   ReadRequest all = request;
   all.step = 0;
