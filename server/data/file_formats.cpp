@@ -17,7 +17,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::nrrd, "NRRD", ".nrrd .nhdr", "raw, ASCII, hexadecimal, gzip, bzip2; detached files; steps; space directions", "ours"},
     FileFormat{FileKind::meta_image, "MetaImage", ".mhd .mha", "one data file, a list or a pattern of them", "ours, placed by VTK"},
     FileFormat{FileKind::nifti, "NIfTI", ".nii .nii.gz", "NIfTI 1 and 2, also as a pair x.hdr and x.img; steps; sform or qform, scaled values", "VTK, placed by us"},
-    FileFormat{FileKind::dicom, "DICOM", ".dcm .ima .dicom", "a file or a folder: the largest series, uncompressed, in the patient's space", "ours"},
+    FileFormat{FileKind::dicom, "DICOM", ".dcm .ima .dicom", "a file, a folder or a pattern: the largest series, uncompressed, in the patient's space; frames of a dose", "ours"},
     FileFormat{FileKind::numpy, "NumPy array", ".npy", "one to three axes, the last is x; whole or real numbers", "ours"},
     FileFormat{FileKind::npz, "NumPy archive", ".npz", "the largest array, and all that have its axes", "ours"},
     FileFormat{FileKind::fits, "FITS", ".fits .fit .fts", "the first image: up to three axes, steps along TIME, an array for each of STOKES; scaled values", "ours"},

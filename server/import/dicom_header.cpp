@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 
@@ -124,6 +125,19 @@ class Parser {
     }
     return out;
   }
+  /// Numbers with a \ between two, as far as they are some.
+  static std::vector<double> list(std::string_view text) {
+    std::vector<double> out;
+    while (!text.empty()) {
+      double value = 0;
+      text.remove_prefix(std::min(text.find_first_not_of(" +\\"), text.size()));
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (error != std::errc{} || !std::isfinite(value)) break;
+      out.push_back(value);
+      text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    }
+    return out;
+  }
   int word(std::string_view text) const {
     return text.size() < 2 ? 0 : static_cast<unsigned char>(text[0]) | static_cast<unsigned char>(text[1]) << 8;
   }
@@ -141,6 +155,8 @@ class Parser {
     switch (tag) {
       case 0x00020010: h.syntax = plain(text); break;
       case 0x00080060: h.modality = plain(text); break;
+      case 0x00080018: h.instance_uid = plain(text); break;
+      case 0x00180088: h.between = reals<1>(text, {0})[0]; break;
       case 0x00180050: h.thickness = reals<1>(text, {h.thickness})[0]; break;
       case 0x0020000e: h.series = plain(text); break;
       case 0x00200013: h.instance = whole(text, 0); break;
@@ -162,6 +178,9 @@ class Parser {
       case 0x00281052: h.intercept = reals<1>(text, {0})[0]; break;
       case 0x00281053: h.slope = reals<1>(text, {1})[0]; break;
       case 0x00281054: h.rescale_type = plain(text); break;
+      case 0x30040002: h.dose_unit = plain(text); break;
+      case 0x3004000c: h.offsets = list(text); break;
+      case 0x3004000e: h.slope = reals<1>(text, {1})[0]; break;
       default: break;
     }
   }

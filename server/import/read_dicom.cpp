@@ -1,9 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <set>
+#include <string>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
+#include "data/file_series.h"
 #include "data/recognise.h"
 #include "import/dicom_header.h"
 #include "import/mapped_file.h"
@@ -25,9 +30,13 @@ struct Slice {
 
 double dot(const Place& a, const Place& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/// Of a folder, or of a pattern.
 std::vector<fs::path> dicom_files(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error, ignored;
+  if (is_series_pattern(folder))
+    for (const SeriesFile& file : series_files(folder))
+      if (is_dicom(file.path)) files.push_back(file.path);
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (it->is_regular_file(ignored) && is_dicom(it->path())) files.push_back(it->path());
   if (files.size() > 100'000) throw Error(ErrorCode::too_large, folder.filename().string() + ": above 100000 DICOM files");
@@ -41,6 +50,23 @@ bool same_volume(const DicomHeader& a, const DicomHeader& b) {
   return a.series == b.series && a.rows == b.rows && a.columns == b.columns && a.bits == b.bits && a.is_signed == b.is_signed &&
          std::equal(a.orientation.begin(), a.orientation.end(), b.orientation.begin(), near) &&
          std::equal(a.spacing.begin(), a.spacing.end(), b.spacing.begin(), near);
+}
+
+/// Takes out what is there twice under two names: the same picture by its own number, at the same place. Gives how many those were.
+std::size_t leave_out_copies(std::vector<DicomHeader>& headers) {
+  const auto key = [](const DicomHeader& h) { return std::tie(h.series, h.instance_uid, h.instance, h.positions, h.pixel_bytes); };
+  std::set<std::tuple<std::string, std::string, int, std::vector<Place>, std::size_t>> seen;
+  return std::erase_if(headers, [&](const DicomHeader& h) { return !h.instance_uid.empty() && !seen.insert(key(h)).second; });
+}
+
+/// Two files of the place that has the most pictures.
+std::string fullest_place(const std::vector<Slice>& slices) {
+  std::size_t begin = 0, longest = 0;
+  for (std::size_t i = 0, first = 0; i < slices.size(); ++i) {
+    if (std::abs(slices[i].along - slices[first].along) >= 2e-3) first = i;
+    if (i - first > longest) longest = i - first, begin = first;
+  }
+  return slices[begin].header->file.filename().string() + " and " + slices[begin + 1].header->file.filename().string();
 }
 
 void check_pixels(const DicomHeader& h) {
@@ -57,6 +83,14 @@ void check_pixels(const DicomHeader& h) {
                                          std::to_string(h.pixel_bytes) + " bytes present");
 }
 
+/// Along the normal from the one place that all pictures of the file have.
+double offset_of(const DicomHeader& h, int frame) {
+  const auto f = static_cast<std::size_t>(frame);
+  if (h.offsets.size() == static_cast<std::size_t>(h.frames)) return h.offsets[f] - h.offsets[0];
+  if (h.frames > 1 && h.between != 0) return h.between * frame;
+  return h.thickness * (h.positions.empty() && h.frames == 1 ? h.instance : frame);
+}
+
 /// The pictures of one volume in the order of space; those of several times follow each other at each place.
 std::vector<Slice> in_order(const std::vector<const DicomHeader*>& files, const Place& normal) {
   std::vector<Slice> slices;
@@ -68,7 +102,7 @@ std::vector<Slice> in_order(const std::vector<const DicomHeader*>& files, const 
         slice.at = h->positions[f];
       else  // one place for all pictures: one after the other
         for (std::size_t a = 0; a < 3; ++a)
-          slice.at[a] = (h->positions.empty() ? 0 : h->positions[0][a]) + normal[a] * h->thickness * (h->positions.empty() && h->frames == 1 ? h->instance : frame);
+          slice.at[a] = (h->positions.empty() ? 0 : h->positions[0][a]) + normal[a] * offset_of(*h, frame);
       slice.along = dot(slice.at, normal);
       slices.push_back(slice);
     }
@@ -122,24 +156,32 @@ FileArray values_of(const std::vector<Slice>& slices, const ReadRequest& request
 
 }  // namespace
 
+bool is_dicom_slice(const fs::path& file) {
+  if (!is_dicom(file)) return false;
+  const DicomHeader header = parse_dicom(MappedFile(file).bytes(), file);
+  return header.pixels > 0 && header.frames == 1;
+}
+
 Imported read_dicom(const ReadRequest& request) {
   std::error_code error;
   const bool folder = fs::is_directory(request.file, error);
+  const bool several = folder || is_series_pattern(request.file);
   const std::string name = request.file.filename().string();
   std::vector<DicomHeader> headers;
-  for (const fs::path& path : folder ? dicom_files(request.file) : std::vector{request.file}) headers.push_back(parse_dicom(MappedFile(path).bytes(), path));
-  if (!folder && headers.front().frames == 1 && !headers.front().series.empty())  // the slices beside it
+  for (const fs::path& path : several ? dicom_files(request.file) : std::vector{request.file}) headers.push_back(parse_dicom(MappedFile(path).bytes(), path));
+  if (!several && headers.front().frames == 1 && !headers.front().series.empty())  // the slices beside it
     for (const fs::path& path : dicom_files(request.file.parent_path()))
       if (path != request.file) headers.push_back(parse_dicom(MappedFile(path).bytes(), path));
 
+  const std::size_t copies = leave_out_copies(headers);
   std::vector<std::vector<const DicomHeader*>> volumes;
   for (const DicomHeader& h : headers) {
     const bool own = &h == &headers.front();
-    if (folder && h.pixels == 0) continue;  // DICOMDIR, reports
+    if (several && h.pixels == 0) continue;  // DICOMDIR, reports
     const auto same = std::find_if(volumes.begin(), volumes.end(), [&](const auto& volume) { return same_volume(*volume.front(), h); });
     if (same != volumes.end())
       same->push_back(&h);
-    else if (folder || own)
+    else if (several || own)
       volumes.push_back({&h});
   }
   if (volumes.empty()) throw Error(ErrorCode::unsupported, name + ": DICOM without pixels");
@@ -155,7 +197,7 @@ Imported read_dicom(const ReadRequest& request) {
   while (at_first < slices.size() && std::abs(slices[at_first].along - slices[0].along) < 2e-3) ++at_first;
   for (std::size_t i = 0; i < slices.size(); ++i)
     if ((i % at_first == 0) != (i == 0 || std::abs(slices[i].along - slices[i - 1].along) >= 2e-3) || slices.size() % at_first != 0)
-      throw Error(ErrorCode::unsupported, name + ": some places have more pictures than others; expected a volume, or the same number of times at each place");
+      throw Error(ErrorCode::unsupported, name + ": some places have more pictures than others (" + fullest_place(slices) + " have one place); expected a volume, or the same number of times at each place");
   Imported imported;
   imported.times.clear();
   for (std::size_t t = 0; t < at_first; ++t) imported.times.push_back(static_cast<double>(t));
@@ -184,6 +226,8 @@ Imported read_dicom(const ReadRequest& request) {
   block.arrays.push_back(values_of(step, request));
   imported.blocks.push_back(std::move(block));
   imported.notes.push_back("placed in the patient's space: x to the left, y to the back, z up; unit of length: mm");
+  if (copies > 0) imported.notes.push_back(std::to_string(copies) + " files are left out: they are copies of others");
+  if (h.dose_unit == "GY") imported.notes.push_back("values are in Gy");
   if (volumes.size() > 1) imported.notes.push_back(std::to_string(volumes.size() - 1) + " other series of the folder skipped: the one of most slices is read");
   return imported;
 }

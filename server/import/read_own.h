@@ -26,8 +26,10 @@ Imported read_netcdf_plainly(const ReadRequest& request);
 /// Gaussian's .cube: every field on its grid.
 Imported read_gaussian_cube(const ReadRequest& request);
 
-/// A folder of DICOM slices, a file with its siblings of one series, or a file of many frames. Uncompressed.
+/// A folder of DICOM slices, the files of a pattern, a file with its siblings of one series, or a file of many frames. Uncompressed.
 Imported read_dicom(const ReadRequest& request);
+/// DICOM with one picture, which is a slice of a volume rather than a step.
+bool is_dicom_slice(const std::filesystem::path& file);
 
 /// A folder of Zarr, version 2 or 3: an image of OME-Zarr, one level of it, or one array. Steps along t, an array for each channel.
 Imported read_zarr(const ReadRequest& request);

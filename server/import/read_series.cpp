@@ -186,6 +186,7 @@ Imported read_numbered(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_depth(request);
   std::vector<SeriesFile> files = series_files(request.file);
+  if (is_dicom_slice(files.front().path)) return read_dicom(request);
   const std::string left_out = leave_out_unfinished(files);
   std::vector<Listed> said, counted;
   bool all_say = true;

@@ -136,7 +136,7 @@ CatalogueEntry Catalogue::entry_of(const fs::path& path) {
   const SourceStamp stamp = stamp_of(path);
   entry.bytes = stamp.bytes;
   entry.changed_unix_ms = stamp.changed_unix_ms();
-  entry.slices = is_series_pattern(path) && names_pictures(path);
+  entry.slices = is_series_pattern(path) && (names_pictures(path) || entry.kind == format_of(FileKind::dicom).name);
   entry.parts = entry.files;
   entry.mark = mark_on_disk(entry.source, entry.files);
   return entry;
