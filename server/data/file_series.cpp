@@ -7,13 +7,20 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <set>
+#include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "data/beneath.h"
+#include "data/decimal_names.h"
 #include "data/recognise.h"
 #include "data/zarr_folder.h"
 
@@ -38,6 +45,8 @@ struct Name {
   std::string text;
   std::vector<std::pair<std::size_t, std::size_t>> runs;  // begin, length of each number
   std::vector<std::uint64_t> numbers;
+  std::size_t decimal = std::string::npos;  // which of the numbers is one with a dot in it, or may be
+  std::string decimal_stars = "*";
 
   explicit Name(std::string of) : text(std::move(of)) {
     const std::size_t end = counted(text);
@@ -54,6 +63,39 @@ struct Name {
       }
       at += length;
     }
+    find_decimal();
+  }
+
+  bool dot_behind(std::size_t r) const {
+    const std::size_t dot = runs[r].first + runs[r].second;
+    return r + 1 < runs.size() && runs[r + 1].first == dot + 1 && text[dot] == '.';
+  }
+  /// The last two numbers with a dot between them, and none before or behind.
+  void find_decimal() {
+    for (std::size_t r = 0; r + 1 < runs.size(); ++r)
+      if (dot_behind(r) && !dot_behind(r + 1) && (runs[r].first == 0 || text[runs[r].first - 1] != '.')) decimal = r;
+  }
+  WrittenNumber written(std::size_t r) const {
+    const auto at = [&](std::size_t run) { return text.substr(runs[run].first, runs[run].second); };
+    return {at(r), decimal == r ? at(r + 1) : "", runs[r].first > 0 && std::isalpha(static_cast<unsigned char>(text[runs[r].first - 1])) != 0};
+  }
+  /// The two are one from now on. In place of its value, which is not whole, stands its place among all.
+  void join(std::size_t r, std::uint64_t place, const std::string& stars) {
+    if (decimal == r) {
+      runs[r].second += 1 + runs[r + 1].second;
+      runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(r) + 1);
+      numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(r) + 1);
+    }
+    decimal = r;
+    decimal_stars = stars;
+    numbers[r] = place;
+  }
+  /// With a star for each number, of which that with a dot is one.
+  std::string joined_pattern() const {
+    if (decimal == std::string::npos) return pattern([](std::size_t) { return true; });
+    Name one = *this;
+    one.join(decimal, 0, "*");
+    return one.pattern([](std::size_t) { return true; });
   }
 
   /// The name with a star for each number that `starred` says.
@@ -61,7 +103,7 @@ struct Name {
   std::string pattern(const Starred& starred) const {
     std::string out = text;
     for (std::size_t r = runs.size(); r-- > 0;)
-      if (starred(r)) out.replace(runs[r].first, runs[r].second, "*");
+      if (starred(r)) out.replace(runs[r].first, runs[r].second, r == decimal ? decimal_stars : "*");
     return out;
   }
 };
@@ -99,6 +141,36 @@ void add_group(std::vector<Name> names, std::vector<NameGroup>& groups) {
   groups.push_back(std::move(group));
 }
 
+/// Joins the numbers with a dot in names that are alike but for those dots, if they are decimals.
+bool join_decimals(std::vector<Name>& names) {
+  std::size_t at = std::string::npos;
+  for (const Name& name : names)
+    if (name.decimal != std::string::npos) {
+      if (at != std::string::npos && name.decimal != at) return false;
+      at = name.decimal;
+    }
+  if (at == std::string::npos) return false;
+  std::vector<WrittenNumber> written;
+  std::vector<double> values;
+  for (const Name& name : names) values.push_back(written.emplace_back(name.written(at)).value());
+  std::sort(values.begin(), values.end());
+  if (!are_decimals(written)) return false;
+  const bool all = std::all_of(names.begin(), names.end(), [](const Name& name) { return name.decimal != std::string::npos; });
+  for (std::size_t n = 0; n < names.size(); ++n)
+    names[n].join(at, static_cast<std::uint64_t>(std::lower_bound(values.begin(), values.end(), written[n].value()) - values.begin()), all ? "*.*" : "*");
+  return true;
+}
+
+void add_groups(std::vector<Name> names, std::vector<NameGroup>& groups) {
+  if (join_decimals(names)) return add_group(std::move(names), groups);
+  std::map<std::string, std::vector<Name>> alike;
+  for (Name& name : names) {
+    name.decimal = std::string::npos;
+    alike[name.pattern([](std::size_t) { return true; })].push_back(std::move(name));
+  }
+  for (auto& [pattern, some] : alike) add_group(std::move(some), groups);
+}
+
 /// The numbers at the stars; false where the name is not of the pattern.
 bool matches(std::string_view name, std::string_view pattern, std::vector<std::uint64_t>& numbers) {
   while (!pattern.empty()) {
@@ -117,6 +189,11 @@ bool matches(std::string_view name, std::string_view pattern, std::vector<std::u
     pattern.remove_prefix(1);
   }
   return name.empty();
+}
+
+std::vector<SeriesFile> joined(std::vector<SeriesFile> files, const std::vector<SeriesFile>& more) {
+  files.insert(files.end(), more.begin(), more.end());
+  return files;
 }
 
 /// A path with a mark (beneath.h) may not lead out of its root.
@@ -147,20 +224,25 @@ bool is_series_pattern(const fs::path& path) {
 bool names_pictures(const fs::path& path) { return ends_with_one_of(small_letters(path.filename().string()), ".png .tif .tiff .bmp .pnm .pgm .exr"); }
 
 std::vector<SeriesFile> series_files(const fs::path& pattern) {
-  const std::string text = pattern.filename().string();
-  std::vector<SeriesFile> files;
+  const std::string text = pattern.filename().string(), dotted = with_dot(text);
+  std::vector<SeriesFile> files, decimals;
   std::error_code error, ignored;
   for (fs::directory_iterator it(pattern.parent_path().empty() ? fs::path(".") : pattern.parent_path(), error), end; !error && it != end; it.increment(error)) {
     std::vector<std::uint64_t> numbers;
-    if (!matches(it->path().filename().string(), text, numbers) || !it->is_regular_file(ignored)) continue;
+    const std::string name = it->path().filename().string();
+    const bool whole = matches(name, text, numbers);
+    if (!whole) numbers.clear();
+    if ((!whole && (dotted.empty() || !matches(name, dotted, numbers))) || !it->is_regular_file(ignored)) continue;
     if (it->is_symlink(ignored)) check_link(it->path());
-    if (files.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
-    files.push_back({it->path(), std::move(numbers)});
+    if (files.size() + decimals.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
+    (whole ? files : decimals).push_back({it->path(), std::move(numbers)});
   }
+  if (files.empty() || are_decimals(numbers_at_star(text, joined(files, decimals)))) files = joined(std::move(files), decimals);
   if (text.ends_with("-s*"))
     if (const fs::path first = pattern.parent_path() / text.substr(0, text.size() - 3); fs::is_regular_file(first, ignored)) files.push_back({first, {0}});
   if (files.empty()) throw Error(ErrorCode::not_found, pattern.string() + ": no file is named like that, with a number for each *");
   std::sort(files.begin(), files.end(), [](const SeriesFile& a, const SeriesFile& b) { return std::tie(a.numbers, a.path) < std::tie(b.numbers, b.path); });
+  sort_decimals(text, files);
   return files;
 }
 
@@ -173,9 +255,9 @@ std::vector<NameGroup> group_by_number(std::vector<std::string> names) {
     if (name.runs.empty() || name.text.find('*') != std::string::npos)
       groups.push_back({name.text, {name.text}});
     else
-      alike[name.pattern([](std::size_t) { return true; })].push_back(std::move(name));
+      alike[name.joined_pattern()].push_back(std::move(name));
   }
-  for (auto& [pattern, some] : alike) add_group(std::move(some), groups);
+  for (auto& [pattern, some] : alike) add_groups(std::move(some), groups);
   // "x.e" is the first of its restarts, one or several.
   std::set<std::string> firsts;
   for (NameGroup& group : groups) {

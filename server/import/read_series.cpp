@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 
+#include "data/decimal_names.h"
 #include "data/file_series.h"
 #include "data/recognise.h"
 #include "import/declared_time.h"
@@ -190,10 +191,12 @@ Imported read_numbered(const ReadRequest& request) {
   const std::string left_out = leave_out_unfinished(files);
   std::vector<Listed> said, counted;
   bool all_say = true;
-  const bool one_number = files.back().numbers.size() == 1;
+  const std::vector<double> decimals = decimals_in_names(name, files);
+  const bool one_number = files.back().numbers.size() == 1 || !decimals.empty();
   for (std::size_t i = 0; i < files.size(); ++i) {
     const SeriesFile& file = files[i];
-    counted.push_back({one_number ? static_cast<double>(file.numbers[0]) : static_cast<double>(i), {file.path}, 0});
+    const double number = !decimals.empty() ? decimals[i] : one_number ? static_cast<double>(file.numbers[0]) : static_cast<double>(i);
+    counted.push_back({number, {file.path}, 0});
     if (!all_say) continue;
     const std::vector<double> times = times_of(file.path, request);
     all_say = !times.empty();

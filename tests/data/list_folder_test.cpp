@@ -93,6 +93,48 @@ TEST(GroupByNumber, TheLastNumberCountsStepsAndThoseBeforeItKeepSeriesApart) {
   EXPECT_EQ(group_by_number({"p_10.vtu", "p_9.vtu"}).front().members, (std::vector<std::string>{"p_9.vtu", "p_10.vtu"}));
 }
 
+TEST(GroupByNumber, ADecimalNumberIsOneNumber) {
+  EXPECT_EQ(grouped({"U_0.05.vtk", "U_0.1.vtk", "U_0.15.vtk", "U_0.2.vtk", "U_1.0.vtk", "U_1.05.vtk", "U_10.0.vtk"}), (Groups{{"U_*.*.vtk", 7}}));
+  EXPECT_EQ(group_by_number({"U_0.05.vtk", "U_0.1.vtk", "U_0.15.vtk", "U_1.0.vtk"}).front().members, (std::vector<std::string>{"U_0.05.vtk", "U_0.1.vtk", "U_0.15.vtk", "U_1.0.vtk"}));
+  EXPECT_EQ(grouped({"U_0.00.vtk", "U_0.25.vtk", "U_0.50.vtk", "U_0.75.vtk", "U_1.00.vtk", "U_1.25.vtk", "U_1.50.vtk", "U_1.75.vtk"}), (Groups{{"U_*.*.vtk", 8}}));
+  EXPECT_EQ(grouped({"U_0.13.vtk", "U_0.57.vtk", "U_1.02.vtk", "U_2.33.vtk"}), (Groups{{"U_*.*.vtk", 4}}));
+  EXPECT_EQ(grouped({"U_0.vtk", "U_0.5.vtk", "U_1.vtk", "U_1.5.vtk", "U_10.vtk"}), (Groups{{"U_*.vtk", 5}}));
+  EXPECT_EQ(grouped({"run_1_t_0.05.vtk", "run_1_t_0.1.vtk", "run_2_t_0.05.vtk", "run_2_t_0.1.vtk"}), (Groups{{"run_1_t_*.*.vtk", 2}, {"run_2_t_*.*.vtk", 2}}));
+}
+
+TEST(GroupByNumber, ADotMayKeepTwoNumbersApart) {
+  EXPECT_EQ(grouped({"data.0001.vtk", "data.0002.vtk"}), (Groups{{"data.*.vtk", 2}}));
+  EXPECT_EQ(grouped({"re100.0001.vtk", "re100.0002.vtk", "re100.0010.vtk"}), (Groups{{"re100.*.vtk", 3}}));
+  EXPECT_EQ(grouped({"part_1.0001.vtk", "part_1.0002.vtk", "part_2.0001.vtk", "part_2.0002.vtk"}), (Groups{{"part_1.*.vtk", 2}, {"part_2.*.vtk", 2}}));
+  EXPECT_EQ(grouped({"run_1.2_step_0003.vti", "run_1.2_step_0004.vti", "run_1.4_step_0003.vti", "run_1.4_step_0005.vti"}), (Groups{{"run_1.2_step_*.vti", 2}, {"run_1.4_step_*.vti", 2}}));
+  EXPECT_EQ(grouped({"plume_1.512.vti", "plume_2.512.vti", "plume_10.512.vti"}), (Groups{{"plume_*.512.vti", 3}}));
+  EXPECT_EQ(grouped({"a.1.1.vtk", "a.1.2.vtk", "a.2.1.vtk", "a.2.2.vtk"}), (Groups{{"a.1.*.vtk", 2}, {"a.2.*.vtk", 2}}));
+  std::vector<std::string> counted;
+  for (int run = 1; run <= 2; ++run)
+    for (int step = 1; step <= 11; ++step) counted.push_back("run_" + std::to_string(run) + "." + std::to_string(step) + ".vtk");
+  EXPECT_EQ(grouped(counted), (Groups{{"run_1.*.vtk", 11}, {"run_2.*.vtk", 11}}));
+}
+
+TEST(NumberedFiles, DecimalNumbersAreTheirTimesInTheListingAndByAPattern) {
+  const Scratch scratch;
+  const std::vector<std::string> written{"0.05", "0.1", "0.15", "0.2", "1.0", "1.05", "10.0"};
+  const std::vector<double> times{0.05, 0.1, 0.15, 0.2, 1, 1.05, 10};
+  for (std::size_t i = 0; i < written.size(); ++i) scratch.write("U_" + written[i] + ".vti", image(static_cast<double>(i)));
+  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"U_*.*.vti", 7}}));
+  for (const char* pattern : {"U_*.*.vti", "U_*.vti"})
+    for (int step = 0; step < 7; ++step) {
+      const auto data = test::open(scratch / pattern, step);
+      EXPECT_EQ(data->times, times);
+      EXPECT_EQ(data->array("f").lower, step);
+    }
+  EXPECT_EQ(test::open(scratch / "U_0.*.vti")->times, (std::vector<double>{1, 2, 5, 15}));
+  for (const std::string more : {"V_0", "V_0.5", "V_1", "V_1.5"}) scratch.write(more + ".vti", image());
+  EXPECT_EQ(test::open(scratch / "V_*.vti")->times, (std::vector<double>{0, 0.5, 1, 1.5}));
+  for (const std::string more : {"p_1", "p_2", "p_1.0001", "p_1.0002", "p_2.0001", "p_2.0002"}) scratch.write(more + ".vti", image());
+  EXPECT_EQ(test::open(scratch / "p_*.vti")->times, (std::vector<double>{1, 2}));
+  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"U_*.*.vti", 7}, {"V_*.vti", 4}, {"p_*.vti", 2}, {"p_1.*.vti", 2}, {"p_2.*.vti", 2}}));
+}
+
 TEST(NumberedFiles, AreStepsInTheOrderOfTheirNumbersWithGaps) {
   const Scratch scratch;
   for (const int n : {3, 20, 100}) scratch.write("plume_" + std::to_string(n) + ".vti", image(n));
