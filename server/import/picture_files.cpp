@@ -1,7 +1,11 @@
 #include "import/picture_files.h"
 
+#include <array>
+#include <cstdint>
 #include <cstdlib>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "base/load_module.h"
 #include "data/file_series.h"
@@ -57,6 +61,15 @@ void check_pages(const ReadRequest& request, const PageLayout& layout, std::uint
       checked_product({layout.columns, layout.rows, layout.layers, layout.channels, static_cast<std::int64_t>(size_of(layout.type)), static_cast<std::int64_t>(pages)}, name));
   check_unpacked(bytes, stored, name);
   check_bytes(request, bytes, name);
+}
+
+std::array<double, 2> spacing_of(const std::array<double, 2>& said, std::int64_t slices, std::vector<std::string>& notes) {
+  constexpr std::array<double, 2> kOne{1, 1};
+  if (slices == 1 || said == kOne) return said;
+  std::ostringstream text;
+  text << "pixels are " << said[0] << " x " << said[1] << " mm apart, which says nothing of slices: all points are 1 apart";
+  notes.push_back(text.str());
+  return kOne;
 }
 
 Imported picture_volume(const fs::path& file, const PageLayout& layout, std::int64_t slices, const std::array<double, 3>& spacing, std::shared_ptr<const void> storage,

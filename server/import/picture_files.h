@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "data/page_reader.h"
 #include "import/imported.h"
@@ -36,6 +37,9 @@ std::string picture_array_name(const std::filesystem::path& file);
 
 /// Throws bad_data if `stored` bytes cannot hold so many pages, too_large above the limit.
 void check_pages(const ReadRequest& request, const PageLayout& layout, std::uint64_t pages, std::uint64_t stored, const std::string& name);
+
+/// How far slices are apart, no picture says: only one alone has its pixels in millimetres. Else all points are 1 apart, and a note says so.
+std::array<double, 2> spacing_of(const std::array<double, 2>& said, std::int64_t slices, std::vector<std::string>& notes);
 
 /// Slices with one array: values of all pages, one after the other.
 Imported picture_volume(const std::filesystem::path& file, const PageLayout& layout, std::int64_t slices, const std::array<double, 3>& spacing, std::shared_ptr<const void> storage,

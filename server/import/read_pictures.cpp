@@ -1,5 +1,10 @@
 // Numbered pictures of one size as the slices of a volume.
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "data/file_series.h"
 #include "import/picture_files.h"
@@ -42,7 +47,10 @@ Imported read_pictures(const ReadRequest& request) {
     });
     request.progress(static_cast<double>(slice + 1) / static_cast<double>(files.size()));
   }
+  std::vector<std::string> notes;
+  spacing = spacing_of(spacing, static_cast<std::int64_t>(files.size()) * layout->layers, notes);
   Imported imported = picture_volume(files.front().path, *layout, static_cast<std::int64_t>(files.size()), {spacing[0], spacing[1], 1}, storage, values);
+  imported.notes = std::move(notes);
   imported.notes.push_back(std::to_string(files.size()) + " pictures as slices along z, 1 apart");
   return imported;
 }

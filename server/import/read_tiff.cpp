@@ -1,9 +1,14 @@
 // A TIFF: its pages are slices, or what ImageJ or OME-TIFF says that they are.
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <map>
 #include <optional>
+#include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "import/appended_file.h"
 #include "import/mapped_file.h"
@@ -88,9 +93,11 @@ void check_in_one(const TiffDirectory& directory, const TiffStack& stack, const 
                                          std::to_string(present - std::min(present, directory.first_strip)) + " present");
 }
 
-void place(Block& block, const TiffStack& stack, const Pages& pages, const std::string& name) {
-  const std::array<double, 3> step{stack.placed ? stack.spacing[0] : pages.spacing[0], stack.placed ? stack.spacing[1] : pages.spacing[1], stack.spacing[2]};
-  place_image(block, {pages.layout.columns, pages.layout.rows, stack.slices * pages.layout.layers}, {0, 0, 0}, {{{step[0], 0, 0}, {0, step[1], 0}, {0, 0, step[2]}}}, name);
+void place(Imported& imported, const TiffStack& stack, const Pages& pages, const std::string& name) {
+  const std::int64_t slices = stack.slices * pages.layout.layers;
+  const std::array<double, 2> pixels = stack.placed ? std::array{stack.spacing[0], stack.spacing[1]} : spacing_of(pages.spacing, slices, imported.notes);
+  const std::array<double, 3> step{pixels[0], pixels[1], stack.spacing[2]};
+  place_image(imported.blocks.front(), {pages.layout.columns, pages.layout.rows, slices}, {0, 0, 0}, {{{step[0], 0, 0}, {0, step[1], 0}, {0, 0, step[2]}}}, name);
 }
 
 std::string channel_name(const TiffStack& stack, std::size_t c, const fs::path& file) {
@@ -110,7 +117,7 @@ Imported read_stack(const ReadRequest& request, const TiffStack& stack, const Ti
   const std::int64_t planes = stack.channels * stack.slices;
   check_pages(request, pages.layout, static_cast<std::uint64_t>(planes), file.bytes().size(), name);
   Block& block = imported.blocks.emplace_back();
-  place(block, stack, pages, name);
+  place(imported, stack, pages, name);
   const std::size_t plane = bytes_of(pages.layout);
   std::map<std::int64_t, std::span<std::byte>> wanted;
   const auto page_at = [&](std::int64_t c, std::int64_t z) { return stack.pages[static_cast<std::size_t>((request.step * stack.channels + c) * stack.slices + z)]; };
@@ -140,7 +147,7 @@ Imported read_stack(const ReadRequest& request, const TiffStack& stack, const Ti
   if (!in_one) read_pages(request.file, pages.layout, wanted, request);
   if (raised && !in_one)
     for (const auto& [page, values] : wanted) lower(values);
-  imported.notes = stack.notes;
+  imported.notes.insert(imported.notes.end(), stack.notes.begin(), stack.notes.end());
   if (!stack.unit.empty()) imported.notes.push_back("unit of length: " + stack.unit);
   if (stack.frames > 1 && stack.interval > 0) imported.notes.push_back("times are in " + stack.time_unit);
   return imported;
@@ -157,7 +164,10 @@ Imported read_slices(const ReadRequest& request, const Pages& pages, std::uint64
   for (std::size_t page = 0; page < pages.alike.size(); ++page)
     if (pages.alike[page]) wanted[static_cast<std::int64_t>(page)] = values.subspan(plane * wanted.size(), plane);
   read_pages(request.file, pages.layout, wanted, request);
-  Imported imported = picture_volume(request.file, pages.layout, pages.count, {pages.spacing[0], pages.spacing[1], 1}, storage, values);
+  std::vector<std::string> notes;
+  const std::array<double, 2> spacing = spacing_of(pages.spacing, pages.count * pages.layout.layers, notes);
+  Imported imported = picture_volume(request.file, pages.layout, pages.count, {spacing[0], spacing[1], 1}, storage, values);
+  imported.notes = std::move(notes);
   if (const std::size_t others = pages.alike.size() - wanted.size(); others > 0)
     imported.notes.push_back(std::to_string(others) + " pages of another size or type than the first are left out");
   return imported;

@@ -179,6 +179,19 @@ TEST(Pictures, PixelsOnAnInchArePointsInMillimetres) {
   EXPECT_NEAR(grid.spacing.y, 2, 1e-6);
 }
 
+TEST(Pictures, SlicesWhoseDistanceNobodySaysAreAsFarApartAsPixels) {
+  Page page = page_of<std::uint16_t>(1);
+  page.unit = 2;
+  const Scratch scratch;
+  for (const int n : {1, 2, 3}) scratch.write("s_" + std::to_string(n) + ".tif", tiff({page}));
+  scratch.write("pages.tif", tiff({page, page, page}));
+  for (const char* name : {"pages.tif", "s_*.tif"}) {
+    const auto dataset = open(scratch / name);
+    EXPECT_EQ(std::get<UniformGrid>(dataset->grid.shape).spacing, (Vec3d{1, 1, 1}));
+    EXPECT_EQ(dataset->notes.at(0), "pixels are 1 x 2 mm apart, which says nothing of slices: all points are 1 apart");
+  }
+}
+
 TEST(Pictures, NumberedFilesAreSlicesOfOneSize) {
   const Scratch scratch;
   const Page page = page_of<std::uint16_t>(3);
