@@ -179,6 +179,8 @@ Imported read_tiff(const ReadRequest& request) {
   const MappedFile file(request.file);
   const Pages pages = look_at_pages(request.file);
   const std::optional<TiffDirectory> directory = first_tiff_directory(file.bytes());
+  if (leads_beyond_end(file.bytes(), pages.alike.size()))
+    throw Error(ErrorCode::bad_data, request.file.filename().string() + ": is cut off: page " + std::to_string(pages.alike.size() + 1) + " lies beyond its end");
   std::string why;
   std::optional<TiffStack> stack;
   if (directory) stack = describe_tiff_stack(*directory, pages.layout.channels, why);

@@ -35,16 +35,38 @@ int bytes_of(std::uint64_t type) {
   }
 }
 
+/// Of TIFF and of BigTIFF.
+struct Widths {
+  explicit Widths(bool big) : entry(big ? 20 : 12), count(big ? 8 : 2), word(big ? 8 : 4) {}
+  const std::uint64_t entry, count, word;
+};
+
+constexpr std::uint64_t kMostEntries = 4096;
+
 }  // namespace
+
+bool leads_beyond_end(std::span<const std::byte> file, std::size_t read) {
+  const Numbers numbers(file);
+  const bool big = numbers.at(2, 2) == 43;
+  const Widths widths(big);
+  std::uint64_t at = big ? numbers.at(8, 8) : numbers.at(4, 4);
+  for (std::size_t d = 0; d < read && at != 0; ++d) {
+    const std::uint64_t entries = numbers.at(at, static_cast<int>(widths.count));
+    if (entries > kMostEntries) return false;
+    at = numbers.at(at + widths.count + entries * widths.entry, static_cast<int>(widths.word));
+  }
+  return at != 0 && !numbers.holds(at, widths.count + numbers.at(at, static_cast<int>(widths.count)) * widths.entry + widths.word);
+}
 
 std::optional<TiffDirectory> first_tiff_directory(std::span<const std::byte> file) {
   const Numbers numbers(file);
   const bool big = numbers.at(2, 2) == 43;
   if (file.size() < 16 || (!big && numbers.at(2, 2) != 42)) return std::nullopt;
-  const std::uint64_t directory = big ? numbers.at(8, 8) : numbers.at(4, 4), entry_bytes = big ? 20 : 12, count_bytes = big ? 8 : 2, word = big ? 8 : 4;
+  const Widths widths(big);
+  const std::uint64_t directory = big ? numbers.at(8, 8) : numbers.at(4, 4), entry_bytes = widths.entry, count_bytes = widths.count, word = widths.word;
   if (!numbers.holds(directory, count_bytes)) return std::nullopt;
   const std::uint64_t entries = numbers.at(directory, static_cast<int>(count_bytes));
-  if (entries > 4096 || !numbers.holds(directory + count_bytes, entries * entry_bytes + word)) return std::nullopt;
+  if (entries > kMostEntries || !numbers.holds(directory + count_bytes, entries * entry_bytes + word)) return std::nullopt;
   TiffDirectory out;
   out.big_endian = numbers.big_endian();
   out.last = numbers.at(directory + count_bytes + entries * entry_bytes, static_cast<int>(word)) == 0;

@@ -26,4 +26,7 @@ struct TiffDirectory {
 /// Nothing for what is no TIFF or has a damaged directory: why, OpenImageIO says.
 std::optional<TiffDirectory> first_tiff_directory(std::span<const std::byte> file);
 
+/// Whether what follows the first `read` directories lies beyond the end of the file, of which the rest is missing.
+bool leads_beyond_end(std::span<const std::byte> file, std::size_t read);
+
 }  // namespace isostrata

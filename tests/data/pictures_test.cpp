@@ -192,6 +192,20 @@ TEST(Pictures, SlicesWhoseDistanceNobodySaysAreAsFarApartAsPixels) {
   }
 }
 
+TEST(Pictures, AFileThatEndsBetweenItsPagesIsRefused) {
+  const Scratch scratch;
+  const Page page = page_of<std::uint16_t>(1);
+  const std::string whole = tiff({page, page, page, page});
+  for (const std::size_t part : {30, 55, 60, 80, 90}) {
+    SCOPED_TRACE(part);
+    const Error error = refusal(scratch.write("cut.tif", whole.substr(0, whole.size() * part / 100)));
+    EXPECT_EQ(error.code(), ErrorCode::bad_data);
+    EXPECT_EQ(std::string(error.what()).find("cut.tif: "), 0u) << error.what();
+  }
+  const Error between = refusal(scratch.write("cut.tif", whole.substr(0, whole.size() / 2)));
+  EXPECT_EQ(std::string(between.what()), "cut.tif: is cut off: page 3 lies beyond its end");
+}
+
 TEST(Pictures, NumberedFilesAreSlicesOfOneSize) {
   const Scratch scratch;
   const Page page = page_of<std::uint16_t>(3);
