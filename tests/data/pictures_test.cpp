@@ -20,6 +20,7 @@ struct Page {
   std::uint32_t columns = kColumns, rows = kRows;
   std::uint16_t bits = 16, samples = 1, format = 1;  // 1: unsigned, 2: signed, 3: real
   std::uint16_t orientation = 1, unit = 1;           // 2: inches
+  std::uint16_t meaning = 1;                         // 0: 0 is white
   std::string pixels;
 };
 
@@ -57,7 +58,7 @@ std::string tiff(const std::vector<Page>& pages) {
     entry(257, 4, 1, page.rows);
     list(258, page.bits, data);
     entry(259, 3, 1, 1);
-    entry(262, 3, 1, page.samples >= 3 ? 2 : 1);
+    entry(262, 3, 1, page.samples >= 3 ? 2 : page.meaning);
     entry(273, 4, 1, pixels);
     entry(274, 3, 1, page.orientation);
     entry(277, 3, 1, page.samples);
@@ -190,6 +191,14 @@ TEST(Pictures, SlicesWhoseDistanceNobodySaysAreAsFarApartAsPixels) {
     EXPECT_EQ(std::get<UniformGrid>(dataset->grid.shape).spacing, (Vec3d{1, 1, 1}));
     EXPECT_EQ(dataset->notes.at(0), "pixels are 1 x 2 mm apart, which says nothing of slices: all points are 1 apart");
   }
+}
+
+TEST(Pictures, BytesOfWhich0IsWhiteAreAsTheyAreStored) {
+  const Scratch scratch;
+  Page bytes = page_of<std::uint8_t>(1, 0.5), words = page_of<std::uint16_t>(1);
+  bytes.meaning = words.meaning = 0;
+  expect_values<std::uint8_t>(*open(scratch.write("bytes.tif", tiff({bytes}))), 1, 0.5);
+  expect_values<std::uint16_t>(*open(scratch.write("words.tif", tiff({words}))), 1, 1);
 }
 
 TEST(Pictures, AFileThatEndsBetweenItsPagesIsRefused) {

@@ -46,6 +46,8 @@ class OiioPages final : public PageReader {
     std::byte* const begin = layout_.bottom_first ? to.data() : to.data() + row * (layout_.rows - 1);
     const bool good = input_->read_image(page_, 0, 0, layout_.channels, format_, begin, OIIO::AutoStride, layout_.bottom_first ? row : -row, row * layout_.rows);
     if (!good || input_->has_error()) refuse(input_->geterror());
+    if (inverted_)
+      for (std::byte& value : to) value = ~value;
     if (layout_.unused_bits == 0) return;
     if (layout_.type == ScalarType::uint8) shift<std::uint8_t>(to);
     if (layout_.type == ScalarType::uint16) shift<std::uint16_t>(to);
@@ -80,6 +82,7 @@ class OiioPages final : public PageReader {
     const int bits = of.get_int_attribute("oiio:BitsPerSample", 0), all = static_cast<int>(8 * format_.size());
     const bool whole = layout_.type == ScalarType::uint8 || layout_.type == ScalarType::uint16 || layout_.type == ScalarType::uint32;
     if (whole && bits > 0 && bits < all && !palette()) layout_.unused_bits = all - bits;
+    inverted_ = layout_.type == ScalarType::uint8 && spec().get_int_attribute("tiff:PhotometricInterpretation", -1) == 0;  // 0 is white: then OpenImageIO turns bytes round, and no others
     layout_.bottom_first = of.get_int_attribute("Orientation", 1) == 4;
   }
   bool palette() const { return spec().get_int_attribute("tiff:PhotometricInterpretation", -1) == 3; }
@@ -93,6 +96,7 @@ class OiioPages final : public PageReader {
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::TypeDesc format_;  // of what is handed over
   int page_ = 0;
+  bool inverted_ = false;
   PageLayout layout_;
 };
 
