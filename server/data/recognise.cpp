@@ -77,6 +77,11 @@ bool is_nifti(const fs::path& path, const std::string& file, std::string_view he
   return fs::is_regular_file(header, error) && begins_as_nifti_pair(head_of(header));
 }
 
+/// "ObjectType = Image" first, as writers of MetaImage have it, and a line that says where the values are.
+bool begins_as_meta_image(std::string_view head) {
+  return head.starts_with("ObjectType") && head.substr(0, head.find('\n')).find("Image") != std::string_view::npos && head.find("\nElementDataFile") != std::string_view::npos;
+}
+
 /// The first files of a folder, in no order.
 bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
   std::error_code error;
@@ -247,6 +252,7 @@ Recognised recognise(const fs::path& path) {
     refuse_microscope(file, name);
     return {FileKind::tiff, {}};
   }
+  if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
   for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
   if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark

@@ -87,6 +87,17 @@ TEST(ImportFormats, SlcVolumesWholeOrInRuns) {
   }
 }
 
+TEST(ImportFormats, AMetaImageIsKnownByItsFirstLineWhateverItsName) {
+  const Scratch scratch;
+  const std::string text = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nabcdefgh";
+  for (const char* name : {"a", "a.dat", "a.mha"}) {
+    const auto data = test::open(scratch.write(name, text));
+    EXPECT_EQ(data->grid.point_count(), 8) << name;
+    EXPECT_EQ(data->arrays.front().lower, 'a') << name;
+    EXPECT_EQ(data->arrays.front().upper, 'h') << name;
+  }
+}
+
 TEST(ImportFormats, WhatHoldsNoGridIsRefused) {
   const Scratch scratch;
   const std::string head = "# vtk DataFile Version 3.0\nmade by a test\nASCII\n";
