@@ -118,6 +118,7 @@ std::optional<FileArray> values_of(const ReadRequest& request, const MetaHeader&
   const std::uint64_t skip = parsed_number<std::uint64_t>(header.field("HeaderSize")).value_or(0);
   const std::uint64_t begin = skip == 0 && header.local() ? header.end : skip;
   auto all = std::make_shared<std::vector<std::byte>>();
+  if (expected > 1) all->reserve(static_cast<std::size_t>(values) * size_of(*type));
   for (std::int64_t i = 0; i < expected; ++i) {
     const fs::path& file = files[static_cast<std::size_t>(i)];
     const MappedFile mapped(file);
