@@ -1,6 +1,7 @@
 #include "import/picture_files.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <sstream>
@@ -64,12 +65,12 @@ void check_pages(const ReadRequest& request, const PageLayout& layout, std::uint
 }
 
 std::array<double, 2> spacing_of(const std::array<double, 2>& said, std::int64_t slices, std::vector<std::string>& notes) {
-  constexpr std::array<double, 2> kOne{1, 1};
-  if (slices == 1 || said == kOne) return said;
+  constexpr double kNear = 1e-6;  // numbers of pixels on an inch are of 32 bits
+  if (slices == 1 || (std::abs(said[0] - 1) < kNear && std::abs(said[1] - 1) < kNear)) return said;
   std::ostringstream text;
   text << "pixels are " << said[0] << " x " << said[1] << " mm apart, which says nothing of slices: all points are 1 apart";
   notes.push_back(text.str());
-  return kOne;
+  return {1, 1};
 }
 
 Imported picture_volume(const fs::path& file, const PageLayout& layout, std::int64_t slices, const std::array<double, 3>& spacing, std::shared_ptr<const void> storage,
