@@ -11,7 +11,7 @@ namespace isostrata {
 
 struct SeriesFile {
   std::filesystem::path path;
-  std::vector<std::uint64_t> numbers;  // at the pattern's stars
+  std::vector<std::uint64_t> numbers;  // at the pattern's stars; of a decimal its two parts
 };
 
 /// The name has a * and there is no file of that name.

@@ -1,7 +1,7 @@
 // The door to isostrata-import, the child process that parses foreign files. A broken or hostile file can end the child and
 // nothing else: whatever it writes is checked before any other code reads it.
 //
-// The child gets: FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS SANDBOX [LIKE] (the step that the caller has), an environment of at most five variables,
+// The child gets: FILE DIRECTORY STEP MAX-BYTES CPU-SECONDS SANDBOX [LIKE] (the step that the caller has), an environment of at most six variables,
 // a process group of its own, and takes its own rights away before it looks at the file (SECURITY.md). DIRECTORY is new, private (0700), below $TMPDIR or /tmp, and removed
 // before open_import returns or throws. Into it the child writes raw little-endian files and, last, manifest.json:
 //
