@@ -71,10 +71,10 @@ std::vector<fs::path> processors_of(const fs::path& folder) {
 }
 
 /// Those that all of them have: a run that was stopped may have written its last time in some folders alone.
-std::vector<double> common_times(const std::vector<vtkSmartPointer<vtkPOpenFOAMReader>>& readers) {
-  std::vector<double> common = listed_times(readers.front());
+std::vector<double> common_times(const std::vector<vtkSmartPointer<vtkPOpenFOAMReader>>& readers, const std::string& name) {
+  std::vector<double> common = listed_times(readers.front(), name);
   for (const auto& reader : readers) {
-    const std::vector<double> own = listed_times(reader);
+    const std::vector<double> own = listed_times(reader, name);
     std::erase_if(common, [&](double time) { return std::find(own.begin(), own.end(), time) == own.end(); });
   }
   return common;
@@ -88,13 +88,13 @@ Imported read_processors(const fs::path& folder, const ReadRequest& request) {
   std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers;
   for (const fs::path& processor : processors) readers.push_back(reader_of(processor / "case.foam", request));
   Imported imported;
-  imported.times = common_times(readers);
+  imported.times = common_times(readers, name);
   if (imported.times.empty()) throw Error(ErrorCode::bad_data, name + ": its folders processor0 to processor" + std::to_string(readers.size() - 1) + " have no time in common");
   check_step(request, imported.times.size());
   if (request.times_only) return imported;
   const double time = imported.times[static_cast<std::size_t>(request.step)];
   for (std::size_t i = 0; i < readers.size(); ++i) {
-    const std::vector<double> own = listed_times(readers[i]);
+    const std::vector<double> own = listed_times(readers[i], name);
     ReadRequest part = request;
     part.step = static_cast<int>(std::find(own.begin(), own.end(), time) - own.begin());
     Imported one = read_step(readers[i], part);
