@@ -103,6 +103,12 @@ TEST_F(Http, AnUnchangedFileIsNotSentAgain) {
   const auto second = server_.ask("GET", "/", "", "If-None-Match: " + etag + "\r\n");
   EXPECT_EQ(status_of(second), 304) << second;
   EXPECT_FALSE(has(second, "the page"));
+  const auto policy = [](const std::string& response) {
+    const auto at = response.find("Content-Security-Policy: ");
+    return response.substr(at, response.find('\r', at) - at);
+  };
+  EXPECT_TRUE(has(policy(first), "script-src"));
+  EXPECT_EQ(policy(second), policy(first)) << "a browser takes it for that of the page that it has, which then loads no script";
   EXPECT_TRUE(server_.ask("HEAD", "/").ends_with("\r\n\r\n"));
 }
 

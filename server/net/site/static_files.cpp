@@ -150,6 +150,7 @@ HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std:
   response.headers.emplace_back("ETag", etag);
   const bool hashed_name = segments.size() > 1 && segments.front() == "assets";
   response.headers.emplace_back("Cache-Control", hashed_name ? "private, max-age=31536000, immutable" : "no-cache");
+  response.content_type = type;  // of a 304, too: browsers put its headers over those of the page that they have
   if (matches(request.header("if-none-match"), etag)) {
     response.status = 304;
     return response;
@@ -159,7 +160,6 @@ HttpResponse StaticFiles::get(const HttpRequest& request, const std::vector<std:
   content << file.rdbuf();
   if (!file) return missing;
   response.body = std::move(content).str();
-  response.content_type = type;
   return response;
 }
 
