@@ -399,6 +399,27 @@ TEST(CoarseScenes, OfLabelsThatAreTakenWholeThereAreNone) {
   EXPECT_FALSE(scenes.extract_for_motion(mesh, scene, 1, Task{}));
 }
 
+TEST(CoarseScenes, OfCellsAroundPointsThereAreNone) {
+  const auto whole = std::make_shared<Dataset>(*make_analytic("torus:165", {}, Task{}));  // above 2^22 points, from where on boxes that move are coarser
+  whole->arrays.resize(1);
+  auto labels = std::make_shared<std::vector<std::uint8_t>>(static_cast<std::size_t>(whole->grid.point_count()));
+  for (std::size_t i = 0; i < labels->size(); ++i) (*labels)[i] = i % 165 < 20 ? 1 : 0;
+  PointArray& array = whole->arrays[0];
+  array.type = ScalarType::uint8;
+  array.values = std::span<const std::uint8_t>(*labels);
+  array.storage = labels;
+  measure_range(array);
+  Scene scene = torus_scene();
+  scene.values = FieldValues::whole;
+  scene.intervals.resize(1);
+  scene.intervals[0].lower = 0.5, scene.intervals[0].upper = 1.5;
+  const auto extracted = extract_scene(whole, scene, nullptr, Task{});
+  ASSERT_GT(extracted->mesh->tetrahedra.size(), 1000u);
+  EXPECT_FALSE(can_be_coarse(*extracted, scene)) << "their points have no values";
+  CoarseScenes scenes(1000);
+  EXPECT_FALSE(scenes.extract_for_motion(extracted->dataset, scene, 1, Task{}));
+}
+
 TEST_F(InMotion, TheRestOfEveryDragIsExactHoweverItsRequestsMeet) {
   const unsigned seed = std::random_device{}();
   std::mt19937 random(seed);

@@ -76,7 +76,9 @@ namespace {
 /// Whether some of the points say what the scene shows: cells that are taken whole have no coarser ones.
 bool some_points_do(const Dataset& whole, const Scene& scene) {
   if (whole.arrays.empty() || scene.values != FieldValues::whole) return !whole.arrays.empty();
-  return whole.grid.structured() && whole.array(scene.array.empty() ? whole.arrays.front().name : scene.array).association != Association::cell_averaged;
+  const PointArray& array = whole.array(scene.array.empty() ? whole.arrays.front().name : scene.array);
+  const bool around_points = std::visit([](auto values) { return values.empty(); }, array.values);  // nearest_points.h
+  return whole.grid.structured() && array.association != Association::cell_averaged && !around_points;
 }
 
 /// kAllPoints: there is nothing coarser.
