@@ -40,7 +40,7 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 /// The direction from `at` to the eye, and what is up.
 bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
-  up = {0, 1, 0};
+  up = side == "reset" || side.ends_with('z') ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
   if (side == "reset")
     direction = normalized(Vec3d{0.55, 0.45, 1.0});
   else if (side == "+x")
@@ -48,9 +48,9 @@ bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
   else if (side == "-x")
     direction = {-1, 0, 0};
   else if (side == "+y")
-    direction = {0, 1, 0}, up = {0, 0, -1};
+    direction = {0, 1, 0};
   else if (side == "-y")
-    direction = {0, -1, 0}, up = {0, 0, 1};
+    direction = {0, -1, 0};
   else if (side == "+z")
     direction = {0, 0, 1};
   else if (side == "-z")

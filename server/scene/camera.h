@@ -25,7 +25,7 @@ void check(const Camera& camera);
 
 /// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z". aspect: the
 /// picture's width over its height; from a tall narrow one the box is farther away, so that its width shows too. From "reset" the sphere about the box fits,
-/// from the others the box itself.
+/// from the others the box itself. z is up, from above and below y is.
 Camera view_of(const Box3d& bounds, std::string_view side, double aspect = 1, bool orthographic = false);
 
 /// Right-handed, looking down -z.

@@ -72,6 +72,7 @@ TEST(Camera, NamedViewsStandOnTheirSide) {
   EXPECT_GT(view_of(kBox, "+x").eye.x, 1);
   EXPECT_LT(view_of(kBox, "-y").eye.y, -2);
   EXPECT_GT(view_of(kBox, "+z").eye.z, 3);
+  for (const char* side : {"+x", "-x", "+y", "-y"}) EXPECT_EQ(view_of(kBox, side).up, (Vec3d{0, 0, 1})) << side;
 }
 
 TEST(Camera, ABoxWithoutExtentStillHasAView) {

@@ -24,7 +24,7 @@ ColorRange color_range_of(const v1::ColorRange& wanted) {
       refuse("unsupported", "span " + std::to_string(wanted.span()) + " is not known; expected step (1), all_steps (2) or own (3)",
              "color_range.span");
   }
-  check_ends(wanted.lower(), wanted.upper(), "color_range.");
+  check_ends(finite(wanted.lower(), "color_range.lower"), finite(wanted.upper(), "color_range.upper"), "color_range.");
   if (wanted.log() && !(wanted.lower() > 0))
     refuse("invalid_argument", "lower " + number_text(wanted.lower()) + " has no logarithm; expected a number above 0",
            "color_range.lower");

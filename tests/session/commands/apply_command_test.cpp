@@ -200,6 +200,7 @@ TEST_F(ApplyCommand, TheRangeOfColoursIsTheStepsAllStepsOrOnesOwn) {
   EXPECT_FALSE(apply(R"({"setAppearance":{"unitDistance":0}})").changed);
   for (const auto& [range, field] : {std::pair<std::string, std::string>{R"("span":"COLOR_SPAN_OWN","lower":4,"upper":4)", "color_range.lower"},
                                      {R"("span":"COLOR_SPAN_OWN","lower":"NaN","upper":4)", "color_range.lower"},
+                                     {R"("span":"COLOR_SPAN_OWN","lower":1,"upper":"Infinity")", "color_range.upper"},
                                      {R"("span":"COLOR_SPAN_OWN","lower":0,"upper":4,"log":true)", "color_range.lower"},
                                      {R"("span":77)", "color_range.span"}}) {
     const CommandOutcome outcome = apply(R"({"setAppearance":{"colorRange":{)" + range + "}}}");
@@ -250,9 +251,7 @@ TEST_F(ApplyCommand, AViewShowsTheWholeDatasetInANarrowViewportAndKeepsTheProjec
   v1::ClientMessage message = from_json(R"({"setView":{"view":"+x"}})");
   state_.scene.camera->orthographic = true;
   EXPECT_FALSE(apply_command(state_, message, {&facts_, 0.25}).error);
-  Camera expected = view_of(facts_.bounds, "+x", 0.25);
-  expected.orthographic = true;
-  EXPECT_EQ(*state_.scene.camera, expected);
+  EXPECT_EQ(*state_.scene.camera, view_of(facts_.bounds, "+x", 0.25, true));
 }
 
 TEST_F(ApplyCommand, AnAcceptedChangeMakesOneRevisionAndNoChangeMakesNone) {
