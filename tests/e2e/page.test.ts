@@ -379,6 +379,35 @@ describe('the rest of the page', () => {
     expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.05);
   });
 
+  test('plays a series: each step is in a picture before the next is asked for', async () => {
+    await open();
+    await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x24x4x5');
+    await viewer.until('the cylinder', (s) => s.dataset.startsWith('cylinder') && s.intervals.length > 0);
+    await viewer.page.getByLabel('Time', { exact: true }).focus();
+    await viewer.page.keyboard.press('Home');
+    await viewer.until('the first step', (s) => s.step === 0);
+    const before = viewer.events.length;
+    await viewer.page.getByRole('button', { name: 'Play' }).click();
+    const steps = () => {
+      const seen: number[] = [];
+      for (const event of viewer.events.slice(before)) if (event.kind === 'state' && event.state.step !== (seen.at(-1) ?? 0)) seen.push(event.state.step);
+      return seen;
+    };
+    await expect.poll(() => steps().length, { timeout: 20_000 }).toBeGreaterThan(6);
+    await viewer.page.getByRole('button', { name: 'Pause' }).click();
+    const played = steps();
+    expect(played).toEqual(played.map((_, i) => (i + 1) % 5));
+    let revision = -1;
+    let asked = -1;
+    for (const event of viewer.events.slice(before)) {
+      if (event.kind === 'frame') revision = Math.max(revision, event.frame.revision);
+      if (event.kind !== 'state') continue;
+      expect(asked === -1 || revision >= asked).toBe(true);
+      asked = event.state.revision;
+    }
+    await viewer.exactPicture();
+  });
+
   test('changes the array: axis, histogram and layers follow', async () => {
     await open();
     await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x24x4x5');
