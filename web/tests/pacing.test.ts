@@ -56,6 +56,15 @@ test('a camera without credit waits, stays the newest, and holds nothing else up
   expect(sent).toEqual(['step 3', 'camera 2']);
 });
 
+test('of what waits under several keys the last put goes last', () => {
+  const { sent, outbox, frame } = harness();
+  outbox.put('time', 0.5);
+  outbox.put('step', 3);
+  outbox.put('time', 0.7);
+  frame();
+  expect(sent).toEqual(['step 3', 'time 0.7']);
+});
+
 test('flush sends everything at once, whatever the credits', () => {
   const { sent, outbox, gate, frame } = harness();
   gate.open = false;

@@ -104,6 +104,20 @@ describe('the store', () => {
     expect(find('patchInterval')?.body.value).toMatchObject({ id: 1, upper: 2 });
   });
 
+  test('a mode of time and a step that are chosen at once both go out, in their order', () => {
+    const { session, says, frame, sent } = harness();
+    says(welcome('s'));
+    const before = sent.length;
+    session.edits.setTime(1.6, 'interpolate');
+    session.edits.setTime(null, 'step');
+    session.edits.setStep(2);
+    frame();
+    expect(sent.slice(before).map(({ body }) => body)).toEqual([
+      { case: 'setTime', value: { mode: 1 } },
+      { case: 'setTimeStep', value: { step: 2 } },
+    ]);
+  });
+
   test('sends nothing while a hand that drags is at a stop, and what it says after', () => {
     const { session, says, frame, sent } = harness();
     says(welcome('s', interval(1, 0, 1), interval(2, 1, 2)));

@@ -42,7 +42,7 @@ export class Edits {
     this.out.sendInOrder(command.selectArrays(change.array ?? '', change.colorBy ?? '', change.texture ?? '', change.values ?? null));
   }
   setTime(time: number | null, timeMode: SceneState['timeMode']): void {
-    this.#stream('step', time === null ? { timeMode } : { time, timeMode }, command.setTime(time, timeMode), 'step');
+    this.#stream('time', time === null ? { timeMode } : { time, timeMode }, command.setTime(time, timeMode), 'step');
   }
   setStep(step: number): void {
     this.#stream('step', { step, time: null }, command.setTimeStep(step), 'step');

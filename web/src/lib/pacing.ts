@@ -56,6 +56,7 @@ export class Outbox {
     this.#wake();
   }
   put(key: string, value: unknown): void {
+    this.#others.delete(key); // what is put last goes out last
     this.#others.set(key, value);
     this.#wake();
   }
