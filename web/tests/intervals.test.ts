@@ -13,7 +13,9 @@ import {
   shownEnds,
   snap,
   snapCandidates,
+  typeColorEnd,
   typeEnd,
+  typeNumber,
   type End,
 } from '../src/lib/intervals';
 import type { Interval, Range } from '../src/lib/model';
@@ -132,6 +134,23 @@ test('typed numbers are taken exactly, and what cannot be taken is said in words
   expect(typeEnd({ lower: 0, upper: 5 }, 'lower', '')).toContain('not a number');
   expect(typeEnd({ lower: 0, upper: 5 }, 'upper', 'infinite')).toContain('not a number');
   expect(typeEnd({ lower: 0, upper: 5 }, 'upper', '1e400')).toContain('not a number');
+});
+
+test('a comma is a decimal point where it is none between thousands, which is asked', () => {
+  for (const [text, value] of [['200,5', 200.5], ['0,125', 0.125], ['1,2345', 1.2345], ['−1,5', -1.5], ['1234,567', 1234.567]] as const) expect(typeNumber(text)).toBe(value);
+  expect(typeNumber('1,234')).toBe('Is “1,234” 1234 or 1.234? Type it without a comma.');
+  expect(typeNumber('-12,288')).toContain('-12288 or -12.288');
+  expect(typeNumber('1,234,567')).toBe('“1,234,567” is not a number.');
+  expect(typeEnd({ lower: 0, upper: 5000 }, 'upper', '1,234')).toContain('1234 or 1.234');
+});
+
+test('colours run over two finite numbers, above 0 by the logarithm', () => {
+  const range = { span: 'own', lower: 1, upper: 5, log: false } as const;
+  expect(typeColorEnd(range, 'upper', '7,5')).toMatchObject({ lower: 1, upper: 7.5 });
+  for (const [end, text] of [['upper', 'inf'], ['lower', '-∞']] as const) expect(typeColorEnd(range, end, text)).toBe('Colours need two finite numbers.');
+  expect(typeColorEnd(range, 'lower', '-1')).toMatchObject({ lower: -1 });
+  expect(typeColorEnd({ ...range, log: true }, 'lower', '-1')).toContain('above 0');
+  expect(typeColorEnd(range, 'lower', '6')).toContain('less than 5');
 });
 
 test('keys move a thumb: arrows a little, pages more, Home and End as far as it goes', () => {

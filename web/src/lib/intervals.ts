@@ -1,5 +1,5 @@
 // The rules of editing intervals: pure functions from an interval and a gesture to the interval's new ends.
-import type { Interval, Range } from './model';
+import type { ColorRange, Interval, Range } from './model';
 import { niceStep, roundTo } from './ticks';
 
 export type End = 'lower' | 'upper';
@@ -125,16 +125,32 @@ export function proposeInterval(axis: Range, intervals: readonly Range[]): Range
   return { lower, upper: Math.max(roundTo(middle + width / 2, step), lower + step) };
 }
 
+/** A typed number, with a point or a comma before its decimals, or what is wrong with it in words. */
+export function typeNumber(text: string): number | string {
+  const typed = text.trim().replace('−', '-');
+  if (/^[+-]?[1-9]\d{0,2},\d{3}$/.test(typed)) return `Is “${text}” ${typed.replace(',', '')} or ${typed.replace(',', '.')}? Type it without a comma.`;
+  const value = typed === '' ? Number.NaN : Number(typed.replace(',', '.'));
+  return Number.isFinite(value) ? value : `“${text}” is not a number.`;
+}
+
 /** A typed number as an end: the new ends, or what is wrong with it in words. “inf” leaves it open. */
 export function typeEnd(interval: Range, end: End, text: string): Range | string {
-  const typed = text.trim().replace(',', '.').replace('−', '-');
-  const open = /^([+-]?)(∞|inf|infinity)$/i.exec(typed);
-  const value = open ? (open[1] === '-' ? -Infinity : Infinity) : typed === '' ? Number.NaN : Number(typed);
-  if (!open && !Number.isFinite(value)) return `“${text}” is not a number.`;
+  const open = /^([+−-]?)(∞|inf|infinity)$/i.exec(text.trim());
+  const value = open ? (/[−-]/.test(open[1]!) ? -Infinity : Infinity) : typeNumber(text);
+  if (typeof value === 'string') return value;
   if (value === (end === 'lower' ? Infinity : -Infinity)) return `The ${end} end can be open to the other side only.`;
   if (end === 'lower' && value >= interval.upper) return `The lower end must be less than ${interval.upper}.`;
   if (end === 'upper' && value <= interval.lower) return `The upper end must be greater than ${interval.lower}.`;
   return { ...interval, [end]: value };
+}
+
+/** As `typeEnd` for the values that colours run over, which are not open, and above 0 where they run by the logarithm. */
+export function typeColorEnd(range: ColorRange, end: End, text: string): Range | string {
+  const ends = typeEnd(range, end, text);
+  if (typeof ends === 'string') return ends;
+  if (!Number.isFinite(ends[end])) return 'Colours need two finite numbers.';
+  if (range.log && !(ends.lower > 0)) return 'A number above 0 has a logarithm.';
+  return ends;
 }
 
 /** What a key does to a thumb; null for a key that means nothing here. */
