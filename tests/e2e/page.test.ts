@@ -185,6 +185,7 @@ describe('a layer', () => {
     await upper.fill(String(exact));
     await upper.press('Enter');
     await viewer.until('the typed number', (s) => s.intervals[0]?.upper === exact);
+    expect(await upper.inputValue()).toBe(String(exact)); // all of it, as long as it is focused
     await upper.fill('-100');
     await upper.press('Enter');
     const alert = viewer.row(interval).getByRole('alert');
@@ -192,6 +193,12 @@ describe('a layer', () => {
     expect(await upper.getAttribute('aria-invalid')).toBe('true');
     expect(only().upper).toBe(exact);
     await upper.press('Escape');
+    expect(await alert.count()).toBe(0);
+    // What could not be taken goes when the end becomes another one elsewhere.
+    await upper.fill('abc');
+    await viewer.thumb(interval, 'upper').press('ArrowLeft');
+    await viewer.until('another end', (s) => s.intervals[0]?.upper !== exact);
+    await expect.poll(() => upper.inputValue()).not.toBe('abc');
     expect(await alert.count()).toBe(0);
   });
 
