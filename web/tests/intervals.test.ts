@@ -115,6 +115,16 @@ test('where the whole axis is covered a new interval is put in the middle', () =
   expect((next.lower + next.upper) / 2).toBeCloseTo(5, 1);
 });
 
+test('where the whole axis is covered every further interval lies elsewhere', () => {
+  const all: Range[] = [{ lower: -Infinity, upper: 4 }, { lower: 4, upper: 11 }];
+  for (let i = 0; i < 12; i++) {
+    const next = proposeInterval(axis, all);
+    expect(next.lower < next.upper && next.lower >= axis.lower && next.upper <= axis.upper).toBe(true);
+    for (const other of all) expect(Math.abs(next.lower - other.lower) + Math.abs(next.upper - other.upper), `interval ${i}`).toBeGreaterThan(0.02);
+    all.push(next);
+  }
+});
+
 test('a constant array still has an axis with a width', () => {
   for (const value of [0, 3.5, -2e9]) {
     const wide = axisRange({ lower: value, upper: value });

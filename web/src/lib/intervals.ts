@@ -106,7 +106,17 @@ export function drawn(from: number, to: number, axis: Range): Range | null {
   return upper - lower >= (axis.upper - axis.lower) / 400 ? { lower, upper } : null;
 }
 
-/** Where the Add button puts an interval: in the middle of the widest stretch of the axis that no interval covers. */
+function widestBetween(values: number[]): Range {
+  const sorted = values.sort((a, b) => a - b);
+  let widest: Range = { lower: sorted[0]!, upper: sorted[0]! };
+  sorted.forEach((upper, i) => {
+    const lower = sorted[Math.max(i - 1, 0)]!;
+    if (upper - lower > widest.upper - widest.lower) widest = { lower, upper };
+  });
+  return widest;
+}
+
+/** Where the Add button puts an interval: in the middle of the widest stretch of the axis that no interval covers, else that has no end in it. */
 export function proposeInterval(axis: Range, intervals: readonly Range[]): Range {
   const sorted = [...intervals].sort((a, b) => a.lower - b.lower);
   let gap: Range = { lower: axis.lower, upper: axis.lower };
@@ -117,7 +127,7 @@ export function proposeInterval(axis: Range, intervals: readonly Range[]): Range
     covered = Math.max(covered, next.upper);
   }
   const whole = axis.upper - axis.lower;
-  if (gap.upper - gap.lower < whole / 100) gap = axis;
+  if (gap.upper - gap.lower < whole / 100) gap = widestBetween([axis, ...intervals].flatMap(({ lower, upper }) => [within(lower, axis), within(upper, axis)]));
   const width = Math.min((gap.upper - gap.lower) / 2, whole / 6);
   const middle = (gap.lower + gap.upper) / 2;
   const step = dragStep(axis);
