@@ -2,7 +2,7 @@ import { expect, test } from 'vitest';
 import { layerNumber } from '../src/lib/intervals';
 import { emptyState, type Interval, type SceneState } from '../src/lib/model';
 import type { DatasetInfo } from '../src/lib/told';
-import { badgeOf, emptyReason, isBlank } from '../src/lib/picture-words';
+import { badgeOf, emptyReason, isBlank, nanWords } from '../src/lib/picture-words';
 import { newIntervalColor, hexOf, usualColor } from '../src/lib/colors';
 import { stillSize } from '../src/lib/still-size';
 
@@ -122,4 +122,22 @@ test('a picture for keeping is as large as shown, twice that or as typed, within
     expect(stillSize('typed', text, shown, limits), text).toEqual({ width: 1920, height: 1080 });
   for (const text of ['', 'large', '1920', '0x9', '-4x5', '1e3x5', '20000x10', '16384x16384'])
     expect(stillSize('typed', text, shown, limits), text).toBeTypeOf('string');
+});
+
+test('points without a number are counted at the shown step, or said of no step', () => {
+  const array = { ...info.arrays[0]!, nanCount: 50, steps: [{ lower: 0, upper: 9 }, { lower: 2, upper: 3 }, { lower: 1, upper: -1 }] };
+  const series = { ...info, times: [0, 1, 2] };
+  const told = (step: number, ...counts: number[]) => ({ dataset: 'fin', step, array: 'p', lower: 0, upper: 9, counts });
+  const some = 'At some steps up to 50 points of p are NaN and lie in no layer.';
+  expect(nanWords(view, info, array, null)).toBe('50 points of p are NaN and lie in no layer.');
+  expect(nanWords(view, info, info.arrays[0]!, null)).toBe('');
+  expect(nanWords(view, series, array, told(0, 8000, 740))).toBe('10 points of p are NaN at this step and lie in no layer.');
+  expect(nanWords({ ...view, step: 1 }, series, array, told(1, 8750))).toBe('');
+  expect(nanWords({ ...view, step: 2 }, series, array, told(2, 0))).toContain('8,750 points of p are NaN at this step');
+  expect(nanWords({ ...view, step: 1 }, series, array, told(0, 8000, 740))).toBe(some);
+  expect(nanWords(view, series, array, null)).toBe(some);
+  expect(nanWords({ ...view, time: 0.5, timeMode: 'interpolate' }, series, array, told(0, 8000, 740))).toBe(some);
+  expect(nanWords({ ...view, values: 'whole' }, series, array, told(0, 8000, 740))).toBe(some);
+  expect(nanWords({ ...view, step: 1 }, series, { ...array, steps: [{ lower: 0, upper: 9 }] }, told(1, 8000))).toBe(some); // not read by itself
+  expect(nanWords({ ...view, step: 1 }, series, { ...array, steps: [{ lower: 0, upper: 9 }, { lower: 0, upper: 12 }] }, told(1, 8000))).toBe(some);
 });

@@ -1,7 +1,7 @@
 // What a person is told about the picture: why there is nothing in it, and how far it can be trusted.
 import { formatNumber } from './ticks';
 import type { SceneState } from './model';
-import type { CoarseError, DatasetInfo, Frame } from './told';
+import type { ArrayInfo, CoarseError, DatasetInfo, Frame, Histogram } from './told';
 
 type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Partial<Pick<Frame, 'pointStride' | 'coarseError' | 'samples'>>;
 
@@ -27,6 +27,19 @@ export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: D
   if (array && !(array.lower <= array.upper)) return `Nothing to show: ${view.array} has no finite value.`;
   const step = info.times.length > 1 ? ' at this time' : '';
   return `Nothing to show: no cell${step} has values of ${view.array} in any layer${view.terms.length ? ', as they are combined' : ''}.`;
+}
+
+/** How many points of the array lie in no layer, at the shown step if that is known; '' if none. */
+export function nanWords(view: SceneState, { points, times }: DatasetInfo, array: ArrayInfo, histogram: Histogram | null): string {
+  const words = (count: number, when: string) => (count > 0 ? `${count.toLocaleString('en')} points of ${array.name} are NaN${when} and lie in no layer.` : '');
+  if (times.length < 2 || array.nanCount <= 0) return words(array.nanCount, '');
+  const { dataset, step, time } = view;
+  const here = array.steps[step];
+  const counted =
+    histogram?.dataset === dataset && histogram.array === array.name && histogram.step === step &&
+    here && histogram.lower <= here.lower && histogram.upper >= here.upper; // none of its values is beyond the bins
+  if (!counted || (time ?? null) !== null || view.values === 'whole') return `At some steps up to ${words(array.nanCount, '')}`;
+  return words(points - histogram.counts.reduce((sum, count) => sum + count, 0), ' at this step');
 }
 
 /** Whether every pixel (rgba) has the background's colour, up to rounding. */
