@@ -42,6 +42,7 @@ const folder = () => {
   mkdirSync(path, { recursive: true });
   return path;
 };
+const focused = () => viewer.page.evaluate(() => (document.activeElement as HTMLElement).innerText || document.activeElement?.id);
 const only = () => viewer.state.intervals[0] as Interval;
 
 describe('the page', () => {
@@ -237,6 +238,7 @@ describe('a layer', () => {
     await viewer.page.keyboard.press('Delete');
     await viewer.until('no layer', (s) => s.intervals.length === 0);
     expect(await viewer.page.locator('.band').count()).toBe(0);
+    expect(await focused()).toContain('Add layer');
   });
 
   test('is named, and its controls with it', async () => {
@@ -384,6 +386,16 @@ describe('the rest of the page', () => {
     await viewer.until('the third step', (s) => s.step === 2);
     expect(await slider.getAttribute('aria-valuetext')).toContain('step 3 of 5');
     expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(0.05);
+
+    const between = viewer.page.getByLabel('Between steps');
+    await between.selectOption('interpolate');
+    await viewer.until('a field between steps', (s) => s.timeMode === 'interpolate');
+    await between.selectOption('step');
+    await viewer.until('steps alone', (s) => s.timeMode === 'step' && s.step === 2);
+    await viewer.page.getByRole('button', { name: 'Step on' }).press('Enter');
+    await viewer.page.getByRole('button', { name: 'Step on' }).press('Enter');
+    await viewer.until('the last step', (s) => s.step === 4);
+    expect(await focused()).toBe('time-step');
   });
 
   test('plays a series: each step is in a picture before the next is asked for', async () => {
@@ -508,6 +520,13 @@ describe('the rest of the page', () => {
     const ground = await viewer.page.evaluate(() => getComputedStyle(document.querySelector('header') as Element).backgroundColor);
     expect(Number(/\d+/.exec(ground)?.[0])).toBeGreaterThan(200);
     await viewer.photograph('narrow-light.png');
+    await viewer.page.getByRole('button', { name: /^Share/ }).click();
+    const share = await viewer.page.locator('#share-panel').boundingBox();
+    expect(share && share.x >= 0 && share.x + share.width <= 390).toBe(true);
+    await viewer.page.keyboard.press('Escape');
+    await viewer.page.mouse.move(200, 750); // over the settings
+    await viewer.page.mouse.wheel(0, 300);
+    await expect.poll(() => viewer.page.evaluate(() => window.scrollY)).toBeGreaterThan(100);
   });
 
   test('keeps every button of a layer in sight, however long its facts are', async () => {

@@ -68,6 +68,9 @@ test('the controller drags and the viewer sees it, and may not drag', async () =
   await viewer.page.waitForTimeout(500);
   expect(owner.state.camera).toEqual(camera);
   await viewer.photograph('share-viewer.png');
+  await viewer.page.mouse.move(900, 400); // over the settings
+  await viewer.page.mouse.wheel(0, 200);
+  await expect.poll(() => viewer.page.evaluate(() => document.querySelector('aside')?.scrollTop)).toBeGreaterThan(50);
 
   // The owner has those who only look take less of the machine.
   await owner.page.getByRole('button', { name: /^Share/ }).click();

@@ -1,0 +1,8 @@
+// Where the keyboard goes when what it is at goes away.
+
+/** From a control that is about to go: to the next one of its kind, else to the one before, else to the button that adds one. */
+export function leave(control: Element, kind: string): void {
+  const all = [...document.querySelectorAll<HTMLElement>(kind)];
+  const at = all.indexOf(control as HTMLElement);
+  (all[at + 1] ?? all[at - 1] ?? document.getElementById('add-layer'))?.focus();
+}
