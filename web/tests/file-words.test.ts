@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { agoWords, factsOf, markOf, sizeWords } from '../src/lib/file-words';
+import { agoWords, factsOf, markOf, sizeWords, timesSaid } from '../src/lib/file-words';
+import { fileName } from '../src/lib/save-blob';
 import type { DatasetEntry } from '../src/lib/told';
 
 const entry = (more: Partial<DatasetEntry> = {}): DatasetEntry => ({
@@ -7,6 +8,14 @@ const entry = (more: Partial<DatasetEntry> = {}): DatasetEntry => ({
 });
 
 describe('words of the list of files', () => {
+  it('say a note of several files once', () => {
+    expect(timesSaid(['a', 'b', 'a', 'a'])).toEqual(['a (× 3)', 'b']);
+    expect(timesSaid([])).toEqual([]);
+  });
+  it('are names of files in every script', () => {
+    expect(fileName('Ünïcode 数据 ordner/a_b-1.vtk-Dichte <b>')).toBe('Ünïcode_数据_ordner_a_b-1.vtk-Dichte_b_');
+    expect(fileName('हिन्दी')).toBe('हिन्दी');
+  });
   it('give sizes two digits and never 1000 of a unit', () => {
     expect([0, 999, 1000, 4200, 99_400, 99_600, 999_499, 999_501, 4.2e9, 5e15].map(sizeWords)).toEqual(
       ['0 B', '999 B', '1 KB', '4.2 KB', '99 KB', '100 KB', '999 KB', '1 MB', '4.2 GB', '5 PB'],

@@ -40,3 +40,11 @@ export function factsOf(entry: DatasetEntry, nowMs: number): string {
   const count = entry.steps > 1 ? `${entry.steps.toLocaleString('en')} steps` : entry.files > 1 ? `${entry.files.toLocaleString('en')} slices` : '';
   return [entry.kind, count, entry.bytes > 0 ? sizeWords(entry.bytes) : '', agoWords(entry.changedMs, nowMs)].filter((part) => part !== '').join(' · ');
 }
+
+/** Notes of a dataset: what several of its files say is said once, with how often. */
+export function timesSaid(notes: readonly string[]): string[] {
+  return [...new Set(notes)].map((note) => {
+    const times = notes.filter((other) => other === note).length;
+    return times > 1 ? `${note} (× ${times})` : note;
+  });
+}
