@@ -42,7 +42,7 @@ const folder = () => {
   mkdirSync(path, { recursive: true });
   return path;
 };
-const focused = () => viewer.page.evaluate(() => (document.activeElement as HTMLElement).innerText || document.activeElement?.id);
+const focused = () => viewer.page.evaluate(() => document.activeElement?.id);
 const only = () => viewer.state.intervals[0] as Interval;
 
 describe('the page', () => {
@@ -238,7 +238,7 @@ describe('a layer', () => {
     await viewer.page.keyboard.press('Delete');
     await viewer.until('no layer', (s) => s.intervals.length === 0);
     expect(await viewer.page.locator('.band').count()).toBe(0);
-    expect(await focused()).toContain('Add layer');
+    expect(await focused()).toBe('add-layer');
   });
 
   test('is named, and its controls with it', async () => {
@@ -425,6 +425,18 @@ describe('the rest of the page', () => {
       asked = event.state.revision;
     }
     await viewer.exactPicture();
+  });
+
+  test('opens another dataset by a choice in the list, not by an arrow key on the closed one', async () => {
+    await open();
+    const { dataset } = viewer.state;
+    await viewer.page.getByLabel('Dataset').focus();
+    await viewer.page.keyboard.press('ArrowDown'); // the list opens
+    await viewer.page.waitForTimeout(500);
+    expect(viewer.state.dataset).toBe(dataset);
+    await viewer.page.keyboard.press('ArrowDown');
+    await viewer.page.keyboard.press('Enter');
+    await viewer.until('the next dataset', (s) => s.dataset !== dataset && s.intervals.length > 0);
   });
 
   test('changes the array: axis, histogram and layers follow', async () => {
