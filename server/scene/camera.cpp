@@ -60,15 +60,18 @@ bool named_direction(std::string_view side, Vec3d& direction, Vec3d& up) {
   return true;
 }
 
-/// The middle of the box, or of its near end if parallel rays need no more distance than that, and the eye, so far away that the box fits with a margin.
-void step_back(Camera& camera, const Box3d& bounds, Vec3d direction, double aspect) {
-  constexpr double kMargin = 1.05;
+/// Of a long box from its end, which in the sphere about it would be a dot: the middle of the box, or of its near end if parallel rays need no more distance than that,
+/// and the eye, so far away that the box fits with a margin. Whether it is so long.
+bool stand_before_end(Camera& camera, const Box3d& bounds, Vec3d direction, double aspect) {
+  constexpr double kMargin = 1.05, kDot = 0.3;
   const Vec3d size = bounds.upper - bounds.lower, right = cross(camera.up, direction);
   const auto along = [&](Vec3d axis) { return std::abs(axis.x) * size.x + std::abs(axis.y) * size.y + std::abs(axis.z) * size.z; };
+  if (std::max(along(camera.up), along(right)) > kDot * bounds.diagonal()) return false;
   const double half = std::max(along(camera.up), along(right) / std::max(aspect, 1e-3)) / 2 * kMargin, depth = along(direction) / 2;
   const double fit = std::max(half, 0.01 * depth) / std::tan(radians(camera.fov_deg / 2));
   if (camera.orthographic && fit < 2 * depth) camera.at = camera.at + direction * depth;
   camera.eye = camera.at + direction * (camera.orthographic ? fit : fit + depth);
+  return true;
 }
 
 }  // namespace
@@ -100,10 +103,7 @@ Camera view_of(const Box3d& bounds, std::string_view side, double aspect, bool o
   const double radius = bounds.diagonal() > 0 ? bounds.diagonal() / 2 : 1.0;
   camera.at = bounds.empty() ? Vec3d{} : bounds.center();
   camera.orthographic = orthographic;
-  if (side != "reset" && bounds.diagonal() > 0) {
-    step_back(camera, bounds, direction, aspect);
-    return camera;
-  }
+  if (side != "reset" && bounds.diagonal() > 0 && stand_before_end(camera, bounds, direction, aspect)) return camera;
   // The sphere about the box touches the narrower pair of sides of the pyramid of view.
   const double half_height_angle = radians(camera.fov_deg / 2);
   const double half_angle = aspect < 1 ? std::atan(std::tan(half_height_angle) * std::max(aspect, 1e-3)) : half_height_angle;

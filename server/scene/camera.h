@@ -24,8 +24,8 @@ double half_height(const Camera& camera);
 void check(const Camera& camera);
 
 /// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z". aspect: the
-/// picture's width over its height; from a tall narrow one the box is farther away, so that its width shows too. From "reset" the sphere about the box fits,
-/// from the others the box itself. z is up, from above and below y is.
+/// picture's width over its height; from a tall narrow one the box is farther away, so that its width shows too. The sphere about the box fits, or,
+/// from an end of a long box, the box itself. From the four sides z is up.
 Camera view_of(const Box3d& bounds, std::string_view side, double aspect = 1, bool orthographic = false);
 
 /// Right-handed, looking down -z.
