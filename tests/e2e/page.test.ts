@@ -371,6 +371,25 @@ describe('the rest of the page', () => {
     }
   });
 
+  test('draws an axis longer and as the file has it again', async () => {
+    await openWithOneLayer();
+    const plain = await viewer.exactPicture();
+    const field = viewer.page.getByLabel('Scale of z', { exact: true });
+    await field.fill('-3');
+    await field.press('Enter');
+    expect(await viewer.page.getByText('"-3" is not a scale; expected a number above 0').isVisible()).toBe(true);
+    await field.fill('4');
+    await field.press('Enter');
+    await viewer.until('an axis four times as long', (s) => s.axisScale?.[2] === 4);
+    expect(difference(plain, await viewer.exactPicture())).toBeGreaterThan(0.5);
+    expect(await viewer.page.locator('svg.overlay text.name').allTextContents()).toContain('z ×4');
+    await viewer.page.getByRole('button', { name: 'Axis scale: as the file has it' }).click();
+    await viewer.until('axes as they are', (s) => s.axisScale?.[2] === 1);
+    await viewer.page.getByRole('button', { name: 'Reset' }).click();
+    await viewer.until('the camera of before', (s) => s.camera !== null);
+    expect(difference(plain, await viewer.exactPicture())).toBeLessThan(0.01);
+  });
+
   test('steps through time where there is more than one step', async () => {
     await open();
     expect(await viewer.page.getByLabel('Time', { exact: true }).count()).toBe(0);

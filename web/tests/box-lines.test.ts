@@ -59,3 +59,13 @@ test('with parallel rays the box is as large wherever the eye stands on its line
   expect(Math.max(...xs) - Math.min(...xs)).toBeCloseTo((4 * 600) / (20 * Math.tan(Math.PI / 6)), 6);
   expect(edges.filter((edge) => edge.hidden)).toHaveLength(8); // straight on, one face is seen
 });
+
+test('an axis that is drawn longer has the places of the dataset on it, and says how much longer', () => {
+  const camera: Camera = { eye: [8, 6, 10], at: [1, 0, -1], up: [0, 1, 0], fovDeg: 30 };
+  const plain = boxLines(camera, box, 800, 600);
+  const drawn = boxLines(camera, { lower: box.lower, upper: box.upper }, 800, 600, [1, 1, 0.01]);
+  expect(drawn.edges).toEqual(plain.edges);
+  expect(drawn.labels.some((label) => label.text === 'z ×0.01')).toBe(true);
+  const places = (of: typeof plain) => of.labels.filter((label) => label.kind === 'tick').map((label) => Math.abs(Number(label.text.replace('−', '-'))));
+  expect(Math.max(...places(drawn))).toBeGreaterThan(50 * Math.max(...places(plain)));
+});

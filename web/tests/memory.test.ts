@@ -45,9 +45,9 @@ describe('after the server was restarted', () => {
   });
 
   test('the light stays on', () => {
-    const step = restoreStep({ ...saved, occlusion: 0.5, depthFade: 0.25, bodyShading: 0.75 }, { ...emptyState, dataset: 'fin' }, info('fin', 'Density'), datasets, false);
+    const step = restoreStep({ ...saved, occlusion: 0.5, depthFade: 0.25, bodyShading: 0.75, axisScale: [1, 1, 50] }, { ...emptyState, dataset: 'fin' }, info('fin', 'Density'), datasets, false);
     const look = step.kind === 'send' && step.commands.find((c) => c.case === 'setAppearance');
-    expect(look && look.value).toMatchObject({ occlusion: 0.5, depthFade: 0.25, bodyShading: 0.75 });
+    expect(look && look.value).toMatchObject({ occlusion: 0.5, depthFade: 0.25, bodyShading: 0.75, axisScale: { x: 1, y: 1, z: 50 } });
   });
 
   test('values stay whole, and a part is there as long as what it is of', () => {

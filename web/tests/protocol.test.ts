@@ -96,6 +96,18 @@ test('light by depth goes out by itself and comes back as it was sent', () => {
   expect(event.kind === 'state' && [event.state.occlusion, event.state.depthFade]).toEqual([0.75, 0.25]);
 });
 
+test('a scale of axes is three numbers, and 1 where nothing is said', () => {
+  const sent = decode(encodeCommand(1, command.setAppearance({ axisScale: [1, 1, 50] }))).body;
+  if (sent.case !== 'setAppearance') throw new Error(String(sent.case));
+  expect(sent.value.axisScale).toMatchObject({ x: 1, y: 1, z: 50 });
+  const said = (value: object) => {
+    const event = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'state', value } })));
+    return event.kind === 'state' ? event.state.axisScale : null;
+  };
+  expect(said({ axisScale: { x: 2, y: 1, z: 0.5 } })).toEqual([2, 1, 0.5]);
+  expect(said({})).toEqual([1, 1, 1]);
+});
+
 test('body shading goes out by itself and comes back as it was sent', () => {
   const sent = decode(encodeCommand(1, command.setAppearance({ bodyShading: 0.75 }))).body;
   if (sent.case !== 'setAppearance') throw new Error(`unexpected ${String(sent.case)}`);

@@ -64,7 +64,8 @@ function edgesOf(box: Box, camera: Camera, towards: Vec3): Edge[] {
   return edges;
 }
 
-export function boxLines(camera: Camera, box: Box, width: number, height: number): BoxLines {
+/** `factors`: the box is that of the dataset times these; numbers are places in the dataset. */
+export function boxLines(camera: Camera, box: Box, width: number, height: number, factors: Vec3 = [1, 1, 1]): BoxLines {
   const axes = viewAxes(camera);
   const edges = edgesOf(box, camera, axes.back);
   const result: BoxLines = { edges: [], ticks: [], labels: [] };
@@ -90,7 +91,7 @@ export function boxLines(camera: Camera, box: Box, width: number, height: number
       const y = (line[0][1] + line[1][1]) / 2 + (line[0][0] + line[1][0]) * 1e-3;
       if (!best || y > best.y) best = { edge, line, y };
     }
-    if (best) label(result, best.edge, best.line, middle, camera, axes, width, height);
+    if (best) label(result, best.edge, best.line, middle, camera, axes, width, height, factors[axis]);
   }
   return result;
 }
@@ -104,6 +105,7 @@ function label(
   axes: ReturnType<typeof viewAxes>,
   width: number,
   height: number,
+  factor: number,
 ): void {
   const pixels = Math.hypot(b[0] - a[0], b[1] - a[1]);
   if (pixels < 36) return; // seen end on
@@ -113,11 +115,11 @@ function label(
   if ((mx - middle[0]) * out[0] + (my - middle[1]) * out[1] < 0) out = [-out[0], -out[1]];
 
   const { axis } = edge;
-  const lower = edge.from[axis];
-  const upper = edge.to[axis];
+  const lower = edge.from[axis] / factor;
+  const upper = edge.to[axis] / factor;
   for (const value of ticks(lower, upper, Math.max(1, Math.min(6, pixels / 64)))) {
     const point = [...edge.from] as [number, number, number];
-    point[axis] = value;
+    point[axis] = value * factor;
     const view = viewFromWorld(camera, axes, point);
     if (view[2] >= 0 && !camera.orthographic) continue;
     const [x, y] = screenFromView(camera, width, height, view);
@@ -126,5 +128,5 @@ function label(
     // Where two axes meet, one number is enough.
     if (result.labels.every((other) => Math.hypot(other.x - label.x, other.y - label.y) > 18)) result.labels.push(label);
   }
-  result.labels.push({ x: mx + out[0] * 36, y: my + out[1] * 30, text: names[axis], kind: 'name' });
+  result.labels.push({ x: mx + out[0] * 36, y: my + out[1] * 30, text: factor === 1 ? names[axis] : `${names[axis]} ×${formatNumber(factor, 3)}`, kind: 'name' });
 }

@@ -1,7 +1,7 @@
 // The server's camera, on this side: right-handed, looking down -z, fovDeg the full vertical angle of view. The overlay is drawn with it,
 // so it must agree with server/scene/camera.h.
 import type { Box, Camera, Vec3 } from './model';
-import { add, cross, dot, length, normalize, scale, sub } from './vec';
+import { add, cross, dot, length, normalize, scale, sub, times } from './vec';
 
 /** The camera's axes in world space: right, up, and back (from what is looked at to the eye). */
 export interface ViewAxes {
@@ -61,3 +61,5 @@ export function sameCamera(a: Camera | null, b: Camera | null): boolean {
   const same = (p: Vec3, q: Vec3) => p[0] === q[0] && p[1] === q[1] && p[2] === q[2];
   return same(a.eye, b.eye) && same(a.at, b.at) && same(a.up, b.up) && a.fovDeg === b.fovDeg && !a.orthographic === !b.orthographic;
 }
+/** As it is drawn (SceneState.axisScale). */
+export const scaledBox = ({ lower, upper }: Box, factors: Vec3 = [1, 1, 1]): Box => ({ lower: times(lower, factors), upper: times(upper, factors) });

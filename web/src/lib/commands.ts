@@ -15,6 +15,7 @@ import type {
   Rgb,
   Smear,
   TimeMode,
+  Vec3,
 } from './model';
 import type { Role, Size } from './told';
 import { protocolMajor, protocolMinor, roles } from './protocol';
@@ -109,6 +110,7 @@ export const command = {
     occlusion?: number;
     depthFade?: number;
     bodyShading?: number;
+    axisScale?: Vec3;
   }): Command => ({
     case: 'setAppearance',
     value: {
@@ -118,6 +120,7 @@ export const command = {
       ...(change.occlusion !== undefined ? { occlusion: change.occlusion } : {}),
       ...(change.depthFade !== undefined ? { depthFade: change.depthFade } : {}),
       ...(change.bodyShading !== undefined ? { bodyShading: change.bodyShading } : {}),
+      ...(change.axisScale ? { axisScale: wireVec(change.axisScale) } : {}),
       ...(change.colorRange ? { colorRange: { ...change.colorRange, span: spans.wire(change.colorRange.span) } } : {}),
     },
   }),

@@ -1,7 +1,7 @@
 // What the person does to the scene: shown at once, laid over the server's State, and sent. What comes in streams goes through a slot of its own.
 import { command, type Command } from './commands';
 import { priorityOrder } from './intervals';
-import type { Camera, ColorRange, FieldValues, Interval, IntervalPatch, SceneState } from './model';
+import type { Camera, ColorRange, FieldValues, Interval, IntervalPatch, SceneState, Vec3 } from './model';
 import type { Notices, Place } from './notices.svelte';
 import type { Overlay } from './optimistic';
 import type { Outgoing } from './outgoing';
@@ -73,7 +73,7 @@ export class Edits {
     this.#stream('colorRange', { colorRange }, command.setAppearance({ colorRange }), 'appearance');
   }
   /** Each in a slot of its own. */
-  setLook(look: { background?: SceneState['background']; unitDistance?: number; occlusion?: number; depthFade?: number; bodyShading?: number }): void {
+  setLook(look: { background?: SceneState['background']; unitDistance?: number; occlusion?: number; depthFade?: number; bodyShading?: number; axisScale?: Vec3 }): void {
     this.#lay(look);
     for (const [field, value] of Object.entries(look)) this.out.slots.put(field, command.setAppearance({ [field]: value }));
   }

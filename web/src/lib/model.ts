@@ -165,6 +165,7 @@ export interface SceneState {
   occlusion?: number; // in [0, 1]; what the picture's depth adds to its light
   depthFade?: number;
   bodyShading?: number; // in [0, 1]; how far interiors are shaded along the array's gradient
+  axisScale?: Vec3; // how many times as long each axis is drawn; absent: 1, 1, 1. The camera is in the drawn space, cuts in the dataset's
 }
 
 export const emptyState: SceneState = {

@@ -49,6 +49,7 @@ export function restoreStep(
       occlusion: saved.occlusion ?? 0,
       depthFade: saved.depthFade ?? 0,
       bodyShading: saved.bodyShading ?? 0,
+      axisScale: saved.axisScale ?? [1, 1, 1],
       ...(saved.colorRange ? { colorRange: saved.colorRange } : {}),
     }),
   );

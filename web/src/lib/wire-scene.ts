@@ -86,13 +86,14 @@ export function cameraOf(camera: WireCamera | undefined): Camera | null {
 }
 
 export function stateOf(state: WireState): SceneState {
-  const { annotations, background, camera, clipPlanes, colorRange, cycle, intervals, mode, revision, smear, terms, time, timeMode, values, ...rest } =
+  const { annotations, axisScale, background, camera, clipPlanes, colorRange, cycle, intervals, mode, revision, smear, terms, time, timeMode, values, ...rest } =
     plain(state);
   return {
     ...rest,
     annotations: annotations ? plain(annotations) : { axes: false, box: false, legend: false },
     background: rgbOf(background),
     camera: cameraOf(camera),
+    axisScale: axisScale ? vecOf(axisScale) : [1, 1, 1],
     clipPlanes: clipPlanes.map(({ normal, offset }) => ({ normal: vecOf(normal), offset })),
     colorRange: colorRange ? { ...plain(colorRange), span: spans.name(colorRange.span) } : stepRange,
     cycle: cycle ? { ...plain(cycle), seconds: cycle.seconds || 1 } : { seconds: 1, phase: 0, playing: false },
