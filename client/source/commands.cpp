@@ -154,6 +154,12 @@ void Client::set_light(double occlusion, double depth_fade) {
   command(std::move(message));
 }
 
+void Client::set_axis_scale(const v1::Vec3& scale) {
+  v1::ClientMessage message;
+  *message.mutable_set_appearance()->mutable_axis_scale() = scale;
+  command(std::move(message));
+}
+
 void Client::set_body_shading(double strength) {
   v1::ClientMessage message;
   message.mutable_set_appearance()->set_body_shading(strength);

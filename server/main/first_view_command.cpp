@@ -61,6 +61,7 @@ boost::json::object to_json(const FirstView& view, const Dataset& dataset, const
                                          {"projection", camera.orthographic ? "orthographic" : "perspective"},
                                          {"reason", view.camera_reason},
                                          {"up_reason", view.up_reason}}},
+          {"axis_scale", boost::json::object{{"x", view.axis_scale.x}, {"y", view.axis_scale.y}, {"z", view.axis_scale.z}, {"reason", view.scale_reason}}},
           {"light", boost::json::object{{"shading", light.diffuse}, {"occlusion", 0}, {"body_shading", 0}, {"reason", view.light_reason}}},
           {"ms", ms}};
 }
@@ -79,6 +80,8 @@ void print_text(const FirstView& view, const Dataset& dataset, const Camera& cam
     if (layer.surface.drawn()) std::printf(" %.3g", layer.surface.opacity);
     std::printf(" (%s): %s\n", name_of(layer, i).c_str(), layer.reason.c_str());
   }
+  if (!view.scale_reason.empty())
+    std::printf("  scale   %g, %g, %g: %s\n", view.axis_scale.x, view.axis_scale.y, view.axis_scale.z, view.scale_reason.c_str());
   std::printf("  light   %s\n", view.light_reason.c_str());
   std::printf("  up      %g, %g, %g: %s\n", view.up.x, view.up.y, view.up.z, view.up_reason.c_str());
   std::printf("  camera  eye=%.9g,%.9g,%.9g;at=%.9g,%.9g,%.9g;up=%g,%g,%g;fov=%g%s: %s\n", camera.eye.x, camera.eye.y, camera.eye.z,

@@ -3,9 +3,12 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "data/scaled_dataset.h"
 #include "encoding/encode_image.h"
 #include "encoding/image_file.h"
 #include "engine/first/first_scene.h"
@@ -27,6 +30,7 @@
 #include "main/sandbox_option.h"
 #include "main/state_file.h"
 #include "main/still_arguments.h"
+#include "scene/axis_scale.h"
 #include "scene/color_range.h"
 #include "scene/transfer_function.h"
 
@@ -38,6 +42,7 @@ struct RenderArguments {
   std::vector<std::string> intervals;
   std::string size = "800x600", camera, renderer = "auto", background, device = "auto", tetrahedra = "auto", ranks;
   double unit_distance = 0;
+  std::vector<double> axis_scale;
   LayerArguments layers;
   StillArguments still;
   ModeArguments modes;
@@ -48,6 +53,12 @@ struct RenderArguments {
 struct Timing {
   double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
 };
+
+Vec3d axis_scale_of(const RenderArguments& arguments) {
+  const Vec3d axis_scale{arguments.axis_scale[0], arguments.axis_scale[1], arguments.axis_scale[2]};
+  check_axis_scale(axis_scale);
+  return axis_scale;
+}
 
 /// Where no layers were said: what the page would show, of the array and the time that were said, if any.
 FirstView chosen_view(const RenderArguments& arguments, const CLI::App& command, const StepSource& steps, const Dataset& dataset) {
@@ -64,7 +75,8 @@ Scene make_scene(const RenderArguments& arguments, const CLI::App& command, cons
   Scene scene;
   scene.dataset = arguments.file;
   set_layers(scene, arguments.layers);
-  Camera camera = view_of(dataset.bounds, "reset", aspect);
+  if (!arguments.axis_scale.empty()) scene.axis_scale = axis_scale_of(arguments);
+  Camera camera = view_of(scaled(dataset.bounds, scene.axis_scale), "reset", aspect);
   const Dataset* shown = &dataset;
   std::shared_ptr<const Dataset> other;
   if (arguments.intervals.empty() && arguments.modes.transfer.empty()) {
@@ -75,6 +87,8 @@ Scene make_scene(const RenderArguments& arguments, const CLI::App& command, cons
     if (command.count("--values") == 0) scene.values = view.values;
     scene.intervals = first_intervals(view);
     camera = view.camera(aspect);
+    if (arguments.axis_scale.empty()) scene.axis_scale = view.axis_scale;
+    camera = rescaled(camera, view.axis_scale, scene.axis_scale, dataset.bounds);
   } else {
     const PointArray& array = array_argument(dataset, arguments.array);
     scene.array = array.name;
@@ -82,7 +96,7 @@ Scene make_scene(const RenderArguments& arguments, const CLI::App& command, cons
   }
   scene.color_by = arguments.color_by;
   set_modes(scene, arguments.modes, shown->array(scene.array));
-  scene.camera = command.count("--camera") == 0 ? camera : parse_camera(arguments.camera, camera, dataset.bounds, aspect);
+  scene.camera = command.count("--camera") == 0 ? camera : parse_camera(arguments.camera, camera, scaled(dataset.bounds, scene.axis_scale), aspect);
   if (!arguments.background.empty() && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
   scene.unit_distance = arguments.unit_distance;
   set_still(scene, arguments.still);
@@ -143,7 +157,12 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
   if (given("--seconds")) scene.cycle.seconds = modes.cycle.seconds;
   if (given("--phase")) scene.cycle.phase = modes.cycle.phase;
 
-  if (given("--camera")) scene.camera = parse_camera(arguments.camera, view_of(dataset.bounds, "reset", aspect), dataset.bounds, aspect);
+  if (given("--axis-scale")) {
+    const Vec3d before = std::exchange(scene.axis_scale, axis_scale_of(arguments));
+    if (scene.camera) scene.camera = rescaled(*scene.camera, before, scene.axis_scale, dataset.bounds);
+  }
+  const Box3d box = scaled(dataset.bounds, scene.axis_scale);
+  if (given("--camera")) scene.camera = parse_camera(arguments.camera, view_of(box, "reset", aspect), box, aspect);
   if (given("--background") && arguments.background != "transparent") scene.background = parse_rgb(arguments.background);
   if (given("--unit-distance")) scene.unit_distance = arguments.unit_distance;
   Scene still;
@@ -290,8 +309,10 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     aids.tetrahedra = TetrahedraWay::cut;
     aids.bases = &bases;
   }
+  ScaledDatasets drawn;
+  const StepSource scaled_steps = [&](int step, const Task& task) { return drawn.scaled(steps(step, task), scene.axis_scale); };
   const auto extracted = ranks ? ranks->extract({arguments.file, arguments.file}, steps, scene, nullptr, command_task(), aids)
-                               : extract_scene(steps, scene, nullptr, command_task(), aids);
+                               : extract_scene(scaled_steps, scene, nullptr, command_task(), aids);
   ms.extract = stage.lap_ms();
   const std::vector<Picture> pictures = pictures_of(arguments, wanted);
   const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
@@ -396,6 +417,13 @@ void add_render_command(CLI::App& app) {
   command->add_option(
       "--unit-distance", arguments->unit_distance,
       "The thickness, in world units, that has the given opacity (default: a twentieth of the bounding box's diagonal)");
+  command
+      ->add_option("--axis-scale", arguments->axis_scale,
+                   "X,Y,Z: how many times as long each axis is drawn, as 1,1,50 for vertical exaggeration; the camera and the unit distance are in the space "
+                   "that is drawn (default: 1,1,1; without --interval what makes axes of other units comparable)")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
   command

@@ -129,7 +129,7 @@ class FirstRank final : public SceneRanks {
     extracted->whole_summaries = std::move(made.summaries);
     const std::lock_guard lock(line_.mutex());
     forget_the_gone();
-    drawable_[order.number] = {extracted, key_of(*extracted), order.regions};
+    drawable_[order.number] = {extracted, key_of(*extracted), scaled_regions(order.regions, scene.axis_scale)};
     return extracted;
   }
 

@@ -101,14 +101,16 @@ void RankWork::drop_unused() {
 
 std::shared_ptr<const ExtractedScene> RankWork::extract(const RankExtract& order, const StepSource& whole, const std::shared_ptr<const ExtractedScene>& previous,
                                                         bool draws_bricks, const Task& task, RankedExtraction& made) {
-  const StepSource steps = parts(order.version, order.regions, whole);
+  const StepSource unscaled = parts(order.version, order.regions, whole);
+  const StepSource steps = [&](int step, const Task& of) { return scaled_.scaled(unscaled(step, of), order.scene.axis_scale); };
+  const RegionTree regions = scaled_regions(order.regions, order.scene.axis_scale);
   SceneAids aids;  // ranks know meshes and bricks, and no grids of tetrahedra that are cut in the rays
   aids.max_bytes = order.max_bytes;
   aids.bricks = &bricks_;
   if (draws_bricks) aids.least_in_bricks = order.least_in_bricks;
   auto extracted = extract_scene(steps, order.scene, previous, task, aids);
   const Grid& grid = extracted->dataset->grid;
-  const OwnsCell owns = owner_of(grid, order.regions, rank_);
+  const OwnsCell owns = owner_of(grid, regions, rank_);
   if (!previous) give_memory_back();  // the first of a dataset took more than others will
   made.summaries = extracted->bricks ? extracted->bricks->summaries_of(owns, task) : owned_summaries(grid, *extracted->mesh, owns, task);
   return extracted;

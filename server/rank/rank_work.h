@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 
+#include "data/scaled_dataset.h"
 #include "engine/picture/scene_ranks.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/layers/owned_cells.h"
@@ -52,6 +53,7 @@ class RankWork {
   std::map<std::pair<std::string, int>, std::shared_ptr<Part>> parts_;  // by version and step
   std::uint64_t uses_ = 0;
   BrickMemory bricks_;
+  ScaledDatasets scaled_;
 };
 
 /// "mesh_3.vtu" of "mesh.pvtu": beside it.

@@ -1,4 +1,4 @@
-// Where the viewer stands. World space is the dataset's space; angles in degrees.
+// Where the viewer stands, in world space: the dataset's, as it is drawn (axis_scale.h). Angles in degrees.
 #pragma once
 
 #include <string_view>

@@ -5,7 +5,7 @@
 
 namespace isostrata {
 
-/// Keeps the half-space dot(normal, x) >= offset, world space.
+/// Keeps the half-space dot(normal, x) >= offset; of a scene in the dataset's space, for a renderer in world space.
 struct ClipPlane {
   Vec3d normal{1, 0, 0};
   double offset = 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/annotation_choice.h"
+#include "scene/axis_scale.h"
 #include "scene/camera.h"
 #include "scene/clip_plane.h"
 #include "scene/depth_light.h"
@@ -133,6 +134,7 @@ struct Scene {
   Annotations annotations;             // drawn by the server, beside the volume
   ColorRange color_range;
   DepthLight light;
+  Vec3d axis_scale = kUnscaled;  // of what is drawn; `camera` and `unit_distance` are in the drawn space, `clip_planes` in the dataset's
   double body_shading = 0;  // in [0, 1]: how far interiors are shaded along the gradient of `array`
 
   bool operator==(const Scene&) const = default;

@@ -108,6 +108,8 @@ class Client {
   void set_light(double occlusion, double depth_fade);
   /// How far the layers' interiors are shaded along the gradient of the array, in [0, 1].
   void set_body_shading(double strength);
+  /// How many times as long each axis is drawn: vertical exaggeration. The camera goes along.
+  void set_axis_scale(const v1::Vec3& scale);
   /// The values that colour maps begin and end at, and whether colours run with the logarithm.
   void set_color_range(const v1::ColorRange& range);
   /// Of v1::RENDER_MODE_CYCLED; changes what is present.

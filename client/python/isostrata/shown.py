@@ -135,12 +135,16 @@ class Shown(ABC):
         occlusion: float | None = None,
         depth_fade: float | None = None,
         body_shading: float | None = None,
+        axis_scale: Sequence[float] | None = None,
     ) -> None:
         """Changes what is given. ``occlusion``, ``depth_fade`` and ``body_shading``, in [0, 1]: how dark hollows are, how far what is far away
         fades, how far the layers' interiors are shaded along the array's gradient. ``mode``:
         "sorted", "prioritized", "cycled", "smear". ``color_range``: over what colour maps run, the values of "step" or of "all_steps", or two
-        numbers; ``color_log``: by the logarithm."""
+        numbers; ``color_log``: by the logarithm. ``axis_scale``: how many times as long x, y and z are drawn, as (1, 1, 50) for vertical
+        exaggeration; the camera goes along."""
         change = _appearance(self.message.color_range, mode, background, unit_distance, color_range, color_log, occlusion, depth_fade, body_shading)
+        if axis_scale is not None:
+            change.axis_scale.CopyFrom(vec3(axis_scale))
         if change.ByteSize():
             self.command(set_appearance=change)
 

@@ -133,7 +133,9 @@ std::vector<IntervalFacts> Jobs::measured(const MeasureRequest& request, const s
     SceneAids aids;
     aids.max_bytes = memory_.quarter_of_free();
     const auto room = memory_.lend(request.session, aids.max_bytes, "measuring layers");
-    return interval_facts(*extract_by(options_.ranks, {source.source, source.id}, steps, request.scene, nullptr, task, aids), request.scene, true, task);
+    Scene unscaled = request.scene;  // as the steps are
+    unscaled.axis_scale = kUnscaled;
+    return interval_facts(*extract_by(options_.ranks, {source.source, source.id}, steps, unscaled, nullptr, task, aids), unscaled, true, task);
   } catch (const Error& error) {
     if (!ready || error.code() != ErrorCode::too_large) throw;
     return interval_facts(*ready, request.scene, false, task);

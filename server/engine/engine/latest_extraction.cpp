@@ -23,6 +23,7 @@ void LatestExtraction::take(Scene scene) {
 
 bool LatestExtraction::coarse_suffices(bool all_coarse) const {
   return level_ > 0 && all_coarse && is_whole(ready_.extracted) && ready_.scene.dataset == scene_->dataset && ready_.scene.step == scene_->step &&
+         ready_.scene.axis_scale == scene_->axis_scale &&
          can_be_coarse(*ready_.extracted, *scene_);
 }
 
@@ -112,7 +113,7 @@ std::optional<LatestExtraction::Shown> LatestExtraction::show(const FrameRequest
     // The intervals of the newest scene are still being extracted. The camera need not wait for them.
     if (request.lossless || (!whole && request.still)) return std::nullopt;
     if (request.coarse > 0 && coarse_.extracted && coarse_.scene.revision > ready_.scene.revision) of = &coarse_;
-    if (of->scene.dataset != scene_->dataset) return std::nullopt;
+    if (of->scene.dataset != scene_->dataset || of->scene.axis_scale != scene_->axis_scale) return std::nullopt;
     shown.scene = of->scene;
     take_view(shown.scene, *scene_);
     if (!whole) shown.scene.revision = std::min(shown.scene.revision, scene_->revision - 1);  // it contains none wholly: who waits goes on

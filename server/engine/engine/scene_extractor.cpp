@@ -47,7 +47,7 @@ SceneExtractor::Extracted SceneExtractor::extract_all(const ExtractionJob& job, 
   const Prepared& before = job.before;
   const Task& task = job.operation->task();
   const CatalogueEntry source = datasets_.entry(scene.dataset);
-  const StepSource steps = datasets_.steps(source);
+  const StepSource steps = ranks_ ? datasets_.steps(source) : shared_.scaled_steps(datasets_.steps(source), scene.axis_scale);  // each rank scales its part
   SceneAids aids;
   aids.bricks = &shared_.bricks;
   aids.ordered = &shared_.ordered;
@@ -56,7 +56,8 @@ SceneExtractor::Extracted SceneExtractor::extract_all(const ExtractionJob& job, 
   leave_to(renderer, aids);
   aids.max_bytes = ports_.room_for(job.session, false);
   // With other intervals, or at another step.
-  const bool shows_it = is_whole(before.extracted) && before.scene.dataset == scene.dataset && before.scene.array == scene.array;
+  const bool shows_it = is_whole(before.extracted) && before.scene.dataset == scene.dataset && before.scene.array == scene.array &&
+                        before.scene.axis_scale == scene.axis_scale;
   if (!ranks_ && !shows_it)
     if (auto first = shared_.coarse.extract(steps, scene, task, renderer.draws_bricks)) ports_.first_look(job, std::move(first));
   if (!ranks_ && before.extracted) ahead_.lay_out_played(job.session, scene, *before.extracted, before.scene, steps, task);

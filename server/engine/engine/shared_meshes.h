@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
+#include "data/scaled_dataset.h"
 #include "engine/picture/base_meshes.h"
 #include "engine/picture/coarse_scene.h"
 #include "extraction/bricks/brick_memory.h"
+#include "extraction/layers/extract_layers.h"
 #include "extraction/unstructured/face_memory.h"
 #include "extraction/unstructured/ordered_memory.h"
 
@@ -20,6 +23,11 @@ struct SharedMeshes {
   BaseMeshes bases;
   OrderedMemory ordered;
   FaceMemory faces;
+  ScaledDatasets scaled;
+
+  StepSource scaled_steps(StepSource steps, Vec3d axis_scale) {
+    return [this, steps = std::move(steps), axis_scale](int step, const Task& task) { return scaled.scaled(steps(step, task), axis_scale); };
+  }
 
   /// Of --max-memory.
   std::uint64_t held_bytes() { return bases.held_bytes() + ordered.bytes() + faces.bytes() + coarse.held_bytes(); }

@@ -11,6 +11,7 @@
 #include "data/file_series.h"
 #include "data/import_door.h"
 #include "data/region.h"
+#include "data/scaled_dataset.h"
 #include "engine/first/first_scene.h"
 #include "engine/picture/coarse_scene.h"
 #include "engine/picture/draw_input.h"
@@ -80,9 +81,10 @@ Bytes draw(Glances& glances, const std::string& name, std::uint64_t max_bytes, c
   const FirstView view = first_view(*first, steps, {}, task);
   if (view.array.empty()) throw Error(ErrorCode::unsupported, name + ": nothing to show: " + view.array_reason);
   const Scene scene = first_scene(view, double{kThumbnailWidth} / kThumbnailHeight);
+  ScaledDatasets drawn;
   SceneAids aids;
   aids.max_bytes = max_bytes;
-  const auto extracted = extract_scene([&](int step, const Task& reading) { return few_points(steps(step, reading), scene, reading); }, scene, nullptr, task, aids);
+  const auto extracted = extract_scene([&](int step, const Task& reading) { return drawn.scaled(few_points(steps(step, reading), scene, reading), scene.axis_scale); }, scene, nullptr, task, aids);
   task.check();
   return encode_png(std::get<Image>(make_native_renderer()->draw(draw_input(*extracted, scene, kThumbnailWidth, kThumbnailHeight)).image));
 }

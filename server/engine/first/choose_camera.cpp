@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace isostrata {
@@ -268,34 +267,11 @@ ViewChoice choose_view(const ProxyGrid& proxy, const LayersChoice& layers, const
   return view;
 }
 
-namespace {
-
-/// Before all of the outline, which is the nearer the farther it reaches to the eye.
-Camera parallel_camera(const std::vector<Vec3d>& outline, const Frame& frame, double aspect) {
-  constexpr double kLargest = std::numeric_limits<double>::max();
-  Vec3d low{kLargest, kLargest, kLargest}, high = low * -1.0;
-  for (const Vec3d& p : outline) {
-    const Vec3d q{dot(p, frame.right), dot(p, frame.up), dot(p, frame.back)};
-    for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], q[a]), high[a] = std::max(high[a], q[a]);
-  }
-  const double half = std::max(high.y - low.y, (high.x - low.x) / std::max(aspect, 1e-3)) / 2 / kPart;
-  Camera camera;
-  camera.fov_deg = kFov;
-  camera.orthographic = true;
-  camera.at = frame.right * ((low.x + high.x) / 2) + frame.up * ((low.y + high.y) / 2) + frame.back * high.z;
-  camera.eye = camera.at + frame.back * (half / std::tan(kFov / 2 * std::numbers::pi / 180));
-  camera.up = frame.up;
-  return camera;
-}
-
-}  // namespace
-
 Camera camera_on(const ViewChoice& view, double aspect) {
   const Frame frame = frame_of(view.direction, view.up);
   const double up_reach = std::tan(kFov / 2 * std::numbers::pi / 180) * kPart, right_reach = up_reach * std::max(aspect, 1e-3);
   Box3d box;
   for (const Vec3d& p : view.outline) box.include(p);
-  if (view.parallel && box.diagonal() > 0) return parallel_camera(view.outline, frame, aspect);
   Camera camera;
   camera.fov_deg = kFov;
   camera.up = view.up;

@@ -25,7 +25,6 @@ struct ViewChoice {
   Vec3d up{0, 1, 0};
   std::vector<Vec3d> outline;  // world: points that a picture must hold, the farthest ones in many directions
   std::string reason;
-  bool parallel = false;  // rays
 };
 
 /// The best of 24 views by how much of each layer is seen, how deep it is, and how far the inner layer lies before the outer

@@ -80,10 +80,10 @@ std::vector<LayerChoice> bands(const ValueCurves& curves) {
 }
 
 std::optional<LayersChoice> sheet(const Field& field) {
-  if (!field.hints.flat && !is_sheet(field.proxy)) return std::nullopt;
+  if (!field.hints.flat && !field.hints.map && !is_sheet(field.proxy)) return std::nullopt;
   LayersChoice choice;
   choice.kind = FieldKind::sheet;
-  choice.reason = field.hints.flat ? "the cells are areas" : "the domain has no depth to look into";
+  choice.reason = field.hints.flat ? "the cells are areas" : field.hints.map ? "a map: one axis is in another unit" : "the domain has no depth to look into";
   choice.layers = bands(field.curves);
   return choice;
 }

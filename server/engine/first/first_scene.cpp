@@ -26,6 +26,7 @@ Scene first_scene(const FirstView& view, double aspect) {
   scene.step = view.step;
   scene.intervals = first_intervals(view);
   scene.camera = view.camera(aspect);
+  scene.axis_scale = view.axis_scale;
   return scene;
 }
 

@@ -8,6 +8,7 @@
 
 #include "data/dataset_bytes.h"
 #include "data/proxy_grid.h"
+#include "data/scaled_dataset.h"
 #include "data/series_ranges.h"
 #include "data/value_curves.h"
 #include "engine/first/choose_array.h"
@@ -229,10 +230,11 @@ double held_by_labels(const LayersChoice& choice, const ValueCurves& curves) {
 }
 
 /// Layers, light and camera of the array at this step. `range` is what the outer ends reach to.
-void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, ValueRange range) {
+void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, ValueRange range, bool map) {
   const ProxyGrid& proxy = looked.proxy;
   const ValueCurves curves(proxy);
   FieldHints hints = hints_of(dataset, *looked.array);
+  hints.map = map;
   hints.missing_below = looked.missing && looked.missing->value < looked.missing->lower;
   hints.missing_above = looked.missing && looked.missing->value > looked.missing->upper;
   const auto cells = static_cast<double>(dataset.grid.cell_count());
@@ -286,19 +288,6 @@ void look_at(FirstView& view, const Dataset& dataset, const Looked& looked, Valu
   view.camera_reason = camera.reason;
 }
 
-/// As a map, straight along that axis.
-void look_along(FirstView& view, const Dataset& dataset, int axis) {
-  const bool from_below = axis == 1;  // then x runs to the right and z up
-  view.direction = {};
-  view.direction[axis] = from_below ? -1 : 1;
-  view.up = axis == 2 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
-  view.parallel = true;
-  for (Vec3d& p : view.outline) p[axis] = from_below ? dataset.bounds.lower[axis] : dataset.bounds.upper[axis];
-  constexpr std::array kNames{"x", "y", "z"};
-  view.camera_reason = std::string("as a map, along ") + kNames[static_cast<std::size_t>(axis)] + ", which is in another unit than the others, by its length";
-  view.up_reason = axis == 2 ? "y, as on maps" : "z, as in most data";
-}
-
 // ---- the step ----
 
 /// The width of the middle nine tenths of the values.
@@ -325,7 +314,7 @@ const PointArray* find(const Dataset& dataset, const std::string& name) {
 
 }  // namespace
 
-Camera FirstView::camera(double aspect) const { return camera_on({direction, up, outline, {}, parallel}, aspect); }
+Camera FirstView::camera(double aspect) const { return camera_on({direction, up, outline, {}}, aspect); }
 
 namespace {
 
@@ -378,9 +367,9 @@ FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const F
   }
   view.step = shown->step;
   Looked looked;
-  const std::optional<int> unlike = unlike_axis(*shown);
-  const std::optional<Dataset> map = unlike ? std::optional(as_map(*shown, *unlike)) : std::nullopt;
-  const Dataset& seen = map ? *map : *shown;
+  const std::optional<UnlikeAxis> unlike = unlike_axis(*shown);
+  const std::optional<Dataset> scaled = unlike ? std::optional(scaled_dataset(*shown, unlike->scale)) : std::nullopt;
+  const Dataset& seen = scaled ? *scaled : *shown;
   if (shown->grid.cell_count() > 0) looked = choose(seen, ranked, view, task);
   if (!looked.array) {
     view.array.clear();
@@ -393,8 +382,11 @@ FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const F
   for (const Dataset* step : looked_at)
     if (const PointArray* array = find(*step, view.array); array && array->lower <= array->upper)
       range = join(range, {array->lower, array->upper});
-  look_at(view, seen, looked, range);
-  if (unlike) look_along(view, *shown, *unlike);
+  look_at(view, seen, looked, range, unlike.has_value());
+  if (unlike) {
+    view.axis_scale = unlike->scale;
+    view.scale_reason = std::string(1, "xyz"[unlike->axis]) + " is in another unit than the others, by its length";
+  }
   return view;
 }
 

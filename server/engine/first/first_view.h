@@ -11,6 +11,7 @@
 #include "data/dataset.h"
 #include "engine/first/choose_camera.h"
 #include "extraction/mesh/interval_mesh.h"
+#include "scene/axis_scale.h"
 #include "scene/camera.h"
 #include "scene/field_values.h"
 #include "scene/style.h"
@@ -43,7 +44,8 @@ struct FirstView {
   std::string light_reason;
   Vec3d direction{0, 0, 1}, up{0, 1, 0};
   std::vector<Vec3d> outline;  // [at most 1024] world: what the camera sees all of
-  bool parallel = false;       // the camera's rays
+  Vec3d axis_scale = kUnscaled;  // Scene::axis_scale
+  std::string scale_reason;      // empty: none is scaled
   std::string up_reason, camera_reason;
 
   /// For a picture `aspect` times as wide as high.

@@ -37,7 +37,7 @@ void each_field(Archive& archive, View& view) {
   archive.list(view.layers, [&](auto& layer) {
     archive(layer.lower), archive(layer.upper), archive(layer.color), archive(layer.opacity), surface(layer.surface), archive(layer.name), archive(layer.reason);
   });
-  archive(view.light_reason), archive(view.direction), archive(view.up), archive(view.parallel);
+  archive(view.light_reason), archive(view.direction), archive(view.up), archive(view.axis_scale), archive(view.scale_reason);
   archive.list(view.outline, [&](auto& point) { archive(point); });
   archive(view.up_reason), archive(view.camera_reason);
 }

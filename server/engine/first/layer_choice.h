@@ -43,6 +43,7 @@ struct FieldHints {
   bool level_set = false;
   bool whole_numbers = false;  // of an integer type
   bool flat = false;           // the grid's cells are areas
+  bool map = false;            // an axis is in another unit (unlike_axis.h): what is seen of it is a matter of its scale
   bool missing_below = false, missing_above = false;  // a value far beyond that end stands for none: a layer at that end would line what is missing
   std::vector<double> labels;  // of find_labels
 };

@@ -7,13 +7,14 @@
 
 namespace isostrata {
 
-/// The axis (0, 1, 2) along which a structured grid is more than twice as long as along the others, while its points are more than twenty times as far apart
+struct UnlikeAxis {
+  int axis = 2;
+  Vec3d scale;  // Scene::axis_scale by which it is at most a tenth as long as the longer of the others: a power of ten, times 1, 2 or 5
+};
+
+/// The axis along which a structured grid is more than twice as long as along the others, while its points are more than twenty times as far apart
 /// there: a tunnel is long, but not of such cells. Lengths along it say nothing beside those along the others, and whole it is seen as a line. Looks at the
 /// points of the ends only.
-std::optional<int> unlike_axis(const Dataset& dataset);
-
-/// The dataset as a map is drawn: its points evenly along that axis, in a twentieth of the longer of the other sides. Values are shared; points of curvilinear grids
-/// are copied. Its bounds are its own.
-Dataset as_map(const Dataset& dataset, int axis);
+std::optional<UnlikeAxis> unlike_axis(const Dataset& dataset);
 
 }  // namespace isostrata

@@ -30,6 +30,7 @@ DrawInput draw_input(const ExtractedScene& extracted, const Scene& scene, int wi
   input.unit_distance = scene.unit_distance;
   input.background = scene.background;
   input.clip_planes = scene.clip_planes;
+  for (ClipPlane& plane : input.clip_planes) plane.normal = unscaled(plane.normal, scene.axis_scale);
   return input;
 }
 

@@ -1,10 +1,23 @@
 #include "engine/picture/interval_facts.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "extraction/laws/volume_error.h"
 
 namespace isostrata {
+namespace {
+
+/// How many times as large an area is in the drawn space as in the dataset's. Nothing: that depends on how it lies.
+std::optional<double> area_scale(const Box3d& drawn, Vec3d axis_scale) {
+  if (axis_scale == kUnscaled) return 1;
+  const Vec3d size = drawn.upper - drawn.lower;
+  for (int axis = 0; axis < 3; ++axis)
+    if (size[axis] == 0) return axis_scale[(axis + 1) % 3] * axis_scale[(axis + 2) % 3];
+  return std::nullopt;
+}
+
+}  // namespace
 
 std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene) {
   const auto& all = extracted.summaries();
@@ -32,6 +45,8 @@ std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const
     of_each.resize(summaries.size());  // cut exactly, or not at all
   else if (errors && plain && !summaries.empty() && !extracted.dataset->grid.flat())  // an area has no volume to be wrong about
     of_each = volume_errors(extracted.dataset->grid, extracted.dataset->array(extracted.array), *extracted.mesh, task);
+  const double volume_scale = scene.axis_scale.x * scene.axis_scale.y * scene.axis_scale.z;
+  const std::optional<double> areas = extracted.dataset->grid.flat() ? area_scale(extracted.bounds, scene.axis_scale) : std::nullopt;
   std::vector<IntervalFacts> facts;
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     const std::uint32_t id = scene.intervals[i].id;
@@ -39,9 +54,9 @@ std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const
     IntervalFacts& of = facts.back();
     of.active_cells += summaries[i].active_cells;
     of.tetrahedra += summaries[i].tetrahedra;
-    of.volume += summaries[i].signed_volume;
-    if (i < of_each.size()) of.volume_error = of.volume_error.value_or(0) + of_each[i];
-    if (extracted.dataset->grid.flat()) of.area = of.area.value_or(0) + summaries[i].area;
+    of.volume += summaries[i].signed_volume / volume_scale;
+    if (i < of_each.size()) of.volume_error = of.volume_error.value_or(0) + of_each[i] / volume_scale;
+    if (areas) of.area = of.area.value_or(0) + summaries[i].area / *areas;
   }
   return facts;
 }

@@ -84,7 +84,7 @@ std::vector<SmearMoment> smear_moments(const Scene& scene) {
 }
 
 bool same_extraction(const Scene& a, const Scene& b) {
-  return a.dataset == b.dataset && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
+  return a.dataset == b.dataset && a.axis_scale == b.axis_scale && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
          lights_along_gradient(a) == lights_along_gradient(b) && shades_bodies(a) == shades_bodies(b);
 }
 

@@ -52,7 +52,7 @@ struct SmearMoment {
 /// Of SceneMode::smear; empty in any other mode.
 std::vector<SmearMoment> smear_moments(const Scene& scene);
 
-/// Whether the extraction made for one scene serves the other: same dataset, layer_request and moments of a smear, lit and shaded alike.
+/// Whether the extraction made for one scene serves the other: same dataset, axis scale, layer_request and moments of a smear, lit and shaded alike.
 bool same_extraction(const Scene& a, const Scene& b);
 
 }  // namespace isostrata

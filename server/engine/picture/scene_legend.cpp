@@ -50,6 +50,7 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
   AnnotationInput out;
   out.show = scene.annotations;
   out.bounds = input.bounds;
+  out.axis_scale = scene.axis_scale;
   out.camera = input.camera;
   out.width = input.width;
   out.height = input.height;

@@ -56,6 +56,7 @@ constexpr auto kAppearance = [](const v1::State& state, v1::SetAppearance& body)
   body.set_occlusion(state.occlusion());
   body.set_depth_fade(state.depth_fade());
   body.set_body_shading(state.body_shading());
+  *body.mutable_axis_scale() = state.axis_scale();
   *body.mutable_color_range() = state.color_range();
 };
 constexpr auto kCycle = [](const v1::State& state, v1::SetCycle& body) {
@@ -82,7 +83,7 @@ const ScenePart kParts[] = {
      read_as<v1::SetCombination, kCombination>},
     {"camera", "Camera", "PUT", "set_camera", "camera", "the camera", read_as<v1::Camera, kCamera>},
     {"view", "View", "PUT", "set_view", "", "a camera that shows the whole dataset from a side", nullptr},
-    {"appearance", "Appearance", "PATCH", "set_appearance", "", "mode, background, unit distance, occlusion, depth fade, body shading and the range of colours (that one as a whole)",
+    {"appearance", "Appearance", "PATCH", "set_appearance", "", "mode, background, unit distance, occlusion, depth fade, body shading, the axes' scale and the range of colours (that one as a whole)",
      read_as<v1::SetAppearance, kAppearance>},
     {"cycle", "Cycle", "PATCH", "set_cycle", "", "which interval a cycle shows, and how fast it plays",
      read_as<v1::SetCycle, kCycle>},

@@ -105,13 +105,16 @@ Text beside(const AnnotationTheme& theme, const Font& font, Point2 at, Point2 ou
   return text;
 }
 
-AxisLayout lay_out(const AxisTicks& ticks, const Edge& edge, Point2 out, const Screen& screen, const AnnotationTheme& theme,
+std::string axis_name(int axis, double scale) { return kNames[axis] + (scale == 1 ? "" : " ×" + number_text(scale, 3)); }
+
+/// scale: of this axis.
+AxisLayout lay_out(const AxisTicks& ticks, double scale, const Edge& edge, Point2 out, const Screen& screen, const AnnotationTheme& theme,
                    const Font& font) {
   AxisLayout layout;
   const auto texts = tick_texts(ticks);
   for (std::size_t i = 0; i < ticks.values.size(); ++i) {
     Vec3d point = edge.from;
-    point[edge.axis] = ticks.values[i];
+    point[edge.axis] = ticks.values[i] * scale;
     const Point2 at = screen.at(point);
     const double reach = 0.45 * theme.letter;
     layout.strokes.push_back({at, {at.x + out.x * reach, at.y + out.y * reach}, theme.line, theme.text});
@@ -181,9 +184,10 @@ void annotate_axes(const AnnotationInput& input, const AnnotationTheme& theme, c
     if (!input.show.box) drawing.over.emplace_back(Stroke{a, b, theme.line, {theme.strong.color, 0.7}});
 
     AxisLayout layout;
+    const double scale = input.axis_scale[axis];
     for (int most = 8; most >= 1; --most) {
-      const AxisTicks ticks = axis_ticks(input.bounds.lower[axis], input.bounds.upper[axis], most);
-      layout = lay_out(ticks, *best, out, screen, theme, font);
+      const AxisTicks ticks = axis_ticks(input.bounds.lower[axis] / scale, input.bounds.upper[axis] / scale, most);
+      layout = lay_out(ticks, scale, *best, out, screen, theme, font);
       if (!layout.crowded && pixels / (static_cast<double>(ticks.values.size()) + 1) > 2 * theme.letter) break;
     }
     double farthest = 0;  // of the numbers from the edge, for the name beyond them
@@ -191,7 +195,7 @@ void annotate_axes(const AnnotationInput& input, const AnnotationTheme& theme, c
       for (const double x : {box.x0, box.x1})
         for (const double y : {box.y0, box.y1}) farthest = std::max(farthest, (x - half.x) * out.x + (y - half.y) * out.y);
     for (const Stroke& stroke : layout.strokes) drawing.over.emplace_back(stroke);
-    Text name = beside(theme, font, half, out, std::max(farthest, theme.letter) + 0.5 * theme.letter, kNames[axis], 1.25);
+    Text name = beside(theme, font, half, out, std::max(farthest, theme.letter) + 0.5 * theme.letter, axis_name(axis, scale), 1.25);
     name.ink = {theme.dark ? kAxisColors[axis] : kAxisColorsOnLight[axis], 1};
     put_free(name, box_of(name, font), input, theme, taken, drawing);
     for (std::size_t i = 0; i < layout.texts.size(); ++i)

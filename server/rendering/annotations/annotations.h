@@ -7,6 +7,7 @@
 
 #include "rendering/annotations/canvas.h"
 #include "scene/annotation_choice.h"
+#include "scene/axis_scale.h"
 #include "scene/camera.h"
 #include "scene/style.h"
 
@@ -22,6 +23,7 @@ struct LegendEntry {
 struct AnnotationInput {
   Annotations show;
   Box3d bounds;
+  Vec3d axis_scale = kUnscaled;  // numbers on axes are places in `bounds` over these
   Camera camera;
   int width = 800, height = 600;  // of the whole picture
   Rgb background{0, 0, 0};        // what inks are chosen against
@@ -32,7 +34,7 @@ struct AnnotationInput {
 
 /// Lines of the box that the volume can hide lie under the picture, all others over it: the box holds the volume, so an edge is
 /// behind all of it where both its faces look away, and else on the outline or before it. Sizes follow the picture's: letters are
-/// a forty-eighth of its shorter side, at least 9 pixels. What does not fit, or would cover another number, is left out.
+/// a forty-eighth of its shorter side, at least 9 pixels. An axis that is scaled says how: "z ×50". What does not fit, or would cover another number, is left out.
 Drawing annotate(const AnnotationInput& input);
 
 }  // namespace isostrata

@@ -143,6 +143,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
                          [&](const auto& o) { return o.id == interval.id(); }))
           interval.set_id(0);
       apply(next, intervals, context);
+      set_axis_scale(next.scene, wanted.has_axis_scale() ? vector_of(wanted.axis_scale()) : kUnscaled, context);  // which the camera is in
       if (wanted.has_camera()) {
         v1::SetCamera camera;
         *camera.mutable_camera() = wanted.camera();
@@ -225,6 +226,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.array.clear();
   scene.values = FieldValues::interpolated;
   scene.intervals.clear();
+  scene.axis_scale = dataset.first_view.axis_scale;
   scene.camera = opening_camera(dataset, aspect);
   const std::uint64_t revision = scene.revision;
   show_first_layers(state, dataset);

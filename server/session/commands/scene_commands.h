@@ -24,6 +24,7 @@ bool has_transfer(const Scene& scene);                                      // o
 void move_ends(SceneInterval& interval, double lower, double upper);        // its transfer function goes along
 
 // view_commands.cpp: from where, and in which light
+void set_axis_scale(Scene& scene, Vec3d axis_scale, const CommandContext& context);  // the camera goes along
 void apply(SceneState& state, const v1::SetCamera& command, const CommandContext& context);
 void apply(SceneState& state, const v1::SetView& command, const CommandContext& context);
 void apply(SceneState& state, const v1::SetClipPlanes& command, const CommandContext& context);

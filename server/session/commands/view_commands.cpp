@@ -1,4 +1,5 @@
 #include <cmath>
+#include <utility>
 
 #include "session/commands/apply_command.h"
 #include "session/commands/command_checks.h"
@@ -67,8 +68,9 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
   if (!kViews.contains(name(command.view(), "view")))
     refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
   const bool orthographic = state.scene.camera && state.scene.camera->orthographic;
-  state.scene.camera = command.view() == "reset" ? opening_camera(dataset, context.aspect)
-                                                 : view_of(dataset.bounds, command.view(), context.aspect, orthographic);
+  const Vec3d axis_scale = state.scene.axis_scale;
+  state.scene.camera = command.view() == "reset" ? rescaled(opening_camera(dataset, context.aspect), dataset.first_view.axis_scale, axis_scale, dataset.bounds)
+                                                 : view_of(scaled(dataset.bounds, axis_scale), command.view(), context.aspect, orthographic);
   state.scene.camera->orthographic = orthographic;
 }
 
@@ -97,7 +99,17 @@ void apply(SceneState& state, const v1::SetAnnotations& command, const CommandCo
   state.scene.annotations = annotations_of(command.annotations());
 }
 
-void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext&) {
+void set_axis_scale(Scene& scene, Vec3d axis_scale, const CommandContext& context) {
+  try {
+    check_axis_scale(axis_scale);
+  } catch (const Error& error) {
+    refuse(to_string(error.code()), error.what(), "axis_scale");
+  }
+  const Vec3d before = std::exchange(scene.axis_scale, axis_scale);
+  if (scene.camera && context.dataset) scene.camera = rescaled(*scene.camera, before, axis_scale, context.dataset->bounds);
+}
+
+void apply(SceneState& state, const v1::SetAppearance& command, const CommandContext& context) {
   Scene& scene = state.scene;
   switch (command.mode()) {
     case v1::RENDER_MODE_UNSPECIFIED:
@@ -132,6 +144,7 @@ void apply(SceneState& state, const v1::SetAppearance& command, const CommandCon
   }
   if (command.has_occlusion()) scene.light.occlusion = share_of(command.occlusion(), "occlusion");
   if (command.has_depth_fade()) scene.light.fade = share_of(command.depth_fade(), "depth_fade");
+  if (command.has_axis_scale()) set_axis_scale(scene, vector_of(command.axis_scale()), context);
   if (command.has_body_shading()) scene.body_shading = share_of(command.body_shading(), "body_shading");
 }
 

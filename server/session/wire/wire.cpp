@@ -154,6 +154,7 @@ v1::State to_wire(const Scene& scene) {
   out.set_occlusion(scene.light.occlusion);
   out.set_depth_fade(scene.light.fade);
   out.set_body_shading(scene.body_shading);
+  *out.mutable_axis_scale() = to_wire(scene.axis_scale);
   for (const SceneTerm& term : scene.terms) *out.add_terms() = to_wire(term);
   if (scene.time) out.set_time(*scene.time);
   out.set_values(scene.values == FieldValues::whole ? v1::FIELD_VALUES_WHOLE : v1::FIELD_VALUES_INTERPOLATED);
@@ -266,6 +267,8 @@ v1::LayerFacts to_wire(const LayersMeasured& measured) {
   for (const IntervalFacts& interval : measured.intervals) *out.add_intervals() = to_wire(interval);
   return out;
 }
+
+Vec3d vector_of(const v1::Vec3& wire) { return {wire.x(), wire.y(), wire.z()}; }
 
 Annotations annotations_of(const v1::Annotations& wanted) { return {wanted.axes(), wanted.box(), wanted.legend()}; }
 

@@ -25,6 +25,7 @@ v1::LayerFacts to_wire(const LayersMeasured& measured);
 /// Without frame_id and input_seq, which are the connection's own, and without the payload, which viewers share.
 v1::Frame to_wire(const FrameReady& frame);
 
+Vec3d vector_of(const v1::Vec3& wire);
 Annotations annotations_of(const v1::Annotations& wanted);
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field = {});

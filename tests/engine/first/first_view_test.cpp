@@ -319,12 +319,16 @@ TEST(FirstView, OfMetresOverDegreesIsAMap) {
   const FirstView view = view_of_data(*ocean);
   expect_sound(view, *ocean);
   EXPECT_EQ(view.kind, "sheet");
-  EXPECT_EQ(view.direction, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(view.axis_scale, (Vec3d{1, 1, 0.005}));
+  EXPECT_GT(view.direction.z, 0.7) << "from above";
+  EXPECT_LT(view.direction.y, 0) << "and from the south";
   EXPECT_EQ(view.up, (Vec3d{0, 1, 0}));
-  const Camera camera = view.camera(1);
-  EXPECT_TRUE(camera.orthographic);
-  EXPECT_GE(camera.eye.z, 0) << "no part is behind the eye";
-  EXPECT_LT(half_height(camera), 220);
+  const Box3d drawn = scaled(ocean->bounds, view.axis_scale);
+  for (const Vec3d& p : view.outline)
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GE(p[axis], drawn.lower[axis] - 0.1 * drawn.diagonal());
+      EXPECT_LE(p[axis], drawn.upper[axis] + 0.1 * drawn.diagonal());
+    }
 
   auto points = std::make_shared<std::vector<Vec3f>>();
   for (std::int64_t id = 0; id < ocean->grid.point_count(); ++id) {
@@ -336,12 +340,12 @@ TEST(FirstView, OfMetresOverDegreesIsAMap) {
   curved.grid.storage = points;
   const FirstView of_curved = view_of_data(curved);
   EXPECT_EQ(of_curved.direction, view.direction);
-  EXPECT_TRUE(of_curved.parallel);
+  EXPECT_EQ(of_curved.axis_scale, view.axis_scale);
 }
 
 TEST(FirstView, OfALongTunnelIsOfItsSide) {
   const auto tunnel = field_dataset({20, 20, 200}, [](Vec3d p) { return 1 - (p.x + 0.9) * (p.x + 0.9) - (p.y + 0.9) * (p.y + 0.9) + 0.01 * std::sin(9 * p.z); });
-  EXPECT_FALSE(view_of_data(*tunnel).parallel);
+  EXPECT_EQ(view_of_data(*tunnel).axis_scale, kUnscaled);
 }
 
 TEST(FirstView, KeepsTheArrayThatIsAskedFor) {

@@ -191,6 +191,46 @@ TEST_F(ApplyCommand, LightIsOffUntilSomebodyTurnsItOnAndGoesAlongWithAState) {
   EXPECT_EQ(state_.scene.light, DepthLight{});
 }
 
+TEST_F(ApplyCommand, TheCameraGoesAlongWithTheScaleOfAxes) {
+  const Camera before = *state_.scene.camera;
+  const Vec3d looks_at = before.at, direction = normalized(before.eye - before.at);
+  const double share = length(before.eye - before.at) / facts_.bounds.diagonal();
+  ASSERT_TRUE(apply(R"({"setAppearance":{"axisScale":{"x":1,"y":3,"z":0.5}}})").changed);
+  const Vec3d factors{1, 3, 0.5};
+  const Camera& camera = *state_.scene.camera;
+  EXPECT_EQ(state_.scene.axis_scale, factors);
+  EXPECT_NEAR(length(camera.at - scaled(looks_at, factors)), 0, 1e-12);
+  EXPECT_NEAR(length(normalized(camera.eye - camera.at) - direction), 0, 1e-12);
+  EXPECT_NEAR(length(camera.eye - camera.at) / scaled(facts_.bounds, factors).diagonal(), share, 1e-12);
+  const Camera of_this = camera;
+
+  ASSERT_FALSE(apply(R"({"setView":{"view":"+x"}})").error);
+  EXPECT_EQ(*state_.scene.camera, view_of(scaled(facts_.bounds, factors), "+x", 1));
+  ASSERT_FALSE(apply(R"({"setView":{"view":"reset"}})").error);
+  EXPECT_NEAR(length(state_.scene.camera->eye - of_this.eye), 0, 1e-9) << "as if it had been scaled from the beginning";
+
+  SceneState other;
+  open_in_scene(other, facts_);
+  ASSERT_FALSE(apply_state(other, to_wire(state_.scene), {&facts_}).error);
+  EXPECT_EQ(other.scene.axis_scale, factors);
+  EXPECT_EQ(other.scene.camera, state_.scene.camera);
+  v1::State of_before = to_wire(state_.scene);  // of the time without
+  of_before.clear_axis_scale();
+  ASSERT_FALSE(apply_state(other, of_before, {&facts_}).error);
+  EXPECT_EQ(other.scene.axis_scale, kUnscaled);
+  EXPECT_EQ(other.scene.camera, state_.scene.camera) << "the camera that it says";
+}
+
+TEST_F(ApplyCommand, AFirstViewMayScaleAxes) {
+  facts_.first_view.axis_scale = {1, 1, 0.01};
+  open_in_scene(state_, facts_, 1);
+  EXPECT_EQ(state_.scene.axis_scale, (Vec3d{1, 1, 0.01}));
+  EXPECT_EQ(*state_.scene.camera, facts_.first_view.camera(1));
+  ASSERT_FALSE(apply(R"({"setAppearance":{"axisScale":{"x":1,"y":1,"z":1}}})").error);
+  ASSERT_FALSE(apply(R"({"setView":{"view":"reset"}})").error);
+  EXPECT_EQ(state_.scene.axis_scale, kUnscaled) << "a view does not change it";
+}
+
 TEST_F(ApplyCommand, TheRangeOfColoursIsTheStepsAllStepsOrOnesOwn) {
   EXPECT_EQ(state_.scene.color_range, ColorRange{});
   EXPECT_TRUE(apply(R"({"setAppearance":{"colorRange":{"span":"COLOR_SPAN_ALL_STEPS","log":true}}})").changed);
@@ -323,6 +363,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{R"({"setAppearance":{"occlusion":"NaN"}})", "invalid_argument", "occlusion"},
         Refusal{R"({"setAppearance":{"depthFade":-0.5}})", "invalid_argument", "depth_fade"},
         Refusal{R"({"setAppearance":{"depthFade":"Infinity"}})", "invalid_argument", "depth_fade"},
+        Refusal{R"({"setAppearance":{"axisScale":{"x":1,"y":1}}})", "invalid_argument", "axis_scale"},
+        Refusal{R"({"setAppearance":{"axisScale":{"x":1,"y":-1,"z":1}}})", "invalid_argument", "axis_scale"},
+        Refusal{R"({"setAppearance":{"axisScale":{"x":1,"y":"NaN","z":1}}})", "invalid_argument", "axis_scale"},
+        Refusal{R"({"setAppearance":{"axisScale":{"x":1,"y":1,"z":1e13}}})", "invalid_argument", "axis_scale"},
         Refusal{R"({"setAppearance":{"bodyShading":1.01}})", "invalid_argument", "body_shading"},
         Refusal{R"({"setAppearance":{"bodyShading":"NaN"}})", "invalid_argument", "body_shading"},
         Refusal{R"({"setTime":{"time":2.001}})", "invalid_argument", "time"},
@@ -435,7 +479,7 @@ TEST_F(ApplyCommand, AWholeStateIsOneChangeOrNone) {
 }
 
 TEST_F(ApplyCommand, ItsOwnStateIsTakenBackAsItIs) {
-  ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_PRIORITIZED","background":{"r":0.25},"unitDistance":0.5,"occlusion":0.3,"depthFade":0.2,"bodyShading":0.6}})").error);
+  ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_PRIORITIZED","background":{"r":0.25},"unitDistance":0.5,"occlusion":0.3,"depthFade":0.2,"bodyShading":0.6,"axisScale":{"x":2,"y":1,"z":0.3}}})").error);
   ASSERT_FALSE(apply(R"({"setCombination":{"terms":[{"op":4,"array":"Energy","lower":1,"upper":2,"color":{"b":1}},
                                                     {"op":3,"array":"Density","lower":1,"upper":2,"colorMap":"viridis"}]}})")
                    .error);
