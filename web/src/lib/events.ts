@@ -15,12 +15,12 @@ import { cameraOf, stateOf } from './wire-scene';
 
 /** Throws where the bytes are not a ServerMessage. */
 export function decodeEvent(bytes: Uint8Array): ServerEvent {
-  const { body } = fromBinary(ServerMessageSchema, bytes);
+  const { body, heeded } = fromBinary(ServerMessageSchema, bytes);
   switch (body.case) {
     case 'welcome':
       return { kind: 'welcome', welcome: welcomeOf(body.value) };
     case 'state':
-      return { kind: 'state', state: stateOf(body.value) };
+      return { kind: 'state', state: stateOf(body.value), heeded: Number(heeded) };
     case 'datasetInfo':
       return { kind: 'datasetInfo', info: datasetInfoOf(body.value) };
     case 'datasetList':

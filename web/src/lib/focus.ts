@@ -6,3 +6,9 @@ export function leave(control: Element, kind: string): void {
   const at = all.indexOf(control as HTMLElement);
   (all[at + 1] ?? all[at - 1] ?? document.getElementById('add-layer'))?.focus();
 }
+
+/** Whether keys belong to the text that is being written there. A number that has been taken is none: its field waits for the next. */
+export function isTyped(target: EventTarget | null): boolean {
+  if (!(target instanceof HTMLElement)) return false;
+  return target.matches('textarea, [contenteditable], input:is(:not([type]), [type="text"], [type="search"], [type="number"]):not([data-taken])');
+}

@@ -6,12 +6,19 @@ export class Hand {
   /** What a hand holds is not taken away from under it, whatever the connection does. */
   holds = $state.raw(false);
   #count = 0;
+  #grips = 0;
 
   constructor(private readonly out: Pick<Outgoing, 'send' | 'slots'>) {}
 
+  /** Which of all its grips this is; 0: it holds nothing. */
+  get grip(): number {
+    return this.#count > 0 ? this.#grips : 0;
+  }
   begin(): void {
     this.#set(this.#count + 1);
-    if (this.#count === 1) this.#tell();
+    if (this.#count !== 1) return;
+    this.#grips += 1;
+    this.#tell();
   }
   end(): void {
     if (this.#count === 0) return;

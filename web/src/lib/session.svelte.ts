@@ -7,6 +7,7 @@ import { Edits } from './edits';
 import { FileList } from './file-list.svelte';
 import { FrameView } from './frame-view.svelte';
 import { Hand } from './hand.svelte';
+import { History } from './history.svelte';
 import { Smoothed } from './meter';
 import { emptyState, type Camera, type SceneState } from './model';
 import type { Ending, Frame, ServerError, ServerEvent, VolumeError, Welcome } from './told';
@@ -56,6 +57,7 @@ export class Session {
   readonly scene: SceneView;
   readonly edits: Edits;
   readonly hand: Hand;
+  readonly history: History;
   readonly frames: FrameView;
   readonly stills: Stills;
   readonly files: FileList;
@@ -83,7 +85,14 @@ export class Session {
     this.#out = out;
     this.scene = scene;
     this.people = people;
-    this.edits = new Edits(scene, out, notices, selection, people, { calm, most: () => this.welcome?.limits.maxIntervals ?? 256 });
+    this.history = new History({
+      scene: () => scene,
+      grip: () => this.hand.grip,
+      now,
+      bring: (plan) => this.edits.bring(plan),
+      say: (text) => notices.say(text, 'note'),
+    });
+    this.edits = new Edits(scene, out, notices, selection, people, this.history, { calm, most: () => this.welcome?.limits.maxIntervals ?? 256 });
     this.hand = new Hand(out);
     this.frames = new FrameView({
       send,
@@ -123,7 +132,7 @@ export class Session {
   #onStatus(status: ConnectionStatus): void {
     this.status = status;
     if (status.kind === 'connected') return;
-    for (const part of [this.#out, this.work, this.stills, this.frames]) part.lost();
+    for (const part of [this.#out, this.work, this.stills, this.frames, this.history]) part.lost();
     this.#trip = new Smoothed();
     this.roundTripMs = null;
   }
@@ -133,7 +142,7 @@ export class Session {
       case 'welcome':
         return this.#onWelcome(event.welcome);
       case 'state':
-        return this.#onState(event.state);
+        return this.#onState(event.state, event.heeded);
       case 'datasetInfo': {
         const more = this.dataset.told(event.info);
         if (more) this.notices.say(`${more === 1 ? 'One more step has' : `${more} more steps have`} come.`, 'note', 'step');
@@ -199,22 +208,30 @@ export class Session {
     scene.waking = state.dataset !== '' && !welcome.datasetInfo;
     // Ids of an old session's layers mean nothing to a new one, and what the hand held is gone.
     scene.edit((mine, nowMs) => (resumed ? mine.renew(nowMs) : mine.clear()));
-    if (!resumed) this.hand.empty();
+    if (!resumed) {
+      this.hand.empty();
+      this.history.clear();
+    }
     this.frames.tellViewport();
     if (state.mode === 'cycled' && state.cycle.playing && this.doors.calm() && !people.viewOnly) this.edits.setCycle({ playing: false });
     this.hand.goesOn();
     this.#out.resend(welcome.lastCommand ?? 0);
     this.files.askAgain();
     this.#ping();
-    this.#onState(state);
+    this.#onState(state, -1);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
     if (!resumed && !people.invited) this.#openFirst();
   }
 
-  #onState(state: SceneState): void {
+  /** heeded: up to which of this connection's messages. */
+  #onState(state: SceneState, heeded: number): void {
     const before = this.scene.server;
-    if (state.dataset !== before.dataset) this.dataset.turnedTo(state.dataset);
+    if (state.dataset !== before.dataset) {
+      this.dataset.turnedTo(state.dataset);
+      this.history.clear();
+    }
     this.scene.told(state);
+    this.history.told(heeded);
     this.selection.told(before.intervals, state.intervals);
     this.#restore();
     this.#askHistogram();
@@ -239,6 +256,7 @@ export class Session {
     const about = this.#out.refused(inReplyTo);
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open
+    if (inReplyTo) this.history.told(inReplyTo);
     // Of what was cancelled, Done speaks.
     if (code !== 'cancelled') this.notices.add({ text: message || code, ...about, field, tone: 'error' });
     if (about.place === 'histogram') this.dataset.refused();

@@ -219,7 +219,7 @@ export interface ServerError {
 /** What the server says, one case per message. */
 export type ServerEvent =
   | { kind: 'welcome'; welcome: Welcome }
-  | { kind: 'state'; state: SceneState }
+  | { kind: 'state'; state: SceneState; heeded: number } // the newest of this connection's messages that has been judged
   | { kind: 'datasetInfo'; info: DatasetInfo }
   | { kind: 'histogram'; histogram: Histogram }
   | { kind: 'frame'; frame: Frame }
