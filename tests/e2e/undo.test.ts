@@ -72,7 +72,7 @@ describe('undo', () => {
       ['another cut', () => page.getByRole('button', { name: 'Add cut' }).click()],
       ['step', () => page.getByRole('button', { name: 'Step on' }).click()],
       ['between steps', () => page.getByLabel('Between steps').selectOption('interpolate')],
-      ['mode', () => page.getByRole('radio', { name: /priorit/i }).or(page.getByLabel(/mode/i)).first().click()],
+      ['mode', () => page.getByRole('radio', { name: 'Priority' }).click()],
       ['white', () => page.getByRole('button', { name: 'White' }).click()],
     ];
     const done: string[] = [];

@@ -4,6 +4,9 @@ import type { DatasetEntry, DatasetInfo, Welcome } from './told';
 import { restoreStep, type RestoreStep } from './restore';
 import type { SavedTab } from './saved';
 
+/** Why something is brought back: the session was lost; a person has opened a file; a dataset is chosen again. */
+export type Cause = 'loss' | 'file' | 'again';
+
 export interface RecoveryDoors {
   saved: SavedTab;
   /** Whether the person has asked for little motion: then nothing comes back playing. */
@@ -14,7 +17,7 @@ export interface RecoveryDoors {
 const restMs = 300; // between two times that the scene is written down
 
 export class Recovery {
-  #restoring: { saved: SceneState; opened: boolean; quiet: boolean } | null = null;
+  #restoring: { saved: SceneState; opened: boolean; quiet: boolean; cause: Cause } | null = null;
   #welcomedBefore = false;
   #newest: SceneState | null = null;
   #writesSoon = false;
@@ -28,6 +31,17 @@ export class Recovery {
   get active(): boolean {
     return this.#restoring !== null;
   }
+  get cause(): Cause | null {
+    return this.#restoring?.cause ?? null;
+  }
+  /** This is to be shown, in the session that there is. opened: its dataset is asked for already. */
+  bring(saved: SceneState, cause: Cause, opened = false): void {
+    this.#restoring = { saved, opened, quiet: cause === 'again', cause };
+  }
+  /** Its dataset cannot be opened. */
+  giveUp(): void {
+    this.#restoring = null;
+  }
 
   /**
    * Whether the page is in the session in which it was. If it is not, what it showed is to be brought back. A guest finds the session as it is and
@@ -39,7 +53,7 @@ export class Recovery {
     let before = (this.#welcomedBefore && shown) || saved.state;
     if (before?.cycle && this.doors.calm()) before = { ...before, cycle: { ...before.cycle, playing: false } };
     saved.session = { id: session, resumeToken };
-    if (!resumed) this.#restoring = resumeToken !== '' && before ? { saved: before, opened: false, quiet: !this.#welcomedBefore } : null;
+    if (!resumed) this.#restoring = resumeToken !== '' && before ? { saved: before, opened: false, quiet: !this.#welcomedBefore, cause: 'loss' } : null;
     this.#welcomedBefore = true;
     return resumed;
   }
@@ -51,7 +65,10 @@ export class Recovery {
     const step = restoreStep(restoring.saved, server, info, datasets, restoring.opened, all);
     if (step.kind === 'send') restoring.opened = true;
     if (step.kind === 'impossible' || (step.kind === 'send' && step.done)) this.#restoring = null;
-    return step.kind === 'impossible' && restoring.quiet ? { kind: 'impossible', reason: '' } : step;
+    if (step.kind !== 'impossible') return step;
+    const { dataset, array } = restoring.saved;
+    const strange = step.lacks === 'dataset' ? `This server does not have the dataset “${dataset}” of this view.` : `The dataset does not have the array “${array}” of this view.`;
+    return { ...step, reason: restoring.quiet ? '' : restoring.cause === 'file' ? strange : step.reason };
   }
 
   /** Writes the scene down soon, the newest that there is then; not while the old one is still being brought back. */

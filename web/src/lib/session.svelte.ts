@@ -21,6 +21,7 @@ import type { SavedTab } from './saved';
 import { SceneView } from './scene-view.svelte';
 import { Selection } from './selection.svelte';
 import { Stills } from './stills';
+import { datasetHere, viewOf, viewText } from './view-file';
 import { Work } from './work.svelte';
 
 export interface SessionDoors {
@@ -123,6 +124,21 @@ export class Session {
     this.#connection.checkAlive();
     // States that come quickly after each other are merged by the server, so the one that an edit waits for may never come.
     if (this.#out.live) this.scene.settle();
+  }
+  /** What is shown, as a file; another scene in its place, out of such a file. */
+  get viewFile(): string {
+    return viewText({ ...this.scene.view, camera: this.camera });
+  }
+  openView(text: string, name: string): void {
+    const view = viewOf(text);
+    if (typeof view === 'string') return this.notices.say(`“${name}” is not opened: ${view}`);
+    this.notices.clear('page');
+    this.#out.slots.flush();
+    const here = datasetHere(view.dataset, this.files.datasets, this.scene.server.dataset);
+    const part = view.dataset.replace(/^[^@]*/, '');
+    if (here && here.id + part !== view.dataset) this.notices.say(`The view was saved of “${view.dataset}”, elsewhere. It is opened over “${here.name}”, whose file has the same name.`, 'note');
+    this.#recovery.bring(here ? { ...view, dataset: here.id + part } : view, 'file');
+    this.#restore();
   }
   /** Where the picture is seen from; null before the server has shown anything. */
   get camera(): Camera | null {
@@ -259,6 +275,7 @@ export class Session {
     if (inReplyTo) this.history.told(inReplyTo);
     // Of what was cancelled, Done speaks.
     if (code !== 'cancelled') this.notices.add({ text: message || code, ...about, field, tone: 'error' });
+    if (about.place === 'dataset') this.#recovery.giveUp();
     if (about.place === 'histogram') this.dataset.refused();
   }
 
@@ -276,10 +293,16 @@ export class Session {
     if (first && !this.#recovery.active && !this.scene.server.dataset) this.edits.openDataset(first.id);
   }
   #restore(): void {
+    const { cause } = this.#recovery;
     const step = this.#recovery.next(this.scene.server, this.dataset.info, this.files.datasets, this.welcome?.datasetsAll);
-    if (step.kind === 'send') for (const body of step.commands) this.#out.send(body);
+    if (step.kind === 'send') {
+      const send = () => Math.max(...step.commands.map((body) => this.#out.send(body)));
+      if (cause === 'loss' || !step.done) send();
+      else this.history.note('view', send, true);
+      if (step.done && cause === 'file') this.notices.say('The view is opened.', 'note');
+    }
     if (step.kind !== 'impossible') return;
     if (step.reason) this.notices.say(step.reason);
-    this.#openFirst();
+    if (cause === 'loss') this.#openFirst();
   }
 }

@@ -13,6 +13,8 @@ import {
   type Surface as WireSurface,
   type Vec3 as WireVec3,
 } from '../gen/isostrata/v1/isostrata_pb';
+import { create, type MessageInitShape } from '@bufbuild/protobuf';
+import { StateSchema } from '../gen/isostrata/v1/isostrata_pb';
 import {
   noSurface,
   stepRange,
@@ -83,6 +85,30 @@ function termOf(term: WireTerm): RangeTerm {
 export function cameraOf(camera: WireCamera | undefined): Camera | null {
   if (!camera?.eye || !camera.at || !camera.up) return null;
   return { ...plain(camera), eye: vecOf(camera.eye), at: vecOf(camera.at), up: vecOf(camera.up) };
+}
+
+const wireCamera = ({ eye, at, up, ...rest }: Camera) => ({ ...rest, eye: wireVec(eye), at: wireVec(at), up: wireVec(up) });
+
+export function wireState(state: SceneState): WireState {
+  const { annotations, background, camera, clipPlanes, colorRange, cycle, intervals, mode, revision, smear, terms, time, timeMode, values, ...rest } = state;
+  const init: MessageInitShape<typeof StateSchema> = {
+    ...rest,
+    background: wireRgb(background),
+    clipPlanes: (clipPlanes ?? []).map(({ normal, offset }) => ({ normal: wireVec(normal), offset })),
+    cycle,
+    intervals: intervals.map(wireInterval),
+    mode: modes.wire(mode),
+    revision: BigInt(revision),
+    smear: { ...smear, colors: smear.colors.map(wireRgb) },
+    terms: terms.map(wireTerm),
+    timeMode: timeModes.wire(timeMode),
+    values: fieldValues.wire(values ?? 'interpolated'),
+    ...(annotations ? { annotations } : {}),
+    ...(camera ? { camera: wireCamera(camera) } : {}),
+    ...(colorRange ? { colorRange: { ...colorRange, span: spans.wire(colorRange.span) } } : {}),
+    ...(time !== null ? { time } : {}),
+  };
+  return create(StateSchema, init);
 }
 
 export function stateOf(state: WireState): SceneState {
