@@ -10,6 +10,7 @@ export interface Notice {
   interval: number | null; // the layer that it is about
   field: string; // as the server names it; empty: none in particular
   tone: 'error' | 'note';
+  action?: { label: string; run(): void }; // what can be done about it
 }
 
 const places: Partial<Record<NonNullable<Command['case']>, Place>> = {
@@ -45,8 +46,8 @@ export class Notices {
     const others = this.list.filter((n) => n.text !== notice.text && !(n.interval !== null && n.interval === notice.interval));
     this.list = [...others.slice(-4), { ...notice, id: this.#next++ }];
   }
-  say(text: string, tone: Notice['tone'] = 'error', place: Place = 'page'): void {
-    this.add({ text, place, interval: null, field: '', tone });
+  say(text: string, tone: Notice['tone'] = 'error', place: Place = 'page', action?: Notice['action']): void {
+    this.add({ text, place, interval: null, field: '', tone, ...(action ? { action } : {}) });
   }
   dismiss(id: number): void {
     this.list = this.list.filter((notice) => notice.id !== id);

@@ -4,8 +4,8 @@ import type { DatasetEntry, DatasetInfo, Welcome } from './told';
 import { restoreStep, type RestoreStep } from './restore';
 import type { SavedTab } from './saved';
 
-/** Why something is brought back: the session was lost; a person has opened a file; a dataset is chosen again. */
-export type Cause = 'loss' | 'file' | 'again';
+/** Why something is brought back: the session was lost; a person has opened a file; a dataset is chosen again; it is to be as it is shown at first. */
+export type Cause = 'loss' | 'file' | 'again' | 'anew';
 
 export interface RecoveryDoors {
   saved: SavedTab;

@@ -35,6 +35,14 @@ export class SavedTab {
     this.#write('state', state ? savedStateText(state) : '');
   }
 
+  /** How a dataset looked when it was left. */
+  left(dataset: string): SceneState | null {
+    return parseSavedState(this.#read(`left.${dataset}`));
+  }
+  leave(dataset: string, state: SceneState | null): void {
+    this.#write(`left.${dataset}`, state ? savedStateText(state) : '');
+  }
+
   #read(key: string): string | null {
     try {
       return this.store.getItem(this.#prefix + key);

@@ -22,6 +22,7 @@ import { SceneView } from './scene-view.svelte';
 import { Selection } from './selection.svelte';
 import { Stills } from './stills';
 import { datasetHere, viewOf, viewText } from './view-file';
+import { Visits } from './visits';
 import { Work } from './work.svelte';
 
 export interface SessionDoors {
@@ -67,6 +68,7 @@ export class Session {
   readonly #connection: Connection;
   readonly #out: Outgoing;
   readonly #recovery: Recovery;
+  readonly #visits: Visits;
   #trip = new Smoothed();
 
   constructor(private readonly doors: SessionDoors) {
@@ -106,6 +108,7 @@ export class Session {
     this.files = new FileList({ send, after });
     this.work = new Work(send);
     this.#recovery = new Recovery({ saved, calm, after });
+    this.#visits = new Visits(saved);
   }
 
   start(): void {
@@ -124,6 +127,13 @@ export class Session {
     this.#connection.checkAlive();
     // States that come quickly after each other are merged by the server, so the one that an edit waits for may never come.
     if (this.#out.live) this.scene.settle();
+  }
+  /** As it was left in this tab, if it was. */
+  openDataset(id: string): void {
+    this.edits.openDataset(id);
+    const left = this.#visits.of(id);
+    if (left && id !== this.scene.server.dataset) this.#recovery.bring(left, 'again', true);
+    else this.#recovery.giveUp();
   }
   /** What is shown, as a file; another scene in its place, out of such a file. */
   get viewFile(): string {
@@ -180,6 +190,7 @@ export class Session {
         if (left === 'ranges') this.notices.say('Cancelled. Ranges are those of the steps that were read.', 'note');
         if (left !== 'picture') return;
         this.scene.edit((mine) => mine.forget('dataset'));
+        this.#recovery.giveUp();
         return this.notices.say('Cancelled. The picture shows the last finished state.', 'note');
       }
       case 'error':
@@ -235,6 +246,7 @@ export class Session {
     this.files.askAgain();
     this.#ping();
     this.#onState(state, -1);
+    if (resumed) this.#visits.arrived(null);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
     if (!resumed && !people.invited) this.#openFirst();
   }
@@ -243,6 +255,8 @@ export class Session {
   #onState(state: SceneState, heeded: number): void {
     const before = this.scene.server;
     if (state.dataset !== before.dataset) {
+      this.#visits.left({ ...this.scene.view, dataset: before.dataset }, this.history.undoes !== null);
+      this.#visits.arrived(state);
       this.dataset.turnedTo(state.dataset);
       this.history.clear();
     }
@@ -288,6 +302,15 @@ export class Session {
     this.notices.clear('histogram');
     this.#out.send(wanted);
   }
+  /** first: how the dataset is shown at first. */
+  #sayBack(first: SceneState): void {
+    const run = () => {
+      if (this.scene.server.dataset !== first.dataset) return;
+      this.#recovery.bring(first, 'anew');
+      this.#restore();
+    };
+    this.notices.say('Layers, colours and camera are as you left them.', 'note', 'dataset', { label: 'Start anew', run });
+  }
   #openFirst(): void {
     const { first } = this.files;
     if (first && !this.#recovery.active && !this.scene.server.dataset) this.edits.openDataset(first.id);
@@ -297,8 +320,10 @@ export class Session {
     const step = this.#recovery.next(this.scene.server, this.dataset.info, this.files.datasets, this.welcome?.datasetsAll);
     if (step.kind === 'send') {
       const send = () => Math.max(...step.commands.map((body) => this.#out.send(body)));
+      if (cause === 'loss') this.#visits.arrived(null);
       if (cause === 'loss' || !step.done) send();
       else this.history.note('view', send, true);
+      if (step.done && cause === 'again') this.#sayBack(this.scene.server);
       if (step.done && cause === 'file') this.notices.say('The view is opened.', 'note');
     }
     if (step.kind !== 'impossible') return;
