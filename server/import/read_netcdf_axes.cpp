@@ -69,7 +69,11 @@ NetcdfSteps netcdf_steps(const NetcdfFile& file, const std::vector<int>& dimensi
     const std::vector<double> along = times_along(file, dimension, name);
     if (dimensions.size() == 1) steps.sorted = std::is_sorted(along.begin(), along.end());
     steps.times.insert(steps.times.end(), along.begin(), along.end());
-    if (const std::optional<int> coordinate = file.coordinate(dimension); coordinate && steps.units.empty()) steps.units = file.text(*coordinate, "units");
+    if (const std::optional<int> coordinate = file.coordinate(dimension); coordinate && steps.units.empty()) {
+      steps.units = file.text(*coordinate, "units");
+      // What day it is depends on it: models have years of 365 and of 360 days.
+      if (const std::string calendar = file.text(*coordinate, "calendar"); !steps.units.empty() && !calendar.empty()) steps.units += ", calendar " + calendar;
+    }
   }
   if (dimensions.size() == 1) {
     std::vector<std::size_t>& order = steps.index[dimensions.front()];
