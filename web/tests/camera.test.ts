@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { projectSegment, sameCamera, screenFromView, viewAxes, viewFromWorld, worldPerPixel } from '../src/lib/camera';
+import { boxInView, projectSegment, sameCamera, screenFromView, viewAxes, viewFromWorld, worldPerPixel } from '../src/lib/camera';
 import type { Camera, Vec3 } from '../src/lib/model';
 import { dolly, orbit, pan, wheelFactor } from '../src/lib/trackball';
 import { add, cross, dot, length, normalize, scale, sub } from '../src/lib/vec';
@@ -116,5 +116,32 @@ describe('the trackball', () => {
     expect(sameCamera(orbit(camera, p, p, 800, 600), camera)).toBe(true);
     expect(sameCamera(camera, { ...camera, eye: add(camera.eye, [0, 0, 1]) })).toBe(false);
     expect(sameCamera(null, null)).toBe(true);
+  });
+});
+
+describe('the whole box', () => {
+  test('is in the picture from any side, with little room about it, by perspective and by parallel rays', () => {
+    for (let seed = 1; seed <= 300; seed++) {
+      const random = seeded(seed);
+      const vec = (size: number): Vec3 => [(random() - 0.5) * size, (random() - 0.5) * size, (random() - 0.5) * size];
+      const lower = vec(10);
+      const box = { lower, upper: [lower[0] + random() * 9, lower[1] + random() * 0.1, lower[2] + 0.01 + random()] as Vec3 };
+      const camera = { eye: vec(40), at: vec(5), up: [0, 0, 1] as const, fovDeg: 10 + random() * 60, orthographic: random() < 0.5 };
+      const [width, height] = [300 + random() * 900, 300 + random() * 900];
+      const fitted = boxInView(camera, box, width / height);
+      const axes = viewAxes(fitted);
+      const back = viewAxes(camera).back;
+      back.forEach((x, i) => expect(axes.back[i], `seed ${seed}`).toBeCloseTo(x, 9)); // from the same side
+      let widest = 0;
+      for (let corner = 0; corner < 8; corner++) {
+        const at = [0, 1, 2].map((axis) => (corner & (1 << axis) ? box.upper : box.lower)[axis]) as unknown as Vec3;
+        const view = viewFromWorld(fitted, axes, at);
+        if (!camera.orthographic) expect(view[2], `seed ${seed}`).toBeLessThan(0);
+        const [x, y] = screenFromView(fitted, width, height, view);
+        widest = Math.max(widest, Math.abs(x / width - 0.5) * 2, Math.abs(y / height - 0.5) * 2);
+      }
+      expect(widest, `seed ${seed}`).toBeLessThanOrEqual(1);
+      expect(widest, `seed ${seed}`).toBeGreaterThan(0.6);
+    }
   });
 });

@@ -56,6 +56,21 @@ export function projectSegment(
 export const center = (box: Box): Vec3 => scale(add(box.lower, box.upper), 0.5);
 export const diagonal = (box: Box): number => length(sub(box.upper, box.lower));
 
+/** From the same direction, so that the whole box is in the picture, with a little room about it. aspect: width over height. */
+export function boxInView(camera: Camera, box: Box, aspect: number): Camera {
+  const at = center(box);
+  const { right, up, back } = viewAxes(camera);
+  const tan = Math.tan((camera.fovDeg * Math.PI) / 360);
+  const half = scale(sub(box.upper, box.lower), 0.5);
+  let distance = 0;
+  for (const [sx, sy, sz] of [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z) => [x, y, z] as const)))) {
+    const corner: Vec3 = [half[0] * sx, half[1] * sy, half[2] * sz];
+    const needed = Math.max(Math.abs(dot(corner, right)) / (tan * aspect), Math.abs(dot(corner, up)) / tan);
+    distance = Math.max(distance, needed + (camera.orthographic ? 0 : dot(corner, back)));
+  }
+  return { ...camera, at, eye: add(at, scale(back, distance * 1.08 || length(sub(camera.eye, camera.at)))) };
+}
+
 export function sameCamera(a: Camera | null, b: Camera | null): boolean {
   if (!a || !b) return a === b;
   const same = (p: Vec3, q: Vec3) => p[0] === q[0] && p[1] === q[1] && p[2] === q[2];

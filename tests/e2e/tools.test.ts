@@ -1,0 +1,136 @@
+// The picture alone on the whole screen, the whole box, a step that is typed, and what the numbers of a layer are of.
+import { mkdirSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import type { Browser } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { netcdf } from './netcdf';
+import { repository, Server } from './server';
+import { launch, Viewer } from './viewer';
+
+let server: Server;
+let browser: Browser;
+let viewer: Viewer;
+
+const days = join(repository, 'build', 'e2e', 'days.nc');
+
+beforeAll(async () => {
+  mkdirSync(join(repository, 'build', 'e2e'), { recursive: true });
+  const time = { name: 'time', dimensions: ['time'], attributes: { units: 'days since 2000-01-01', calendar: 'noleap' }, values: [0, 59, 365] };
+  const wave = { name: 'wave', dimensions: ['time', 'z', 'y', 'x'], values: Array.from({ length: 3 * 216 }, (_, i) => Math.sin(i * 0.1)) };
+  writeFileSync(days, netcdf({ time: 3, z: 6, y: 6, x: 6 }, [time, wave]));
+  server = await Server.start({ data: ['cylinder:16x24x4x5', 'torus:32', days] });
+  browser = await launch();
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+afterEach(async () => {
+  await viewer?.close();
+  server.checkAlive();
+});
+
+async function open(dataset: RegExp, size: { width?: number; height?: number } = {}): Promise<void> {
+  viewer = await Viewer.open(browser, server.ready.url, size);
+  await viewer.until('layers', (state) => state.intervals.length > 0);
+  const entry = viewer.events.flatMap((event) => (event.kind === 'welcome' ? event.welcome.datasets : [])).find(({ name }) => dataset.test(name))!;
+  if (viewer.state.dataset !== entry.id) await viewer.page.getByLabel('Dataset').selectOption(entry.id);
+  await viewer.until(entry.name, (state) => state.dataset === entry.id && state.intervals.length > 0);
+  await viewer.exactPicture();
+}
+
+describe('the page’s tools', () => {
+  test('F takes the whole screen for the picture and gives it back; not while a text is typed', async () => {
+    await open(/torus/);
+    const full = () => viewer.page.evaluate(() => document.fullscreenElement?.className ?? '');
+    await viewer.page.getByLabel(/: name/).first().press('f');
+    expect(await full()).toBe('');
+    await viewer.page.getByRole('application').press('f');
+    await expect.poll(full).toContain('picture');
+    const { width, height } = await viewer.exactPicture();
+    const screen = await viewer.page.evaluate(() => [innerWidth, innerHeight]);
+    expect([width, height]).toEqual(screen);
+    expect(await viewer.page.getByRole('button', { name: 'Full screen' }).getAttribute('aria-pressed')).toBe('true');
+    await viewer.photograph('full-screen.png');
+    await viewer.page.getByRole('button', { name: 'Full screen' }).click();
+    await expect.poll(full).toBe('');
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('Box shows the whole box from where one looks', async () => {
+    await open(/torus/);
+    const { camera } = viewer.state;
+    await viewer.page.getByRole('application').press('+');
+    for (let i = 0; i < 12; i++) await viewer.page.getByRole('application').press('+');
+    await viewer.until('nearer', (state) => JSON.stringify(state.camera) !== JSON.stringify(camera));
+    await viewer.exactPicture();
+    const near = viewer.state.revision;
+    await viewer.page.getByRole('button', { name: 'Whole box' }).click();
+    await viewer.until('the box', (state) => state.revision > near);
+    const { width, height } = await viewer.exactPicture();
+    const ends = await viewer.page.locator('svg.overlay line.edge').evaluateAll((lines) =>
+      lines.flatMap((line) => [['x1', 'y1'], ['x2', 'y2']].map((names) => names.map((name) => Number(line.getAttribute(name))))),
+    );
+    for (const [x, y] of ends as [number, number][]) {
+      expect(x >= 0 && x <= width && y >= 0 && y <= height, `${x}, ${y}`).toBe(true);
+    }
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('a step is typed, and one that is not there is refused', async () => {
+    await open(/cylinder/);
+    const field = viewer.page.getByLabel(/^Step, of 5/);
+    await field.fill('4');
+    await field.press('Enter');
+    await viewer.until('step 4', (state) => state.step === 3);
+    await field.fill('9');
+    await field.press('Enter');
+    await expect.poll(() => viewer.page.getByText('Steps are 1 to 5.').count()).toBe(1);
+    expect(viewer.state.step).toBe(3);
+    await field.press('Escape');
+    await viewer.page.getByLabel('Between steps').selectOption('interpolate');
+    await viewer.until('between', (state) => state.timeMode === 'interpolate');
+    const { time } = viewer.state;
+    const at = viewer.page.getByRole('textbox', { name: 'Time', exact: true });
+    await at.fill(String(Number(time) - 0.125));
+    await at.press('Enter');
+    await viewer.until('a time', (state) => state.time === Number(time) - 0.125);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('times that the file counts in days have dates, by its own calendar', async () => {
+    await open(/days/);
+    const slider = viewer.page.locator('#time-step');
+    const field = viewer.page.getByLabel(/^Step, of 3/);
+    for (const [step, date] of [[1, '2000-01-01'], [2, '2000-03-01'], [3, '2001-01-01']] as const) {
+      await field.fill(String(step));
+      await field.press('Enter');
+      await viewer.until(`step ${step}`, (state) => state.step === step - 1);
+      await expect.poll(() => viewer.page.locator('.time').innerText()).toContain(date);
+      expect(await slider.getAttribute('aria-valuetext')).toContain(date);
+    }
+    await viewer.photograph('dates.png');
+  });
+
+  test('with a cut the numbers of a layer are said to be of all of it', async () => {
+    await open(/torus/);
+    const words = () => viewer.page.getByText('of the whole layer, cuts aside').count();
+    const volumes = () => viewer.page.locator('.facts [title^="Volume"]').evaluateAll((all) => all.map((of) => of.textContent?.split('±')[0]));
+    const before = await volumes();
+    expect(await words()).toBe(0);
+    await viewer.page.getByRole('button', { name: 'Add cut' }).click();
+    await viewer.until('a cut', (state) => state.clipPlanes?.length === 1);
+    await viewer.exactPicture();
+    expect(await words()).toBe(viewer.state.intervals.length);
+    expect(await volumes()).toEqual(before);
+  });
+
+  test('nothing is wider than a narrow window', async () => {
+    for (const width of [320, 390, 700, 900]) {
+      await open(/cylinder/, { width, height: 844 });
+      expect(await viewer.page.evaluate(() => document.documentElement.scrollWidth), `${width}`).toBe(width);
+      await viewer.photograph(`narrow-${width}.png`);
+      if (width < 900) await viewer.close();
+    }
+  });
+});
