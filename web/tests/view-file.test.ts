@@ -57,6 +57,9 @@ describe('a view as a file', () => {
       ['{}', /no dataset/],
       ['{"dataset":"d"}', /no array/],
       ['{"dataset":"d","array":"a","step":"soon"}', /no view \(.*State\.step.*soon/],
+      ['{"dataset":"d","array":"a","intervals":[{"lower":5,"upper":3}]}', /layer 1 begins at 5 and ends at 3/],
+      ['{"dataset":"d","array":"a","intervals":[{"lower":"NaN","upper":3}]}', /layer 1 begins at NaN/],
+      ['{"dataset":"d","array":"a","intervals":[{"lower":1,"upper":3,"opacity":7,"number":4}]}', /layer 4 has the opacity 7/],
       ['{"dataset":"d","array":"a","intervals":[{"lower":[]}]}', /no view \(.*Interval\.lower/],
     ] as const) {
       const problem = viewOf(text);

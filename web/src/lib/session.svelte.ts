@@ -21,7 +21,7 @@ import type { SavedTab } from './saved';
 import { SceneView } from './scene-view.svelte';
 import { Selection } from './selection.svelte';
 import { Stills } from './stills';
-import { datasetHere, viewOf, viewText } from './view-file';
+import { Views } from './views';
 import { Visits } from './visits';
 import { Work } from './work.svelte';
 
@@ -59,6 +59,7 @@ export class Session {
   readonly scene: SceneView;
   readonly edits: Edits;
   readonly hand: Hand;
+  readonly views: Views;
   readonly history: History;
   readonly frames: FrameView;
   readonly stills: Stills;
@@ -109,6 +110,14 @@ export class Session {
     this.work = new Work(send);
     this.#recovery = new Recovery({ saved, calm, after });
     this.#visits = new Visits(saved);
+    const { edits, history, dataset, files } = this;
+    this.views = new Views({
+      scene, edits, history, notices, dataset, files, out,
+      recovery: this.#recovery,
+      visits: this.#visits,
+      camera: () => this.camera,
+      datasetsAll: () => this.welcome?.datasetsAll,
+    });
   }
 
   start(): void {
@@ -127,28 +136,6 @@ export class Session {
     this.#connection.checkAlive();
     // States that come quickly after each other are merged by the server, so the one that an edit waits for may never come.
     if (this.#out.live) this.scene.settle();
-  }
-  /** As it was left in this tab, if it was. */
-  openDataset(id: string): void {
-    this.edits.openDataset(id);
-    const left = this.#visits.of(id);
-    if (left && id !== this.scene.server.dataset) this.#recovery.bring(left, 'again', true);
-    else this.#recovery.giveUp();
-  }
-  /** What is shown, as a file; another scene in its place, out of such a file. */
-  get viewFile(): string {
-    return viewText({ ...this.scene.view, camera: this.camera });
-  }
-  openView(text: string, name: string): void {
-    const view = viewOf(text);
-    if (typeof view === 'string') return this.notices.say(`“${name}” is not opened: ${view}`);
-    this.notices.clear('page');
-    this.#out.slots.flush();
-    const here = datasetHere(view.dataset, this.files.datasets, this.scene.server.dataset);
-    const part = view.dataset.replace(/^[^@]*/, '');
-    if (here && here.id + part !== view.dataset) this.notices.say(`The view was saved of “${view.dataset}”, elsewhere. It is opened over “${here.name}”, whose file has the same name.`, 'note');
-    this.#recovery.bring(here ? { ...view, dataset: here.id + part } : view, 'file');
-    this.#restore();
   }
   /** Where the picture is seen from; null before the server has shown anything. */
   get camera(): Camera | null {
@@ -173,7 +160,7 @@ export class Session {
         const more = this.dataset.told(event.info);
         if (more) this.notices.say(`${more === 1 ? 'One more step has' : `${more} more steps have`} come.`, 'note', 'step');
         this.scene.waking = false;
-        this.#restore();
+        this.views.goOn();
         return this.#askHistogram();
       }
       case 'histogram':
@@ -248,22 +235,21 @@ export class Session {
     this.#onState(state, -1);
     if (resumed) this.#visits.arrived(null);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
-    if (!resumed && !people.invited) this.#openFirst();
+    if (!resumed && !people.invited) this.views.openFirst();
   }
 
   /** heeded: up to which of this connection's messages. */
   #onState(state: SceneState, heeded: number): void {
     const before = this.scene.server;
     if (state.dataset !== before.dataset) {
-      this.#visits.left({ ...this.scene.view, dataset: before.dataset }, this.history.undoes !== null);
-      this.#visits.arrived(state);
+      this.views.turns(before.dataset, state);
       this.dataset.turnedTo(state.dataset);
       this.history.clear();
     }
     this.scene.told(state);
     this.history.told(heeded);
     this.selection.told(before.intervals, state.intervals);
-    this.#restore();
+    this.views.goOn();
     this.#askHistogram();
     this.#recovery.keep(state);
   }
@@ -301,33 +287,5 @@ export class Session {
     if (!wanted) return;
     this.notices.clear('histogram');
     this.#out.send(wanted);
-  }
-  /** first: how the dataset is shown at first. */
-  #sayBack(first: SceneState): void {
-    const run = () => {
-      if (this.scene.server.dataset !== first.dataset) return;
-      this.#recovery.bring(first, 'anew');
-      this.#restore();
-    };
-    this.notices.say('Layers, colours and camera are as you left them.', 'note', 'dataset', { label: 'Start anew', run });
-  }
-  #openFirst(): void {
-    const { first } = this.files;
-    if (first && !this.#recovery.active && !this.scene.server.dataset) this.edits.openDataset(first.id);
-  }
-  #restore(): void {
-    const { cause } = this.#recovery;
-    const step = this.#recovery.next(this.scene.server, this.dataset.info, this.files.datasets, this.welcome?.datasetsAll);
-    if (step.kind === 'send') {
-      const send = () => Math.max(...step.commands.map((body) => this.#out.send(body)));
-      if (cause === 'loss') this.#visits.arrived(null);
-      if (cause === 'loss' || !step.done) send();
-      else this.history.note('view', send, true);
-      if (step.done && cause === 'again') this.#sayBack(this.scene.server);
-      if (step.done && cause === 'file') this.notices.say('The view is opened.', 'note');
-    }
-    if (step.kind !== 'impossible') return;
-    if (step.reason) this.notices.say(step.reason);
-    if (cause === 'loss') this.#openFirst();
   }
 }

@@ -21,11 +21,21 @@ export function viewOf(text: string): SceneState | string {
   try {
     const state = stateOf(fromJson(StateSchema, shortEnds(json), { ignoreUnknownFields: true }));
     if (!state.dataset || !state.array) return `it names no ${state.dataset ? 'array' : 'dataset'}. Expected a file that Save view has written.`;
-    return state;
+    return problemIn(state) ?? state;
   } catch (problem) {
     const words = problem instanceof Error ? problem.message.replaceAll('isostrata.v1.', '') : '';
     return `it is no view${words ? ` (${words.slice(0, 200)})` : ''}.`;
   }
+}
+
+/** What the server would refuse after it has taken the half of it. */
+function problemIn({ intervals }: SceneState): string | null {
+  for (const [i, { lower, upper, opacity, transfer, number }] of intervals.entries()) {
+    const name = `layer ${number || i + 1}`;
+    if (!transfer && !(lower < upper)) return `${name} begins at ${lower} and ends at ${upper}. Expected an end above the beginning.`;
+    if (!(opacity >= 0 && opacity <= 1)) return `${name} has the opacity ${opacity}. Expected one from 0 to 1.`;
+  }
+  return null;
 }
 
 /** Ends may be written "inf", "-inf" or null, as scripts do. */

@@ -1,0 +1,96 @@
+// Whole views that take the place of what is shown: after a loss, out of a file, or a dataset as it was left.
+import type { Edits } from './edits';
+import type { FileList } from './file-list.svelte';
+import type { History } from './history.svelte';
+import type { Camera, SceneState } from './model';
+import type { Notices } from './notices.svelte';
+import type { OpenDataset } from './open-dataset.svelte';
+import type { Outgoing } from './outgoing';
+import type { Recovery } from './recovery';
+import type { SceneView } from './scene-view.svelte';
+import { datasetHere, viewOf, viewText } from './view-file';
+import type { Visits } from './visits';
+
+export interface ViewsDoors {
+  scene: SceneView;
+  edits: Pick<Edits, 'openDataset'>;
+  history: Pick<History, 'note' | 'undoes'>;
+  notices: Notices;
+  dataset: OpenDataset;
+  files: FileList;
+  out: Outgoing;
+  recovery: Recovery;
+  visits: Visits;
+  camera(): Camera | null;
+  /** How many datasets there are, of which the list of files has the first. */
+  datasetsAll(): number | undefined;
+}
+
+export class Views {
+  constructor(private readonly doors: ViewsDoors) {}
+
+  /** As it was left in this tab, if it was. */
+  openDataset(id: string): void {
+    const { edits, visits, recovery, scene } = this.doors;
+    edits.openDataset(id);
+    const left = visits.of(id);
+    if (left && id !== scene.server.dataset) recovery.bring(left, 'again', true);
+    else recovery.giveUp();
+  }
+  /** What is shown, as a file; another scene in its place, out of such a file. */
+  get file(): string {
+    return viewText({ ...this.doors.scene.view, camera: this.doors.camera() });
+  }
+  openFile(text: string, name: string): void {
+    const { files, notices, out, recovery, scene } = this.doors;
+    const view = viewOf(text);
+    if (typeof view === 'string') return notices.say(`“${name}” is not opened: ${view}`);
+    notices.clear('page');
+    out.slots.flush();
+    const here = datasetHere(view.dataset, files.datasets, scene.server.dataset);
+    const part = view.dataset.replace(/^[^@]*/, '');
+    if (here && here.id + part !== view.dataset)
+      notices.say(`The view was saved of “${view.dataset}”, elsewhere. It is opened over “${here.name}”, whose file has the same name.`, 'note');
+    recovery.bring(here ? { ...view, dataset: here.id + part } : view, 'file');
+    this.goOn();
+  }
+  /** A session that has just begun shows something at once. */
+  openFirst(): void {
+    const { edits, files, recovery, scene } = this.doors;
+    if (files.first && !recovery.active && !scene.server.dataset) edits.openDataset(files.first.id);
+  }
+
+  /** The server turns from the dataset that is shown to another one. */
+  turns(from: string, to: SceneState): void {
+    const { history, scene, visits } = this.doors;
+    visits.left({ ...scene.view, dataset: from }, history.undoes !== null);
+    visits.arrived(to);
+  }
+  /** The next step of what is being brought, whenever the server has said something. */
+  goOn(): void {
+    const { dataset, datasetsAll, files, history, notices, out, recovery, scene, visits } = this.doors;
+    const { cause } = recovery;
+    const step = recovery.next(scene.server, dataset.info, files.datasets, datasetsAll());
+    if (step.kind === 'send') {
+      const send = () => Math.max(...step.commands.map((body) => out.send(body)));
+      if (cause === 'loss') visits.arrived(null);
+      if (cause === 'loss' || !step.done) send();
+      else history.note('view', send, true);
+      if (step.done && cause === 'again') this.#sayBack(scene.server);
+      if (step.done && cause === 'file') notices.say('The view is opened.', 'note');
+    }
+    if (step.kind !== 'impossible') return;
+    if (step.reason) notices.say(step.reason);
+    if (cause === 'loss') this.openFirst();
+  }
+  /** first: how the dataset is shown at first. */
+  #sayBack(first: SceneState): void {
+    const { notices, recovery, scene } = this.doors;
+    const run = () => {
+      if (scene.server.dataset !== first.dataset) return;
+      recovery.bring(first, 'anew');
+      this.goOn();
+    };
+    notices.say('Layers, colours and camera are as you left them.', 'note', 'dataset', { label: 'Start anew', run });
+  }
+}
