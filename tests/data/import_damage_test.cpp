@@ -189,6 +189,14 @@ TEST(ImportDamage, AnArrayWithoutANameIsSaid) {
     EXPECT_EQ(test::open(scratch.write("x.vti", replaced(kImageHeader, "Name=\"a\"", name)))->array("a").upper, 7) << name;
 }
 
+TEST(ImportDamage, AKeyOfTheProgramThatWroteAFileIsNoNote) {
+  const Scratch scratch;
+  const std::string key = "<InformationKey name=\"GLOBAL_TEMPORAL_VARIABLE\" location=\"vtkExodusIIReader\">1</InformationKey></DataArray>";
+  const auto data = test::open(scratch.write("x.vti", replaced(kImageHeader, "</DataArray>", key)));
+  EXPECT_EQ(data->array("a").upper, 7);
+  EXPECT_TRUE(data->notes.empty()) << data->notes.front();
+}
+
 TEST(ImportDamage, ReferencesOutOfTheDirectoryAreRefused) {
   const Scratch scratch;
   scratch.write("secret.vti", kImageHeader);
