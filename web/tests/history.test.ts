@@ -48,7 +48,10 @@ describe('what the person has done', () => {
     expect(view().intervals[0]?.opacity).toBe(0.5);
     expect(history.undoes).toBe(null);
     history.redo();
+    const spoken = history.spoken;
+    expect(spoken).toBe('Redone: the opacity of Layer 1.');
     history.redo();
+    expect(history.spoken).not.toBe(spoken); // or nobody would hear the second
     expect(view().intervals[0]?.opacity).toBeCloseTo(0.25);
     expect(history.redoes).toBe(null);
   });

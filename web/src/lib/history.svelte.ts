@@ -96,9 +96,13 @@ export class History {
       if (plan.kept.length > 0) this.doors.say(`Not ${said}, because it has been changed elsewhere since: ${[...new Set(plan.kept)].join(', ')}.`);
       if (doesNothing(plan) && plan.kept.length === 0) continue; // the server has refused it, or somebody has done it already
       if (!doesNothing(plan)) this.#bring(plan);
-      this.spoken = doesNothing(plan) ? '' : `${to === 'before' ? 'Undone' : 'Redone'}: ${words}.`;
+      this.#speak(doesNothing(plan) ? '' : `${to === 'before' ? 'Undone' : 'Redone'}: ${words}.`);
       return;
     }
+  }
+  /** The same words are spoken again only if they are other ones. */
+  #speak(words: string): void {
+    this.spoken = words && words === this.spoken ? `${words}\u00a0` : words;
   }
   #bring(plan: Plan): void {
     const there = this.doors.scene().view.intervals.map(({ id }) => id);
