@@ -1,5 +1,6 @@
 // The picture alone on the whole screen, the whole box, a step that is typed, and what the numbers of a layer are of.
-import { mkdirSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
@@ -123,6 +124,26 @@ describe('the page’s tools', () => {
     await viewer.exactPicture();
     expect(await words()).toBe(viewer.state.intervals.length);
     expect(await volumes()).toEqual(before);
+  });
+
+  test('where the first file cannot be read the page begins with the next', async () => {
+    const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-first-'));
+    writeFileSync(join(folder, 'a.vti'), '<?xml version="1.0"?><VTKFile type="ImageData" version="0.1"><ImageData');
+    copyFileSync(days, join(folder, 'b.nc'));
+    const other = await Server.start({ data: [folder] });
+    try {
+      viewer = await Viewer.open(browser, other.ready.url);
+      await viewer.until('the second', (state) => state.dataset.startsWith('b-') && state.intervals.length > 0);
+      await viewer.exactPicture();
+      const first = viewer.events.flatMap((event) => (event.kind === 'welcome' ? event.welcome.datasets : [])).find(({ name }) => name === 'a.vti')!;
+      await viewer.page.getByLabel('Dataset').selectOption(first.id); // asked for: what is wrong with it stays
+      await expect.poll(() => viewer.page.getByRole('alert').getByText(/a\.vti/).count()).toBe(1);
+      expect(viewer.state.dataset).toMatch(/^b-/);
+    } finally {
+      await viewer.close();
+      await other.stop();
+      rmSync(folder, { recursive: true });
+    }
   });
 
   test('nothing is wider than a narrow window', async () => {

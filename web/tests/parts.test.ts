@@ -86,9 +86,9 @@ describe('what can be opened', () => {
     files.welcomed([entry('a'), entry('b')]);
     files.changed([entry('c'), entry('a', { news: 'gone' })]);
     expect(files.datasets.map(({ id, news }) => `${id} ${news}`)).toEqual(['a gone', 'b none', 'c none']);
-    expect(files.first?.id).toBe('b');
+    expect(files.whole[0]?.id).toBe('b');
     files.changed([entry('b', { writing: true })]);
-    expect(files.first?.id).toBe('c');
+    expect(files.whole[0]?.id).toBe('c');
   });
 
   test('a list that comes when nobody looks any more is not shown', () => {

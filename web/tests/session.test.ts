@@ -385,6 +385,25 @@ describe('the store', () => {
     expect(first.cases().filter((c) => c === 'openDataset')).toHaveLength(1);
   });
 
+  test('goes on to the next dataset where the first cannot be opened, but not from one that somebody has chosen', () => {
+    const { session, says, sent, find } = harness();
+    const datasets = Array.from({ length: 9 }, (_, i) => ({ id: `d${i}`, name: `d${i}` }));
+    const opened = () => sent.flatMap(({ body }) => (body.case === 'openDataset' ? [body.value.id] : []));
+    const refuse = () => says({ case: 'error', value: { inReplyTo: BigInt(find('openDataset')?.seq ?? 0), code: 'bad_data', message: 'it is cut off' } });
+    says({ case: 'welcome', value: { protocolMajor: 1, session: 's', resumeToken: 's', datasets, state: {} } });
+    refuse();
+    expect(opened()).toEqual(['d0', 'd1']);
+    session.views.openDataset('d7');
+    refuse();
+    expect(opened()).toEqual(['d0', 'd1', 'd7']);
+    expect(session.notices.list).toMatchObject([{ place: 'dataset', text: 'it is cut off' }]);
+
+    const other = harness();
+    other.says({ case: 'welcome', value: { protocolMajor: 1, session: 's', resumeToken: 's', datasets, state: {} } });
+    for (let i = 0; i < 9; i++) other.says({ case: 'error', value: { inReplyTo: BigInt(other.find('openDataset')?.seq ?? 0), code: 'bad_data', message: 'it is cut off' } });
+    expect(other.cases().filter((c) => c === 'openDataset')).toHaveLength(5);
+  });
+
   test('says who it is, the same over all connections and another in each page', () => {
     const [one, two] = [harness(), harness()];
     const id = ({ handlers }: typeof one) => {

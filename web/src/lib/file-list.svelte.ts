@@ -28,9 +28,9 @@ export class FileList {
     if (!what) this.listing = null;
     this.askAgain();
   }
-  /** The first one that is there and whole. */
-  get first(): DatasetEntry | undefined {
-    return this.datasets.find((entry) => entry.news !== 'gone' && !entry.writing);
+  /** Those that are there and whole. */
+  get whole(): DatasetEntry[] {
+    return this.datasets.filter((entry) => entry.news !== 'gone' && !entry.writing);
   }
 
   welcomed(datasets: DatasetEntry[]): void {

@@ -275,7 +275,7 @@ export class Session {
     if (inReplyTo) this.history.told(inReplyTo);
     // Of what was cancelled, Done speaks.
     if (code !== 'cancelled') this.notices.add({ text: message || code, ...about, field, tone: 'error' });
-    if (about.place === 'dataset') this.#recovery.giveUp();
+    if (about.place === 'dataset') this.views.failed();
     if (about.place === 'histogram') this.dataset.refused();
   }
 

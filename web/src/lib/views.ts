@@ -26,12 +26,18 @@ export interface ViewsDoors {
   datasetsAll(): number | undefined;
 }
 
+const mostTries = 5; // of datasets that nobody has asked for
+
 export class Views {
+  /** Which dataset is opened without anybody's asking; null: somebody has chosen. */
+  #tried: number | null = null;
+
   constructor(private readonly doors: ViewsDoors) {}
 
   /** As it was left in this tab, if it was. */
   openDataset(id: string): void {
     const { edits, visits, recovery, scene } = this.doors;
+    this.#tried = null;
     edits.openDataset(id);
     const left = visits.of(id);
     if (left && id !== scene.server.dataset) recovery.bring(left, 'again', true);
@@ -45,6 +51,7 @@ export class Views {
     const { files, notices, out, recovery, scene } = this.doors;
     const view = viewOf(text);
     if (typeof view === 'string') return notices.say(`“${name}” is not opened: ${view}`);
+    this.#tried = null;
     notices.clear('page');
     out.slots.flush();
     const here = datasetHere(view.dataset, files.datasets, scene.server.dataset);
@@ -57,7 +64,16 @@ export class Views {
   /** A session that has just begun shows something at once. */
   openFirst(): void {
     const { edits, files, recovery, scene } = this.doors;
-    if (files.first && !recovery.active && !scene.server.dataset) edits.openDataset(files.first.id);
+    const next = files.whole[this.#tried ?? 0];
+    if (!next || recovery.active || scene.server.dataset) return;
+    this.#tried ??= 0;
+    edits.openDataset(next.id);
+  }
+  /** A dataset cannot be opened. If nobody has asked for it, perhaps the next one can. */
+  failed(): void {
+    this.doors.recovery.giveUp();
+    if (this.#tried === null || ++this.#tried >= mostTries) this.#tried = null;
+    else this.openFirst();
   }
 
   /** The server turns from the dataset that is shown to another one. */
