@@ -11,7 +11,7 @@ function rich(random: () => number): SceneState {
   return {
     revision: Math.floor(random() * 1e6), dataset: 'a/b.vti', array: 'ρ', colorBy: pick('', 'p'), texture: pick('', 'q'), step: 3, time: pick(null, random()),
     timeMode: pick('step', 'interpolate', 'spacetime'), values: pick('interpolated', 'whole'), mode: pick('sorted', 'prioritized', 'cycled', 'smear'),
-    background: rgb(), unitDistance: random(), occlusion: random(), depthFade: random(), bodyShading: random(),
+    background: rgb(), unitDistance: random(), occlusion: random(), depthFade: random(), bodyShading: random(), axisScale: [1, 1 + random(), random()],
     camera: pick(null, { eye: [random(), 1, 2], at: [0, random(), 0], up: [0, 0, 1], fovDeg: 25, orthographic: pick(true, false) }),
     annotations: { axes: pick(true, false), box: true, legend: false }, clipPlanes: pick([], [{ normal: [0, random(), 1], offset: random() }]),
     colorRange: pick(stepRange, { span: 'own' as const, lower: 1, upper: 2 + random(), log: true }),

@@ -5,7 +5,7 @@ import { same } from './optimistic';
 
 /** Of the scene as a whole. The camera is where one stands and not what one has done; the cycle runs by itself. */
 const sceneFields = ['array', 'values', 'colorBy', 'texture', 'step', 'time', 'timeMode', 'terms', 'mode', 'smear', 'clipPlanes', 'annotations',
-  'colorRange', 'background', 'unitDistance', 'occlusion', 'depthFade', 'bodyShading'] as const;
+  'colorRange', 'background', 'unitDistance', 'occlusion', 'depthFade', 'bodyShading', 'axisScale'] as const;
 type SceneField = (typeof sceneFields)[number];
 const layerFields = ['lower', 'upper', 'color', 'colorMap', 'opacity', 'visible', 'opacityUpper', 'ownRange', 'surface', 'name', 'transfer'] as const;
 
@@ -22,7 +22,7 @@ export interface Changes {
 }
 
 const usual: Partial<Record<SceneField, unknown>> = {
-  values: 'interpolated', clipPlanes: [], annotations: { axes: false, box: false, legend: false }, colorRange: stepRange, occlusion: 0, depthFade: 0, bodyShading: 0,
+  values: 'interpolated', clipPlanes: [], annotations: { axes: false, box: false, legend: false }, colorRange: stepRange, occlusion: 0, depthFade: 0, bodyShading: 0, axisScale: [1, 1, 1],
 };
 /** An empty name of an array stands for another one. */
 function fieldOf(state: SceneState, field: SceneField): unknown {
@@ -174,7 +174,7 @@ const words: Record<SceneField | keyof IntervalPatch | 'order', string> = {
   array: 'the array', values: 'the values', colorBy: 'the array of colours', texture: 'the array of textures', step: 'the time step', time: 'the time',
   timeMode: 'what is between steps', terms: 'the combination', mode: 'the mode', smear: 'the smear', clipPlanes: 'the cuts', annotations: 'what is drawn in',
   colorRange: 'the range of colours', background: 'the background', unitDistance: 'the unit distance', occlusion: 'the occlusion', depthFade: 'the depth fade',
-  bodyShading: 'the body shading', lower: 'the range', upper: 'the range', color: 'the colour', colorMap: 'the colour', opacity: 'the opacity', visible: 'the visibility',
+  bodyShading: 'the body shading', axisScale: "the axes' scale", lower: 'the range', upper: 'the range', color: 'the colour', colorMap: 'the colour', opacity: 'the opacity', visible: 'the visibility',
   opacityUpper: 'the opacity', ownRange: 'the range of colours', surface: 'the surface', name: 'the name', transfer: 'the function', order: 'the order of the layers',
 };
 const nameIn = (state: Pick<SceneState, 'intervals'>, id: number) =>

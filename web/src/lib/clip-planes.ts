@@ -37,9 +37,9 @@ export function offsetsIn({ normal }: ClipPlane, box: Box): { lower: number; upp
   return { lower, upper };
 }
 
-/** A new plane: the half of the longest axis that is nearer to its lower end. */
-export function firstPlane(box: Box): ClipPlane {
-  const extent = [0, 1, 2].map((a) => (box.upper[a] as number) - (box.lower[a] as number));
+/** A new plane: the half, nearer to its lower end, of the axis that is drawn the longest. */
+export function firstPlane(box: Box, factors: readonly number[] = [1, 1, 1]): ClipPlane {
+  const extent = [0, 1, 2].map((a) => ((box.upper[a] as number) - (box.lower[a] as number)) * (factors[a] as number));
   const a = extent.indexOf(Math.max(...extent));
   return planeAt(sides[2 * a] as Side, ((box.lower[a] as number) + (box.upper[a] as number)) / 2);
 }

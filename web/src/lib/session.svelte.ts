@@ -9,7 +9,8 @@ import { FrameView } from './frame-view.svelte';
 import { Hand } from './hand.svelte';
 import { History } from './history.svelte';
 import { Smoothed } from './meter';
-import { emptyState, type Camera, type SceneState } from './model';
+import { scaledBox } from './camera';
+import { emptyState, type Box, type Camera, type SceneState } from './model';
 import type { Ending, Frame, ServerError, ServerEvent, VolumeError, Welcome } from './told';
 import { Notices } from './notices.svelte';
 import { OpenDataset } from './open-dataset.svelte';
@@ -138,6 +139,11 @@ export class Session {
     if (this.#out.live) this.scene.settle();
   }
   /** Where the picture is seen from; null before the server has shown anything. */
+  /** The dataset's, as it is drawn. */
+  get box(): Box | null {
+    const bounds = this.dataset.info?.bounds;
+    return bounds ? scaledBox(bounds, this.scene.view.axisScale) : null;
+  }
   get camera(): Camera | null {
     return this.scene.view.camera ?? this.frames.frame?.camera ?? null;
   }

@@ -90,7 +90,7 @@ export function cameraOf(camera: WireCamera | undefined): Camera | null {
 const wireCamera = ({ eye, at, up, ...rest }: Camera) => ({ ...rest, eye: wireVec(eye), at: wireVec(at), up: wireVec(up) });
 
 export function wireState(state: SceneState): WireState {
-  const { annotations, background, camera, clipPlanes, colorRange, cycle, intervals, mode, revision, smear, terms, time, timeMode, values, ...rest } = state;
+  const { annotations, axisScale, background, camera, clipPlanes, colorRange, cycle, intervals, mode, revision, smear, terms, time, timeMode, values, ...rest } = state;
   const init: MessageInitShape<typeof StateSchema> = {
     ...rest,
     background: wireRgb(background),
@@ -104,6 +104,7 @@ export function wireState(state: SceneState): WireState {
     timeMode: timeModes.wire(timeMode),
     values: fieldValues.wire(values ?? 'interpolated'),
     ...(annotations ? { annotations } : {}),
+    ...(axisScale ? { axisScale: wireVec(axisScale) } : {}),
     ...(camera ? { camera: wireCamera(camera) } : {}),
     ...(colorRange ? { colorRange: { ...colorRange, span: spans.wire(colorRange.span) } } : {}),
     ...(time !== null ? { time } : {}),
