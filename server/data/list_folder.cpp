@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/utf8.h"
 #include "data/file_series.h"
+#include "data/several_resolutions.h"
 
 namespace isostrata {
 namespace {
@@ -127,10 +128,21 @@ class Listing {
     if (!dicom.empty()) add(dicom.size() == 1 ? folder / dicom.front()->name : folder, FileKind::dicom, folder, dicom);
     for (const auto& [kind, files] : steps)
       for (const auto& [name, members] : grouped(files)) {
-        FolderEntry* entry = add(folder / name, kind, folder, members);
-        if (entry && members.size() == 1) add_listed(*entry, folder, *members.front());
+        if (!is_being_written(folder, members) && are_several_resolutions(folder, members))
+          for (const LookedAt* file : members) add_step(folder / file->name, kind, folder, {file});
+        else
+          add_step(folder / name, kind, folder, members);
       }
     list_pictures(folder, pictures);
+  }
+
+  void add_step(const fs::path& source, FileKind kind, const fs::path& folder, const std::vector<const LookedAt*>& members) {
+    FolderEntry* entry = add(source, kind, folder, members);
+    if (entry && members.size() == 1) add_listed(*entry, folder, *members.front());
+  }
+
+  bool is_being_written(const fs::path& folder, const std::vector<const LookedAt*>& files) const {
+    return !writing_.empty() && std::any_of(files.begin(), files.end(), [&](const LookedAt* file) { return writing_.contains((folder / file->name).string()); });
   }
 
   void list_case(const fs::path& folder, const FolderContents& contents) {

@@ -1,6 +1,8 @@
 #include "data/series_ranges.h"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 namespace isostrata {
 
@@ -26,8 +28,29 @@ bool SeriesRanges::note(int step) {
   return true;
 }
 
+void SeriesRanges::include(const Box3d& box) {
+  if (box.empty()) return;
+  const Box3d before = bounds_;
+  bounds_.include(box.lower);
+  bounds_.include(box.upper);
+  if (before.empty()) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double most = 0.02 * (bounds_.upper[axis] - bounds_.lower[axis]);
+    boxes_differ_ = boxes_differ_ || std::abs(before.lower[axis] - box.lower[axis]) > most || std::abs(before.upper[axis] - box.upper[axis]) > most;
+  }
+}
+
+std::optional<std::string> SeriesRanges::note_of_boxes() const {
+  if (!boxes_differ_) return std::nullopt;
+  std::ostringstream out;
+  out << "steps lie in boxes of their own; all that were read in";
+  for (int axis = 0; axis < 3; ++axis) out << ' ' << "xyz"[axis] << " [" << bounds_.lower[axis] << ", " << bounds_.upper[axis] << ']';
+  return out.str();
+}
+
 void SeriesRanges::add(const Dataset& step) {
   if (!note(step.step)) return;
+  include(step.bounds);
   const auto at = static_cast<std::size_t>(step.step);
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
     ArrayRanges& ranges = arrays_[i];

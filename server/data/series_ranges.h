@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/vec.h"
 #include "data/dataset.h"
 
 namespace isostrata {
@@ -54,15 +56,22 @@ class SeriesRanges {
   /// The first that is not known; -1 where all are.
   int next() const;
   const std::vector<ArrayRanges>& arrays() const { return arrays_; }
+  /// Of all steps that are known.
+  const Box3d& bounds() const { return bounds_; }
+  /// A word for people where one of them has another box: a mesh that moves, a grid that grows, or files that are no steps of one another.
+  std::optional<std::string> note_of_boxes() const;
   /// The step at which this array spans most, the first of several; 0 where that is not kept.
   int widest_step(std::string_view array) const;
 
  private:
   bool note(int step);
+  void include(const Box3d& box);
 
   std::vector<bool> known_;  // [nt]
   int count_ = 0;
   std::vector<ArrayRanges> arrays_;
+  Box3d bounds_;
+  bool boxes_differ_ = false;  // by more than a grid of every n-th point from the grid itself
 };
 
 }  // namespace isostrata

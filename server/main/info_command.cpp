@@ -45,6 +45,7 @@ SeriesRanges read_ranges(const Dataset& dataset, const std::string& file, bool a
     }
     ranges.skip(step);  // also where it turns out to be another one
   }
+  if (const auto boxes = ranges.note_of_boxes()) notes.push_back(*boxes);
   return ranges;
 }
 

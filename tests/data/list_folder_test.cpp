@@ -290,6 +290,44 @@ TEST(ListFolder, AMessyFolderIsSeriesDataSetsAndReasons) {
   EXPECT_TRUE(list_folder(scratch / "data", 3).cut_off);
 }
 
+/// A grid of n points along each axis between 0 and 1.
+std::string cube(int n, const std::string& values = "0 ") {
+  const std::string extent = "0 " + std::to_string(n - 1) + " 0 " + std::to_string(n - 1) + " 0 " + std::to_string(n - 1), spacing = std::to_string(1.0 / (n - 1));
+  std::string text;
+  for (int i = 0; i < n * n * n; ++i) text += values;
+  return testing::vtk_file("ImageData", "<ImageData WholeExtent=\"" + extent + "\" Origin=\"0 0 0\" Spacing=\"" + spacing + " " + spacing + " " + spacing +
+                                            "\"><Piece Extent=\"" + extent + "\"><PointData><DataArray type=\"Float32\" Name=\"f\" format=\"ascii\">" + text +
+                                            "</DataArray></PointData></Piece></ImageData>");
+}
+
+TEST(ListFolder, OneThingInSeveralResolutionsIsNoSeries) {
+  const Scratch scratch;
+  for (const int n : {8, 16, 32}) scratch.write("torus_" + std::to_string(n) + ".vti", cube(n));
+  for (const auto& [name, bytes] : std::map<std::string, int>{{"etopo5.cdf", 37000}, {"etopo20.cdf", 2300}, {"etopo40.cdf", 590}, {"labels-1mm.nii.gz", 47934}, {"labels-2mm.nii.gz", 8341}})
+    scratch.write(name, (name.ends_with("gz") ? "\x1f\x8b" : "CDF\x01") + std::string(static_cast<std::size_t>(bytes), 'x'));
+  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"torus_8.vti", 1}, {"torus_16.vti", 1}, {"torus_32.vti", 1}, {"etopo5.cdf", 1}, {"etopo20.cdf", 1},
+                                                                           {"etopo40.cdf", 1}, {"labels-1mm.nii.gz", 1}, {"labels-2mm.nii.gz", 1}}));
+  const auto finest = test::open(scratch / "torus_*.vti", 2);  // who names the pattern gets each in its own box
+  EXPECT_EQ(finest->grid.dims(), (std::array<std::int64_t, 3>{32, 32, 32}));
+  EXPECT_NEAR(finest->bounds.upper.x, 1, 1e-4);
+}
+
+TEST(ListFolder, AMeshThatIsRefinedAFewStepsThatGrowAndALongSeriesStaySeries) {
+  const Scratch scratch;
+  for (const int n : {1, 2, 3}) scratch.write("mesh_" + std::to_string(n) + ".vtu", testing::vtk_file("UnstructuredGrid", "<UnstructuredGrid/>" + std::string(static_cast<std::size_t>(1000 << n), ' ')));
+  for (const int n : {1, 2, 3}) scratch.write("plume_" + std::to_string(n) + ".vti", cube(4, "0." + std::string(static_cast<std::size_t>(10 << n), '0') + "1 "));  // as packed values grow
+  for (int n = 2; n < 20; ++n) scratch.write("growing_" + std::to_string(n) + ".npy", "\x93NUMPY" + std::string(std::size_t{1} << n, 'x'));
+  for (const int n : {1, 2, 3}) scratch.write("last_is_short_" + std::to_string(n) + ".nc", "CDF\x01" + std::string(n == 3 ? 1000 : 8000, 'x'));
+  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"mesh_*.vtu", 3}, {"plume_*.vti", 3}, {"growing_*.npy", 18}, {"last_is_short_*.nc", 3}}));
+}
+
+TEST(FolderLister, AStepThatIsBeingWrittenIsNoOtherResolution) {
+  const Scratch scratch;
+  for (const int n : {1, 2}) scratch.write("f_" + std::to_string(n) + ".npy", "\x93NUMPY" + std::string(n == 2 ? 100 : 1000, 'x'));
+  FolderLister lister(fs::canonical(scratch.path()));
+  EXPECT_EQ(names(lister.list({(fs::canonical(scratch.path()) / "f_2.npy").string()})), (std::map<std::string, int>{{"f_*.npy", 2}}));
+}
+
 /// The beginning of a PNG, as far as its size.
 std::string png(int width, int height) {
   std::string head("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);

@@ -83,6 +83,22 @@ TEST(SeriesRanges, LeaveOutWhatHasNoValueAndWhatCannotBeRead) {
   EXPECT_TRUE(ranges.arrays()[1].steps[1].empty());
 }
 
+TEST(SeriesRanges, HaveTheBoxOfAllStepsAndAWordWhereTheyDiffer) {
+  const Series series{{{{1}}, {{2}}, {{3}}}};
+  const auto in_box = [&](int step, Vec3d lower, Vec3d upper) {
+    Dataset dataset = series.at(step);
+    dataset.bounds = {lower, upper};
+    return dataset;
+  };
+  SeriesRanges ranges(in_box(0, {0, 0, 0}, {10, 10, 1}));
+  ranges.add(in_box(1, {0, 0, 0}, {10, 9.9, 1}));  // every n-th point of it
+  EXPECT_FALSE(ranges.note_of_boxes());
+  ranges.add(in_box(2, {5, -2, 0}, {15, 10, 1}));
+  EXPECT_EQ(ranges.bounds().lower, (Vec3d{0, -2, 0}));
+  EXPECT_EQ(ranges.bounds().upper, (Vec3d{15, 10, 1}));
+  EXPECT_EQ(ranges.note_of_boxes(), "steps lie in boxes of their own; all that were read in x [0, 15] y [-2, 10] z [0, 1]");
+}
+
 TEST(SeriesRanges, OfALongSeriesKeepNoListPerStep) {
   Dataset dataset;
   dataset.times.resize(SeriesRanges::kMostKept + 1);

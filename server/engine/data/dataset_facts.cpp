@@ -16,7 +16,7 @@ DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& data
   facts.points = dataset.whole ? dataset.whole->points : dataset.grid.point_count();
   facts.cells = dataset.whole ? dataset.whole->cells : dataset.grid.cell_count();
   facts.cell_types = dataset.cell_types;
-  facts.bounds = dataset.bounds;
+  facts.bounds = ranges.bounds();
   std::map<std::string_view, const ArrayRanges*> ranges_of;
   for (const ArrayRanges& known : ranges.arrays()) ranges_of[known.name] = &known;
   for (const PointArray& array : dataset.arrays) {

@@ -138,6 +138,7 @@ DatasetFacts OpenDatasets::describe(const std::string& id, const Task& task) {
     facts.notes = known.said;
   }
   facts.notes.insert(facts.notes.end(), known.notes.begin(), known.notes.end());
+  if (const auto boxes = known.ranges.note_of_boxes()) facts.notes.push_back(*boxes);
   facts.first_view = std::move(view);
   return facts;
 }
