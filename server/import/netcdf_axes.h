@@ -22,10 +22,10 @@ struct NetcdfSteps {
 };
 
 /// Of one dimension all steps, those of a time twice as well; of several the times that any of them has. Throws bad_data where a time is not a finite number.
-NetcdfSteps netcdf_steps(const NetcdfFile& file, const std::vector<int>& dimensions, const std::string& name);
+NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimensions, const std::string& name);
 
 /// Which axis of a block over these dimensions (0: the last of them) is x, which y and which z; nothing where they do not say, or where the order is this one.
-std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfFile& file, const std::vector<int>& dimensions);
+std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions);
 
 /// Turns the axes of a block, and its arrays: new axis a is the one that was from[a]. Only of straight axes and values on points.
 void turn_block(Block& block, const std::array<std::size_t, 3>& from);

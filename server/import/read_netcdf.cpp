@@ -27,6 +27,7 @@
 #include "import/mapped_file.h"
 #include "import/netcdf_axes.h"
 #include "import/netcdf_file.h"
+#include "import/netcdf_placed.h"
 #include "import/netcdf_values.h"
 #include "import/read_own.h"
 #include "import/read_vtk.h"
@@ -167,6 +168,11 @@ std::vector<int> time_dimensions(NetcdfReader& reader, const NetcdfFile& file, c
   return out;
 }
 
+void refuse_particles(const NetcdfFile& file, const std::string& name) {
+  if (file.text(NC_GLOBAL, "Conventions").find("AMBER") != std::string::npos)
+    throw Error(ErrorCode::unsupported, name + ": particles (AMBER); expected a grid: save their density on one, as Gaussian cube, MRC or .npy");
+}
+
 /// UGRID's meshes have their own arrays for what joins their points.
 void refuse_mesh(const NetcdfFile& file, const std::string& name) {
   for (int variable = 0; variable < file.variables(); ++variable)
@@ -184,10 +190,20 @@ void refuse_empty(const NetcdfFile& file, const std::vector<int>& dimensions, co
 /// VTK turns the spacing of an even axis whose values go down, and not its origin.
 void place_downward(UniformGrid& grid, const NetcdfFile& file, const std::vector<int>& dimensions) {
   for (std::size_t axis = 0; axis < std::min<std::size_t>(dimensions.size(), 3); ++axis) {
-    const std::optional<int> coordinate = file.coordinate(dimensions[dimensions.size() - 1 - axis]);
-    if (!coordinate || file.text(*coordinate, "positive") != "down") continue;
-    if (const std::vector<double> places = file.values(*coordinate); !places.empty()) grid.origin[static_cast<int>(axis)] = -places.front();
+    const std::optional<NetcdfVariable> coordinate = file.coordinate(dimensions[dimensions.size() - 1 - axis]);
+    if (!coordinate || coordinate->text("positive") != "down") continue;
+    if (const std::vector<double> places = coordinate->values(); !places.empty()) grid.origin[static_cast<int>(axis)] = -places.front();
   }
+}
+
+/// Whether variables over these dimensions have their time behind another axis, or say where their points are in another group or in packed numbers: all unknown to VTK's reader.
+bool is_beyond(const NetcdfFile& file, const std::vector<int>& dimensions) {
+  const auto time = std::find_if(dimensions.begin(), dimensions.end(), [&](int dimension) { return is_netcdf_time(file, dimension); });
+  if (time != dimensions.begin() && time != dimensions.end() && dimensions.size() > 2) return true;
+  return std::any_of(dimensions.begin(), dimensions.end(), [&](int dimension) {
+    const std::optional<NetcdfVariable> coordinate = file.coordinate(dimension);
+    return coordinate && (coordinate->group.number() != file.number() || coordinate->is_packed());
+  });
 }
 
 }  // namespace
@@ -200,9 +216,13 @@ Imported read_netcdf(const ReadRequest& request) {
   if (file.is_exodus()) return read_exodus(request);
 #endif
   refuse_mesh(file, name);
+  refuse_particles(file, name);
   std::vector<int> placed = file.dimensions();
   std::erase_if(placed, [&](int dimension) { return !file.coordinate(dimension); });
   refuse_empty(file, placed, name);
+  const auto has_names = [&](int dimension) { return file.coordinate(dimension)->values().empty(); };  // VTK's reader takes numbers alone
+  if (std::any_of(placed.begin(), placed.end(), has_names))
+    if (auto imported = read_netcdf_placed(file, request)) return std::move(*imported);
   vtkNew<NetcdfReader> reader;
   reader->set_file(file);
   reader->SetFileName(request.file.c_str());
@@ -211,14 +231,17 @@ Imported read_netcdf(const ReadRequest& request) {
   reader->UpdateMetaData();
   throw_on_vtk_error(name);
   auto [dimensions, group] = choose_group(*reader, file);
-  const auto is_time = [&](int dimension) { return reader->is_time(dimension); };
+  if (is_beyond(file, group.dimensions) || (!dimensions.empty() && netcdf_axes_in_groups(file) > static_cast<std::size_t>(std::min<std::ptrdiff_t>(group.axes, 3))))
+    if (auto placed = read_netcdf_placed(file, request)) return std::move(*placed);
   if (group.axes == 4) {
-    if (std::any_of(group.dimensions.begin(), group.dimensions.end(), is_time)) return read_netcdf_plainly(request);  // time is not in front
     reader->count_along(group.dimensions.front());
     dimensions = choose_group(*reader, file).first;
   }
   if (dimensions.empty()) {
-    if (file.has_groups() || file.has_many_axes()) return read_netcdf_plainly(request);
+    if (file.has_groups() || file.has_many_axes()) {
+      if (auto placed = read_netcdf_placed(file, request)) return std::move(*placed);
+      return read_netcdf_plainly(request);
+    }
     throw Error(ErrorCode::unsupported, name + ": netCDF without a variable over two or three axes of space");
   }
   std::vector<std::string> notes;

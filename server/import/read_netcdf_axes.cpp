@@ -17,30 +17,34 @@ namespace isostrata {
 namespace {
 
 /// A dimension without numbers of its own counts.
-std::vector<double> times_along(const NetcdfFile& file, int dimension, const std::string& name) {
+std::vector<double> times_along(const NetcdfGroup& file, int dimension, const std::string& name) {
   std::vector<double> times(file.length(dimension));
   std::iota(times.begin(), times.end(), 0.0);
-  const std::optional<int> coordinate = file.coordinate(dimension);
-  if (!coordinate || !file.type(*coordinate)) return times;
-  const std::vector<double> own = file.values(*coordinate);
+  const std::optional<NetcdfVariable> coordinate = file.coordinate(dimension);
+  if (!coordinate || !coordinate->type()) return times;
+  const std::vector<double> own = coordinate->values();
   if (own.size() != times.size()) return times;
   const auto bad = std::find_if(own.begin(), own.end(), [](double time) { return !std::isfinite(time); });
-  if (bad != own.end()) throw Error(ErrorCode::bad_data, name + ": time " + std::to_string(bad - own.begin()) + " of '" + file.name(*coordinate) + "' is not a finite number");
+  if (bad != own.end()) throw Error(ErrorCode::bad_data, name + ": time " + std::to_string(bad - own.begin()) + " of '" + coordinate->name() + "' is not a finite number");
   return own;
 }
 
+std::optional<std::size_t> by_name(const std::string& name) {
+  const auto letter = static_cast<std::size_t>((name.empty() ? 0 : name.front() | 0x20) - 'x');
+  return name.size() == 1 && letter < 3 ? std::optional(letter) : std::nullopt;
+}
+
 /// 0, 1 or 2 for an axis that says that it is x, y or z.
-std::optional<std::size_t> direction(const NetcdfFile& file, int dimension) {
-  const std::optional<int> coordinate = file.coordinate(dimension);
-  if (!coordinate) return std::nullopt;
+std::optional<std::size_t> direction(const NetcdfGroup& file, int dimension) {
+  const std::optional<NetcdfVariable> coordinate = file.coordinate(dimension);
+  if (!coordinate) return by_name(file.dimension_name(dimension));
   const auto is_one_of = [](const std::string& text, std::initializer_list<std::string_view> words) { return std::find(words.begin(), words.end(), text) != words.end(); };
-  const std::string axis = file.text(*coordinate, "axis"), units = file.text(*coordinate, "units"), called = file.name(*coordinate);
+  const std::string axis = coordinate->text("axis"), units = coordinate->text("units"), called = coordinate->name();
   if (is_one_of(axis, {"X", "Y", "Z"})) return static_cast<std::size_t>(axis.front() - 'X');
   if (is_one_of(units, {"degrees_east", "degree_east", "degrees_E", "degree_E", "degreesE", "degreeE"})) return 0;
   if (is_one_of(units, {"degrees_north", "degree_north", "degrees_N", "degree_N", "degreesN", "degreeN"})) return 1;
-  if (is_one_of(file.text(*coordinate, "positive"), {"up", "down"})) return 2;
-  if (is_one_of(called, {"x", "X", "y", "Y", "z", "Z"})) return static_cast<std::size_t>((called.front() | 0x20) - 'x');
-  return std::nullopt;
+  if (is_one_of(coordinate->text("positive"), {"up", "down"})) return 2;
+  return by_name(called);
 }
 
 template <class T>
@@ -63,16 +67,16 @@ void turn_values(FileArray& array, const std::array<std::int64_t, 3>& dims, cons
 
 }  // namespace
 
-NetcdfSteps netcdf_steps(const NetcdfFile& file, const std::vector<int>& dimensions, const std::string& name) {
+NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimensions, const std::string& name) {
   NetcdfSteps steps;
   for (const int dimension : dimensions) {
     const std::vector<double> along = times_along(file, dimension, name);
     if (dimensions.size() == 1) steps.sorted = std::is_sorted(along.begin(), along.end());
     steps.times.insert(steps.times.end(), along.begin(), along.end());
-    if (const std::optional<int> coordinate = file.coordinate(dimension); coordinate && steps.units.empty()) {
-      steps.units = file.text(*coordinate, "units");
+    if (const auto coordinate = file.coordinate(dimension); coordinate && steps.units.empty()) {
+      steps.units = coordinate->text("units");
       // What day it is depends on it: models have years of 365 and of 360 days.
-      if (const std::string calendar = file.text(*coordinate, "calendar"); !steps.units.empty() && !calendar.empty()) steps.units += ", calendar " + calendar;
+      if (const std::string calendar = coordinate->text("calendar"); !steps.units.empty() && !calendar.empty()) steps.units += ", calendar " + calendar;
     }
   }
   if (dimensions.size() == 1) {
@@ -95,7 +99,7 @@ NetcdfSteps netcdf_steps(const NetcdfFile& file, const std::vector<int>& dimensi
   return steps;
 }
 
-std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfFile& file, const std::vector<int>& dimensions) {
+std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions) {
   if (dimensions.size() == 2 && direction(file, dimensions[0]) == 0u && direction(file, dimensions[1]) == 1u) return std::array<std::size_t, 3>{1, 0, 2};
   if (dimensions.size() != 3) return std::nullopt;
   constexpr std::size_t kNone = 3;

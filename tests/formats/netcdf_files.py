@@ -130,6 +130,9 @@ def refused():
     with opened("no_time.nc", [("time", 3), *zip(SPACE, (2, 2, 2))]) as file:
         axis(file, "time", "time", [0, np.nan, 2], {"units": "days since 2000-01-01"})
         stored(file, "T", "f4", ("time", *SPACE), np.zeros((3, 2, 2, 2)))
+    with opened("atoms.nc", [("frame", 2), ("atom", 20), ("spatial", 3)], "NETCDF3_64BIT_OFFSET") as file:
+        file.Conventions = "AMBER"
+        stored(file, "coordinates", "f4", ("frame", "atom", "spatial"), np.zeros((2, 20, 3)))
 
 
 def brick(name, expect):
@@ -157,7 +160,77 @@ def many_axes(field, lattice):
     lattice("member.nc", {"T": [1000, 1345, 0]}, UNIT, [5, 3, 2, "T", 1235], [0, 1], 1)
 
 
+def groups(field, lattice):
+    """Values in a group; what says where they are beside them, in a group around theirs, or in another one."""
+    both = np.stack([field, field + 1000])
+    for name, where in (("beside.nc", "run/first"), ("around.nc", "run"), ("at_root.nc", ""), ("elsewhere.nc", "axes"), ("of_root.nc", "axes")):
+        with opened(name, [("time", None), *((d, len(v)) for d, _, v, _ in PLACED)]) as file:
+            of_axes = file.createGroup(where) if where else file
+            for dimension, called, values, said in PLACED:
+                axis(of_axes, called, dimension, values, said)
+            axis(of_axes, "time", "time", [3, 5], {"units": "hours since 2000-01-01"})
+            stored(file if name == "of_root.nc" else file.createGroup("run/first"), "T", "f4", ("time", "lev", "lat", "lon"), both, units="K")
+            stored(file, "bounds", "f4", ("lat", "lon"), field[0])
+        array = "T" if name == "of_root.nc" else "run/first/T"
+        lattice(name, {array: [1000, 1345, 0]}, PLACES, [25, 10, 30, array, 1235], [3, 5], 1, grid="rectilinear")
+
+
+def time_behind(field, lattice, expect):
+    both = np.stack([field, field + 1000], -1)
+    for name, order in (("xyzt.nc", ("lon", "lat", "lev")), ("zyxt.nc", ("lev", "lat", "lon"))):
+        with opened(name, [*((d, len(v)) for d, _, v, _ in PLACED), ("time", 2)], "NETCDF3_CLASSIC") as file:
+            for dimension, called, values, said in PLACED:
+                axis(file, called, dimension, values, {**said, "positive": "up"} if called == "lev" else said)
+            axis(file, "time", "time", [3, 5], {"units": "hours since 2000-01-01"})
+            stored(file, "T", "i2", (*order, "time"), both.transpose([("lev", "lat", "lon").index(d) for d in order] + [3]), scale_factor=0.5)
+        for step in range(2):
+            lattice(name, {"T": [500 * step, 500 * step + 172.5, 0]}, PLACES, [25, 10, 30, "T", 500 * step + 117.5], [3, 5], step, grid="rectilinear")
+    with opened("xyt.nc", [("x", 6), ("y", 5), ("t", 2)]) as file:
+        axis(file, "t", "t", [3, 5], {"axis": "T"})
+        stored(file, "T", "f4", ("x", "y", "t"), both[0].transpose(1, 0, 2))
+    expect("xyt.nc", "uniform", 30, 20, {"T": [1000, 1045, 0]}, [0, 5, 0, 4, 0, 0], [5, 3, 0, "T", 1035], [3, 5], 1)
+
+
+def packed(field, lattice):
+    """What is valid of packed values: in the numbers that are stored, or, of the values' own type, in these."""
+    scale = {"scale_factor": 0.5, "add_offset": 100.0}  # 0 to 345 are 100 to 272.5
+    ranges = {"stored": ({"valid_range": np.array([10, 300], "i2")}, [105, 250, 35]), "meant": ({"valid_range": np.array([105, 250], "f8")}, [105, 250, 35]),
+              "ends": ({"valid_min": np.int16(10), "valid_max": np.float32(250)}, [105, 250, 35])}
+    with opened("valid.nc", zip(SPACE, field.shape)) as file:
+        for name, (valid, _) in ranges.items():
+            stored(file, name, "i2", SPACE, field.astype("i2"), **scale, **valid)
+        stored(file, "down", "i2", SPACE, field.astype("i2"), scale_factor=-0.5, valid_range=np.array([-150, -5], "f4"))
+        stored(file, "rounded", "i2", SPACE, field.astype("i2"), scale_factor=np.float32(0.1), valid_max=np.float32(30))
+        no_sign = (field * 180).astype("u2").view("i2")  # up to 62100
+        stored(file, "no_sign", "i2", SPACE, no_sign, np.int16(-3436), _Unsigned="true", scale_factor=0.5, valid_range=np.array([1800, 54000], "u2").view("i2"))
+    tenth = float(np.float32(0.1))
+    lattice("valid.nc", {**{name: facts for name, (_, facts) in ranges.items()}, "down": [-150, -5, 35], "rounded": [0, 300 * tenth, 29],
+                         "no_sign": [900, 27000, 35]}, UNIT, [5, 3, 2, "stored", 217.5])
+
+
+def odd_places(field, lattice):
+    """Places and times as packed numbers, as satellites have them; places that have names."""
+    both = np.stack([field, field + 1000])
+    with opened("packed_places.nc", [("time", 2), *((d, len(v)) for d, _, v, _ in PLACED)]) as file:
+        for dimension, called, values, said in PLACED:
+            stored(file, called, "i2", (dimension,), np.array(values) * 4 - 100, scale_factor=0.25, add_offset=25.0, **said)
+        stored(file, "time", "i2", ("time",), [6, 10], units="hours since 2000-01-01", scale_factor=0.5)
+        stored(file, "T", "f4", ("time", "lev", "lat", "lon"), both)
+    lattice("packed_places.nc", {"T": [1000, 1345, 0]}, PLACES, [25, 10, 30, "T", 1235], [3, 5], 1, grid="rectilinear")
+    with opened("named_places.nc", [("time", 2), ("band", 4), ("y", 5), ("x", 6)]) as file:
+        file.createVariable("band", str, ("band",))[:] = np.array(["red", "green", "blue", "nir"], dtype=object)
+        for name, count in (("y", 5), ("x", 6)):
+            axis(file, name, name, np.arange(count) * 10.0, {"units": "m"})
+        axis(file, "time", "time", [3, 5], {"units": "hours since 2000-01-01"})
+        stored(file, "T", "f4", ("time", "band", "y", "x"), both)
+    lattice("named_places.nc", {"T": [1000, 1345, 0]}, [0, 50, 0, 40, 0, 3], [50, 30, 2, "T", 1235], [3, 5], 1)
+
+
 def write(field, lattice, expect):
+    odd_places(field, lattice)
+    groups(field, lattice)
+    time_behind(field, lattice, expect)
+    packed(field, lattice)
     types(field, lattice)
     gaps(field, lattice)
     steps(field, lattice)
