@@ -192,7 +192,16 @@ bool is_openfoam_case(const fs::path& folder) {
   if (!fs::is_regular_file(folder / "system" / "controlDict", error)) return false;
   for (const char* mesh : {"constant/polyMesh", "processor0/constant/polyMesh", "constant/regionProperties"})
     if (fs::exists(folder / mesh, error)) return true;
-  return false;
+  return !collated_folder(folder).empty();
+}
+
+std::string collated_folder(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (name.starts_with("processors") && name.size() > 10 && std::isdigit(static_cast<unsigned char>(name[10])) && it->is_directory(error)) return name;
+  }
+  return {};
 }
 
 bool is_dicom(const fs::path& file) {

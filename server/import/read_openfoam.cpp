@@ -19,16 +19,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool has_times(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name != "0" && name.find_first_not_of("0123456789.e-+") == std::string::npos && entry.is_directory(error)) return true;
+  }
+  return false;
+}
+
 /// A case that was run in parallel and not put together has its times in the folders of the processors.
 bool decomposed(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder / "processor0", error)) return false;
   if (!fs::is_directory(folder / "constant" / "polyMesh", error)) return true;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name != "0" && name.find_first_not_of("0123456789.e-+") == std::string::npos && entry.is_directory(error)) return false;
-  }
-  return true;
+  return !has_times(folder);
+}
+
+/// Each file there holds those of all processors one behind the other (decomposedBlockData), which no reader here takes apart.
+void refuse_collated(const fs::path& folder, const std::string& name) {
+  const std::string collated = collated_folder(folder);
+  std::error_code error;
+  if (collated.empty() || (fs::is_directory(folder / "constant" / "polyMesh", error) && has_times(folder))) return;
+  throw Error(ErrorCode::unsupported, name + ": its times are in " + collated + ", as OpenFOAM's file handler 'collated' writes them; put them together by 'reconstructPar', or make a folder for " +
+                                          "each processor by 'foamFormatConvert -fileHandler uncollated' in parallel, then open it again");
 }
 
 /// We split polyhedra ourselves, in agreement with their neighbours. From VTK 9.6 on the reader never does.
@@ -116,6 +130,7 @@ Imported read_openfoam(const ReadRequest& request) {
   const fs::path folder = given_folder ? request.file : request.file.parent_path();
   if (!is_openfoam_case(folder))
     throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected an OpenFOAM case around it: system/controlDict and constant/polyMesh");
+  if (!fs::is_directory(folder / "processor0", error)) refuse_collated(folder, request.file.filename().string());
   if (decomposed(folder)) return read_processors(folder, request);
   return read_step(reader_of(given_folder ? folder / "system" / "controlDict" : request.file, request), request);
 }

@@ -196,6 +196,19 @@ TEST_F(ForeignFormats, NamesOutsideACaseAreRefused) {
   EXPECT_NE(std::string(list.what()).find("below its own directory"), std::string::npos) << list.what();
 }
 
+TEST_F(ForeignFormats, ACollatedCaseOfOpenFoamSaysHowToPutItTogether) {
+  namespace fs = std::filesystem;
+  fs::create_directories(file("collated/processors2/0.5"));
+  fs::copy(file("cavity/system"), file("collated/system"));
+  fs::create_directories(file("collated/constant"));
+  const Error error = test::refusal(file("collated"));
+  EXPECT_EQ(error.code(), ErrorCode::unsupported);
+  for (const char* word : {"collated: its times are in processors2", "reconstructPar", "foamFormatConvert"}) EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+  EXPECT_EQ(recognise(file("collated")).kind, FileKind::openfoam);
+  fs::create_directories(file("cavity/processors2/0.5"));  // put together already
+  EXPECT_EQ(test::open(file("cavity"))->times.size(), 3u);
+}
+
 /// What is known and not read says what it is and what to do.
 TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
   const Scratch scratch;
