@@ -1,9 +1,11 @@
 #include <vtkGenericEnSightReader.h>
 #include <vtkNew.h>
 
+#include <filesystem>
 #include <string>
 
 #include "import/check_ensight.h"
+#include "import/ensight_quotes.h"
 #include "import/read_vtk.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
@@ -11,9 +13,10 @@
 namespace isostrata {
 
 Imported read_ensight(const ReadRequest& request) {
+  const std::filesystem::path file = case_without_quotes(request);
   check_ensight_case(request.file);
   vtkNew<vtkGenericEnSightReader> reader;
-  reader->SetCaseFileName(request.file.c_str());
+  reader->SetCaseFileName(file.c_str());
   reader->ReadAllVariablesOn();
   for (const char* section : {"MATERIAL", "SCRIPTS", "BLOCK_CONTINUATION"})  // where the reader stops, it has read all that it wants
     pass_over_vtk_errors(std::string("invalid VARIABLE line: ") + section);

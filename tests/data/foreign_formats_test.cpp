@@ -196,6 +196,16 @@ TEST_F(ForeignFormats, NamesOutsideACaseAreRefused) {
   EXPECT_NE(std::string(list.what()).find("below its own directory"), std::string::npos) << list.what();
 }
 
+TEST_F(ForeignFormats, ANameWithBlanksInACaseIsRefusedAndSaysWhich) {
+  const std::string bytes = test::read_bytes(file("quotes.case"));
+  const auto at = bytes.find("six.geo");
+  const Error error = test::refusal(folder_.write("f/x.case", std::string(bytes).replace(at, 7, "my six.geo")));
+  EXPECT_EQ(error.code(), ErrorCode::unsupported);
+  EXPECT_NE(std::string(error.what()).find("'quoted/my six.geo'"), std::string::npos) << error.what();
+  const Error outside = test::refusal(folder_.write("f/x.case", std::string(bytes).replace(at, 7, "../../six.geo")));
+  EXPECT_NE(std::string(outside.what()).find("below its own directory"), std::string::npos) << outside.what();
+}
+
 TEST_F(ForeignFormats, ACollatedCaseOfOpenFoamSaysHowToPutItTogether) {
   namespace fs = std::filesystem;
   fs::create_directories(file("collated/processors2/0.5"));

@@ -10,6 +10,7 @@ The field is x + 10 y + 100 z over the indices of 6 x 5 x 4 points, so that no t
 import gzip
 import json
 import os
+import shutil
 import struct
 import sys
 import zlib
@@ -385,7 +386,12 @@ def older_and_binary_ensight():
     for name, section in (("material.case", "MATERIAL\nmaterial set number: 1 m\n"), ("scripts.case", "SCRIPTS\nmetadata: x.xml\n")):
         with open(name, "w") as out:
             out.write("FORMAT\ntype: ensight\nGEOMETRY\nmodel: six.geo\nVARIABLE\nscalar per node: f six.scl\n" + section)
-    for name, time in (("six.case", 0.0), ("gold.case", 0.5), ("material.case", 0.0), ("scripts.case", 0.0)):
+    os.makedirs("quoted")
+    for name in ("six.geo", "six.scl"):
+        shutil.copy(name, "quoted")
+    with open("quotes.case", "w") as out:  # as newer writers have names, which may then have blanks
+        out.write("FORMAT\ntype: ensight\nGEOMETRY\nmodel: \"quoted/six.geo\"\nVARIABLE\nscalar per node: f \"quoted/six.scl\"\r\n")
+    for name, time in (("six.case", 0.0), ("gold.case", 0.5), ("material.case", 0.0), ("scripts.case", 0.0), ("quotes.case", 0.0)):
         expect(name, "unstructured", 8, 1, {"f": [0, 7, 0]}, [0, 1, 0, 1, 0, 1], [1, 1, 0, "f", 2], [time])
 
 
