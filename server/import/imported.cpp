@@ -1,8 +1,20 @@
 #include "import/imported.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <string_view>
 
 namespace isostrata {
+namespace {
+
+bool is_address(std::string_view name) {
+  constexpr std::string_view kBegin = "Array 0x";
+  return name.size() > kBegin.size() && name.starts_with(kBegin) && name.find_first_not_of("0123456789abcdefABCDEF", kBegin.size()) == std::string_view::npos;
+}
+
+}  // namespace
+
+std::string name_or_place(const std::string& name, std::size_t place) { return name.empty() || is_address(name) ? "array " + std::to_string(place) : name; }
 
 void check_bytes(const ReadRequest& request, std::uint64_t bytes, const std::string& what) {
   if (bytes > request.max_bytes)

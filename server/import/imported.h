@@ -63,6 +63,9 @@ struct ReadRequest {
   std::function<void(double fraction)> progress = [](double) {};
 };
 
+/// "array 2" for the second array of a block if it has no name, or the one that VTK's writers give to such: "Array 0x55d0c1a0", an address, which differs from step to step.
+std::string name_or_place(const std::string& name, std::size_t place);
+
 /// Throws too_large where the running total passes the limit. `what` names the file.
 void check_bytes(const ReadRequest& request, std::uint64_t bytes, const std::string& what);
 

@@ -1,6 +1,7 @@
 #include "import/read_file.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <utility>
 
@@ -55,15 +56,22 @@ const std::pair<FileKind, Reader>* reader_of(FileKind kind) {
   return found == std::end(kReaders) ? nullptr : found;
 }
 
-}  // namespace
-
-Imported read_file(const ReadRequest& request) {
+Imported read_by_kind(const ReadRequest& request) {
   if (is_series_pattern(request.file)) return names_pictures(request.file) ? read_pictures(request) : read_numbered(request);
   const Recognised recognised = recognise(request.file);
   if (recognised.kind == FileKind::vtk_xml) return read_vtk_xml(request, recognised.vtk_type);
   if (const auto* reader = reader_of(recognised.kind)) return reader->second(request);
   throw Error(ErrorCode::unsupported, request.file.filename().string() + ": is " + std::string(format_of(recognised.kind).name) +
                                           ", for which the VTK that this program was built with has no reader");
+}
+
+}  // namespace
+
+Imported read_file(const ReadRequest& request) {
+  Imported imported = read_by_kind(request);
+  for (Block& block : imported.blocks)
+    for (std::size_t i = 0; i < block.arrays.size(); ++i) block.arrays[i].name = name_or_place(block.arrays[i].name, i + 1);
+  return imported;
 }
 
 }  // namespace isostrata

@@ -137,7 +137,7 @@ bool says_name(std::string_view element) {
   return false;
 }
 
-/// VTK's readers of structured grids give up where an array has no name.
+/// VTK's readers give up where an array has no name.
 void check_names(const ReadRequest& request) {
   std::ifstream in(request.file, std::ios::binary);
   std::string head(64 << 10, '\0');
@@ -252,6 +252,7 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
   if (type == "UnstructuredGrid") {
     if (auto in_place = vtu_in_place(request)) return std::move(*in_place);
+    check_names(request);
     return run_named<vtkXMLUnstructuredGridReader>(request);
   }
   if (type == "PImageData" || type == "PRectilinearGrid" || type == "PStructuredGrid" || type == "PUnstructuredGrid") {

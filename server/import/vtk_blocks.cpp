@@ -149,8 +149,7 @@ void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuple
   for (int i = 0; i < attributes->GetNumberOfArrays(); ++i) {
     vtkAbstractArray* abstract = attributes->GetAbstractArray(i);
     if (!abstract) continue;
-    const std::string array_name =
-        abstract->GetName() && *abstract->GetName() ? abstract->GetName() : "array " + std::to_string(i);
+    const std::string array_name = name_or_place(abstract->GetName() ? abstract->GetName() : "", block.arrays.size() + 1);
     if (array_name == vtkDataSetAttributes::GhostArrayName()) continue;  // hidden_cells has it
     vtkDataArray* array = vtkDataArray::SafeDownCast(abstract);
     if (!array || (array->GetDataType() != VTK_BIT && !scalar_type(array->GetDataType()))) {

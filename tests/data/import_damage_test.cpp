@@ -187,6 +187,13 @@ TEST(ImportDamage, AnArrayWithoutANameIsSaid) {
   }
   for (const std::string name : {"Name='a'", "\n\tName = \"a\""})
     EXPECT_EQ(test::open(scratch.write("x.vti", replaced(kImageHeader, "Name=\"a\"", name)))->array("a").upper, 7) << name;
+  const std::string mesh =
+      "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData>"
+      "<DataArray type=\"Float32\" format=\"ascii\">0 1 2 3</DataArray></PointData><Points><DataArray type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\" "
+      "format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points><Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>"
+      "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells>"
+      "</Piece></UnstructuredGrid></VTKFile>";
+  EXPECT_EQ(std::string(refusal(scratch.write("x.vtu", mesh)).what()), "x.vtu: an array of its PointData has no name; expected an attribute Name");
 }
 
 TEST(ImportDamage, AKeyOfTheProgramThatWroteAFileIsNoNote) {

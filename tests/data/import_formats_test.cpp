@@ -57,6 +57,24 @@ TEST(ImportFormats, StepsOfASeriesAreThoseOfItsFiles) {
   EXPECT_EQ(test::refusal(scratch / "still_0.vti", beyond).code(), ErrorCode::not_found);
 }
 
+TEST(ImportFormats, AnArrayWithoutANameIsNamedByItsPlaceInEveryStep) {
+  const Scratch scratch;
+  const auto file = [&](const std::string& name, double value, const std::string& first, const std::string& cell) {
+    const auto array = [](const std::string& of, double v, std::size_t count) { return testing::data_array(of, "Float64", std::vector<double>(count, v)); };
+    return scratch.write(name, testing::vti_text({0, 0, 0}, {2, 2, 2}, array(first, value, 8) + array("heat", 7, 8), array(cell, value + 1, 1)));
+  };
+  file("s_1.vti", 10, "Array 0x10f5d7f0", "Array 0x10b1d0b0");  // as VTK's writers have them
+  file("s_2.vti", 20, "Array 0x7ffe0a80", "Array 0x10f5d7f0");
+  for (const int step : {0, 1}) {
+    const auto data = test::open(scratch / "s_*.vti", step);
+    std::vector<std::string> names;
+    for (const PointArray& array : data->arrays) names.push_back(array.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"array 1", "heat", "array 3"}));
+    EXPECT_EQ(data->array("array 1").lower, 10 * (step + 1));
+    EXPECT_EQ(data->array("array 3").lower, 10 * (step + 1) + 1);
+  }
+}
+
 /// Kaufman's VolVis: a header of words, then slices of bytes, whole or in runs.
 std::string slc(bool runs) {
   std::string out = "11111\n5 4 3\n8\n1 2 0.5\n3\n0\n0\n" + std::to_string(runs) + "\n1 1 XRGB";  // with an icon of one pixel
