@@ -4,6 +4,8 @@
 #include <cctype>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <iterator>
 #include <map>
 #include <set>
@@ -66,6 +68,22 @@ bool counted_apart(const Facts& facts) {
   return 2 * several >= facts.fractions.size();
 }
 
+/// Whether each whole part has three or more fractions that count in equal steps, one of which may be missing: 5, 15, 25.
+bool counts_evenly(const Facts& facts) {
+  for (const auto& [whole, fractions] : facts.fractions) {
+    if (fractions.size() < 3) return false;
+    std::set<std::uint64_t> counted;
+    for (const std::string& fraction : fractions) counted.insert(std::strtoull(fraction.c_str(), nullptr, 10));
+    std::uint64_t least = *counted.rbegin(), most = 0;
+    for (auto it = counted.begin(), next = std::next(it); next != counted.end(); ++it, ++next) {
+      least = std::min(least, *next - *it);
+      most = std::max(most, *next - *it);
+    }
+    if (most > 2 * least) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 double WrittenNumber::value() const {
@@ -82,6 +100,7 @@ bool are_decimals(const std::vector<WrittenNumber>& numbers) {
   const Facts facts = facts_of(numbers);
   if (facts.all.size() == 1 || (!facts.fixed && !facts.shortest)) return false;
   if (!facts.fixed && facts.places) return true;
+  if (!facts.fixed && counts_evenly(facts) && !evenly_spaced(numbers)) return false;
   if (facts.fractions.size() == 1) return numbers.front().whole == "0" && !numbers.front().behind_letter;
   return evenly_spaced(numbers) || !counted_apart(facts);
 }

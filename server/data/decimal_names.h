@@ -18,7 +18,8 @@ struct WrittenNumber {
 };
 
 /// Whether the numbers at one place of some names, of which some have a dot, are decimals rather than two counters. They are if a program would have written them so, by %g or
-/// with a fixed number of places, unless the dot keeps series apart: each whole part has the same few fractions, or there is but one whole part that is not 0.
+/// with a fixed number of places ("1.10" beside "1.1" is neither), unless the dot keeps series apart: each whole part has the same few fractions, or fractions that count in equal steps
+/// where the decimals are not evenly spaced (1.5, 1.15, 1.25), or there is but one whole part that is not 0.
 bool are_decimals(const std::vector<WrittenNumber>& numbers);
 
 /// The text at the only star of a pattern, or at its only "*.*", in the name of each of its files; empty where the pattern has others.

@@ -66,6 +66,19 @@ struct Name {
     find_decimal();
   }
 
+  /// Whether number r stands one letter behind the one before.
+  bool behind(std::size_t r) const { return r > 0 && runs[r].first == runs[r - 1].first + runs[r - 1].second + 1; }
+  /// The first number of the date and time of day that number r is in: "2020-01-31_06:00:00", "20200131T0600". r itself where it is in none.
+  std::size_t date_of(std::size_t r) const {
+    const auto is_date = [](std::uint64_t month, std::uint64_t day) { return month >= 1 && month <= 12 && day >= 1 && day <= 31; };
+    if (behind(r) && runs[r - 1].second == 8 && (runs[r].second == 4 || runs[r].second == 6)) return is_date(numbers[r - 1] / 100 % 100, numbers[r - 1] % 100) ? r - 1 : r;
+    std::size_t first = r;
+    while (behind(first) && runs[first].second == 2) --first;
+    const bool date = r - first < 6 && runs[first].second == 4 && first + 2 < runs.size() && behind(first + 1) && behind(first + 2) && runs[first + 1].second == 2 && runs[first + 2].second == 2 &&
+                      is_date(numbers[first + 1], numbers[first + 2]);
+    return date ? first : r;
+  }
+
   bool dot_behind(std::size_t r) const {
     const std::size_t dot = runs[r].first + runs[r].second;
     return r + 1 < runs.size() && runs[r + 1].first == dot + 1 && text[dot] == '.';
@@ -116,11 +129,13 @@ void add_group(std::vector<Name> names, std::vector<NameGroup>& groups) {
     for (const Name& name : names) groups.push_back({name.text, {name.text}});
     return;
   }
-  if (varying.size() > 1) {
+  const std::size_t counts = names.front().date_of(varying.back());  // from here on
+  if (varying.front() < counts) {
     std::map<std::vector<std::uint64_t>, std::vector<Name>> apart;
     for (const Name& name : names) {
       std::vector<std::uint64_t> key;
-      for (std::size_t i = 0; i + 1 < varying.size(); ++i) key.push_back(name.numbers[varying[i]]);
+      for (const std::size_t r : varying)
+        if (r < counts) key.push_back(name.numbers[r]);
       apart[key].push_back(name);
     }
     if (apart.size() < names.size()) {

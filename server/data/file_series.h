@@ -29,7 +29,7 @@ struct NameGroup {
   std::vector<std::string> members;  // one or more, in the order of their numbers
 };
 
-/// Groups the names of one folder. Where several numbers differ the last counts steps and those before it keep series apart, as in run1_0001 ..., run2_0001
+/// Groups the names of one folder. Where several numbers differ the last (of a date and time of day all) counts steps and those before it keep series apart, as in run1_0001 ..., run2_0001
 /// ...; where no two names would then be left together, they count as one: step_0001_time_0.5.
 std::vector<NameGroup> group_by_number(std::vector<std::string> names);
 

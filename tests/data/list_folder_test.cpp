@@ -115,6 +115,33 @@ TEST(GroupByNumber, ADotMayKeepTwoNumbersApart) {
   EXPECT_EQ(grouped(counted), (Groups{{"run_1.*.vtk", 11}, {"run_2.*.vtk", 11}}));
 }
 
+TEST(GroupByNumber, WhetherADotIsOfADecimalTheWholeGroupSays) {
+  const auto named = [](std::initializer_list<const char*> numbers) {
+    std::vector<std::string> names;
+    for (const char* number : numbers) names.push_back("t_" + std::string(number) + ".vtk");
+    return names;
+  };
+  const auto first_members = [&](std::initializer_list<const char*> numbers) { return group_by_number(named(numbers)).front().members; };
+  // Counters: 1.10 beside 1.1 is no decimal; neither are numbers that count in equal steps behind the dot and are not evenly spaced with it.
+  EXPECT_EQ(grouped(named({"1.9", "1.10", "1.11"})), (Groups{{"t_1.*.vtk", 3}}));
+  EXPECT_EQ(first_members({"1.9", "1.10", "1.11"}).back(), "t_1.11.vtk");
+  EXPECT_EQ(grouped(named({"1.5", "1.15", "1.25", "2.5", "2.15", "2.25"})), (Groups{{"t_1.*.vtk", 3}, {"t_2.*.vtk", 3}}));
+  EXPECT_EQ(first_members({"0.8", "0.9", "0.11", "0.12"}), (std::vector<std::string>{"t_0.8.vtk", "t_0.9.vtk", "t_0.11.vtk", "t_0.12.vtk"}));
+  // Decimals: evenly spaced, or as many places each.
+  EXPECT_EQ(grouped(named({"0.25", "0.5", "0.75", "1.25", "1.5", "1.75"})), (Groups{{"t_*.*.vtk", 6}}));
+  EXPECT_EQ(grouped(named({"0.125", "0.25", "0.375", "0.5", "0.625"})), (Groups{{"t_*.*.vtk", 5}}));
+  EXPECT_EQ(grouped(named({"1.50", "1.15", "2.50", "3.25"})), (Groups{{"t_*.*.vtk", 4}}));
+  EXPECT_EQ(first_members({"1.50", "1.15", "2.50", "3.25"}).front(), "t_1.15.vtk");
+}
+
+TEST(GroupByNumber, ADateAndItsTimeOfDayCountAsOne) {
+  EXPECT_EQ(grouped({"wrfout_d01_2020-01-30_12:00:00", "wrfout_d01_2020-01-31_00:00:00", "wrfout_d01_2020-02-01_00:00:00", "wrfout_d02_2020-01-31_00:00:00", "wrfout_d02_2020-01-31_06:00:00"}),
+            (Groups{{"wrfout_d01_2020-*-*_*:00:00", 3}, {"wrfout_d02_2020-01-31_*:00:00", 2}}));
+  EXPECT_EQ(group_by_number({"t_2020-02-01.nc", "t_2020-01-31.nc", "t_2019-12-31.nc"}).front().members, (std::vector<std::string>{"t_2019-12-31.nc", "t_2020-01-31.nc", "t_2020-02-01.nc"}));
+  EXPECT_EQ(grouped({"r_20200131_0600.tif", "r_20200131_1200.tif", "r_20200201_0000.tif", "r_20200201_0600.tif"}), (Groups{{"r_*_*.tif", 4}}));
+  EXPECT_EQ(grouped({"a_2000-13-01.nc", "a_2000-13-02.nc", "a_2000-14-01.nc", "a_2000-14-02.nc"}), (Groups{{"a_2000-13-*.nc", 2}, {"a_2000-14-*.nc", 2}}));  // no month
+}
+
 TEST(NumberedFiles, DecimalNumbersAreTheirTimesInTheListingAndByAPattern) {
   const Scratch scratch;
   const std::vector<std::string> written{"0.05", "0.1", "0.15", "0.2", "1.0", "1.05", "10.0"};
