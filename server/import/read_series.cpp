@@ -10,6 +10,8 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "data/decimal_names.h"
 #include "data/file_series.h"
@@ -52,6 +54,20 @@ const Listed* in_memory(const ReadRequest& request, const std::vector<Listed>& s
   return like.files.size() == 1 && like.step == 0 ? &like : nullptr;
 }
 
+/// An array of NumPy has no name but its file's, which differs from step to step: it gets that of the series, "p" of "p_*.npy".
+void name_by_series(const std::filesystem::path& series, const std::filesystem::path& file, Imported& step) {
+  const std::string name = small_letters(file.filename().string());
+  if (!name.ends_with(".npy") && !name.ends_with(".npy.gz")) return;
+  std::string common = series.stem().string();
+  if (series.extension() == ".series" || small_letters(series.extension().string()) == ".gz") common = std::filesystem::path(common).stem().string();
+  std::erase(common, '*');
+  constexpr std::string_view kBetween = " _-.";
+  common.erase(0, common.find_first_not_of(kBetween));
+  common.erase(common.find_last_not_of(kBetween) + 1);
+  for (Block& block : step.blocks)
+    for (FileArray& array : block.arrays) array.name = common.empty() ? "values" : common;
+}
+
 Imported read_listed(const ReadRequest& request, const std::vector<Listed>& steps) {
   check_step(request, steps.size());
   Imported imported;
@@ -67,6 +83,7 @@ Imported read_listed(const ReadRequest& request, const std::vector<Listed>& step
     if (const Listed* const like = in_memory(request, steps); like && wanted.files.size() == 1) part.like = like->files.front();
     ++part.depth;
     Imported one = read_file(part);
+    name_by_series(request.file, file, one);
     for (Block& block : one.blocks) imported.blocks.push_back(std::move(block));
     for (std::string& note : one.notes) imported.notes.push_back(std::move(note));
   }

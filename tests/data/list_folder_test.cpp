@@ -254,6 +254,26 @@ TEST(NumberedFiles, HaveTheTimesThatAreAppendedToTheLastDigit) {
   EXPECT_EQ(test::open(scratch / "a1.vti")->times, (std::vector<double>{times[1]}));
 }
 
+/// NumPy's, version 1: two by two bytes.
+std::string npy(char value) {
+  std::string head = "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 2), }";
+  head += std::string(118 - 1 - head.size(), ' ') + "\n";
+  return std::string("\x93NUMPY\x01\0\x76\0", 10) + head + std::string(4, value);
+}
+
+TEST(NumberedFiles, OfNumPyHaveOneArrayUnderOneName) {
+  const Scratch scratch;
+  for (int n = 1; n <= 3; ++n) {
+    scratch.write("p_" + std::to_string(n) + ".npy", npy(static_cast<char>(n)));
+    scratch.write("q_" + std::to_string(n) + ".npy.gz", test::gzip(npy(static_cast<char>(n))));
+    scratch.write("only/" + std::to_string(n) + ".npy", npy(static_cast<char>(n)));
+  }
+  scratch.write("run.npy.series", R"({"files":[{"name":"p_1.npy","time":0},{"name":"p_2.npy","time":1}]})");
+  for (const auto& [source, name] : std::map<std::string, std::string>{{"p_*.npy", "p"}, {"q_*.npy.gz", "q"}, {"only/*.npy", "values"}, {"run.npy.series", "run"}})
+    for (int step = 0; step < 2; ++step) EXPECT_EQ(test::open(scratch / source, step)->array(name).lower, step + 1) << source;
+  EXPECT_EQ(test::open(scratch / "p_1.npy")->arrays.front().name, "p_1");
+}
+
 TEST(NumberedFiles, AListOfParaViewsSaysItsOwnTimes) {
   const Scratch scratch;
   for (const int n : {0, 1}) scratch.write("in/s_" + std::to_string(n) + ".vti", image(10 * n));
