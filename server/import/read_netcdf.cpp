@@ -233,7 +233,8 @@ Imported read_netcdf(const ReadRequest& request) {
   auto [dimensions, group] = choose_group(*reader, file);
   if (is_beyond(file, group.dimensions) || (!dimensions.empty() && netcdf_axes_in_groups(file) > static_cast<std::size_t>(std::min<std::ptrdiff_t>(group.axes, 3))))
     if (auto placed = read_netcdf_placed(file, request)) return std::move(*placed);
-  if (group.axes == 4) {
+  const bool said_time = !dimensions.empty() && is_netcdf_time(file, group.dimensions.front());  // by its name, where VTK's reader knows no such unit
+  if (group.axes == 4 || (group.axes == 3 && said_time && !reader->is_time(group.dimensions.front()))) {
     reader->count_along(group.dimensions.front());
     dimensions = choose_group(*reader, file).first;
   }

@@ -188,6 +188,10 @@ def time_behind(field, lattice, expect):
     with opened("xyt.nc", [("x", 6), ("y", 5), ("t", 2)]) as file:
         axis(file, "t", "t", [3, 5], {"axis": "T"})
         stored(file, "T", "f4", ("x", "y", "t"), both[0].transpose(1, 0, 2))
+    with opened("icon.nc", [("time", 2), ("y", 5), ("x", 6)]) as file:  # a unit of days that only its own programs know
+        axis(file, "time", "time", [20200101, 20200101.25], {"units": "day as %Y%m%d.%f"})
+        stored(file, "T", "f4", ("time", "y", "x"), np.moveaxis(both[0], -1, 0))
+    expect("icon.nc", "uniform", 30, 20, {"T": [1000, 1045, 0]}, [0, 5, 0, 4, 0, 0], [5, 3, 0, "T", 1035], [20200101, 20200101.25], 1)
     expect("xyt.nc", "uniform", 30, 20, {"T": [1000, 1045, 0]}, [0, 5, 0, 4, 0, 0], [5, 3, 0, "T", 1035], [3, 5], 1)
 
 
