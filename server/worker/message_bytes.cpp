@@ -42,6 +42,8 @@ constexpr FacetLabel last_of<FacetLabel> = FacetLabel::domain;
 template <>
 constexpr RangeOperator last_of<RangeOperator> = RangeOperator::exclusive_or;
 template <>
+constexpr ProbeEnd last_of<ProbeEnd> = ProbeEnd::eye;
+template <>
 constexpr RenderMode last_of<RenderMode> = RenderMode::prioritized;
 
 class Writer {

@@ -65,6 +65,12 @@ class FakeEngine {
       fail(r);
   }
   void answer(const MeasureRequest& r) { send(LayersMeasured{r.session, r.request, r.scene.revision, {}}); }
+  void answer(const ProbeRequest& r) {
+    ProbeFacts facts;
+    facts.hit = r.x < 0.5;
+    facts.miss = facts.hit ? "" : "nothing is there";
+    send(ProbeReady{r.session, r.request, r.scene.revision, std::move(facts)});
+  }
   void answer(const ExportRequest& r) {
     send(OperationProgress{r.session, 1, "writing", 0.5, r.request});
     send(ExportReady{r.session, r.request, {}});

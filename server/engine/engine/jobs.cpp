@@ -8,6 +8,7 @@
 #include "engine/messages/failure_of.h"
 #include "engine/picture/export_mesh.h"
 #include "engine/picture/interval_facts.h"
+#include "engine/picture/probe_scene.h"
 
 namespace isostrata {
 namespace {
@@ -140,6 +141,14 @@ std::vector<IntervalFacts> Jobs::measured(const MeasureRequest& request, const s
     if (!ready || error.code() != ErrorCode::too_large) throw;
     return interval_facts(*ready, request.scene, false, task);
   }
+}
+
+void Jobs::post(const ProbeRequest& request) {
+  answer(probers_, request.session, WorkClass::still, request, [this](const ProbeRequest& of, const Task& task) {
+    const CatalogueEntry source = datasets_.entry(of.scene.dataset);
+    const ProbeFacts facts = probe_scene(datasets_.steps(source), of.scene, {of.x, of.y, of.width, of.height}, task);
+    return ProbeReady{of.session, of.request, of.scene.revision, facts};
+  });
 }
 
 void Jobs::post(const ThumbnailRequest& request) {

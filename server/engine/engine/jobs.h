@@ -1,4 +1,4 @@
-// What only answers a question, and draws no frame: what a dataset is, histograms, statistics, measured layers, exported meshes, small pictures for lists.
+// What only answers a question, and draws no frame: what a dataset is, histograms, statistics, measured layers, values at a place, exported meshes, small pictures for lists.
 //
 // Questions of one kind and one session are answered one after the other, those of different sessions beside each other (lanes.h). What of a dataset
 // nobody's session asks has the dataset's own lane, so that a file that cannot be read holds up whoever asks for it and nobody else.
@@ -53,6 +53,7 @@ class Jobs {
   /// ready: what the scene's pictures were made of; null if that is not at hand. Its layers are not extracted again.
   void post(const MeasureRequest& request, std::shared_ptr<const ExtractedScene> ready);
   void post(const ThumbnailRequest& request);
+  void post(const ProbeRequest& request);
 
  private:
   using Running = std::shared_ptr<Operation>;
@@ -73,6 +74,7 @@ class Jobs {
   const FrameEngine::Sink send_;
   Lanes openers_{{0, 10}};     // by session; nice, so that readers of slow files take no picture's time
   Lanes counters_;             // of histograms and the like, by session
+  Lanes probers_;              // of places in pictures, by session: a hand waits, and counts may take seconds
   Lanes readers_{{8, 10}};     // of steps for their ranges, by dataset
   Lanes exporters_{{2, 10}};   // of mesh files, by session
   Lanes thumbnails_{{2, 10}};  // by dataset; two, so that a file that hangs holds up no others

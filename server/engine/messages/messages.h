@@ -19,6 +19,7 @@
 #include "engine/data/catalogue.h"
 #include "engine/data/dataset_facts.h"
 #include "engine/messages/exported_mesh.h"
+#include "engine/messages/probe.h"
 #include "extraction/files/write_mesh.h"
 #include "scene/scene.h"
 
@@ -120,6 +121,8 @@ struct MeasureRequest {
   Scene scene;
 };
 
+// ProbeRequest, answered by ProbeReady: probe.h.
+
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
 struct CancelRequest {
   SessionKey session = 0;
@@ -156,7 +159,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest>;
+                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest, ProbeRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -285,7 +288,7 @@ struct RequestFailed {
 };
 
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
-                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady>;
+                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady, ProbeReady>;
 
 /// The session that a request or an event is about.
 template <class... Messages>

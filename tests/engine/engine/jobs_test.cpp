@@ -124,6 +124,21 @@ TEST_F(JobsTest, BricksAreMeasuredByTheirCellsAndWithoutAnEstimateIfThoseDoNotFi
   EXPECT_EQ(failure_of(2).code, ErrorCode::unavailable);
 }
 
+TEST_F(JobsTest, APlaceIsProbedWhileAnExportOfTheSessionGoesOn) {
+  std::promise<void> go_on;
+  before_export_ = [waits = go_on.get_future().share()](const ExportRequest&) { waits.wait(); };
+  jobs_.post(export_of(kOurs, 1));
+  jobs_.post(ProbeRequest{kOurs, 2, scene(7), 0.5, 0.5, 40, 30});
+  const auto ready = wait_for<ProbeReady>([](const ProbeReady& of) { return of.request == 2; });
+  EXPECT_EQ(ready.revision, 7u);
+  EXPECT_TRUE(ready.facts.hit);
+  EXPECT_EQ(ready.facts.interval, 1u);
+  jobs_.post(ProbeRequest{kOurs, 3, scene(7), -0.5, 0.5, 40, 30});
+  EXPECT_EQ(failure_of(3).code, ErrorCode::invalid_argument);
+  go_on.set_value();
+  wait_for<ExportReady>([](const ExportReady& of) { return of.request == 1; });
+}
+
 TEST_F(JobsTest, QuestionsOfOneSessionWaitForEachOtherAndThoseOfAnotherDoNot) {
   std::promise<void> go_on;
   before_export_ = [waits = go_on.get_future().share()](const ExportRequest& of) {
