@@ -105,7 +105,7 @@ class BoxWalk {
   std::vector<std::int64_t> found_;
 };
 
-/// Across the ray and along it: a cell that the ray meets has 0 between its least and its greatest place across, both ways.
+/// Across the ray and along it.
 class RayFrame {
  public:
   explicit RayFrame(const ViewRay& ray) : ray_(ray) {
@@ -115,40 +115,108 @@ class RayFrame {
     upward_ = cross(d, across_);
   }
 
-  /// In this frame, from the ray's origin.
+  /// From the ray's origin: to two sides, and along it.
   Vec3d place(Vec3d p) const {
     const Vec3d from = p - ray_.origin;
     return {dot(from, across_), dot(from, upward_), dot(from, ray_.direction)};
   }
-  /// slack: world units.
-  bool meets(const Box3d& box, double slack) const {
-    return box.lower.x <= slack && box.upper.x >= -slack && box.lower.y <= slack && box.upper.y >= -slack && box.upper.z >= ray_.first - slack &&
-           box.lower.z <= ray_.last + slack;
+  /// On which sides of the ray a point lies: a bit for each of left, right, below and above; on the ray, to rounding, for both. None of one that is not
+  /// finite. A cell that the ray meets has points on all sides.
+  std::uint8_t sides(Vec3d p) const {
+    const Vec3d at = place(p);
+    const double slack = rounding(at.z);
+    return static_cast<std::uint8_t>((at.x <= slack ? 1 : 0) | (at.x >= -slack ? 2 : 0) | (at.y <= slack ? 4 : 0) | (at.y >= -slack ? 8 : 0));
+  }
+  bool reaches(double least, double most) const {
+    return most >= ray_.first - rounding(most) && least <= ray_.last + rounding(least);
   }
 
  private:
+  /// What is rounded away grows with the distance to the eye.
+  static double rounding(double along) { return 1e-12 * std::abs(along); }
+
   const ViewRay& ray_;
   Vec3d across_, upward_;
 };
+constexpr std::uint8_t kAllSides = 15;
 
-/// include(box, id): puts the places of a point into the box.
-template <class Include>
-std::vector<std::int64_t> look_at_each(const Grid& grid, const RayFrame& frame, const Include& include, const Task& task) {
+void add_sides(const Grid& grid, const RayFrame& frame, std::vector<std::uint8_t>& sides, const Task& task) {
+  const auto add = [&](const auto& point) {
+    parallel_for(static_cast<std::int64_t>(sides.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+      task.check();
+      for (std::int64_t p = begin; p < end; ++p) sides[static_cast<std::size_t>(p)] |= frame.sides(point(p));
+    });
+  };
+  const auto add_stored = [&](const PointSpan& points) {
+    std::visit(
+        [&](auto span) {
+          add([span](std::int64_t id) {
+            const auto& p = span[static_cast<std::size_t>(id)];
+            return Vec3d{p.x, p.y, p.z};
+          });
+        },
+        points);
+  };
+  if (const auto* bent = std::get_if<CurvilinearGrid>(&grid.shape))
+    add_stored(bent->points);
+  else if (const auto* free = std::get_if<UnstructuredGrid>(&grid.shape))
+    add_stored(free->points);
+  else
+    add([&grid](std::int64_t id) { return grid.point(id); });
+}
+
+/// Calls found(cell) for each cell of a row of a structured grid with points on all sides.
+template <class Found>
+void look_at_row(const std::array<std::int64_t, 3>& dims, const std::vector<std::uint8_t>& sides, std::int64_t row, const Found& found) {
+  const std::int64_t cells_x = std::max<std::int64_t>(dims[0] - 1, 1), cells_y = std::max<std::int64_t>(dims[1] - 1, 1);
+  const std::int64_t dx = dims[0] > 1 ? 1 : 0, dy = dims[1] > 1 ? dims[0] : 0, dz = dims[2] > 1 ? dims[0] * dims[1] : 0;
+  const std::uint8_t* const at = sides.data() + dims[0] * (row % cells_y + dims[1] * (row / cells_y));
+  for (std::int64_t i = 0; i < cells_x; ++i) {
+    const std::uint8_t* const p = at + i;
+    const int all = p[0] | p[dy] | p[dz] | p[dy + dz] | p[dx] | p[dx + dy] | p[dx + dz] | p[dx + dy + dz];
+    if (all == kAllSides) found(row * cells_x + i);
+  }
+}
+
+template <class Found>
+void look_at_cells(const UnstructuredGrid& grid, const std::vector<std::uint8_t>& sides, std::int64_t begin, std::int64_t end, const Found& found) {
+  for (std::int64_t cell = begin; cell < end; ++cell) {
+    const auto first = static_cast<std::size_t>(grid.offsets[static_cast<std::size_t>(cell)]), last = static_cast<std::size_t>(grid.offsets[static_cast<std::size_t>(cell) + 1]);
+    int all = 0;
+    for (std::size_t v = first; v < last; ++v) all |= sides[static_cast<std::size_t>(grid.connectivity[v])];
+    if (all == kAllSides) found(cell);
+  }
+}
+
+/// grids: of the same cells; each point is in each of its places.
+std::vector<std::int64_t> look_at_each(std::span<const Grid* const> grids, const ViewRay& ray, const Task& task) {
+  const RayFrame frame(ray);
+  const Grid& grid = *grids.front();
+  std::vector<std::uint8_t> sides(static_cast<std::size_t>(grid.point_count()));
+  for (const Grid* of : grids) add_sides(*of, frame, sides, task);
+  const auto along_ray = [&](std::int64_t cell) {
+    std::array<std::int64_t, kMaxCellVertices> ids;
+    const int count = grid.cell_points(cell, ids);
+    Box3d box;
+    for (const Grid* of : grids)
+      for (int v = 0; v < count; ++v) box.include(frame.place(of->point(ids[static_cast<std::size_t>(v)])));
+    return frame.reaches(box.lower.z, box.upper.z);
+  };
   std::mutex mutex;  // guards `found`
   std::vector<std::int64_t> found;
-  parallel_for(grid.cell_count(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+  const auto* const free = std::get_if<UnstructuredGrid>(&grid.shape);
+  const auto dims = free ? std::array<std::int64_t, 3>{} : grid.dims();
+  const std::int64_t rows = free ? grid.cell_count() : grid.cell_count() / std::max<std::int64_t>(dims[0] - 1, 1);
+  parallel_for(rows, free ? 1 << 15 : 256, [&](std::int64_t begin, std::int64_t end) {
     task.check();
     std::vector<std::int64_t> here;
-    std::array<std::int64_t, kMaxCellVertices> ids;
-    for (std::int64_t cell = begin; cell < end; ++cell) {
-      if (grid.hidden(cell)) continue;
-      const int count = grid.cell_points(cell, ids);
-      Box3d box;
-      for (int v = 0; v < count; ++v) include(box, ids[static_cast<std::size_t>(v)]);
-      // What is rounded away grows with the distance to the eye.
-      const double slack = 1e-12 * std::max(std::abs(box.lower.z), std::abs(box.upper.z));
-      if (frame.meets(box, slack)) here.push_back(cell);
-    }
+    const auto take = [&](std::int64_t cell) {
+      if (!grid.hidden(cell) && along_ray(cell)) here.push_back(cell);
+    };
+    if (free)
+      look_at_cells(*free, sides, begin, end, take);
+    else
+      for (std::int64_t row = begin; row < end; ++row) look_at_row(dims, sides, row, take);
     const std::lock_guard lock(mutex);
     found.insert(found.end(), here.begin(), here.end());
   });
@@ -161,27 +229,14 @@ std::vector<std::int64_t> look_at_each(const Grid& grid, const RayFrame& frame, 
 std::vector<std::int64_t> ray_cells(const Grid& grid, const ViewRay& ray, const Task& task) {
   if (grid.cell_count() == 0 || !(ray.first <= ray.last)) return {};
   if (grid.rectilinear()) return BoxWalk(grid, ray).cells();
-  const RayFrame frame(ray);
-  const auto* bent = std::get_if<CurvilinearGrid>(&grid.shape);
-  return std::visit(
-      [&](auto points) {
-        const auto include = [&](Box3d& box, std::int64_t id) {
-          const auto& p = points[static_cast<std::size_t>(id)];
-          box.include(frame.place({p.x, p.y, p.z}));
-        };
-        return look_at_each(grid, frame, include, task);
-      },
-      bent ? bent->points : std::get<UnstructuredGrid>(grid.shape).points);
+  const Grid* const one = &grid;
+  return look_at_each(std::span(&one, 1), ray, task);
 }
 
 std::vector<std::int64_t> ray_cells(const Grid& first, const Grid& second, const ViewRay& ray, const Task& task) {
   if (first.cell_count() == 0 || !(ray.first <= ray.last)) return {};
-  const RayFrame frame(ray);
-  const auto include = [&](Box3d& box, std::int64_t id) {
-    box.include(frame.place(first.point(id)));
-    box.include(frame.place(second.point(id)));
-  };
-  return look_at_each(first, frame, include, task);
+  const std::array<const Grid*, 2> both{&first, &second};
+  return look_at_each(both, ray, task);
 }
 
 }  // namespace isostrata

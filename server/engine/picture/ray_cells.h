@@ -11,8 +11,8 @@
 
 namespace isostrata {
 
-/// Cells, rising, none of them hidden, among which is each that the ray meets: those whose extent across the ray holds it, or of a grid of boxes, those
-/// whose box it meets. Of a grid of boxes they are found by walking, else each cell is looked at once, in parallel. Throws cancelled. Any thread.
+/// Cells, rising, none of them hidden, among which is each that the ray meets: those with points on all sides of it, or of a grid of boxes, those
+/// whose box it meets. Of a grid of boxes they are found by walking, else each point and each cell is looked at once, in parallel, with a byte a point. Throws cancelled. Any thread.
 std::vector<std::int64_t> ray_cells(const Grid& grid, const ViewRay& ray, const Task& task);
 /// The same of cells on their way from one grid to another of the same cells, wherever on it.
 std::vector<std::int64_t> ray_cells(const Grid& first, const Grid& second, const ViewRay& ray, const Task& task);
