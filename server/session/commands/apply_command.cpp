@@ -288,6 +288,14 @@ std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height) {
   return std::nullopt;
 }
 
+std::optional<v1::Error> check_probe(const v1::ProbePoint& probe) {
+  const auto outside = [](double at) { return !(at >= 0 && at <= 1); };
+  if (outside(probe.x())) return wire_error("invalid_argument", "x is not in the picture; expected 0 at its left edge to 1 at its right one", "x");
+  if (outside(probe.y())) return wire_error("invalid_argument", "y is not in the picture; expected 0 at its top to 1 at its bottom", "y");
+  if (probe.width() != 0 || probe.height() != 0) return check_size(probe.width(), probe.height());
+  return std::nullopt;
+}
+
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context) {
   try {
     if (request.bins() < 1 || request.bins() > static_cast<std::uint32_t>(kMaxBins))

@@ -64,6 +64,8 @@ std::string asked_dataset(const v1::OpenDataset& wanted, std::optional<v1::Error
 
 /// Null where the size is one that can be drawn; names the field that is not.
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);
+/// Null where the place is one of a picture.
+std::optional<v1::Error> check_probe(const v1::ProbePoint& probe);
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context);
 
 }  // namespace isostrata

@@ -254,6 +254,11 @@ RequestId Session::picture(int width, int height, StillFormat format, EngineDoor
   return engine_.ask(std::move(request), std::move(listener));
 }
 
+RequestId Session::probe(double x, double y, int width, int height, EngineDoor::Listener listener, TimePoint now) {
+  use_.touch(now);
+  return engine_.ask(ProbeRequest{key_, 0, drawn(), x, y, width, height}, std::move(listener));
+}
+
 void Session::on_event(const EngineEvent& event, TimePoint now) {
   v1::ServerMessage message;
   if (const auto* progress = std::get_if<OperationProgress>(&event)) {

@@ -119,6 +119,9 @@ class Session final : private SessionDataset::Audience {
   /// One picture of the newest scene for a script. The answer is FrameReady or RequestFailed.
   RequestId picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now);
 
+  /// What lies at a place of the newest picture of this size, for a script; a dataset must be open. The answer is ProbeReady or RequestFailed.
+  RequestId probe(double x, double y, int width, int height, EngineDoor::Listener listener, TimePoint now);
+
   /// An event of the session that answers no request: progress, done, a failed extraction.
   void on_event(const EngineEvent& event, TimePoint now);
 
@@ -152,6 +155,7 @@ class Session final : private SessionDataset::Audience {
   void receive_ack(Viewer& viewer, const v1::FrameAck& ack, TimePoint now);
   void receive_still(Viewer& viewer, const v1::ClientMessage& message, TimePoint now, const Reply& reply);
   void receive_histogram(Viewer& viewer, const v1::ClientMessage& message);
+  void receive_probe(Viewer& viewer, const v1::ClientMessage& message);
 
   void open_dataset(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload, std::uint64_t command);
   void run_queue(TimePoint now);

@@ -65,6 +65,8 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       return receive_still(viewer, message, now, reply);
     case v1::ClientMessage::kRequestHistogram:
       return receive_histogram(viewer, message);
+    case v1::ClientMessage::kProbePoint:
+      return receive_probe(viewer, message);
     case v1::ClientMessage::kCancel:
       dataset_.cancel(message.cancel().operation(), now);
       engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
@@ -124,6 +126,25 @@ void Session::receive_histogram(Viewer& viewer, const v1::ClientMessage& message
   if (scene.array == array.name) request.values = scene.values;
   request.least = array.range(request.values);
   answers_.count(viewer, std::move(request), seq);
+}
+
+void Session::receive_probe(Viewer& viewer, const v1::ClientMessage& message) {
+  const std::uint64_t seq = message.seq();
+  const v1::ProbePoint& wanted = message.probe_point();
+  const auto refuse = [&](v1::Error error) { viewer.outbox->send(error_message(std::move(error), seq)); };
+  if (auto error = check_probe(wanted)) return refuse(std::move(*error));
+  if (dataset_.opening()) {
+    if (queue_.full()) return refuse(wire_error("unavailable", "too many commands wait for the dataset"));
+    return queue_.add([this, key = viewer.key, message](TimePoint) {
+      if (Viewer* to = people_.find(key)) receive_probe(*to, message);
+    });
+  }
+  const bool as_shown = wanted.width() == 0;
+  const int width = as_shown ? viewer.frames.width() : static_cast<int>(wanted.width());
+  const int height = as_shown ? viewer.frames.height() : static_cast<int>(wanted.height());
+  if (!drawable()) return refuse(wire_error("not_found", "no dataset is open; open one first"));
+  if (width < 1 || height < 1) return refuse(wire_error("invalid_argument", "there is no viewport in which the place could lie; say width and height", "width"));
+  answers_.probe(viewer, {key_, 0, drawn(), wanted.x(), wanted.y(), width, height}, seq);
 }
 
 }  // namespace isostrata

@@ -58,7 +58,35 @@ void ViewerAnswers::count(Viewer& viewer, HistogramRequest request, std::uint64_
   });
 }
 
+void ViewerAnswers::probe(Viewer& viewer, ProbeRequest request, std::uint64_t seq) {
+  if (const auto before = probes_.find(viewer.key); before != probes_.end()) {
+    viewer.outbox->send(error_message(wire_error("cancelled", "a newer probe of this connection has taken its place"), before->second.seq));
+    give_up_probe(viewer.key);
+  }
+  const RequestId asked = engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
+    probes_.erase(key);
+    Viewer* to = people_.find(key);
+    if (!to) return;
+    if (const auto* failed = std::get_if<RequestFailed>(&event)) return to->outbox->send(error_message(wire_error(*failed), seq));
+    if (const auto* ready = std::get_if<ProbeReady>(&event)) {
+      v1::ServerMessage answer;
+      *answer.mutable_probe_result() = to_wire(*ready);
+      answer.mutable_probe_result()->set_in_reply_to(seq);
+      to->outbox->send(std::move(answer));
+    }
+  });
+  probes_[viewer.key] = {asked, seq};
+}
+
+void ViewerAnswers::give_up_probe(ViewerKey viewer) {
+  const auto node = probes_.extract(viewer);
+  if (node.empty()) return;
+  engine_.post(CancelRequest{session_, 0, node.mapped().request, true});
+  engine_.forget(node.mapped().request);
+}
+
 void ViewerAnswers::leave(ViewerKey viewer) {
+  give_up_probe(viewer);
   const auto node = pictures_.extract(viewer);
   if (node.empty()) return;
   for (const RequestId request : node.mapped()) {

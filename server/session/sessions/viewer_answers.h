@@ -1,5 +1,5 @@
 // What the engine is asked for one viewer alone: pictures to keep, which are not shown, so that neither credits nor the ladder have to do
-// with them, and histograms.
+// with them, histograms, and what lies at a place.
 #pragma once
 
 #include <map>
@@ -23,16 +23,24 @@ class ViewerAnswers {
   void draw(Viewer& viewer, const v1::RequestStill& wanted, std::uint64_t seq);
   /// Answers by a Histogram or an Error.
   void count(Viewer& viewer, HistogramRequest request, std::uint64_t seq);
+  /// Answers by a ProbeResult or an Error. One that the viewer asked before and that is not answered yet is given up, and answered so.
+  void probe(Viewer& viewer, ProbeRequest request, std::uint64_t seq);
   /// The viewer is gone.
   void leave(ViewerKey viewer);
 
  private:
+  void give_up_probe(ViewerKey viewer);
   void drawn(ViewerKey viewer, RequestId request, std::uint64_t seq, const EngineEvent& event);
 
   const SessionKey session_;
   EngineDoor& engine_;
   const Participants& people_;
   std::map<ViewerKey, std::set<RequestId>> pictures_;  // that are being drawn
+  struct Probe {
+    RequestId request = 0;
+    std::uint64_t seq = 0;
+  };
+  std::map<ViewerKey, Probe> probes_;                  // that are being looked up
   int histograms_ = 0;                                 // that are being counted
 };
 

@@ -270,6 +270,62 @@ v1::LayerFacts to_wire(const LayersMeasured& measured) {
 
 Vec3d vector_of(const v1::Vec3& wire) { return {wire.x(), wire.y(), wire.z()}; }
 
+namespace {
+
+v1::ProbeEnd to_wire(ProbeEnd end) {
+  switch (end) {
+    case ProbeEnd::lower:
+      return v1::PROBE_END_LOWER;
+    case ProbeEnd::upper:
+      return v1::PROBE_END_UPPER;
+    case ProbeEnd::domain:
+      return v1::PROBE_END_DOMAIN;
+    case ProbeEnd::range:
+      return v1::PROBE_END_RANGE;
+    case ProbeEnd::cut:
+      return v1::PROBE_END_CLIP_PLANE;
+    case ProbeEnd::eye:
+      return v1::PROBE_END_EYE;
+  }
+  return v1::PROBE_END_UNSPECIFIED;
+}
+
+void add_place(v1::ProbeResult& out, const ProbeFacts& facts) {
+  if (facts.cell >= 0) out.set_cell(facts.cell);
+  if (facts.point >= 0) out.set_point(facts.point);
+  if (!facts.structured) return;
+  for (const std::int64_t index : facts.cell_index) out.add_cell_index(index);
+  for (const std::int64_t index : facts.point_index) out.add_point_index(index);
+}
+
+}  // namespace
+
+v1::ProbeResult to_wire(const ProbeReady& probed) {
+  const ProbeFacts& facts = probed.facts;
+  v1::ProbeResult out;
+  out.set_revision(probed.revision);
+  out.set_hit(facts.hit);
+  out.set_step(facts.step);
+  if (facts.time) out.set_time(*facts.time);
+  if (!facts.hit) {
+    out.set_miss(valid_utf8(facts.miss));
+    return out;
+  }
+  *out.mutable_position() = to_wire(facts.position);
+  out.set_distance(facts.distance);
+  out.set_interval(facts.interval);
+  if (facts.term >= 0) out.set_term(facts.term);
+  out.set_end(to_wire(facts.end));
+  add_place(out, facts);
+  for (const ProbedArray& array : facts.arrays) {
+    v1::ProbedArray& to = *out.add_arrays();
+    to.set_name(valid_utf8(array.name));
+    if (array.value) to.set_value(*array.value);
+    if (array.cell_value) to.set_cell_value(*array.cell_value);
+  }
+  return out;
+}
+
 Annotations annotations_of(const v1::Annotations& wanted) { return {wanted.axes(), wanted.box(), wanted.legend()}; }
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field) {

@@ -77,6 +77,32 @@ TEST_F(AnswersForOneViewer, WithoutASizeThePictureIsAsLargeAsTheViewport) {
   EXPECT_EQ(std::get<FrameRequest>(engine_.asked.back()).height, 480);
 }
 
+TEST_F(AnswersForOneViewer, ANewerProbeTakesThePlaceOfTheOneBefore) {
+  answers_.probe(viewers_[1], {}, 5);
+  answers_.probe(viewers_[2], {}, 6);
+  answers_.probe(viewers_[1], {}, 7);
+  EXPECT_EQ(outboxes_[1].error().code(), "cancelled");
+  EXPECT_EQ(outboxes_[1].error().in_reply_to(), 5u);
+  ASSERT_EQ(engine_.posted.size(), 1u);
+  EXPECT_EQ(std::get<CancelRequest>(engine_.posted[0]).request, 1u);
+  EXPECT_TRUE(outboxes_[2].messages.empty()) << "another's probe is none of its business";
+  ProbeReady ready{7, 3, 42, {}};
+  ready.facts.hit = true;
+  ready.facts.arrays = {{"a", 1.5, {}}, {"b", {}, 2.0}};
+  engine_.answer(3, ready);
+  const v1::ProbeResult& told = outboxes_[1].messages.back().probe_result();
+  EXPECT_EQ(told.in_reply_to(), 7u);
+  EXPECT_EQ(told.revision(), 42u);
+  EXPECT_FALSE(told.has_cell());
+  EXPECT_EQ(told.arrays(0).value(), 1.5);
+  EXPECT_FALSE(told.arrays(1).has_value());
+  EXPECT_EQ(told.arrays(1).cell_value(), 2.0);
+  answers_.probe(viewers_[1], {}, 8);
+  EXPECT_EQ(engine_.posted.size(), 1u) << "nothing to give up";
+  answers_.leave(1);
+  EXPECT_EQ(std::get<CancelRequest>(engine_.posted[1]).request, 4u);
+}
+
 TEST_F(AnswersForOneViewer, WhoIsGoneHasNothingDrawn) {
   draw(1, 1);
   draw(2, 1);
