@@ -136,6 +136,7 @@ export const command = {
     value: { width, height, annotations },
   }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
+  probePoint: (x: number, y: number): Command => ({ case: 'probePoint', value: { x, y } }),
   reloadDataset: (): Command => ({ case: 'reloadDataset', value: {} }),
   listDatasets: (folder: string, search: string, first: number, most: number): Command => ({
     case: 'listDatasets',

@@ -2,13 +2,15 @@
 import { create, fromBinary } from '@bufbuild/protobuf';
 import {
   FramePhase as WirePhase,
+  ProbeEnd as WireEnd,
   ServerMessageSchema,
   StageTimesSchema,
   type Frame as WireFrame,
   type Invitation as WireInvitation,
+  type ProbeResult as WireProbe,
   type Welcome as WireWelcome,
 } from '../gen/isostrata/v1/isostrata_pb';
-import type { Frame, Invitation, ServerEvent, Welcome } from './told';
+import type { Frame, Invitation, ProbeResult, ServerEvent, Welcome } from './told';
 import { plain, roles } from './protocol';
 import { datasetInfoOf, entryOf, listOf } from './wire-datasets';
 import { cameraOf, stateOf } from './wire-scene';
@@ -36,6 +38,8 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
         kind: 'volumeErrors',
         errors: body.value.intervals.flatMap(({ id, volume, volumeError: error }) => (error === undefined ? [] : [{ id, volume, error }])),
       };
+    case 'probeResult':
+      return { kind: 'probeResult', inReplyTo: Number(body.value.inReplyTo), result: probeOf(body.value) };
     case 'progress':
       return { kind: 'progress', progress: plain(body.value) };
     case 'done':
@@ -78,6 +82,36 @@ function welcomeOf({ datasets, state, datasetInfo, role, lastCommand, limits, ..
       maxWidth: limits?.maxWidth || 4096,
       maxHeight: limits?.maxHeight || 4096,
     },
+  };
+}
+
+const ends: Record<WireEnd, ProbeResult['end']> = {
+  [WireEnd.UNSPECIFIED]: 'domain',
+  [WireEnd.LOWER]: 'lower',
+  [WireEnd.UPPER]: 'upper',
+  [WireEnd.DOMAIN]: 'domain',
+  [WireEnd.RANGE]: 'range',
+  [WireEnd.CLIP_PLANE]: 'cut',
+  [WireEnd.EYE]: 'eye',
+};
+
+function probeOf({ revision, hit, miss, position, distance, interval, term, end, cell, point, cellIndex, pointIndex, step, time, arrays }: WireProbe): ProbeResult {
+  return {
+    revision: Number(revision),
+    hit,
+    miss,
+    position: [position?.x ?? 0, position?.y ?? 0, position?.z ?? 0],
+    distance,
+    interval,
+    term: term ?? null,
+    end: ends[end] ?? 'domain',
+    cell: cell === undefined ? null : Number(cell),
+    point: point === undefined ? null : Number(point),
+    cellIndex: cellIndex.map(Number),
+    pointIndex: pointIndex.map(Number),
+    step,
+    time: time ?? null,
+    arrays: arrays.map(({ name, value, cellValue }) => ({ name, value: value ?? null, cellValue: cellValue ?? null })),
   };
 }
 

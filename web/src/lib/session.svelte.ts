@@ -16,6 +16,7 @@ import { Notices } from './notices.svelte';
 import { OpenDataset } from './open-dataset.svelte';
 import { Outgoing } from './outgoing';
 import { People } from './people.svelte';
+import { Probe } from './probe.svelte';
 import { protocolMajor } from './protocol';
 import { Recovery } from './recovery';
 import type { SavedTab } from './saved';
@@ -64,6 +65,7 @@ export class Session {
   readonly history: History;
   readonly frames: FrameView;
   readonly stills: Stills;
+  readonly probe: Probe;
   readonly files: FileList;
   readonly people: People;
   readonly work: Work;
@@ -107,6 +109,7 @@ export class Session {
       now,
     });
     this.stills = new Stills((body) => out.sendInOrder(body));
+    this.probe = new Probe((body) => out.sendInOrder(body));
     this.files = new FileList({ send, after });
     this.work = new Work(send);
     this.#recovery = new Recovery({ saved, calm, after });
@@ -151,7 +154,7 @@ export class Session {
   #onStatus(status: ConnectionStatus): void {
     this.status = status;
     if (status.kind === 'connected') return;
-    for (const part of [this.#out, this.work, this.stills, this.frames, this.history]) part.lost();
+    for (const part of [this.#out, this.work, this.stills, this.probe, this.frames, this.history]) part.lost();
     this.#trip = new Smoothed();
     this.roundTripMs = null;
   }
@@ -173,6 +176,8 @@ export class Session {
         return this.dataset.toldHistogram(event.histogram);
       case 'frame':
         return this.#onFrame(event.frame);
+      case 'probeResult':
+        return void this.probe.answer(event.inReplyTo, event.result);
       case 'volumeErrors':
         this.volumeErrors = event.errors;
         return;
@@ -255,6 +260,7 @@ export class Session {
     this.scene.told(state);
     this.history.told(heeded);
     this.selection.told(before.intervals, state.intervals);
+    this.probe.stateTold(state.revision);
     this.views.goOn();
     this.#askHistogram();
     this.#recovery.keep(state);
@@ -274,7 +280,7 @@ export class Session {
   #onError({ inReplyTo, code, message, field }: ServerError): void {
     // The link that this page came by is over: another try would be refused alike.
     if ((code === 'forbidden' && !inReplyTo) || code === 'unsupported_version') this.#connection.refuse(message);
-    if (this.stills.answer(inReplyTo, message || code)) return;
+    if (this.stills.answer(inReplyTo, message || code) || this.probe.answer(inReplyTo, message || code)) return;
     const about = this.#out.refused(inReplyTo);
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open

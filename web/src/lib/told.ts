@@ -1,5 +1,5 @@
 // What the server tells, as the page's own plain types: datasets, frames, people, work. Numbers are numbers here; events.ts is where they meet Protobuf.
-import type { Box, Camera, Range, SceneState } from './model';
+import type { Box, Camera, Range, SceneState, Vec3 } from './model';
 
 export interface ArrayInfo extends Range {
   name: string;
@@ -73,6 +73,25 @@ export interface Histogram extends Range {
   step: number;
   array: string;
   counts: number[];
+}
+
+/** What lies at a place of the picture. Where nothing is, `miss` says why, and the rest says nothing. */
+export interface ProbeResult {
+  revision: number; // of the state that was looked at
+  hit: boolean;
+  miss: string;
+  position: Vec3;
+  distance: number; // from the eye
+  interval: number; // its id; 0: what a combined range has brought in
+  term: number | null; // that range
+  end: 'lower' | 'upper' | 'domain' | 'range' | 'cut' | 'eye';
+  cell: number | null;
+  point: number | null; // the nearest of the cell's
+  cellIndex: number[]; // i, j, k on structured grids
+  pointIndex: number[];
+  step: number;
+  time: number | null;
+  arrays: { name: string; value: number | null; cellValue: number | null }[]; // null: no number, or not of cells
 }
 
 export interface Welcome {
@@ -223,6 +242,7 @@ export type ServerEvent =
   | { kind: 'datasetInfo'; info: DatasetInfo }
   | { kind: 'histogram'; histogram: Histogram }
   | { kind: 'frame'; frame: Frame }
+  | { kind: 'probeResult'; inReplyTo: number; result: ProbeResult }
   | { kind: 'volumeErrors'; errors: VolumeError[] }
   | { kind: 'progress'; progress: Progress }
   | { kind: 'done'; done: Done }

@@ -1,0 +1,129 @@
+// A person points at the picture and reads what is there, by mouse, key and finger.
+import type { Browser } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { Server } from './server';
+import { launch, Viewer, type Picture } from './viewer';
+
+let server: Server;
+let browser: Browser;
+let viewer: Viewer;
+
+beforeAll(async () => {
+  server = await Server.start({ data: ['torus:48', 'mixed:9'] });
+  browser = await launch();
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+afterEach(async () => {
+  await viewer?.close();
+  server.checkAlive();
+});
+
+const viewport = () => viewer.page.getByRole('application');
+const card = () => viewer.page.getByRole('region', { name: 'Values at this place' });
+const marker = () => viewer.page.locator('.marker');
+/** What the card says behind a name. */
+const said = (name: string) => card().locator('div', { has: viewer.page.locator(`dt:text-is("${name}")`) }).locator('dd').innerText();
+
+/** The pixel nearest to the picture's middle that is drawn, or is not. */
+function nearest(picture: Picture, drawn: boolean): { x: number; y: number } {
+  const { width, height, pixels } = picture;
+  let best = { x: 0, y: 0, far: Infinity };
+  for (let y = 8; y < height - 8; y++)
+    for (let x = 8; x < width - 8; x++) {
+      // Not at an edge: the eight around it are alike.
+      const alike = [-8, 0, 8].every((dy) =>
+        [-8, 0, 8].every((dx) => {
+          const at = 4 * ((y + dy) * width + x + dx);
+          return [0, 1, 2].some((c) => Math.abs((pixels[at + c] as number) - (pixels[c] as number)) > 6) === drawn;
+        }),
+      );
+      const far = Math.hypot(x - width / 2, y - height / 2);
+      if (alike && far < best.far) best = { x, y, far };
+    }
+  return best;
+}
+
+describe('values at a place', () => {
+  test('a click on the torus says the layer, the place and its value; it goes when the camera moves', async () => {
+    viewer = await Viewer.open(browser, server.ready.url);
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.layersOfOurOwn(1);
+    const there = nearest(await viewer.exactPicture(), true);
+    await viewport().click({ position: there });
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    const layer = viewer.state.intervals[0]!;
+    const value = Number(await said('distance'));
+    expect(value).toBeGreaterThanOrEqual(layer.lower - 1e-6);
+    expect(value).toBeLessThanOrEqual(layer.upper + 1e-6);
+    const [x, y, z] = [Number(await said('x')), Number(await said('y')), Number(await said('z'))] as [number, number, number];
+    // The field there, by its formula: what the cell interpolates is near it.
+    expect(Math.abs(Math.hypot(Math.hypot(x, y) - 0.6, z) - value)).toBeLessThan(0.01);
+    expect(await card().locator('strong').innerText()).toMatch(/^Layer \d+$/);
+    expect(await said('i, j, k of the cell')).toMatch(/^\d+, \d+, \d+$/);
+    await viewer.photograph('probe.png');
+
+    // What is said follows the layer under it.
+    const revision = viewer.state.revision;
+    await viewer.page.getByRole('button', { name: 'Close the values' }).click();
+    await viewport().click({ position: there });
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    expect(viewer.state.revision).toBe(revision); // reading changes nothing
+    await viewer.page.keyboard.press('Escape');
+    expect(await card().count()).toBe(0);
+
+    await viewport().click({ position: there });
+    await expect.poll(() => marker().count()).toBe(1);
+    await viewport().click({ position: there });
+    expect(await card().count()).toBe(0); // another click on it closes it
+
+    await viewport().click({ position: there });
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    await viewer.drag(viewport(), 60, 20);
+    expect(await card().count()).toBe(0);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('P reads under the pointer, the background says so, and the values can be copied', async () => {
+    viewer = await Viewer.open(browser, server.ready.url);
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+    await viewer.layersOfOurOwn(1);
+    const picture = await viewer.exactPicture();
+    const box = (await viewport().boundingBox())!;
+    const nothing = nearest(picture, false), there = nearest(picture, true);
+    await viewer.page.mouse.move(box.x + nothing.x, box.y + nothing.y);
+    await viewer.page.keyboard.press('p');
+    await expect.poll(() => card().innerText()).toMatch(/background/);
+    await viewer.page.mouse.move(box.x + there.x, box.y + there.y);
+    await viewer.page.keyboard.press('p');
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    await card().getByRole('button', { name: 'Copy the values' }).click();
+    await expect.poll(() => card().innerText()).toContain('Copied');
+    const text = await viewer.page.evaluate(() => navigator.clipboard.readText());
+    expect(text).toMatch(/^layer\tLayer \d+\nposition(\t-?[\d.e-]+){3}\ncell i j k/);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('a finger that rests reads, and a tap does not', async () => {
+    viewer = await Viewer.open(browser, server.ready.url);
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.layersOfOurOwn(1);
+    const there = nearest(await viewer.exactPicture(), true);
+    const box = (await viewport().boundingBox())!;
+    const touch = { pointerType: 'touch', pointerId: 7, button: 0, clientX: box.x + there.x, clientY: box.y + there.y };
+    // Chromium's own touch would need another kind of context; setPointerCapture wants a pointer that is there.
+    await viewer.page.evaluate(() => (Element.prototype.setPointerCapture = () => undefined));
+    await viewport().dispatchEvent('pointerdown', touch);
+    await viewport().dispatchEvent('pointerup', touch);
+    await viewer.page.waitForTimeout(700);
+    expect(await card().count()).toBe(0);
+    await viewport().dispatchEvent('pointerdown', touch);
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    await viewport().dispatchEvent('pointerup', touch);
+    expect(await card().count()).toBe(1);
+    expect(viewer.problems).toEqual([]);
+  });
+});
