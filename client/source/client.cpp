@@ -3,9 +3,11 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <boost/json/value.hpp>
+#include <charconv>
 
 #include "connection.h"
 
@@ -42,6 +44,12 @@ void give_up(const Options& options, const std::string& operation) {
     http_request(options, "DELETE", operation);
   } catch (const ClientError&) {  // it has ended by itself, or the server has
   }
+}
+
+/// In as many digits as tell it from every other.
+std::string in_full(double number) {
+  std::array<char, 32> buffer{};
+  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr};
 }
 
 [[noreturn]] void refuse(const v1::Error& error) { throw ClientError(error.code(), error.message(), error.field()); }
@@ -201,14 +209,19 @@ class Client::Impl {
     });
   }
 
-  v1::LayerFacts layer_facts() {
-    const std::string text = patiently([&] { return http_get(connection_.options(), session_path() + "/layers"); });
-    v1::LayerFacts facts;
+  template <class Message>
+  Message get(const std::string& path) {
+    const std::string text = patiently([&] { return http_get(connection_.options(), session_path() + path); });
+    Message message;
     google::protobuf::util::JsonParseOptions lenient;
     lenient.ignore_unknown_fields = true;
-    if (!google::protobuf::util::JsonStringToMessage(text, &facts, lenient).ok())
-      throw ClientError("protocol", "the server's answer is not a LayerFacts: " + text.substr(0, 200));
-    return facts;
+    if (!google::protobuf::util::JsonStringToMessage(text, &message, lenient).ok())
+      throw ClientError("protocol", "the server's answer is not a " + std::string(Message::descriptor()->name()) + ": " + text.substr(0, 200));
+    return message;
+  }
+
+  v1::ProbeResult probe(double x, double y, int width, int height) {
+    return get<v1::ProbeResult>("/probe?x=" + in_full(x) + "&y=" + in_full(y) + "&width=" + std::to_string(width) + "&height=" + std::to_string(height));
   }
 
   void restore_state(const std::string& text) {
@@ -319,7 +332,8 @@ void Client::command(v1::ClientMessage message) { impl_->command(std::move(messa
 void Client::open_dataset(const std::string& dataset, const std::string& region, const std::string& stride) {
   impl_->open_dataset(dataset, region, stride);
 }
-v1::LayerFacts Client::layer_facts() { return impl_->layer_facts(); }
+v1::LayerFacts Client::layer_facts() { return impl_->get<v1::LayerFacts>("/layers"); }
+v1::ProbeResult Client::probe(double x, double y, int width, int height) { return impl_->probe(x, y, width, height); }
 v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
 std::string Client::still(int width, int height, const std::string& format) { return impl_->still(width, height, format); }

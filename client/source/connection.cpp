@@ -42,6 +42,7 @@ bool is_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kFrameAck:
     case v1::ClientMessage::kRequestStill:
     case v1::ClientMessage::kRequestHistogram:
+    case v1::ClientMessage::kProbePoint:
     case v1::ClientMessage::kCancel:
     case v1::ClientMessage::kPing:
     case v1::ClientMessage::kDecoderFailed:
@@ -302,6 +303,9 @@ void Connection::note(v1::ServerMessage& message) {
       if (message.error().in_reply_to() != 0)
         message.mutable_error()->set_in_reply_to(exact_number(message.error().in_reply_to()));
       last_words_ = message.error().message();
+      break;
+    case v1::ServerMessage::kProbeResult:
+      message.mutable_probe_result()->set_in_reply_to(exact_number(message.probe_result().in_reply_to()));
       break;
     case v1::ServerMessage::kShutdown:
       last_words_ = message.shutdown().reason();

@@ -134,6 +134,10 @@ test('every operation of the document can be called, and answers what the docume
   await answers.call('putClipPlanes', at, { clipPlanes: [{ normal: { x: 1 }, offset: -5 }] });
   await answers.call('putCombination', at, { terms: [{ op: 'RANGE_OPERATOR_INTERSECT', array: 'distance', lower: 0, upper: 1 }] });
   await answers.call('putView', at, { view: '+x' });
+  const probed = (await answers.call('getProbe', at, undefined, '?x=0.5&y=0.5&width=400&height=300')).json;
+  expect(probed.arrays.map(({ name }: Json) => name)).toEqual(['distance']);
+  expect((await answers.call('getProbe', at, undefined, '?x=0&y=0')).json.miss).toContain('background');
+  expect((await answers.call('getProbe', at)).response.status).toBe(400);
   // Each part of the state is read, and given back.
   for (const part of Object.keys(document.paths).filter((p) => document.paths[p].get?.tags[0] === 'scene')) {
     const { get, put, patch } = document.paths[part];

@@ -72,6 +72,15 @@ TEST_F(Sharing, AViewerSeesWhatTheControllerDoesAndMayNotDoIt) {
   EXPECT_EQ(viewer.state().camera().eye().x(), controller.state().camera().eye().x());
   EXPECT_EQ(code_of([&] { viewer.command(side("+y")); }), "forbidden");
   EXPECT_EQ(viewer.lossless_frame().revision(), controller.state().revision());
+  v1::ClientMessage place;
+  place.mutable_probe_point()->set_x(0.5);
+  const auto seq = viewer.send(std::move(place));
+  bool told = false;
+  for (int i = 0; i < 200 && !told; ++i) {
+    const auto message = viewer.receive(std::chrono::seconds(1));
+    told = message && message->has_probe_result() && message->probe_result().in_reply_to() == seq;
+  }
+  EXPECT_TRUE(told);
 }
 
 // A screen of 67 million pixels, and stills of as many, as often as they go over the line.

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "net/running_server.h"
 
 namespace isostrata {
@@ -77,6 +80,45 @@ TEST_F(WebSocket, LayerFactsFollowTheLosslessFrame) {
   // What is asked for is the same, and a camera does not change it.
   client.set_view("+x");
   EXPECT_EQ(client.layer_facts().intervals(0).SerializeAsString(), told.intervals(0).SerializeAsString());
+}
+
+TEST_F(WebSocket, APlaceIsProbedAsTheNewestCameraSeesIt) {
+  Client client(server_.client_options());
+  client.open_dataset("torus-12");
+  client.set_intervals({client::interval(0.1, 0.3)});
+  client.set_camera([] {
+    v1::Camera camera;
+    camera.mutable_eye()->set_z(4);
+    camera.mutable_at();
+    camera.mutable_up()->set_y(1);
+    camera.set_fov_deg(30);
+    return camera;
+  }());
+  const auto probe = [&](double x, double y) {
+    v1::ClientMessage ask;
+    ask.mutable_probe_point()->set_x(x);
+    ask.mutable_probe_point()->set_y(y);
+    const auto seq = client.send(std::move(ask));
+    for (int i = 0; i < 200; ++i) {
+      const auto message = client.receive(std::chrono::seconds(1));
+      if (message && message->has_probe_result() && message->probe_result().in_reply_to() == seq) return *message;
+      if (message && message->has_error() && message->error().in_reply_to() == seq) return *message;
+    }
+    ADD_FAILURE() << "no answer";
+    return v1::ServerMessage();
+  };
+  const v1::ProbeResult middle = probe(0.5, 0.5).probe_result();
+  EXPECT_FALSE(middle.hit()) << "the hole of the torus";
+  EXPECT_EQ(middle.revision(), client.state().revision());
+  const double there = 0.5 + 0.6 / (4 * std::tan(15 * std::numbers::pi / 180)) / 2;  // in the middle of the tube, upwards
+  const v1::ProbeResult tube = probe(0.5, 1 - there).probe_result();
+  ASSERT_TRUE(tube.hit()) << tube.miss();
+  EXPECT_EQ(tube.interval(), client.state().intervals(0).id());
+  EXPECT_NEAR(tube.position().y(), 0.6, 0.06);
+  EXPECT_NEAR(tube.arrays(0).value(), 0.3, 1e-6) << "the outer side of the ring";
+  EXPECT_EQ(tube.end(), v1::PROBE_END_UPPER);
+  EXPECT_EQ(client.probe(0.5, 1 - there, 64, 48).position().SerializeAsString(), tube.position().SerializeAsString()) << "REST says the same";
+  EXPECT_EQ(probe(0.5, -1).error().field(), "y");
 }
 
 TEST_F(WebSocket, CommandsSentWhileADatasetOpensTakeEffectOnIt) {

@@ -303,6 +303,26 @@ class Pictures(WithServer):
             self.assertGreater(one["volume"], 0)
             self.assertLess(one["volumeError"], 0.2 * one["volume"])
 
+    def test_a_probe_finds_the_layer_that_a_picture_shows(self):
+        s = self.connect()
+        s.intervals.set([(0.1, 0.3)])
+        picture, hits = s.image(48, 36), 0
+        background = picture[0, 0]
+        for j in range(2, 36, 5):
+            for i in range(2, 48, 5):
+                found = s.probe((i + 0.5) / 48, (j + 0.5) / 36, 48, 36)
+                self.assertEqual(found.hit, bool((picture[j, i] != background).any()), (i, j))
+                if not found.hit:
+                    self.assertIn("background", found.miss)
+                    continue
+                hits += 1
+                self.assertEqual(found.interval, s.intervals[0].id)
+                self.assertTrue(0.1 - 1e-6 <= found.values["distance"] <= 0.3 + 1e-6)
+                self.assertEqual(len(found.position), 3)
+                self.assertEqual(found.cell, found.cell_index[0] + 11 * (found.cell_index[1] + 11 * found.cell_index[2]))
+        self.assertGreater(hits, 5)
+        self.assertRefused("invalid_argument", s.probe, 1.5, 0.5)
+
     def test_frames_come_while_things_change_and_end_lossless(self):
         s = self.connect(frames=True)
         s.intervals.move(s.intervals[0], 0.1, 0.3)

@@ -96,6 +96,9 @@ class Client {
   void set_transfer_function(std::uint32_t id, const std::vector<v1::TransferPoint>& points);
   /// What each interval holds (cells, tetrahedra, the solid's volume) and how far that is from the interpolated field's.
   v1::LayerFacts layer_facts();
+  /// What lies at a place of the newest state's picture, from (0, 0), its upper left corner, to (1, 1): position, layer, cell and the values of all arrays.
+  /// width, height: the picture's, since how far the camera sees to the sides depends on them.
+  v1::ProbeResult probe(double x, double y, int width = 800, int height = 600);
 
   // ---- how it looks
   // ------------------------------------------------------------------------------------------------------------

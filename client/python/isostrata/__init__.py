@@ -20,7 +20,7 @@ from .errors import IsostrataError
 from .intervals import Intervals
 from .news import Change, Frame
 from .picture import decode_image
-from .questions import Histogram
+from .questions import Histogram, Probe
 from .scene import Camera, Interval, Surface, Term
 from .session import Session
 from .show import View
@@ -35,6 +35,7 @@ __all__ = [
     "Interval",
     "Intervals",
     "IsostrataError",
+    "Probe",
     "Session",
     "Surface",
     "Term",

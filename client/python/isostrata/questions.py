@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 
@@ -17,6 +18,43 @@ class Histogram:
     array: str
     counts: np.ndarray  # [bins] uint64
     edges: np.ndarray  # [bins + 1] float64
+
+
+@dataclass(frozen=True)
+class Probe:
+    """What lies at a place of the picture: the first layer there."""
+
+    hit: bool
+    miss: str = ""  # why there is none; all that follows is said of a hit alone
+    position: Optional[np.ndarray] = None  # [3] float64, in the dataset's space
+    distance: float = 0.0  # from the eye
+    interval: int = 0  # its id; 0: what a combined range has brought in
+    end: str = ""  # what the line of sight comes through: "lower", "upper", "domain", "range", "clip_plane", "eye"
+    cell: Optional[int] = None
+    point: Optional[int] = None  # the nearest of the cell's
+    cell_index: Tuple[int, ...] = ()  # i, j, k on structured grids
+    point_index: Tuple[int, ...] = ()
+    values: Dict[str, float] = field(default_factory=dict)  # of all arrays, as the layers are drawn; NaN where there is no number
+    cell_values: Dict[str, float] = field(default_factory=dict)  # of arrays that the file has on cells
+
+
+def probe_of(answer: v1.ProbeResult) -> Probe:
+    if not answer.hit:
+        return Probe(False, answer.miss)
+    at = answer.position
+    return Probe(
+        hit=True,
+        position=np.array([at.x, at.y, at.z]),
+        distance=answer.distance,
+        interval=answer.interval,
+        end=v1.ProbeEnd.Name(answer.end).removeprefix("PROBE_END_").lower(),
+        cell=answer.cell if answer.HasField("cell") else None,
+        point=answer.point if answer.HasField("point") else None,
+        cell_index=tuple(answer.cell_index),
+        point_index=tuple(answer.point_index),
+        values={one.name: one.value if one.HasField("value") else float("nan") for one in answer.arrays},
+        cell_values={one.name: one.cell_value for one in answer.arrays if one.HasField("cell_value")},
+    )
 
 
 def histogram(connection: Connection, array: str, bins: int) -> Histogram:

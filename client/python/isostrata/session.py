@@ -196,6 +196,13 @@ class Session(Shown):
         query = {"array": array or self.array}
         return self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/statistics", query=query))
 
+    def probe(self, x: float, y: float, width: int = 0, height: int = 0) -> questions.Probe:
+        """What lies at a place of the picture of the newest state, from (0, 0), its upper left corner, to (1, 1): ``s.probe(0.5, 0.5).values["distance"]``.
+        It is looked up in the data, not in the picture."""
+        query = {"x": repr(float(x)), "y": repr(float(y)), "width": width or self.size[0], "height": height or self.size[1]}
+        found = self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/probe", query=query))
+        return questions.probe_of(json_format.ParseDict(found, v1.ProbeResult(), ignore_unknown_fields=True))
+
     # ---- long work ----------------------------------------------------------------------------------------------------------------
 
     def on_progress(self, listener: Optional[Callable[[str, float], None]]) -> None:

@@ -23,6 +23,7 @@ struct QueryParameter {
   std::int64_t least = 0, most = UINT32_MAX;  // of integers, for the document; handlers check
   std::string otherwise;                      // what is meant where it is absent; empty: see the description
   std::vector<std::string> one_of;            // texts; empty: any
+  bool real = false;                          // else; a number in [least, most]
 };
 
 /// What a request's body is.

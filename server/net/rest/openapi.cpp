@@ -53,8 +53,8 @@ json::object with_schema(const std::string& name, const std::string& type, json:
 }
 
 json::object parameter(const QueryParameter& query) {
-  json::object schema{{"type", query.integer ? "integer" : "string"}};
-  if (query.integer) {
+  json::object schema{{"type", query.integer ? "integer" : query.real ? "number" : "string"}};
+  if (query.integer || query.real) {
     schema["minimum"] = query.least;
     schema["maximum"] = query.most;
     if (!query.otherwise.empty()) schema["default"] = std::stoll(query.otherwise);

@@ -26,6 +26,7 @@ void add_state_routes(std::vector<Route>& routes, RestContext& context);    // t
 void add_scene_routes(std::vector<Route>& routes, RestContext& context);    // camera, clip planes, modes, ...: parts of the state
 void add_interval_routes(std::vector<Route>& routes, RestContext& context);   // intervals one by one
 void add_picture_routes(std::vector<Route>& routes, RestContext& context);    // images, histogram, statistics
+void add_probe_routes(std::vector<Route>& routes, RestContext& context);      // what lies at a place of the picture
 void add_operation_routes(std::vector<Route>& routes, RestContext& context);  // long work; mesh files
 
 void add_people_routes(std::vector<Route>& routes, RestContext& context);     // who is in a session, and invitations

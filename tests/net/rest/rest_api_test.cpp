@@ -57,6 +57,32 @@ TEST_F(Rest, AHistogramCountsEveryPoint) {
   expect_problem(server_.ask("GET", "/api/v1/datasets/torus-12/histogram?step=4"), 404, "not_found", "step");
 }
 
+TEST_F(Rest, WhatLiesAtAPlaceIsLookedUpInTheData) {
+  const std::string session = "sessions/" + new_session(), path = "/api/v1/" + session + "/probe";
+  EXPECT_EQ(status_of(server_.ask("PUT", "/api/v1/" + session + "/view", R"({"view":"+z"})")), 200);
+  EXPECT_EQ(status_of(server_.ask("PUT", "/api/v1/" + session + "/intervals", R"({"intervals":[{"lower":0.1,"upper":0.3,"opacity":0.5,"visible":true}]})")), 200);
+  int hits = 0;
+  for (const char* x : {"0.1", "0.3", "0.35", "0.4", "0.6"}) {
+    const json::value found = get(session + "/probe?x=" + x + "&y=0.5&width=400&height=300");
+    const auto* hit = found.as_object().if_contains("hit");
+    if (!hit || !hit->as_bool()) {
+      EXPECT_FALSE(found.at("miss").as_string().empty());
+      continue;
+    }
+    ++hits;
+    const double value = found.at("arrays").at(0).at("value").to_number<double>();
+    EXPECT_EQ(found.at("arrays").at(0).at("name").as_string(), "distance");
+    EXPECT_GE(value, 0.1 - 1e-6);
+    EXPECT_LE(value, 0.3 + 1e-6);
+    EXPECT_EQ(found.at("cellIndex").as_array().size(), 3u);
+  }
+  EXPECT_GT(hits, 1);
+  expect_problem(server_.ask("GET", path + "?y=0.5"), 400, "invalid_argument", "x");
+  expect_problem(server_.ask("GET", path + "?x=0.5&y=1.5"), 400, "invalid_argument", "y");
+  expect_problem(server_.ask("GET", path + "?x=nan&y=0.5"), 400, "invalid_argument", "x");
+  expect_problem(server_.ask("GET", path + "?x=0.5&y=0.5&width=0"), 400, "invalid_argument", "width");
+}
+
 TEST_F(Rest, AStateThatWasReadCanBeWrittenBack) {
   const std::string path = "/api/v1/sessions/" + new_session() + "/state";
   const auto text = [](const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); };
