@@ -155,7 +155,7 @@ class RayProbe {
   ProbeFacts facts_of(const RayHit& hit) {
     ProbeFacts facts;
     facts.hit = true;
-    facts.distance = hit.at;
+    facts.distance = hit.at * ray_.unit;
     facts.position = ray_.at(hit.at);
     const std::size_t intervals = scene_.intervals.size();
     if (hit.style < intervals)
@@ -289,8 +289,8 @@ ProbeFacts probe_scene(const StepSource& steps, const Scene& scene, const ProbeP
   if (scene.camera)
     camera = *scene.camera;
   else
-    camera = view_of(steps(scene.step, task)->bounds, "reset", static_cast<double>(place.width) / place.height);
-  const ViewRay ray = view_ray(camera, place.width, place.height, place.x, place.y, scene.clip_planes);
+    camera = view_of(scaled(steps(scene.step, task)->bounds, scene.axis_scale), "reset", static_cast<double>(place.width) / place.height);
+  const ViewRay ray = view_ray(camera, place.width, place.height, place.x, place.y, scene.clip_planes, scene.axis_scale);
   bool met_cells = false;
   for (const Scene& one : painted_last_first(scene)) {
     RayProbe probe(steps, one, ray, task);

@@ -4,7 +4,7 @@
 
 namespace isostrata {
 
-ViewRay view_ray(const Camera& camera, int width, int height, double x, double y, std::span<const ClipPlane> planes) {
+ViewRay view_ray(const Camera& camera, int width, int height, double x, double y, std::span<const ClipPlane> planes, Vec3d axis_scale) {
   const PixelGrid pixels = pixel_grid(camera, width, height);
   const Vec3d forward = normalized(camera.at - camera.eye);
   const Vec3d right = normalized(cross(forward, normalized(camera.up)));
@@ -16,6 +16,10 @@ ViewRay view_ray(const Camera& camera, int width, int height, double x, double y
     ray.direction = forward;
     ray.first = -std::numeric_limits<double>::infinity();
   }
+  ray.origin = unscaled(ray.origin, axis_scale);
+  ray.direction = unscaled(ray.direction, axis_scale);
+  ray.unit = 1 / length(ray.direction);
+  ray.direction = ray.direction * ray.unit;
   for (const ClipPlane& plane : planes) {
     const double along = dot(plane.normal, ray.direction), at = plane.offset - dot(plane.normal, ray.origin);
     if (along > 0 && at / along > ray.first) {

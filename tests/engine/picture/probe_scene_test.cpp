@@ -12,9 +12,11 @@
 #include <random>
 
 #include "data/analytic.h"
+#include "data/scaled_dataset.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "rendering/choice/native_renderer.h"
+#include "scene/axis_scale.h"
 #include "support/field_dataset.h"
 #include "support/oracle_ray.h"
 
@@ -212,6 +214,44 @@ TEST_F(ProbeScene, StretchedAndMirroredBoxesAreWalkedLikeOthers) {
     EXPECT_NEAR(found.arrays[1].value.value_or(NAN), p.x + 10 * p.y - 3 * p.z, 1e-4) << "a linear field is the same in every tetrahedron";
   }
   EXPECT_GT(hits, 3);
+}
+
+TEST_F(ProbeScene, ThroughScaledAxesIsThatOfTheScaledDatasetAtThePlaceInTheFile) {
+  constexpr Vec3d kFactors{1, 3, 0.25};
+  for (const char* name : {"torus:14", "tets:9"})
+    for (const bool orthographic : {false, true}) {
+      SCOPED_TRACE(std::string(name) + (orthographic ? ", parallel" : ""));
+      const auto plain = make_analytic(name, {}, Task{});
+      show(plain, {{0.1, 0.3}, {0.5, 0.9}});
+      scene_.axis_scale = kFactors;
+      scene_.clip_planes = {{{0, 1, 0.5}, -0.1}};
+      const Scene of_file = scene_;
+      const auto drawn = std::make_shared<const Dataset>(scaled_dataset(*plain, kFactors));
+      show(drawn, {{0.1, 0.3}, {0.5, 0.9}});
+      scene_.clip_planes = {{unscaled({0, 1, 0.5}, kFactors), -0.1}};
+      look_from({0.4, 0.3, 0.8}, 1.5, orthographic);
+      const Scene of_drawn = scene_;
+      std::mt19937_64 random(3);
+      std::uniform_real_distribution<double> place(0.02, 0.98);
+      int hits = 0;
+      for (int n = 0; n < 150; ++n) {
+        const double x = place(random), y = place(random);
+        const auto probed = [&](const std::shared_ptr<const Dataset>& dataset, const Scene& scene) {
+          Scene here = scene;
+          here.camera = of_drawn.camera;
+          return probe_scene([&](int, const Task&) { return dataset; }, here, {x, y, kWidth, kHeight}, Task{});
+        };
+        const ProbeFacts expected = probed(drawn, of_drawn), found = probed(plain, of_file);
+        ASSERT_EQ(found.hit, expected.hit) << x << ", " << y;
+        if (!found.hit) continue;
+        ++hits;
+        EXPECT_EQ(found.interval, expected.interval);
+        EXPECT_NEAR(found.distance, expected.distance, 1e-6 * diagonal());
+        EXPECT_NEAR(length(scaled(found.position, kFactors) - expected.position), 0, 1e-6 * diagonal());
+        EXPECT_NEAR(*found.arrays.front().value, *expected.arrays.front().value, 1e-5);
+      }
+      EXPECT_GT(hits, 30);
+    }
 }
 
 TEST_F(ProbeScene, WhatIsHiddenOrCutAwayIsLookedThrough) {
