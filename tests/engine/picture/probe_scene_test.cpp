@@ -137,8 +137,11 @@ class ProbeScene : public ::testing::Test {
     EXPECT_GE(value, layer->lower - slack);
     EXPECT_LE(value, layer->upper + slack);
     if (scene_.values == FieldValues::whole) return;  // what ends lie between cells
-    if (found.end == ProbeEnd::lower) EXPECT_NEAR(value, layer->lower, 2 * slack);
-    if (found.end == ProbeEnd::upper) EXPECT_NEAR(value, layer->upper, 2 * slack);
+    if (found.end == ProbeEnd::lower) {
+      EXPECT_NEAR(value, layer->lower, 2 * slack);
+    } else if (found.end == ProbeEnd::upper) {
+      EXPECT_NEAR(value, layer->upper, 2 * slack);
+    }
   }
   void check_cell(const ProbeFacts& found) {
     const Grid& grid = steps()(found.step, Task{})->grid;
