@@ -17,6 +17,7 @@
 #include "base/pulse.h"
 #include "base/stopwatch.h"
 #include "data/sandbox.h"
+#include "data/scaled_dataset.h"
 #include "rank/picture_of_ranks.h"
 #include "rank/rank_work.h"
 
@@ -99,7 +100,7 @@ class OtherRank {
       const std::lock_guard lock(it->second->mutex);
       previous = it->second->extracted;
     }
-    regions_[order.number] = order.regions;
+    regions_[order.number] = scaled_regions(order.regions, order.scene.axis_scale);  // which part the drawn space
     const bool draws_bricks = order.least_in_bricks != std::numeric_limits<std::int64_t>::max() && has_renderer() && renderer_->draws_bricks();
     begin(order.number, [this, order, previous, draws_bricks](Job& job, RankReply& reply) {
       auto extracted = work_.extract(order, work_.open(order.source), previous, draws_bricks, job.task, reply.made);

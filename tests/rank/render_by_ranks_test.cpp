@@ -75,6 +75,12 @@ TEST(RenderByRanks, PrioritiesCombinedRangesAndClipPlanesLookAsByOneProcess) {
   expect_same(folder, flow + "--interval 0.9:0.99,opacity=0.5 --interval 0.995:1.05,color=map:viridis,opacity=0.2..0.6 --clip 'normal=0.3,1,0.2;offset=0.1' --clip 'x<3'", {4});
 }
 
+TEST(RenderByRanks, ScaledAxesLookAsByOneProcess) {
+  const TemporaryFolder folder;
+  expect_same(folder, kTorus + "--interval 0:0.3,opacity=0.4,surface=both --axis-scale 2,3,0.5 --clip 'x<0.3'", {2, 4});
+  expect_same(folder, "tets:9 --size 120x90 --interval 0.2:0.6,opacity=0.4 --axis-scale 0.25,1,4", {3});
+}
+
 TEST(RenderByRanks, ParallelRaysAndAnEyeInsideLookAsByOneProcess) {
   const TemporaryFolder folder;
   expect_same(folder, kTorus + "--interval 0:0.3,opacity=0.4 --camera '+x;projection=orthographic'", {4});
