@@ -86,10 +86,10 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
 }
 
 /// What an entry with a grid of its own was made of, and by which reader; nothing where that cannot be told.
-std::optional<std::string> origin_of(const fs::path& file, const OpenOptions& options) {
+std::optional<std::string> origin_of(const fs::path& file, const ImportOptions& options) {
   const auto files = source_files(file);
   if (!files) return std::nullopt;
-  const fs::path reader = options.importer.empty() ? default_importer(needs_all_readers(file)) : options.importer;
+  const fs::path reader = options.importer.empty() ? default_importer(options.needs ? options.needs->all_readers : reader_needs(file).all_readers) : options.importer;
   const SourceStamp stamp = stamp_of(reader);
   return std::to_string(kVersion) + ' ' + std::to_string(stamp.bytes) + ' ' + std::to_string(stamp.changed) + "\nstep " +
          std::to_string(options.step) + '\n' + fs::absolute(file).string() + '\n' + *files;
@@ -262,8 +262,10 @@ std::shared_ptr<const Dataset> find_import_cached(const fs::path& file, const Im
   return origin && prepare(cache.folder) ? find_either(cache, *origin, file, options) : nullptr;
 }
 
-std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const ImportOptions& options, const ImportCache& cache, const Task& task) {
-  check_source(file, options);
+std::shared_ptr<const Dataset> open_import_cached(const fs::path& file, const ImportOptions& asked, const ImportCache& cache, const Task& task) {
+  check_source(file, asked);
+  ImportOptions options = asked;
+  if (!options.needs) options.needs = reader_needs(file);
   const auto origin = can_be_cached(cache, file) ? origin_of(file, options) : std::nullopt;
   if (!origin || !prepare(cache.folder)) return open_import(file, options, task);
   if (auto dataset = find_either(cache, *origin, file, options)) {

@@ -139,7 +139,8 @@ void import_into(const fs::path& directory, const fs::path& file, const ImportOp
       if (fraction >= 0 && fraction <= 1) task.report(0.9 * fraction, "reading");
     };
     if (options.importer.empty()) {
-      const auto start = [&](int out, int err) { return start_loaded_importer(words, out, err); };
+      const ReaderNeeds needs = options.needs ? *options.needs : reader_needs(file);
+      const auto start = [&](int out, int err) { return start_loaded_importer(words, needs, out, err); };
       result = follow_child(start, options.timeout_s, task, on_line);
     } else {
       result = run_child({options.importer, words, importer_environment()}, options.timeout_s, task, on_line);

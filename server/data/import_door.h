@@ -29,12 +29,14 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "base/vec.h"
 #include "data/dataset.h"
+#include "data/recognise.h"
 
 namespace isostrata {
 
@@ -42,6 +44,7 @@ struct ImportOptions : OpenOptions {
   /// like: another step of the same file that is in memory, or null: of one that lies on the same mesh a reader then brings the values alone.
   ImportOptions(OpenOptions options = {}, std::shared_ptr<const Dataset> like = nullptr) : OpenOptions(std::move(options)), like(std::move(like)) {}
   std::shared_ptr<const Dataset> like;
+  std::optional<ReaderNeeds> needs{};  // of the file, where it was recognised already
 };
 
 /// Arrays of this many bytes are mapped in place where they can be: below, a copy is cheap, and does not change under those who look at it.
@@ -96,7 +99,7 @@ std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, cons
                                     ImportFiles files = ImportFiles::unlinked, const ImportMeasures* known = nullptr,
                                     ImportValues values = ImportValues::measured);
 
-/// isostrata-import beside this executable, or isostrata-import-all for what needs_all_readers (recognise.h). Throws unavailable where it is not there.
+/// isostrata-import beside this executable, or isostrata-import-all for what needs all readers (recognise.h). Throws unavailable where it is not there.
 std::filesystem::path default_importer(bool all_readers);
 
 }  // namespace isostrata

@@ -19,8 +19,6 @@
 #include "base/spawn.h"
 #include "data/import_door.h"
 #include "data/importer_request.h"
-#include "data/picture_need.h"
-#include "data/recognise.h"
 
 namespace isostrata {
 namespace {
@@ -140,12 +138,12 @@ std::vector<std::string> importer_environment() {
   return out;
 }
 
-std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, int out, int err) {
+std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, const ReaderNeeds& needs, int out, int err) {
   auto [here, there] = line_of_packets();
   std::vector<std::string> environment = importer_environment();
-  if (is_picture_under_another_name(words.at(0))) environment.push_back(std::string(kPictureVariable) + "=yes");
+  if (needs.pictures) environment.push_back(std::string(kPictureVariable) + "=yes");
   const int nice = getpriority(PRIO_PROCESS, 0);  // of this thread
-  importer(needs_all_readers(words.at(0))).ask(to_packet({words, std::move(environment), nice}), out, err, there.get());
+  importer(needs.all_readers).ask(to_packet({words, std::move(environment), nice}), out, err, there.get());
   return std::make_unique<ForkedChild>(std::move(here));
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "data/child_process.h"
+#include "data/recognise.h"
 
 namespace isostrata {
 
@@ -15,8 +16,8 @@ namespace isostrata {
 std::vector<std::string> importer_environment();
 
 /// Starts a reader by the process that is there already, or that is started now, of the file's default_importer(): `words` are the arguments that the
-/// program would be started with, the file first. It is as nice as the thread that asks. The process ends when this one does. Throws unavailable. Any thread.
-std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, int out, int err);
+/// program would be started with, the file first, whose needs these are. It is as nice as the thread that asks. The process ends when this one does. Throws unavailable. Any thread.
+std::unique_ptr<Child> start_loaded_importer(const std::vector<std::string>& words, const ReaderNeeds& needs, int out, int err);
 
 /// Begins to load both, so that the first file does not wait; that it cannot be started is said with that file.
 void load_importer();

@@ -211,15 +211,15 @@ bool is_dicom(const fs::path& file) {
   return in && head.substr(128) == "DICM";
 }
 
-bool needs_all_readers(const fs::path& file) {
+ReaderNeeds reader_needs(const fs::path& file) {
   // What server/import/CMakeLists.txt gives that program alone, and lists and wrappers of any kind.
   static constexpr std::array kKinds{FileKind::exodus, FileKind::vtkhdf, FileKind::openfoam, FileKind::ensight, FileKind::cgns, FileKind::netcdf, FileKind::hdf5,
                                      FileKind::multi_block, FileKind::pvd, FileKind::series, FileKind::gzip};
   try {
     const FileKind kind = recognise(is_series_pattern(file) ? series_files(file).front().path : file).kind;
-    return std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end();
+    return {.all_readers = std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end(), .pictures = kind == FileKind::tiff && !names_pictures(file)};
   } catch (const Error&) {
-    return false;
+    return {};
   }
 }
 

@@ -17,9 +17,19 @@ struct Recognised {
 /// file, a folder of other things), unsupported saying what it is and what to do.
 Recognised recognise(const std::filesystem::path& file);
 
-/// Whether the file is of a format that isostrata-import-all alone reads, or may hold others that are. False where it cannot be told: what is wrong with
-/// such a file any reader says. Of a pattern (file_series.h) its first file counts.
-bool needs_all_readers(const std::filesystem::path& file);
+/// What must be known of a file before a reader is started for it, which itself looks at no file until it is confined.
+struct ReaderNeeds {
+  bool all_readers = false;  // a format that isostrata-import-all alone reads, or that may hold others that are
+  /// A picture by its first bytes, but not by its name, which the reader sees itself: what reads pictures takes as long to load as many small files to read, and cannot be loaded
+  /// once the reader is confined.
+  bool pictures = false;
+};
+
+/// Recognises the file once, of a pattern (file_series.h) its first. Neither where it cannot be told: what is wrong with such a file any reader says.
+ReaderNeeds reader_needs(const std::filesystem::path& file);
+
+/// Of the reader: any value says ReaderNeeds::pictures.
+inline constexpr const char* kPictureVariable = "ISOSTRATA_PICTURE";
 
 /// A folder that holds an OpenFOAM case, whole or in parts for processors.
 bool is_openfoam_case(const std::filesystem::path& folder);

@@ -20,7 +20,6 @@
 #include "base/program_file.h"
 #include "base/spawn.h"
 #include "data/importer_request.h"
-#include "data/picture_need.h"
 #include "data/recognise.h"
 #include "data/zarr_folder.h"
 #include "import/confine.h"
@@ -98,8 +97,9 @@ void run(const std::vector<std::string>& words) {
 /// copy looks at no file before it is confined.
 void hand_on(const std::vector<std::string>& words) {
   try {
-    if (isostrata::is_picture_under_another_name(words[0])) setenv(isostrata::kPictureVariable, "yes", 1);
-    if (isostrata::needs_all_readers(words[0])) isostrata::become(isostrata::program_file().parent_path() / "isostrata-import-all", words);
+    const isostrata::ReaderNeeds needs = isostrata::reader_needs(words[0]);
+    if (needs.pictures) setenv(isostrata::kPictureVariable, "yes", 1);
+    if (needs.all_readers) isostrata::become(isostrata::program_file().parent_path() / "isostrata-import-all", words);
   } catch (const Error& error) {
     fail(error.code(), error.what());
   }

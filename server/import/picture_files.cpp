@@ -10,7 +10,6 @@
 
 #include "base/load_module.h"
 #include "data/file_series.h"
-#include "data/picture_need.h"
 #include "data/recognise.h"
 #include "import/memory_limit.h"
 #include "import/place_image.h"

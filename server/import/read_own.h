@@ -49,7 +49,7 @@ Imported read_multi_block(const ReadRequest& request);
 /// A file inside gzip, of a format that is one file. It is unpacked into request.scratch.
 Imported read_gzip(const ReadRequest& request);
 
-/// Loads what pictures are read with, if the file is one by its name or by data/picture_need.h: once a process is confined it can load nothing.
+/// Loads what pictures are read with, if the file is one by its name or by kPictureVariable (data/recognise.h): once a process is confined it can load nothing.
 void prepare_pictures(const std::filesystem::path& file);
 
 /// One TIFF file; its pages are what ImageJ or OME-TIFF says that they are, else slices, as far as they are like the first.

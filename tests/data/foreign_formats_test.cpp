@@ -254,6 +254,20 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
   EXPECT_NE(std::string(test::refusal(scratch / "empty").what()).find("OpenFOAM case"), std::string::npos);
 }
 
+TEST(Recognise, WhatAReaderNeedsIsThatOfTheFileAndOfAPatternsFirst) {
+  const Scratch scratch;
+  const auto needs = [&](const std::string& name) {
+    const ReaderNeeds of = reader_needs(scratch / name);
+    return std::pair(of.all_readers, of.pictures);
+  };
+  const std::string tiff("II*\0\x08\0\0\0", 8);
+  for (const auto& [name, bytes] : std::vector<std::pair<std::string, std::string>>{{"a.nc", "CDF\x01"}, {"s_1.nc", "CDF\x01"}, {"s_2.nc", "CDF\x01"}, {"a.npy", "\x93NUMPY"}, {"a.tif", tiff}, {"scan", tiff}, {"k_1.scan", tiff}, {"k_2.scan", tiff}})
+    scratch.write(name, bytes);
+  for (const char* all : {"a.nc", "s_*.nc"}) EXPECT_EQ(needs(all), std::pair(true, false)) << all;
+  for (const char* pictures : {"scan", "k_*.scan"}) EXPECT_EQ(needs(pictures), std::pair(false, true)) << pictures;
+  for (const char* neither : {"a.npy", "a.tif", "absent", "absent_*.nc"}) EXPECT_EQ(needs(neither), std::pair(false, false)) << neither;
+}
+
 TEST(FormatTable, OfTheDocumentsIsThatOfTheReaders) {
   std::string table = "| format | names | what is read | reader |\n|---|---|---|---|\n";
   for (const FileFormat& format : file_formats()) {

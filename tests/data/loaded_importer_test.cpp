@@ -82,7 +82,7 @@ struct Busy {
       try {
         if (nice > 0) setpriority(PRIO_PROCESS, 0, nice);  // of this thread
         std::vector<std::string> words{file.string(), scratch.path().string(), "0", "8000000000", "100", "off"};
-        const auto result = follow_child([&](int out, int err) { return start_loaded_importer(words, out, err); }, 100, task,
+        const auto result = follow_child([&](int out, int err) { return start_loaded_importer(words, reader_needs(words.front()), out, err); }, 100, task,
                                          [](std::string_view) {});
         return "status " + std::to_string(result.exit_status) + " signal " + std::to_string(result.signal);
       } catch (const Error& error) {
