@@ -97,6 +97,7 @@ describe('values at a place', () => {
     await viewer.page.mouse.move(box.x + nothing.x, box.y + nothing.y);
     await viewer.page.keyboard.press('p');
     await expect.poll(() => card().innerText()).toMatch(/background/);
+    await viewer.page.keyboard.press('Escape'); // the card may lie over the next place
     await viewer.page.mouse.move(box.x + there.x, box.y + there.y);
     await viewer.page.keyboard.press('p');
     await expect.poll(() => card().getByText('distance').count()).toBe(1);
