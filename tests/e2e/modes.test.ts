@@ -1,29 +1,14 @@
 // The paper's modes in the page: surfaces, cycles, smears, combined ranges, times between steps.
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import type { Interval } from '../../web/src/lib/model';
-import { Server } from './server';
-import { difference, launch, Viewer } from './viewer';
+import { Stage } from './stage';
+import { difference, Viewer } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['cylinder:24x24x8x4', 'torus:24'] });
 let viewer: Viewer;
 
-beforeAll(async () => {
-  server = await Server.start({ data: ['cylinder:24x24x8x4', 'torus:24'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
-
 async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<void> {
-  viewer = await Viewer.open(browser, server.ready.url, options);
+  viewer = await stage.open(options);
   await viewer.until('layers', (s) => s.intervals.length > 1);
   await viewer.exactPicture();
 }

@@ -1,31 +1,17 @@
 // The page in a real browser against a real server: what a person does, and what becomes of the picture.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import type { Interval } from '../../web/src/lib/model';
-import { repository, Server } from './server';
-import { difference, drawnPixels, launch, Viewer } from './viewer';
+import { repository } from './server';
+import { Stage } from './stage';
+import { difference, drawnPixels, Viewer } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['torus:48', 'sphere:24', 'cylinder:16x24x4x5'] });
 let viewer: Viewer;
 
-beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48', 'sphere:24', 'cylinder:16x24x4x5'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
-
 async function open(options: Parameters<typeof Viewer.open>[2] = {}): Promise<void> {
-  viewer = await Viewer.open(browser, server.ready.url, options);
+  viewer = await stage.open(options);
   await viewer.until('layers', (state) => state.intervals.length > 0);
   await viewer.exactPicture();
 }
@@ -51,7 +37,7 @@ describe('the page', () => {
     const picture = await viewer.exactPicture();
     expect(drawnPixels(picture)).toBeGreaterThan(1000);
     expect(viewer.page.url()).not.toContain('token');
-    const origin = new URL(server.ready.url).origin;
+    const origin = new URL(stage.server.ready.url).origin;
     for (const url of viewer.requests) expect(url.startsWith(origin) || url.startsWith('blob:'), url).toBe(true);
     await expect.poll(() => viewer.page.locator('footer').innerText()).toMatch(/Connected.*exact/s);
     // Hexahedra are cut straight: the card says how far the volume may be off.

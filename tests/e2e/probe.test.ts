@@ -1,25 +1,10 @@
 // A person points at the picture and reads what is there, by mouse, key and finger.
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
-import { Server } from './server';
-import { launch, Viewer, type Picture } from './viewer';
+import { describe, expect, test } from 'vitest';
+import { Stage } from './stage';
+import { Viewer, type Picture } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['torus:48', 'mixed:9'] });
 let viewer: Viewer;
-
-beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48', 'mixed:9'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
 
 const viewport = () => viewer.page.getByRole('application');
 const card = () => viewer.page.getByRole('region', { name: 'Values at this place' });
@@ -48,7 +33,7 @@ function nearest(picture: Picture, drawn: boolean): { x: number; y: number } {
 
 describe('values at a place', () => {
   test('a click on the torus says the layer, the place and its value; it goes when the camera moves', async () => {
-    viewer = await Viewer.open(browser, server.ready.url);
+    viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);
     await viewer.layersOfOurOwn(1);
     const there = nearest(await viewer.exactPicture(), true);
@@ -87,7 +72,7 @@ describe('values at a place', () => {
   });
 
   test('P reads under the pointer, the background says so, and the values can be copied', async () => {
-    viewer = await Viewer.open(browser, server.ready.url);
+    viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);
     await viewer.page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
     await viewer.layersOfOurOwn(1);
@@ -109,7 +94,7 @@ describe('values at a place', () => {
   });
 
   test('a finger that rests reads, and a tap does not', async () => {
-    viewer = await Viewer.open(browser, server.ready.url);
+    viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);
     await viewer.layersOfOurOwn(1);
     const there = nearest(await viewer.exactPicture(), true);

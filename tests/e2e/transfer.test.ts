@@ -1,32 +1,17 @@
 // A layer's transfer function in the page: points on the histogram, by pointer and by keyboard.
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import type { SceneState } from '../../web/src/lib/model';
-import { Server } from './server';
-import { difference, launch, Viewer } from './viewer';
+import { Stage } from './stage';
+import { difference, Viewer } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['torus:24'] });
 let viewer: Viewer;
-
-beforeAll(async () => {
-  server = await Server.start({ data: ['torus:24'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
 
 const points = (state: SceneState) => state.intervals[0]?.transfer ?? [];
 
 describe('a transfer function', () => {
   test('begins as the layer looked, is drawn by hand and ends again', async () => {
-    viewer = await Viewer.open(browser, server.ready.url);
+    viewer = await stage.open();
     const [layer] = (await viewer.until('layers', (s) => s.intervals.length > 1)).intervals;
     if (!layer) throw new Error('no layer');
     const before = await viewer.exactPicture();

@@ -1,29 +1,14 @@
 // Undo and redo in a real browser against a real server, alone and beside somebody else.
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import type { Interval, SceneState } from '../../web/src/lib/model';
-import { Server } from './server';
-import { difference, launch, Viewer } from './viewer';
+import { Stage } from './stage';
+import { difference, Viewer } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['torus:48', 'cylinder:16x24x4x5'] });
 let viewer: Viewer;
 
-beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48', 'cylinder:16x24x4x5'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
-
 async function open(dataset = /torus/): Promise<void> {
-  viewer = await Viewer.open(browser, server.ready.url);
+  viewer = await stage.open();
   await viewer.until('layers', (state) => state.intervals.length > 0);
   const { name, id } = viewer.events.flatMap((event) => (event.kind === 'welcome' ? event.welcome.datasets : [])).find((entry) => dataset.test(entry.name))!;
   if (viewer.state.dataset !== id) await viewer.page.getByLabel('Dataset').selectOption(id);
@@ -106,8 +91,8 @@ describe('undo', () => {
     await viewer.until('hidden', ({ intervals }) => !intervals[0]!.visible);
     await viewer.thumb(layer, 'upper').press('ArrowRight');
     await viewer.until('wider', ({ intervals }) => intervals[0]!.upper > layer.upper);
-    const address = new URL(`api/v1/sessions/${viewer.sessionId}/intervals/${layer.id}`, server.ready.url);
-    address.search = new URL(server.ready.url).search;
+    const address = new URL(`api/v1/sessions/${viewer.sessionId}/intervals/${layer.id}`, stage.server.ready.url);
+    address.search = new URL(stage.server.ready.url).search;
     const answer = await fetch(address, { method: 'PATCH', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ upper: layer.upper + 0.125, opacity: 0.75 }) });
     expect(answer.status).toBe(200);
     await viewer.until('the other’s', ({ intervals }) => intervals[0]!.opacity === 0.75);

@@ -2,33 +2,20 @@
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
+import { beforeAll, describe, expect, test } from 'vitest';
 import type { Interval } from '../../web/src/lib/model';
-import { binary, repository, Server } from './server';
-import { difference, drawnPixels, launch, Viewer } from './viewer';
+import { binary, repository } from './server';
+import { Stage } from './stage';
+import { difference, drawnPixels, Viewer } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['torus:48', 'cylinder:16x24x4x5'] });
 let viewer: Viewer;
 const folder = join(repository, 'build', 'e2e');
 
-beforeAll(async () => {
-  mkdirSync(folder, { recursive: true });
-  server = await Server.start({ data: ['torus:48', 'cylinder:16x24x4x5'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
+beforeAll(() => void mkdirSync(folder, { recursive: true }));
 
 async function open(): Promise<void> {
-  viewer = await Viewer.open(browser, server.ready.url);
+  viewer = await stage.open();
   await viewer.until('layers', (state) => state.intervals.length > 0);
   await viewer.exactPicture();
 }

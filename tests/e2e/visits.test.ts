@@ -1,25 +1,10 @@
 // A dataset that is chosen again in the same tab.
-import type { Browser } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
-import { Server } from './server';
-import { difference, launch, Viewer } from './viewer';
+import { describe, expect, test } from 'vitest';
+import { Stage } from './stage';
+import { difference, Viewer } from './viewer';
 
-let server: Server;
-let browser: Browser;
+const stage = new Stage({ data: ['torus:48', 'sphere:24', 'cylinder:16x24x4x5'] });
 let viewer: Viewer;
-
-beforeAll(async () => {
-  server = await Server.start({ data: ['torus:48', 'sphere:24', 'cylinder:16x24x4x5'] });
-  browser = await launch();
-});
-afterAll(async () => {
-  await browser?.close();
-  await server?.stop();
-});
-afterEach(async () => {
-  await viewer?.close();
-  server.checkAlive();
-});
 
 async function choose(name: RegExp): Promise<void> {
   const options = await viewer.page.locator('#dataset option').evaluateAll((all) => all.map((o) => [(o as HTMLOptionElement).value, o.textContent ?? ''] as const));
@@ -31,7 +16,7 @@ const back = () => viewer.page.getByText('are as you left them').count();
 
 describe('a dataset that is chosen again', () => {
   test('is as it was left, until one starts anew; and that can be undone', async () => {
-    viewer = await Viewer.open(browser, server.ready.url);
+    viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);
     await choose(/torus/);
     const first = await viewer.exactPicture();
@@ -62,7 +47,7 @@ describe('a dataset that is chosen again', () => {
   });
 
   test('of which nothing was changed is shown as at first, without a word; a reload forgets nothing', async () => {
-    viewer = await Viewer.open(browser, server.ready.url);
+    viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);
     await choose(/sphere/);
     await choose(/torus/);
