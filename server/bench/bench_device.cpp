@@ -13,15 +13,6 @@
 namespace isostrata {
 namespace {
 
-Spread spread_of(std::vector<double> ms) {
-  std::sort(ms.begin(), ms.end());
-  return {ms.front(), ms[ms.size() / 2], ms.back()};
-}
-
-boost::json::object to_json(const Spread& spread) {
-  return {{"min", spread.min}, {"median", spread.median}, {"max", spread.max}};
-}
-
 /// 0..255 over the array's range; what is not finite becomes 0.
 double byte_of(const PointArray& array, double value) {
   return std::isfinite(value) && array.lower < array.upper ? 255 * (value - array.lower) / (array.upper - array.lower) : 0.0;

@@ -4,15 +4,11 @@
 #include <boost/json/object.hpp>
 #include <string>
 
+#include "bench/bench_sums.h"
 #include "data/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {
-
-/// min / median / max.
-struct Spread {
-  double min = 0, median = 0, max = 0;
-};
 
 struct DeviceRun {
   std::string data, array, type, device;

@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kMinKbps = 100, kMaxKbps = 200000;
 
-struct BenchArguments {
+struct EncodeArguments {
   std::vector<std::string> data{"cylinder", "torus:96"};
   std::vector<std::string> intervals, codecs;
   std::vector<std::string> sizes{"1280x720"};
@@ -35,7 +35,7 @@ struct BenchArguments {
   bool json = false;
 };
 
-struct BenchRun {
+struct EncodeRun {
   Codec codec = Codec::jpeg;
   std::string implementation;
   int setting = 0;                         // JPEG's quality, video's kb/s
@@ -44,7 +44,7 @@ struct BenchRun {
   double min_ms = 0, median_ms = 0, max_ms = 0, decode_ms = 0;
 };
 
-std::vector<Image> draw_frames(const BenchArguments& arguments, const std::string& data, const std::string& size) {
+std::vector<Image> draw_frames(const EncodeArguments& arguments, const std::string& data, const std::string& size) {
   const std::shared_ptr<const Dataset> dataset = open_argument(data);
   const PointArray& array = array_argument(*dataset, arguments.array);
   Scene scene;
@@ -71,10 +71,10 @@ std::vector<Image> draw_frames(const BenchArguments& arguments, const std::strin
   return frames;
 }
 
-BenchRun measure(Codec codec, const std::vector<Image>& frames, int setting) {
+EncodeRun measure(Codec codec, const std::vector<Image>& frames, int setting) {
   const auto encoder = make_encoder(codec);
   const auto decoder = codec == Codec::png ? nullptr : make_decoder(codec);
-  BenchRun run{codec, encoder->implementation(), setting};
+  EncodeRun run{codec, encoder->implementation(), setting};
   std::vector<double> times;
   double ssim = 0, psnr = 0, bytes = 0, decode_ms = 0;
   for (const Image& frame : frames) {
@@ -102,13 +102,13 @@ BenchRun measure(Codec codec, const std::vector<Image>& frames, int setting) {
 }
 
 /// The least bit rate with at least that SSIM, to within 3 %; the largest rate where none has it.
-BenchRun measure_at(Codec codec, const std::vector<Image>& frames, double ssim) {
+EncodeRun measure_at(Codec codec, const std::vector<Image>& frames, double ssim) {
   double low = kMinKbps, high = kMaxKbps;
-  BenchRun best = measure(codec, frames, kMaxKbps);
+  EncodeRun best = measure(codec, frames, kMaxKbps);
   if (best.ssim < ssim) return best;
   while (high / low > 1.03) {
     const double middle = std::sqrt(low * high);
-    BenchRun run = measure(codec, frames, static_cast<int>(middle));
+    EncodeRun run = measure(codec, frames, static_cast<int>(middle));
     if (run.ssim >= ssim)
       high = middle, best = std::move(run);
     else
@@ -117,7 +117,7 @@ BenchRun measure_at(Codec codec, const std::vector<Image>& frames, double ssim) 
   return best;
 }
 
-boost::json::object to_json(const BenchRun& run, const std::string& data, const Image& frame, const BenchRun& jpeg,
+boost::json::object to_json(const EncodeRun& run, const std::string& data, const Image& frame, const EncodeRun& jpeg,
                             std::size_t frames) {
   return {{"data", data},
           {"size", boost::json::array{frame.width, frame.height}},
@@ -134,7 +134,7 @@ boost::json::object to_json(const BenchRun& run, const std::string& data, const 
           {"decode_ms", run.decode_ms}};
 }
 
-void print_text(const BenchRun& run, const std::string& data, const Image& frame, const BenchRun& jpeg) {
+void print_text(const EncodeRun& run, const std::string& data, const Image& frame, const EncodeRun& jpeg) {
   const std::string size = std::to_string(frame.width) + "x" + std::to_string(frame.height);
   const std::string setting = run.codec == Codec::png ? "" : std::to_string(run.setting) + (is_video(run.codec) ? " kb/s" : "");
   std::printf("%-14s %-10s %-9s %12s %8.4f %7.2f %10.0f %10.0f %8.2f %7.1f %7.1f %7.1f %7.1f  %s\n", data.c_str(), size.c_str(),
@@ -143,7 +143,7 @@ void print_text(const BenchRun& run, const std::string& data, const Image& frame
   std::fflush(stdout);
 }
 
-void run(const BenchArguments& arguments) {
+void run(const EncodeArguments& arguments) {
   for (const std::string& size : arguments.sizes) parse_size(size);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   std::vector<Codec> codecs = moving_codecs();
@@ -159,9 +159,9 @@ void run(const BenchArguments& arguments) {
   for (const std::string& data : arguments.data)
     for (const std::string& size : arguments.sizes) {
       const std::vector<Image> frames = draw_frames(arguments, data, size);
-      const BenchRun jpeg = measure(Codec::jpeg, frames, arguments.quality);
+      const EncodeRun jpeg = measure(Codec::jpeg, frames, arguments.quality);
       for (const Codec codec : codecs) {
-        const BenchRun one = codec == Codec::jpeg  ? jpeg
+        const EncodeRun one = codec == Codec::jpeg  ? jpeg
                              : codec == Codec::png ? measure(codec, frames, 100)
                              : arguments.kbps > 0  ? measure(codec, frames, arguments.kbps)
                                                    : measure_at(codec, frames, jpeg.ssim);
@@ -179,7 +179,7 @@ void run(const BenchArguments& arguments) {
 void add_bench_encode_command(CLI::App& bench) {
   CLI::App* command =
       bench.add_subcommand("encode", "Frames of a turning camera through every codec, video at the SSIM that JPEG has");
-  auto arguments = std::make_shared<BenchArguments>();
+  auto arguments = std::make_shared<EncodeArguments>();
   command->add_option("--data", arguments->data, "Files or names of analytic data; may be repeated")
       ->allow_extra_args(false)
       ->capture_default_str();

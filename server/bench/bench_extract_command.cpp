@@ -12,6 +12,7 @@
 #include "bench/bench_device.h"
 #include "bench/bench_sums.h"
 #include "bench/commands.h"
+#include "bench/usual_interval.h"
 #include "data/read_once.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/brick_memory.h"
@@ -24,7 +25,7 @@
 namespace isostrata {
 namespace {
 
-struct BenchArguments {
+struct ExtractArguments {
   std::vector<std::string> data{"torus:256"};
   std::string array, interval;
   std::string device = "cpu";
@@ -48,15 +49,16 @@ struct DragRun {
 struct LayoutRun {
   double make_ms = 0;   // the layout, once for a grid
   double array_ms = 0;  // an array in it, once, with an extraction
-  double min_ms = 0, median_ms = 0, max_ms = 0;  // the mesh
-  std::uint64_t bytes = 0;                       // of layout and array
+  Spread ms;            // the mesh
+  std::uint64_t bytes = 0;  // of layout and array
 };
 
-struct BenchRun {
+struct ExtractRun {
   std::string data, array;
   Interval interval;
   std::int64_t cells = 0, active_cells = 0, tetrahedra = 0;
-  double min_ms = 0, median_ms = 0, max_ms = 0, read_floor_ms = 0;
+  Spread ms;
+  double read_floor_ms = 0;
   std::uint64_t mesh_bytes = 0;
   std::optional<DragRun> drag;      // of structured grids
   std::optional<LayoutRun> layout;  // of grids of tetrahedra
@@ -70,14 +72,6 @@ std::string cpu_name() {
       if (at != std::string::npos) return line.substr(at + 2);
     }
   return "unknown";
-}
-
-/// A thin layer around the torus of radius 0.25, about as many tetrahedra as in the paper's Table 2; elsewhere the middle tenth
-/// of the range.
-Interval default_interval(const std::string& data, const PointArray& array) {
-  if (data.starts_with("torus")) return {0.24, 0.26};
-  const double span = array.upper - array.lower;
-  return {array.lower + 0.45 * span, array.lower + 0.55 * span};
 }
 
 std::uint64_t bytes_of(const IntervalMesh& mesh) {
@@ -147,21 +141,18 @@ std::optional<LayoutRun> measure_layout(const Grid& grid, const PointArray& arra
     const IntervalMesh mesh = extract_intervals(grid, array, {&moved, 1}, options, quiet);
     ms.push_back(stopwatch.lap_ms());
   }
-  std::sort(ms.begin(), ms.end());
-  run.min_ms = ms.front();
-  run.median_ms = ms[ms.size() / 2];
-  run.max_ms = ms.back();
+  run.ms = spread_of(std::move(ms));
   return run;
 }
 
-BenchRun measure(const std::string& data, const BenchArguments& arguments) {
+ExtractRun measure(const std::string& data, const ExtractArguments& arguments) {
   const std::shared_ptr<const Dataset> dataset = open_argument(data);
   if (dataset->arrays.empty()) throw Error(ErrorCode::not_found, data + ": no point array; expected at least one");
   const PointArray& array = arguments.array.empty() ? dataset->arrays.front() : dataset->array(arguments.array);
-  BenchRun run;
+  ExtractRun run;
   run.data = data;
   run.array = array.name;
-  run.interval = arguments.interval.empty() ? default_interval(data, array) : parse_interval(arguments.interval, 0).interval;
+  run.interval = arguments.interval.empty() ? usual_interval(data, array) : parse_interval(arguments.interval, 0).interval;
   prepare_tables(dataset->grid);
 
   const Task quiet;
@@ -183,10 +174,7 @@ BenchRun measure(const std::string& data, const BenchArguments& arguments) {
   if (dataset->grid.structured() && dataset->grid.cell_count() > 0)
     run.drag = measure_drag(dataset->grid, array, run.interval, arguments.repeat, options);
   if (!dataset->grid.structured()) run.layout = measure_layout(dataset->grid, array, run.interval, arguments.repeat, options);
-  std::sort(ms.begin(), ms.end());
-  run.min_ms = ms.front();
-  run.median_ms = ms[ms.size() / 2];
-  run.max_ms = ms.back();
+  run.ms = spread_of(std::move(ms));
   run.read_floor_ms = *std::min_element(floor_ms.begin(), floor_ms.end());
   return run;
 }
@@ -206,36 +194,36 @@ boost::json::value to_json(const LayoutRun& layout) {
   return boost::json::object{
       {"make_ms", layout.make_ms},
       {"first_ms", layout.array_ms},
-      {"ms", boost::json::object{{"min", layout.min_ms}, {"median", layout.median_ms}, {"max", layout.max_ms}}},
+      {"ms", to_json(layout.ms)},
       {"bytes", layout.bytes}};
 }
 
-boost::json::object to_json(const BenchRun& run) {
+boost::json::object to_json(const ExtractRun& run) {
   return {{"data", run.data},
           {"array", run.array},
           {"interval", boost::json::array{run.interval.lower, run.interval.upper}},
           {"cells", run.cells},
           {"active_cells", run.active_cells},
           {"tetrahedra", run.tetrahedra},
-          {"ms", boost::json::object{{"min", run.min_ms}, {"median", run.median_ms}, {"max", run.max_ms}}},
+          {"ms", to_json(run.ms)},
           {"read_floor_ms", run.read_floor_ms},
           {"mesh_bytes", run.mesh_bytes},
           {"drag", run.drag ? to_json(*run.drag) : boost::json::value()},
           {"layout", run.layout ? to_json(*run.layout) : boost::json::value()}};
 }
 
-void print_text(const BenchRun& run) {
+void print_text(const ExtractRun& run) {
   std::printf(
       "%s, %s %g:%g: %lld of %lld cells, %lld tetrahedra; min %.2f, median %.2f, max %.2f ms; reading the array once %.2f ms\n",
       run.data.c_str(), run.array.c_str(), run.interval.lower, run.interval.upper, static_cast<long long>(run.active_cells),
-      static_cast<long long>(run.cells), static_cast<long long>(run.tetrahedra), run.min_ms, run.median_ms, run.max_ms,
+      static_cast<long long>(run.cells), static_cast<long long>(run.tetrahedra), run.ms.min, run.ms.median, run.ms.max,
       run.read_floor_ms);
   if (run.layout)
     std::printf(
         "  with the tetrahedra laid out (%.0f ms once, %.1f MB), upper end moved by 1 %% of the range: min %.2f, median %.2f, max %.2f "
         "ms; the first with a new array %.2f ms\n",
-        run.layout->make_ms, static_cast<double>(run.layout->bytes) / 1e6, run.layout->min_ms, run.layout->median_ms,
-        run.layout->max_ms, run.layout->array_ms);
+        run.layout->make_ms, static_cast<double>(run.layout->bytes) / 1e6, run.layout->ms.min, run.layout->ms.median,
+        run.layout->ms.max, run.layout->array_ms);
   if (!run.drag) return;
   const DragRun& drag = *run.drag;
   std::printf(
@@ -247,15 +235,15 @@ void print_text(const BenchRun& run) {
       drag.moved_mesh_ms);
 }
 
-DeviceRun measure_device(const std::string& data, const BenchArguments& arguments) {
+DeviceRun measure_device(const std::string& data, const ExtractArguments& arguments) {
   const std::shared_ptr<const Dataset> dataset = open_argument(data);
   const PointArray& array = array_argument(*dataset, arguments.array);
   const Interval interval =
-      arguments.interval.empty() ? default_interval(data, array) : parse_interval(arguments.interval, 0).interval;
+      arguments.interval.empty() ? usual_interval(data, array) : parse_interval(arguments.interval, 0).interval;
   return measure_on_device(arguments.device, data, dataset->grid, array, interval, arguments.as_bytes, arguments.repeat);
 }
 
-void run(const BenchArguments& arguments) {
+void run(const ExtractArguments& arguments) {
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   boost::json::array runs;
   const bool on_device = arguments.device != "cpu";
@@ -270,7 +258,7 @@ void run(const BenchArguments& arguments) {
         print_text(one);
       continue;
     }
-    const BenchRun one = measure(data, arguments);
+    const ExtractRun one = measure(data, arguments);
     if (arguments.json)
       runs.push_back(to_json(one));
     else
@@ -287,7 +275,7 @@ void run(const BenchArguments& arguments) {
 
 void add_bench_extract_command(CLI::App& bench) {
   CLI::App* command = bench.add_subcommand("extract", "Times extraction, with the time to read the array once beside it");
-  auto arguments = std::make_shared<BenchArguments>();
+  auto arguments = std::make_shared<ExtractArguments>();
   command->add_option("--data", arguments->data, "A file or the name of analytic data; may be repeated")
       ->allow_extra_args(false)
       ->capture_default_str();

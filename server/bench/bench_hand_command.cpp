@@ -71,7 +71,7 @@ json::object measure(const HandArguments& arguments, const std::string& data) {
           {"device", run.at("device")}};
 }
 
-void print_text(const json::object& run) {
+void print_hand(const json::object& run) {
   const json::array& size = run.at("moving_size").as_array();
   std::printf(
       "%-28s input to decoded ms p50 %5.0f p95 %5.0f  %5.1f fps at %4dx%-4d  rest to exact %4.0f ms  draw %4.0f ms, %lld "
@@ -90,7 +90,7 @@ void run(const HandArguments& arguments) {
   for (const std::string& data : arguments.data) {
     try {
       json::object one = measure(arguments, data);
-      if (!arguments.json) print_text(one);
+      if (!arguments.json) print_hand(one);
       runs.push_back(std::move(one));
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled || arguments.data.size() == 1) throw;

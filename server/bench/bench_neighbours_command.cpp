@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -28,6 +27,7 @@
 #include "bench/commands.h"
 #include "bench/neighbour_works.h"
 #include "bench/plain_socket.h"
+#include "bench/turning_camera.h"
 #include "main/picture_arguments.h"
 #include "session/wire/random_token.h"
 
@@ -181,17 +181,8 @@ class PoliteViewer {
     while (!stop_ && socket_.open()) {
       if (turning_ && Clock::now() >= next) {
         next = std::max(next + kTurnEvery, Clock::now());
-        v1::ClientMessage message;
-        v1::Camera& camera = *message.mutable_set_camera()->mutable_camera();
-        angle += 0.03;
-        camera.mutable_eye()->set_x(5 * std::cos(angle));
-        camera.mutable_eye()->set_y(5 * std::sin(angle));
-        camera.mutable_eye()->set_z(2);
-        camera.mutable_at()->set_x(0);
-        camera.mutable_up()->set_z(1);
-        camera.set_fov_deg(30);
         const std::lock_guard lock(mutex_);
-        inputs_[socket_.add(message)] = Clock::now();
+        inputs_[socket_.add(turning_camera(5, angle += 0.03))] = Clock::now();
       }
       socket_.flush();
       socket_.receive(1 << 16, 2);
@@ -224,7 +215,7 @@ class PoliteViewer {
   std::thread thread_;
 };
 
-struct BenchArguments {
+struct NeighboursArguments {
   std::vector<std::string> works;
   double most_s = 12, window_s = 2;
   std::string program = (program_file().parent_path() / "isostrata").string();
@@ -273,7 +264,7 @@ class Running {
 
 json::value number(const std::optional<double>& of) { return of ? json::value(*of) : json::value(nullptr); }
 
-json::object measure(ServeProcess& server, PoliteViewer& polite, const NeighbourWork& work, const BenchArguments& arguments) {
+json::object measure(ServeProcess& server, PoliteViewer& polite, const NeighbourWork& work, const NeighboursArguments& arguments) {
   const HeavySession session = server.session(work.dataset);
   if (work.prepare) work.prepare(session);
   {  // its mesh is there, as it is for whoever looks at it
@@ -325,7 +316,7 @@ json::object measure(ServeProcess& server, PoliteViewer& polite, const Neighbour
           {"memory_peak_mb", peak}};
 }
 
-void print_text(const json::object& run) {
+void print_neighbours(const json::object& run) {
   const auto of = [&](const char* key) { return run.at(key).is_null() ? std::nan("") : run.at(key).to_number<double>(); };
   const double limit = 1.2 * of("alone_p95_ms") + 20;
   const bool fair = of("beside_p95_ms") <= limit && of("longest_gap_ms") <= 250 &&
@@ -336,7 +327,7 @@ void print_text(const json::object& run) {
   std::fflush(stdout);
 }
 
-void run(const BenchArguments& arguments) {
+void run(const NeighboursArguments& arguments) {
   ServeProcess server(fs::canonical(arguments.program), arguments.serve);
   PoliteViewer polite(server);
   polite.turn(1, [] { return true; });  // everything is loaded and warm
@@ -348,7 +339,7 @@ void run(const BenchArguments& arguments) {
     const auto& wanted = arguments.works;
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), work.name) == wanted.end()) continue;
     json::object one = measure(server, polite, work, arguments);
-    if (!arguments.json) print_text(one);
+    if (!arguments.json) print_neighbours(one);
     runs.push_back(std::move(one));
   }
   if (arguments.json)
@@ -359,7 +350,7 @@ void run(const BenchArguments& arguments) {
 
 void add_bench_neighbours_command(CLI::App& bench) {
   CLI::App* command = bench.add_subcommand("neighbours", "What each heavy work of one session costs another session's frames, and the work");
-  const auto arguments = std::make_shared<BenchArguments>();
+  const auto arguments = std::make_shared<NeighboursArguments>();
   std::vector<std::string> names;
   for (const NeighbourWork& work : neighbour_works()) names.push_back(work.name);
   command->add_option("--work", arguments->works, "Only this one; may be repeated")

@@ -9,7 +9,9 @@
 #include "base/parallel.h"
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
+#include "bench/bench_sums.h"
 #include "bench/commands.h"
+#include "bench/usual_interval.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/draw_lit.h"
 #include "engine/picture/extract_scene.h"
@@ -21,7 +23,7 @@
 namespace isostrata {
 namespace {
 
-struct BenchArguments {
+struct RenderArguments {
   std::vector<std::string> data;  // empty: the standard workloads
   std::vector<std::string> intervals;
   std::vector<std::string> sizes{"512x512", "1024x1024"}, renderers{"auto"};
@@ -36,7 +38,7 @@ struct BenchArguments {
 };
 
 struct Workload {
-  std::string data, interval;  // interval empty: default_interval
+  std::string data, interval;  // interval empty: usual_interval
 };
 
 /// 350 K and 1.9 M tetrahedra of the torus and the 55.6 K of the tapered cylinder, as in the paper's Table 2; and few large
@@ -44,11 +46,7 @@ struct Workload {
 const Workload kStandard[] = {
     {"torus:128", "0.242:0.258"}, {"torus:256", "0.2425:0.2575"}, {"cylinder", "0.9934:0.9949"}, {"torus:24", "0.05:0.45"}};
 
-struct Spread {
-  double min = 0, median = 0, max = 0;
-};
-
-struct BenchRun {
+struct RenderRun {
   std::string data, mode, renderer, device, order;
   int width = 0, height = 0;
   std::int64_t tetrahedra = 0;
@@ -60,15 +58,10 @@ struct BenchRun {
   std::vector<StageTime> stages;  // sums over the frames, as far as the renderer tells
 };
 
-Spread spread_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return {values.front(), values[values.size() / 2], values.back()};
-}
-
 /// The frames of a run, one after the other.
 class Frames {
  public:
-  explicit Frames(BenchRun& run) : run_(run) {}
+  explicit Frames(RenderRun& run) : run_(run) {}
   void add(double total_ms, const DrawFacts& facts) {
     total_.push_back(total_ms);
     order_.push_back(facts.order_ms);
@@ -88,12 +81,12 @@ class Frames {
   }
 
  private:
-  BenchRun& run_;
+  RenderRun& run_;
   std::vector<double> order_, draw_, readback_, total_;
 };
 
 /// How many fragments a pixel that shows anything gets, and a tetrahedron makes, counted by the device in one frame.
-void count_fragments(Renderer& renderer, DrawInput input, BenchRun& run) {
+void count_fragments(Renderer& renderer, DrawInput input, RenderRun& run) {
   input.count_fragments = true;
   input.float_image = true;
   const DrawResult result = renderer.draw(input);
@@ -105,8 +98,8 @@ void count_fragments(Renderer& renderer, DrawInput input, BenchRun& run) {
   run.depth_complexity = covered > 0 ? fragments / static_cast<double>(covered) : 0;
 }
 
-BenchRun measure(Renderer& renderer, const std::string& data, const std::string& mode, const ExtractedScene& extracted,
-                 const Scene& scene, std::array<int, 2> size, const BenchArguments& arguments) {
+RenderRun measure(Renderer& renderer, const std::string& data, const std::string& mode, const ExtractedScene& extracted,
+                 const Scene& scene, std::array<int, 2> size, const RenderArguments& arguments) {
   const auto [width, height] = size;
   DrawInput input = draw_input(extracted, scene, width, height);
   for (IntervalStyle& style : input.styles) {  // the whole colour map within each layer
@@ -115,7 +108,7 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
     style.color_upper = interval.upper;
   }
   const Camera start = input.camera;
-  BenchRun run;
+  RenderRun run;
   run.data = data;
   run.mode = mode;
   run.width = width;
@@ -142,9 +135,9 @@ BenchRun measure(Renderer& renderer, const std::string& data, const std::string&
 }
 
 /// An end of the last interval goes up and down by a tenth of its thickness, and every frame shows another place of it.
-BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::string& mode, const std::string& tetrahedra,
+RenderRun measure_drag(Renderer& renderer, const std::string& data, const std::string& mode, const std::string& tetrahedra,
                       const std::shared_ptr<const Dataset>& dataset, Scene scene, std::array<int, 2> size, BaseMeshes& bases,
-                      const BenchArguments& arguments) {
+                      const RenderArguments& arguments) {
   SceneAids aids;
   aids.tetrahedra = tetrahedra == "cut" ? TetrahedraWay::cut : TetrahedraWay::split;
   aids.bases = &bases;
@@ -156,7 +149,7 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   const SceneInterval start = scene.intervals.back();
   auto extracted = extract_scene(steps, scene, nullptr, command_task(), aids);
   draw_lit(renderer, draw_input(*extracted, scene, size[0], size[1]), scene.light);
-  BenchRun run;
+  RenderRun run;
   run.data = data;
   run.mode = mode;
   run.width = size[0];
@@ -179,9 +172,9 @@ BenchRun measure_drag(Renderer& renderer, const std::string& data, const std::st
   return run;
 }
 
-double per_second(double count, const BenchRun& run) { return run.total_ms.median > 0 ? 1000 * count / run.total_ms.median : 0; }
+double per_second(double count, const RenderRun& run) { return run.total_ms.median > 0 ? 1000 * count / run.total_ms.median : 0; }
 
-boost::json::object to_json(const BenchRun& run) {
+boost::json::object to_json(const RenderRun& run) {
   const auto tetrahedra = static_cast<double>(run.tetrahedra);
   boost::json::object stages;  // means
   for (const StageTime& stage : run.stages) stages[stage.name] = stage.ms / std::max(1, run.frames);
@@ -199,9 +192,7 @@ boost::json::object to_json(const BenchRun& run) {
                                                           {"draw", run.draw_ms},
                                                           {"readback", run.readback_ms},
                                                           {"stages", std::move(stages)},
-                                                          {"total", boost::json::object{{"min", run.total_ms.min},
-                                                                                        {"median", run.total_ms.median},
-                                                                                        {"max", run.total_ms.max}}}}},
+                                                          {"total", to_json(run.total_ms)}}},
                                {"frames_per_second", per_second(1, run)},
                                {"tetrahedra_per_second", per_second(tetrahedra, run)},
                                {"fragments_per_second", per_second(tetrahedra * run.fragments_per_tetrahedron, run)}};
@@ -218,7 +209,7 @@ void print_heading() {
               "order");
 }
 
-void print_text(const BenchRun& run) {
+void print_text(const RenderRun& run) {
   const std::string size = std::to_string(run.width) + "x" + std::to_string(run.height);
   const auto tetrahedra = static_cast<double>(run.tetrahedra);
   std::printf("%-14s %-8s %-9s %-8s %10lld %9.1f %7.1f %7.1f %8.1f %8.1f %8.1f %8.1f %8.1f %9.2f %9.3f  %s\n", run.data.c_str(),
@@ -235,18 +226,8 @@ void print_text(const BenchRun& run) {
   std::fflush(stdout);
 }
 
-/// A layer of the middle tenth of the range; around the torus, the layer that `bench extract` uses.
-std::string default_interval(const std::string& data, const PointArray& array) {
-  const double span = array.upper - array.lower;
-  const Interval interval =
-      data.starts_with("torus") ? Interval{0.24, 0.26} : Interval{array.lower + 0.45 * span, array.lower + 0.55 * span};
-  char text[64];
-  std::snprintf(text, sizeof text, "%.17g:%.17g", interval.lower, interval.upper);
-  return text;
-}
-
 /// "all": those that this machine has; what is missing is said on standard error.
-std::vector<std::unique_ptr<Renderer>> open_renderers(const BenchArguments& arguments) {
+std::vector<std::unique_ptr<Renderer>> open_renderers(const RenderArguments& arguments) {
   std::vector<std::unique_ptr<Renderer>> renderers;
   for (const std::string& name : arguments.renderers) {
     if (name != "all") {
@@ -263,7 +244,7 @@ std::vector<std::unique_ptr<Renderer>> open_renderers(const BenchArguments& argu
   return renderers;
 }
 
-void run(const BenchArguments& arguments) {
+void run(const RenderArguments& arguments) {
   for (const std::string& size : arguments.sizes) parse_size(size);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   const std::vector<std::unique_ptr<Renderer>> renderers = open_renderers(arguments);
@@ -272,7 +253,7 @@ void run(const BenchArguments& arguments) {
   if (workloads.empty()) workloads.assign(std::begin(kStandard), std::end(kStandard));
   boost::json::array runs;
   if (!arguments.json) print_heading();
-  const auto put = [&](const BenchRun& one) {
+  const auto put = [&](const RenderRun& one) {
     if (arguments.json)
       runs.push_back(to_json(one));
     else
@@ -284,7 +265,7 @@ void run(const BenchArguments& arguments) {
     const PointArray& array = array_argument(*dataset, arguments.array);
     std::vector<std::string> intervals = arguments.intervals;
     if (intervals.empty())
-      intervals.push_back(workload.interval.empty() ? default_interval(workload.data, array) : workload.interval);
+      intervals.push_back(workload.interval.empty() ? as_argument(usual_interval(workload.data, array)) : workload.interval);
     Scene scene;
     scene.array = array.name;
     set_light(scene, arguments.light);
@@ -318,7 +299,7 @@ void run(const BenchArguments& arguments) {
 
 void add_bench_render_command(CLI::App& bench) {
   CLI::App* command = bench.add_subcommand("render", "Frames of a turning camera: order, draw, readback");
-  auto arguments = std::make_shared<BenchArguments>();
+  auto arguments = std::make_shared<RenderArguments>();
   command
       ->add_option("--data", arguments->data,
                    "Files or names of analytic data; may be repeated (default: four standard workloads)")

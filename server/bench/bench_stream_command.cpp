@@ -41,7 +41,7 @@ constexpr double kFallsAfter = 0.4;                                             
 constexpr const char *kDefaultData = "cylinder", *kDefaultInterval = "0.9934:0.9949";  // the paper's, tapered: 55.6 K tetrahedra
 constexpr const char *kNeighbourData = "torus:12", *kNeighbourId = "torus-12";
 
-struct BenchArguments {
+struct StreamArguments {
   std::string data = kDefaultData;
   std::vector<std::string> intervals;
   std::vector<std::string> links{"loopback", "40ms-20mbit", "80ms-2mbit", "40ms-20mbit-to-2mbit", "20ms-5mbit"};
@@ -131,7 +131,7 @@ double resident_mib() {
   return resident * 4096 / (1 << 20);
 }
 
-json::object measure(const BenchServer& server, const BenchArguments& arguments, const std::string& name,
+json::object measure(const BenchServer& server, const StreamArguments& arguments, const std::string& name,
                      const std::string& reference) {
   const LinkArgument link = parse_link(name);
   std::unique_ptr<ShapedLink> shaped;
@@ -185,7 +185,7 @@ json::object measure(const BenchServer& server, const BenchArguments& arguments,
 
 double number(const json::object& of, const char* key) { return of.contains(key) ? of.at(key).to_number<double>() : 0; }
 
-void print_text(const json::object& run) {
+void print_stream(const json::object& run) {
   const json::object& ms = run.at("input_to_decoded_ms").as_object();
   std::printf(
       "%-22s %-8s %5.1f fps  input to decoded ms p50 %.0f p95 %.0f max %.0f  stale %.0f  %.0f bytes  rest to lossless %.0f "
@@ -217,7 +217,7 @@ double cpu_seconds() {
 
 /// The same link alone and with each neighbour, in turns, so that a machine that others slow down slows down all of them; each
 /// round begins with another of them.
-json::array measure_with_neighbours(const BenchServer& server, const BenchArguments& arguments, const std::string& link,
+json::array measure_with_neighbours(const BenchServer& server, const StreamArguments& arguments, const std::string& link,
                                     const std::string& reference) {
   json::array runs;
   std::vector<std::string> all{"none"};
@@ -244,7 +244,7 @@ json::array measure_with_neighbours(const BenchServer& server, const BenchArgume
       }
       measured[manners].p95_ms.push_back(number(one.at("input_to_decoded_ms").as_object(), "p95"));
       measured[manners].cores.push_back(cores);
-      if (!arguments.json) std::printf("%-12s ", manners.c_str()), print_text(one);
+      if (!arguments.json) std::printf("%-12s ", manners.c_str()), print_stream(one);
       runs.push_back(std::move(one));
     }
   if (arguments.json) return runs;
@@ -259,7 +259,7 @@ json::array measure_with_neighbours(const BenchServer& server, const BenchArgume
   return runs;
 }
 
-void run(BenchArguments arguments) {
+void run(StreamArguments arguments) {
   parse_size(arguments.size);
   for (const std::string& link : arguments.links) parse_link(link);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
@@ -290,7 +290,7 @@ void run(BenchArguments arguments) {
         continue;
       }
       json::object one = measure(server, arguments, link, reference.path.string());
-      if (!arguments.json) print_text(one);
+      if (!arguments.json) print_stream(one);
       runs.push_back(std::move(one));
     }
   }
@@ -302,7 +302,7 @@ void run(BenchArguments arguments) {
 void add_bench_stream_command(CLI::App& bench) {
   CLI::App* command =
       bench.add_subcommand("stream", "A turning camera through a real server and client, over links of all kinds");
-  auto arguments = std::make_shared<BenchArguments>();
+  auto arguments = std::make_shared<StreamArguments>();
   command->add_option("--data", arguments->data, "File or name of analytic data")->capture_default_str();
   command
       ->add_option("--interval", arguments->intervals,

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <algorithm>
+#include <boost/json/object.hpp>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,16 @@ inline double median(std::vector<double> of) {
   std::sort(of.begin(), of.end());
   return of.empty() ? 0 : of[of.size() / 2];
 }
+
+/// Of times or other values, in their unit.
+struct Spread {
+  double min = 0, median = 0, max = 0;
+};
+
+/// Of at least one value.
+Spread spread_of(std::vector<double> values);
+
+boost::json::object to_json(const Spread& spread);
 
 /// Memory of a process that is no file's: RssAnon of /proc. 0 where there is no such process.
 std::uint64_t anonymous_bytes(pid_t process);

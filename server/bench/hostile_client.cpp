@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <thread>
 
 #include "base/error.h"
 #include "bench/plain_socket.h"
+#include "bench/turning_camera.h"
 #include "isostrata/v1/isostrata.pb.h"
 
 namespace isostrata {
@@ -23,18 +23,6 @@ constexpr int kFloodEachMs = 10;  // messages
 constexpr int kPoliteEveryMs = 16;
 constexpr int kVanishEveryMs = 20;
 constexpr int kMalformedEveryMs = 500;
-
-v1::ClientMessage camera_at(double angle) {
-  v1::ClientMessage message;
-  v1::Camera& camera = *message.mutable_set_camera()->mutable_camera();
-  camera.mutable_eye()->set_x(6 * std::cos(angle));
-  camera.mutable_eye()->set_y(6 * std::sin(angle));
-  camera.mutable_eye()->set_z(2);
-  camera.mutable_at()->set_x(0);
-  camera.mutable_up()->set_z(1);
-  camera.set_fov_deg(30);
-  return message;
-}
 
 }  // namespace
 
@@ -100,7 +88,7 @@ class HostileClient::Impl {
   }
 
   void turn(int times) {
-    for (int i = 0; i < times; ++i) socket_->add(camera_at(angle_ += 0.001));
+    for (int i = 0; i < times; ++i) socket_->add(turning_camera(6, angle_ += 0.001));
     messages_ += static_cast<std::uint64_t>(times);
   }
 

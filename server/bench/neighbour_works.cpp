@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "bench/plain_socket.h"
+#include "bench/turning_camera.h"
 
 namespace isostrata {
 namespace {
@@ -45,18 +46,6 @@ json::array layers(int count, double lower, double upper, const char* color_map,
 NeighbourWork still(const std::string& name, const std::string& query) {
   return {name, kVolume, true, [](const HeavySession& of) { set_layers(of, layers(2, 0.1, 0.3, "viridis", 0.3)); },
           [query](const HeavySession& of, const Stop& stop) { return get(of, "/image?" + query, stop); }};
-}
-
-v1::ClientMessage camera_at(double angle) {
-  v1::ClientMessage message;
-  v1::Camera& camera = *message.mutable_set_camera()->mutable_camera();
-  camera.mutable_eye()->set_x(5 * std::cos(angle));
-  camera.mutable_eye()->set_y(5 * std::sin(angle));
-  camera.mutable_eye()->set_z(2);
-  camera.mutable_at()->set_x(0);
-  camera.mutable_up()->set_z(1);
-  camera.set_fov_deg(30);
-  return message;
 }
 
 /// A page of the session that acknowledges what it gets.
@@ -110,7 +99,7 @@ bool with_pages(std::vector<std::unique_ptr<Page>> pages, const std::function<vo
   return all_open;
 }
 
-void turn(Page& page, int step) { page.add(camera_at(0.02 * step)); }
+void turn(Page& page, int step) { page.add(turning_camera(5, 0.02 * step)); }
 
 std::string guest_token(const HeavySession& of) {
   const std::string made = of.ask("POST", "/invitations", R"({"role":"ROLE_VIEWER","seconds":600})");
