@@ -1,5 +1,7 @@
 #include "data/analytic.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -103,11 +105,14 @@ double marschner_lobb(Vec3d p) {
   return (1 - std::sin(pi * p.z / 2) + kAlpha * (1 + ring)) / (2 * (1 + kAlpha));
 }
 
+std::span<const std::string_view> analytic_names() {
+  static constexpr std::array<std::string_view, 8> kNames{"torus", "sphere", "marschner-lobb", "cylinder", "implicit-flow", "tets", "mixed", "diamond"};
+  return kNames;
+}
+
 bool is_analytic(std::string_view name) {
-  const auto kind = name.substr(0, name.find(':'));
-  for (const std::string_view known : {"torus", "sphere", "marschner-lobb", "cylinder", "implicit-flow", "tets", "mixed", "diamond"})
-    if (kind == known) return true;
-  return false;
+  const auto names = analytic_names();
+  return std::find(names.begin(), names.end(), name.substr(0, name.find(':'))) != names.end();
 }
 
 std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOptions& options, const Task& task) {

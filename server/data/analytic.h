@@ -25,12 +25,16 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "base/vec.h"
 #include "data/dataset.h"
 
 namespace isostrata {
+
+/// "torus", "sphere" and so on.
+std::span<const std::string_view> analytic_names();
 
 /// Whether `name` is one of the names above or one of them with ":...".
 bool is_analytic(std::string_view name);

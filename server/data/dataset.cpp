@@ -1,17 +1,23 @@
 #include "data/dataset.h"
 
+#include <string>
+#include <vector>
+
+#include "base/nearest_name.h"
 #include "data/analytic.h"
 
 namespace isostrata {
 
 const PointArray& Dataset::array(std::string_view wanted) const {
-  std::string names;
+  std::string all;
+  std::vector<std::string> names;
   for (const PointArray& candidate : arrays) {
     if (candidate.name == wanted) return candidate;
-    names += (names.empty() ? "" : ", ") + candidate.name;
+    all += (all.empty() ? "" : ", ") + candidate.name;
+    names.push_back(candidate.name);
   }
   throw Error(ErrorCode::not_found, name + ": no array '" + std::string(wanted) + "'; " +
-                                        (names.empty() ? "it has no point or cell arrays" : "it has " + names));
+                                        (all.empty() ? "it has no point or cell arrays" : "it has " + all) + "." + did_you_mean(wanted, names));
 }
 
 }  // namespace isostrata

@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/nearest_name.h"
 #include "base/utf8.h"
 #include "data/analytic.h"
+#include "data/file_series.h"
 #include "data/region.h"
 #include "main/ranks.h"
 
@@ -28,6 +30,23 @@ T number(std::string_view part, std::string_view whole, const char* what) {
   if (error != std::errc{} || end != part.data() + part.size())
     refuse(whole, std::string(what) + " '" + std::string(part) + "' is not a number");
   return value;
+}
+
+/// Throws not_found if there is no such file, with the name beside it, or of a built-in field, that is nearly the same.
+void say_what_was_meant(const std::string& file) {
+  namespace fs = std::filesystem;
+  constexpr int kMost = 10000;  // names of a folder that are looked at
+  std::error_code error;
+  if (file.empty() || is_analytic(file) || is_series_pattern(file) || fs::symlink_status(file, error).type() != fs::file_type::not_found) return;
+  error.clear();
+  const fs::path folder = fs::path(file).parent_path();
+  std::vector<std::string> names;
+  if (folder.empty())
+    for (const std::string_view name : analytic_names()) names.emplace_back(name);
+  int looked_at = 0;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, error), end; !error && entry != end && looked_at < kMost; entry.increment(error), ++looked_at)
+    names.push_back((folder / entry->path().filename()).string());
+  throw Error(ErrorCode::not_found, file + ": no such file or analytic data." + did_you_mean(file, names));
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -191,7 +210,14 @@ std::shared_ptr<const Dataset> open_argument(const std::string& file, int step) 
   OpenOptions options;
   options.step = step;
   if (SceneRanks* const ranks = ranks_in_use()) return ranks->open({file, file}, step, command_task());
+  say_what_was_meant(file);
   return open_part(file, options, region_argument(), command_task());
+}
+
+void warn_if_outside(const Interval& interval, const PointArray& array) {
+  if (!(array.lower <= array.upper) || (interval.lower <= array.upper && interval.upper >= array.lower)) return;
+  std::fprintf(stderr, "isostrata: nothing lies in %g:%g: the values of '%s' are from %g to %g\n", interval.lower, interval.upper, array.name.c_str(), array.lower,
+               array.upper);
 }
 
 void print_json(const boost::json::value& document) {

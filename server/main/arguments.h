@@ -41,6 +41,9 @@ const Region& region_of_arguments();
 /// FILE of a command: analytic data or a path; the part of it that --region and --stride say.
 std::shared_ptr<const Dataset> open_argument(const std::string& file, int step = 0);
 
+/// A line on standard error if no value of the array lies in the interval: what is made of it is empty.
+void warn_if_outside(const Interval& interval, const PointArray& array);
+
 /// One JSON document and a newline on standard output.
 void print_json(const boost::json::value& document);
 

@@ -379,6 +379,8 @@ void run(ExtractArguments& arguments) {
   const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
   request.array = array_argument(*dataset, request.array).name;
   if (request.values == FieldValues::whole) request.carry.front() = request.array;
+  if (!request.time)
+    for (const Interval& interval : request.intervals) warn_if_outside(interval, dataset->array(request.array));
   if (dataset->grid.cell_count() == 0)
     throw Error(ErrorCode::unsupported, dataset->name + ": it has no cells with a volume or an area, so there is nothing to cut; " +
                                             "`isostrata info` says what is in it");

@@ -3,7 +3,7 @@
 #include "main/run_program.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Isostrata: interval volumes of scalar fields, extracted exactly, rendered here, seen in a browser"};
+  CLI::App app{"Isostrata: interval volumes of scalar fields, extracted exactly, rendered here, seen in a browser", "isostrata"};
   app.require_subcommand(1);
   isostrata::add_serve_command(app);
   isostrata::add_info_command(app);

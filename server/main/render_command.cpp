@@ -296,6 +296,8 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     override_scene(wanted, arguments, command, *dataset, aspect);
   }
   Scene scene = drawn_scene(wanted);
+  if (!scene.time && scene.mode != SceneMode::smear && scene.step == dataset->step)
+    for (const SceneInterval& interval : scene.intervals) warn_if_outside({interval.lower, interval.upper}, dataset->array(scene.array));
   if (scene.color_range.span == ColorSpan::all_steps)
     scene.color_range = over_all_steps(scene.color_range, steps, *dataset, scene.color_by.empty() ? scene.array : scene.color_by);
   const std::unique_ptr<Renderer> renderer = ranks ? ranks->make_renderer() : make_renderer(choice);

@@ -29,6 +29,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/nearest_name.h"
 
 namespace isostrata {
 namespace {
@@ -165,9 +166,13 @@ ColorMap color_map(std::string_view name) {
   for (const ColorMap& map : all_maps())
     if (map.name == name) return map;
   std::string known;
-  for (const ColorMap& map : all_maps()) known += (known.empty() ? "" : ", ") + std::string(map.name);
-  throw Error(ErrorCode::not_found,
-              "colour map '" + std::string(name) + "' is not built in; there are " + known + " and ramps as #0000ff-#ffffff");
+  std::vector<std::string> names;
+  for (const ColorMap& map : all_maps()) {
+    known += (known.empty() ? "" : ", ") + map.name;
+    names.push_back(map.name);
+  }
+  throw Error(ErrorCode::not_found, "colour map '" + std::string(name) + "' is not built in; there are " + known + " and ramps as #0000ff-#ffffff." +
+                                        did_you_mean(name, names));
 }
 
 bool is_color_map(std::string_view name) {
