@@ -13,6 +13,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::multi_block, "XML VTK of blocks", ".vtm .vtmb .vtpd .vtpc", "every block that has cells, as one grid", "ours, for the list"},
     FileFormat{FileKind::pvd, "ParaView collection", ".pvd", "a series; several parts of one time are blocks", "ours, for the list"},
     FileFormat{FileKind::series, "ParaView series", ".series", "a series of files of any other kind: x.vtu.series", "ours, for the list"},
+    FileFormat{FileKind::xdmf, "XDMF", ".xdmf .xmf .xdmf2 .xdmf3", "versions 2 and 3: every grid, numbers in HDF5, binary files or the XML; steps of collections, blocks", "ours"},
     FileFormat{FileKind::vtkhdf, "VTKHDF", ".vtkhdf .hdf .h5 .hdf5", "image data and unstructured grids; steps and blocks as the VTK here knows them", "VTK"},
     FileFormat{FileKind::nrrd, "NRRD", ".nrrd .nhdr", "raw, ASCII, hexadecimal, gzip, bzip2; detached files; steps; space directions", "ours"},
     FileFormat{FileKind::meta_image, "MetaImage", ".mhd .mha", "one data file, a list or a pattern of them", "ours, placed by VTK"},
@@ -42,7 +43,6 @@ constexpr std::array kFormats{
 constexpr std::array kForeign{
     ForeignFormat{".vtp .pvtp .stl .ply .obj .off .3ds .gltf .glb .iges .step .stp .wrl .stla .stlb .facet", "a surface",
                   "expected a grid whose cells have a volume"},
-    ForeignFormat{".xdmf .xmf", "XDMF", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
     ForeignFormat{".bp .bp4 .bp5", "ADIOS", "save it as VTKHDF or .vtu (ParaView: Save Data)"},
     ForeignFormat{".n5", "N5", "save it as OME-Zarr (Python: zarr, ome-zarr)"},
     ForeignFormat{".zarr.zip .ozx", "a Zarr folder in an archive", "unpack it into a folder, NAME.zarr, and open that"},

@@ -41,14 +41,14 @@ std::string vtk_file_attribute(std::string_view head, std::string_view attribute
   return {};
 }
 
-/// Whether the text's first element is <VTKFile>: before it stand white space, declarations and comments alone. A program that holds the word is no such file.
-bool begins_as_vtk_xml(std::string_view head) {
+/// Whether the text's first element is this one: before it stand white space, declarations and comments alone. A program that holds the word is no such file.
+bool begins_as_xml(std::string_view head, std::string_view element) {
   const auto skip = [&head](std::size_t count) { head.remove_prefix(std::min(count, head.size())); };
   if (head.starts_with("\xef\xbb\xbf")) skip(3);
   for (;;) {
     skip(head.find_first_not_of(" \t\r\n"));
     const std::string_view end = head.starts_with("<?") ? "?>" : head.starts_with("<!--") ? "-->" : head.starts_with("<!") ? ">" : "";
-    if (end.empty()) return head.starts_with("<VTKFile");
+    if (end.empty()) return head.starts_with(element);
     const auto at = head.find(end);
     if (at == std::string_view::npos) return false;
     skip(at + end.size());
@@ -214,7 +214,7 @@ bool is_dicom(const fs::path& file) {
 ReaderNeeds reader_needs(const fs::path& file) {
   // What server/import/CMakeLists.txt gives that program alone, and lists and wrappers of any kind.
   static constexpr std::array kKinds{FileKind::exodus, FileKind::vtkhdf, FileKind::openfoam, FileKind::ensight, FileKind::cgns, FileKind::netcdf, FileKind::hdf5,
-                                     FileKind::multi_block, FileKind::pvd, FileKind::series, FileKind::gzip};
+                                     FileKind::multi_block, FileKind::pvd, FileKind::series, FileKind::xdmf, FileKind::gzip};
   try {
     const FileKind kind = recognise(is_series_pattern(file) ? series_files(file).front().path : file).kind;
     return {.all_readers = std::find(kKinds.begin(), kKinds.end(), kind) != kKinds.end(), .pictures = kind == FileKind::tiff && !names_pictures(file)};
@@ -246,12 +246,13 @@ Recognised recognise(const fs::path& path) {
   if (head.size() >= 1024 && head.substr(208, 3) == "MAP") return {FileKind::mrc, {}};
   if (head.starts_with("MATLAB 7.3 MAT-file")) return {FileKind::hdf5, {}};
   if (begins_as_dicom(head)) return {FileKind::dicom, {}};
-  if (begins_as_vtk_xml(head)) {
+  if (begins_as_xml(head, "<VTKFile")) {
     std::string type = vtk_file_attribute(head, "type");
     if (type == "Collection") return {FileKind::pvd, {}};
     const bool blocks = type == "vtkMultiBlockDataSet" || type == "vtkPartitionedDataSet" || type == "vtkPartitionedDataSetCollection";
     return {blocks ? FileKind::multi_block : FileKind::vtk_xml, std::move(type)};
   }
+  if (begins_as_xml(head, "<Xdmf")) return {FileKind::xdmf, {}};
   if (const std::string_view inside = past_user_block(head); !inside.empty()) return recognise_container(inside, file);
   if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n"))
     return recognise_container(head, file);
@@ -262,7 +263,7 @@ Recognised recognise(const fs::path& path) {
     return {FileKind::tiff, {}};
   }
   if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
-  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
+  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
   if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark
   const std::string stem = small_letters(path.stem().string());

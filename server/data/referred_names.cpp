@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <functional>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -78,6 +80,23 @@ std::vector<std::string> of_ensight(const std::string& text) {
   return names;
 }
 
+/// The files in "FILE:/ARRAY" and in the texts of DataItems of binary files, each once.
+std::vector<std::string> of_xdmf(std::string_view text) {
+  std::set<std::string, std::less<>> names;
+  for (const std::string& name : quoted_after(text, "href")) names.insert(name);
+  for (auto at = text.find("<DataItem"); at != std::string_view::npos && names.size() < kMostNames; at = text.find("<DataItem", at + 1)) {
+    const auto open = text.find('>', at), close = text.find('<', open);
+    if (close == std::string_view::npos) break;
+    const std::string_view element = text.substr(at, open - at);
+    const bool binary = element.find("\"Binary\"") != std::string_view::npos;
+    if (!binary && element.find("\"HDF") == std::string_view::npos) continue;
+    const std::string_view inside = text.substr(open + 1, close - open - 1);
+    const auto begin = std::min(inside.find_first_not_of(" \t\r\n"), inside.size()), end = binary ? inside.find_last_not_of(" \t\r\n") + 1 : inside.find(':');
+    if (end != std::string_view::npos && begin < end && !names.contains(inside.substr(begin, end - begin))) names.emplace(inside.substr(begin, end - begin));
+  }
+  return {names.begin(), names.end()};
+}
+
 /// What holds the values of a pair is the header's.
 std::vector<std::string> of_nifti_header(const std::filesystem::path& file) {
   if (small_letters(file.extension().string()) != ".hdr") return {};
@@ -95,6 +114,8 @@ std::vector<std::string> referred_names(const std::filesystem::path& file, const
       return quoted_after(beginning(file), "file");
     case FileKind::series:
       return quoted_after(beginning(file), "\"name\"");
+    case FileKind::xdmf:
+      return of_xdmf(beginning(file));
     case FileKind::nrrd:
       return of_header(beginning(file), "data file", ':');
     case FileKind::meta_image:

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,14 @@ class Hdf5Handle {
   herr_t (*close_)(hid_t);
 };
 
+enum class Hdf5Walk { all, none };
+
 class Hdf5File : public ArrayFile {
  public:
-  /// Throws bad_data where the library cannot open it.
-  explicit Hdf5File(const std::filesystem::path& file);
+  /// Throws bad_data where the library cannot open it. Without a walk through it arrays() is empty.
+  explicit Hdf5File(const std::filesystem::path& file, Hdf5Walk walk = Hdf5Walk::all);
+  /// The array of numbers with at least one axis that is at that path; nothing where none is.
+  std::optional<StoredArray> find(const std::string& path) const;
   bool has(const char* name) const;
   bool has_group(const char* name) const;
   int lost_links() const { return lost_; }
@@ -40,7 +45,6 @@ class Hdf5File : public ArrayFile {
 
  private:
   void walk(hid_t group, const std::string& prefix);
-  void take(hid_t dataset, const std::string& name);
   bool is_above(hid_t group) const;
 
   std::string name_;

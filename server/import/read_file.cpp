@@ -46,6 +46,9 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
 #ifdef ISOSTRATA_READS_NETCDF
     {FileKind::netcdf, read_netcdf},
 #endif
+#ifdef ISOSTRATA_READS_XDMF
+    {FileKind::xdmf, read_xdmf},
+#endif
 #ifdef ISOSTRATA_READS_HDF5
     {FileKind::hdf5, read_hdf5},
 #endif

@@ -70,6 +70,25 @@ bool is_bare_dimension(hid_t dataset) {
   return std::string_view(text.data()).starts_with("This is a netCDF dimension but not a netCDF variable");
 }
 
+/// Nothing where it is no array of numbers.
+std::optional<StoredArray> stored_array(hid_t dataset, const std::string& name) {
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose), space(H5Dget_space(dataset), H5Sclose);
+  const int axes = H5Sget_simple_extent_ndims(space.id());
+  const std::optional<ScalarType> scalars = hdf5_type(type.id());
+  if (axes < 1 || !scalars || is_bare_dimension(dataset)) return std::nullopt;
+  std::vector<hsize_t> sizes(static_cast<std::size_t>(axes));
+  H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr);
+  std::uint64_t values = 1;
+  for (const hsize_t size : sizes)
+    if (__builtin_mul_overflow(values, size, &values) || values > std::uint64_t{1} << 60) return std::nullopt;  // of a broken file
+  StoredArray array{name, name, *scalars, {sizes.begin(), sizes.end()}};
+  constexpr std::string_view kNoCoordinate = "_nc4_non_coord_";  // what netCDF puts before a name that is a dimension's as well
+  if (const auto last = name.rfind('/') + 1; name.compare(last, kNoCoordinate.size(), kNoCoordinate) == 0) array.name.erase(last, kNoCoordinate.size());
+  array.packed = std::ranges::any_of(std::array{"scale_factor", "add_offset", "_FillValue"}, [&](const char* attribute) { return H5Aexists(dataset, attribute) > 0; });
+  array.placed = H5Aexists(dataset, "DIMENSION_LIST") > 0;
+  return array;
+}
+
 /// The names in a group, in the order in which they were made, if it keeps that.
 std::vector<std::string> names_in(hid_t group) {
   unsigned order = 0;
@@ -99,11 +118,16 @@ std::vector<hsize_t> sizes_of(const std::vector<std::size_t>& sizes) { return {s
 
 }  // namespace
 
-Hdf5File::Hdf5File(const std::filesystem::path& file) : name_(file.filename().string()), file_(open_hdf5(file), H5Fclose) {
+Hdf5File::Hdf5File(const std::filesystem::path& file, Hdf5Walk how) : name_(file.filename().string()), file_(open_hdf5(file), H5Fclose) {
   if (!file_.is_there()) throw Error(ErrorCode::bad_data, name_ + ": is damaged or cut off, or not read: " + hdf5_reason());
   const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
   if (!root.is_there()) throw Error(ErrorCode::bad_data, name_ + ": is damaged or cut off: " + hdf5_reason());
-  walk(root.id(), "");
+  if (how == Hdf5Walk::all) walk(root.id(), "");
+}
+
+std::optional<StoredArray> Hdf5File::find(const std::string& path) const {
+  const Hdf5Handle dataset(H5Dopen2(file_.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  return dataset.is_there() ? stored_array(dataset.id(), path) : std::nullopt;
 }
 
 bool Hdf5File::has(const char* name) const { return H5Lexists(file_.id(), name, H5P_DEFAULT) > 0; }
@@ -123,7 +147,7 @@ void Hdf5File::walk(hid_t group, const std::string& prefix) {
     if (arrays_.size() >= kMostArrays) break;
     const Hdf5Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
     const H5I_type_t kind = object.is_there() ? H5Iget_type(object.id()) : H5I_BADID;
-    if (kind == H5I_DATASET) take(object.id(), prefix + name);
+    if (auto array = kind == H5I_DATASET ? stored_array(object.id(), prefix + name) : std::nullopt) arrays_.push_back(std::move(*array));
     if (kind == H5I_GROUP && !name.starts_with('#')) groups.push_back(name);  // MATLAB's own: "#refs#"
     lost_ += !object.is_there();
   }
@@ -136,24 +160,6 @@ void Hdf5File::walk(hid_t group, const std::string& prefix) {
 
 bool Hdf5File::is_above(hid_t group) const {
   return std::any_of(above_.begin(), above_.end(), [&](hid_t one) { return same_object(group, one); });
-}
-
-void Hdf5File::take(hid_t dataset, const std::string& name) {
-  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose), space(H5Dget_space(dataset), H5Sclose);
-  const int axes = H5Sget_simple_extent_ndims(space.id());
-  const std::optional<ScalarType> scalars = hdf5_type(type.id());
-  if (axes < 1 || !scalars || is_bare_dimension(dataset)) return;
-  std::vector<hsize_t> sizes(static_cast<std::size_t>(axes));
-  H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr);
-  std::uint64_t values = 1;
-  for (const hsize_t size : sizes)
-    if (__builtin_mul_overflow(values, size, &values) || values > std::uint64_t{1} << 60) return;  // of a broken file
-  StoredArray array{name, name, *scalars, {sizes.begin(), sizes.end()}};
-  constexpr std::string_view kNoCoordinate = "_nc4_non_coord_";  // what netCDF puts before a name that is a dimension's as well
-  if (const auto last = name.rfind('/') + 1; name.compare(last, kNoCoordinate.size(), kNoCoordinate) == 0) array.name.erase(last, kNoCoordinate.size());
-  array.packed = std::ranges::any_of(std::array{"scale_factor", "add_offset", "_FillValue"}, [&](const char* attribute) { return H5Aexists(dataset, attribute) > 0; });
-  array.placed = H5Aexists(dataset, "DIMENSION_LIST") > 0;
-  arrays_.push_back(std::move(array));
 }
 
 void Hdf5File::read(const StoredArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const {

@@ -34,6 +34,9 @@ bool is_dicom_slice(const std::filesystem::path& file);
 /// A folder of Zarr, version 2 or 3: an image of OME-Zarr, one level of it, or one array. Steps along t, an array for each channel.
 Imported read_zarr(const ReadRequest& request);
 
+/// XDMF: the grids of its domains, by their times. Numbers in HDF5, binary files or the XML; all files lie below the directory of the one that names them.
+Imported read_xdmf(const ReadRequest& request);
+
 /// A list of time steps; each entry is a file below the .pvd's directory, read by its own kind. Several parts of one time become blocks.
 Imported read_pvd(const ReadRequest& request);
 

@@ -106,7 +106,7 @@ std::vector<double> times_of(const std::filesystem::path& file, const ReadReques
     const std::optional<double> time = declared_time(file);
     return time ? std::vector<double>{*time} : std::vector<double>{};
   }
-  if (kind != FileKind::exodus && kind != FileKind::netcdf && kind != FileKind::cgns && kind != FileKind::vtkhdf) return {};
+  if (kind != FileKind::exodus && kind != FileKind::netcdf && kind != FileKind::cgns && kind != FileKind::vtkhdf && kind != FileKind::xdmf) return {};
   ReadRequest asked = request;
   asked.file = file;
   asked.step = 0;

@@ -16,6 +16,7 @@
 #include "data/files.h"
 #include "data/import_door.h"
 #include "data/recognise.h"
+#include "data/referred_names.h"
 #include "support/mutated_files.h"
 #include "support/places.h"
 
@@ -115,6 +116,25 @@ TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
   }
+}
+
+TEST_F(ForeignFormats, XdmfThatIsRefusedSaysWhy) {
+  for (const auto& [name, code, what] : {std::tuple{"no_array.xdmf", ErrorCode::bad_data, "'run.h5:/nothing', where no array of numbers is"}, {"outside.xdmf", ErrorCode::bad_data, "'../run.h5'; expected a file below its own directory"},
+                                         {"other_size.xdmf", ErrorCode::bad_data, "'/all' has 3 x 120 values; the file says 7"}, {"short.xdmf", ErrorCode::bad_data, "'p' has 2 values for 3 points"},
+                                         {"cut_off.xdmf", ErrorCode::bad_data, "from byte 1432 of 'numbers.bin', which has 1443"}, {"huge.xdmf", ErrorCode::bad_data, "a size of 4000000000"},
+                                         {"beyond.xdmf", ErrorCode::bad_data, "takes 3 places from 118"}, {"computes.xdmf", ErrorCode::unsupported, "the function '$0 + $1'"},
+                                         {"round.xdmf", ErrorCode::bad_data, "references to references"}, {"no_grid.xdmf", ErrorCode::bad_data, "no Grid"},
+                                         {"no_point.xdmf", ErrorCode::bad_data, "cell 0 uses point 3 of 3"}, {"other.xdmf", ErrorCode::bad_data, "<Mesh>; expected <Xdmf>"}}) {
+    const Error error = test::refusal(file(name));
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(ForeignFormats, WhatAnXdmfReadsIsListedWithIt) {
+  for (const auto& [name, expected] : {std::pair{"dolfinx.xdmf", std::vector<std::string>{"run.h5"}}, {"axes.xmf", {"numbers.bin"}}, {"disk.athdf.xdmf", {"disk.athdf"}}, {"parts.xdmf", {"numbered_0.xmf", "numbered_1.xmf"}}, {"image.xdmf", {}}})
+    EXPECT_EQ(referred_names(file(name), recognise(file(name))), expected) << name;
 }
 
 TEST_F(ForeignFormats, NetcdfKeepsItsTypesWhereNothingIsMissing) {
@@ -223,7 +243,7 @@ TEST_F(ForeignFormats, ACollatedCaseOfOpenFoamSaysHowToPutItTogether) {
 TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
   const Scratch scratch;
   for (const auto& [name, what, advice] : std::vector<std::array<std::string, 3>>{{"a.stl", "a surface", "volume"},
-                                                                                  {"a.xdmf", "XDMF", "VTKHDF"},
+                                                                                  {"a.bp", "ADIOS", "VTKHDF"},
                                                                                   {"a.raw", "without a header", ".nhdr"},
                                                                                   {"a.msh", "mesh", "meshio"},
                                                                                   {"a.csv", "a table", "grid"},

@@ -22,6 +22,7 @@ import netcdf_files
 import numpy as np
 import PIL.Image
 import pydicom
+import xdmf_files
 import zarr_files
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 
@@ -515,6 +516,7 @@ def main():
     vtkhdf()
     containers()
     hdf5_files.write(FIELD, lattice)
+    xdmf_files.write(FIELD, lattice, expect)
     cgns()
     nifti_files()
     dicom("scan", False)
