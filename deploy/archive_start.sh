@@ -35,6 +35,7 @@ if [ -z "${__EGL_VENDOR_LIBRARY_FILENAMES+set}" ]; then
   done
   export __EGL_VENDOR_LIBRARY_FILENAMES="$__EGL_VENDOR_LIBRARY_FILENAMES$home/share/isostrata/egl/50_mesa.json"
 fi
+export ISOSTRATA_PROGRAM="$home/isostrata" # what isostrata view starts
 export LIBGL_DRIVERS_PATH="$home/lib/dri"
 export LIBHEIF_PLUGIN_PATH="$home/lib/heif" # where there are none: OpenImageIO's library for HEIF would load the machine's own
 

@@ -41,8 +41,8 @@ def parse(text):
 def typed(program, words):
     """A command as one types it: `isostrata-client URL info`."""
     shown = ["URL" if word in PROGRAMS[program] else word for word in (program, *words)]
-    if words[-1:] == ["tunnel"]:
-        shown.remove("URL")  # it finds the URL
+    if words[-1:] in (["tunnel"], ["view"]) and "URL" in shown:
+        shown.remove("URL")  # they find the URL
     return " ".join(shown)
 
 

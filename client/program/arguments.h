@@ -44,5 +44,6 @@ void add_record(CLI::App& app, Options& options);
 void add_watch(CLI::App& app, Options& options);
 void add_latency(CLI::App& app, Options& options);
 void add_tunnel(CLI::App& app, Options& options);
+void add_view(CLI::App& app, Options& options);
 
 }  // namespace isostrata::client

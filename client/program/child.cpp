@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -50,16 +51,22 @@ Child::~Child() {
   end();
 }
 
+std::optional<std::string> Child::part() {
+  std::array<char, 4096> bytes{};
+  pollfd ready{.fd = out_, .events = POLLIN, .revents = 0};
+  if (poll(&ready, 1, 200) <= 0) return "";  // a signal may have come just before
+  const ssize_t count = read(out_, bytes.data(), bytes.size());
+  if (count == 0 || (count < 0 && errno != EINTR)) return std::nullopt;
+  return std::string(bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+}
+
 std::string Child::out(const std::atomic<bool>* stop) {
   std::string text;
-  std::array<char, 4096> part{};
   for (;;) {
     if (stop && *stop) throw ClientError("cancelled", "stopped");
-    pollfd ready{.fd = out_, .events = POLLIN, .revents = 0};
-    if (poll(&ready, 1, 200) <= 0) continue;  // a signal may have come just before
-    const ssize_t count = read(out_, part.data(), part.size());
-    if (count > 0) text.append(part.data(), static_cast<std::size_t>(count));
-    if (count == 0 || (count < 0 && errno != EINTR)) return text;
+    const std::optional<std::string> more = part();
+    if (!more) return text;
+    text += *more;
   }
 }
 

@@ -19,6 +19,8 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
+  /// What it has written since the last call, nothing after a fifth of a second without a word; nullopt once it has closed its output.
+  std::optional<std::string> part();
   /// All that it writes until it closes its output. Throws ClientError "cancelled" once `stop` is set.
   std::string out(const std::atomic<bool>* stop);
   /// Its exit status, 128 + the signal that ended it, or nothing while it runs; 127: there is no such program.

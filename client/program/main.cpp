@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   app.set_version_flag("--version", "isostrata-client " ISOSTRATA_VERSION);
-  app.add_option("url", options.url, "The address that the server printed, with its token; `tunnel` finds it")->type_name("URL");
+  app.add_option("url", options.url, "The address that the server printed, with its token; `tunnel` and `view` find it")->type_name("URL");
   app.add_option("--token", options.token, "The token, if the address has none")->envname("ISOSTRATA_TOKEN");
   long timeout_s = 60;
   app.add_option("--timeout", timeout_s, "Seconds to wait for an answer")->check(CLI::Range(1, 86400))->capture_default_str();
@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.require_subcommand(1);
   app.parse_complete_callback([&] {
-    if (options.url.empty() && !app.got_subcommand("tunnel")) throw CLI::RequiredError("url");
+    if (options.url.empty() && !app.got_subcommand("tunnel") && !app.got_subcommand("view")) throw CLI::RequiredError("url");
     options.timeout = std::chrono::seconds(timeout_s);
     options.reconnect_for = std::chrono::milliseconds(static_cast<long>(reconnect_s * 1000));
   });
@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
   isostrata::client::add_watch(app, options);
   isostrata::client::add_latency(app, options);
   isostrata::client::add_tunnel(app, options);
+  isostrata::client::add_view(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,16 +1,11 @@
 // tunnel: the way to a server that runs as a job of Slurm.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
 #include <thread>
 
 #include "arguments.h"
 #include "child.h"
-#include "isostrata/rest.h"
+#include "forward.h"
 #include "job.h"
 
 namespace isostrata::client {
@@ -36,39 +31,8 @@ ServingJob find_job(const Options& options, const TunnelArguments& arguments) {
   return read_job(arguments.job, printed);
 }
 
-/// `wanted`, or a free port if that one is taken and `strict` is not set. Throws ClientError.
-int free_port(int wanted, bool strict) {
-  for (const int port : {wanted, 0}) {
-    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    const int reuse = 1;  // as ssh does it: what remains of a line that ended is in nobody's way
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &reuse, sizeof reuse);
-    const bool bound = bind(socket, reinterpret_cast<sockaddr*>(&address), size) == 0 && listen(socket, 1) == 0 &&
-                       getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0;
-    close(socket);
-    if (bound) return ntohs(address.sin_port);
-    if (strict) throw ClientError("unavailable", "port " + std::to_string(port) + " of this machine is taken");
-  }
-  throw ClientError("unavailable", "no port of this machine is free");
-}
-
 /// "USER@", where --login names one: nodes know the same users.
 std::string user_of(const std::string& login) { return login.substr(0, login.find('@') == std::string::npos ? 0 : login.find('@') + 1); }
-
-bool answers(Options options) {
-  options.timeout = std::chrono::seconds(5);
-  try {
-    http_get(options, "healthz");
-  } catch (const ClientError& error) {
-    // Its certificate, if it has one, is of another name: the browser asks about that.
-    return error.code() == "tls" || error.code() == "cancelled";
-  }
-  return true;
-}
 
 void tunnel(const Options& options, const TunnelArguments& arguments) {
   if (arguments.job.empty() || arguments.job.find_first_not_of("0123456789") != std::string::npos)

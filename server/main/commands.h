@@ -16,6 +16,7 @@ void add_bench_command(CLI::App& app);
 void add_tables_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_cache_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 void add_worker_command(CLI::App& app);
 
 }  // namespace isostrata

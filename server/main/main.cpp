@@ -17,5 +17,6 @@ int main(int argc, char** argv) {
   isostrata::add_worker_command(app);
   for (CLI::App* command : app.get_subcommands({})) isostrata::add_simd_option(*command);
   isostrata::add_bench_command(app);  // its own program has that option
+  isostrata::add_view_command(app);
   return isostrata::run_program(app, argc, argv);
 }

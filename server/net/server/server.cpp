@@ -41,6 +41,11 @@ void turn_away(tcp::socket& socket) {
   socket.close(ignored);
 }
 
+bool is_ignored(int signal) {
+  struct sigaction now {};
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
 std::string bracketed(const std::string& host) {
   return host.find(':') != std::string::npos && !host.starts_with('[') ? "[" + host + "]" : host;
 }
@@ -162,6 +167,7 @@ class Server::Impl {
     if (signals) {
       signal_set.add(SIGINT);
       signal_set.add(SIGTERM);
+      if (!is_ignored(SIGHUP)) signal_set.add(SIGHUP);  // the line to its terminal has ended; under nohup that is nothing to it
       signal_set.async_wait([this](boost::system::error_code error, int number) {
         if (!error) shut_down(number == SIGINT ? "the server was interrupted" : "the server was asked to end");
       });

@@ -63,7 +63,7 @@ class Server {
   /// What can be opened when the server begins.
   const Catalogue& catalogue() const;
 
-  /// Serves until stop(), SIGTERM, SIGINT where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are
+  /// Serves until stop(), SIGTERM, SIGINT or SIGHUP where `signals` is set, or the idle timeout; calls `ready` once it answers. Clients are
   /// told the reason, sessions are on the disk, and it returns within kGoodbye.
   void run(bool signals, const std::function<void()>& ready = {});
   /// Any thread, also before run.
