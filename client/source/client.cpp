@@ -52,6 +52,24 @@ std::string in_full(double number) {
   return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr};
 }
 
+std::string in_full(const std::array<double, 3>& point) { return in_full(point[0]) + "," + in_full(point[1]) + "," + in_full(point[2]); }
+
+/// As a value in a URL's query.
+std::string percent_encoded(const std::string& text) {
+  constexpr char kDigits[] = "0123456789ABCDEF";
+  std::string out;
+  for (const char letter : text) {
+    const auto byte = static_cast<unsigned char>(letter);
+    if ((byte >= '0' && byte <= '9') || (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z') || byte == '-' || byte == '_' || byte == '.')
+      out += letter;
+    else
+      out += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return out;
+}
+
+std::string of_array(const std::string& name) { return name.empty() ? "" : "&array=" + percent_encoded(name); }
+
 [[noreturn]] void refuse(const v1::Error& error) { throw ClientError(error.code(), error.message(), error.field()); }
 
 }  // namespace
@@ -224,6 +242,13 @@ class Client::Impl {
     return get<v1::ProbeResult>("/probe?x=" + in_full(x) + "&y=" + in_full(y) + "&width=" + std::to_string(width) + "&height=" + std::to_string(height));
   }
 
+  v1::ProbedCurve probe_line(const std::array<double, 3>& from, const std::array<double, 3>& to, const std::string& array) {
+    return get<v1::ProbedCurve>("/probe/line?from=" + in_full(from) + "&to=" + in_full(to) + of_array(array));
+  }
+  v1::ProbedCurve probe_steps(const std::array<double, 3>& at, const std::string& array) {
+    return get<v1::ProbedCurve>("/probe/steps?at=" + in_full(at) + of_array(array));
+  }
+
   void restore_state(const std::string& text) {
     const HttpAnswer answer =
         patiently([&] { return http_request(connection_.options(), "PUT", session_path() + "/state", text); });
@@ -334,6 +359,10 @@ void Client::open_dataset(const std::string& dataset, const std::string& region,
 }
 v1::LayerFacts Client::layer_facts() { return impl_->get<v1::LayerFacts>("/layers"); }
 v1::ProbeResult Client::probe(double x, double y, int width, int height) { return impl_->probe(x, y, width, height); }
+v1::ProbedCurve Client::probe_line(const std::array<double, 3>& from, const std::array<double, 3>& to, const std::string& array) {
+  return impl_->probe_line(from, to, array);
+}
+v1::ProbedCurve Client::probe_steps(const std::array<double, 3>& at, const std::string& array) { return impl_->probe_steps(at, array); }
 v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
 std::string Client::still(int width, int height, const std::string& format) { return impl_->still(width, height, format); }

@@ -43,6 +43,8 @@ bool is_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kRequestStill:
     case v1::ClientMessage::kRequestHistogram:
     case v1::ClientMessage::kProbePoint:
+    case v1::ClientMessage::kProbeLine:
+    case v1::ClientMessage::kProbeSteps:
     case v1::ClientMessage::kCancel:
     case v1::ClientMessage::kPing:
     case v1::ClientMessage::kDecoderFailed:
@@ -306,6 +308,9 @@ void Connection::note(v1::ServerMessage& message) {
       break;
     case v1::ServerMessage::kProbeResult:
       message.mutable_probe_result()->set_in_reply_to(exact_number(message.probe_result().in_reply_to()));
+      break;
+    case v1::ServerMessage::kProbedCurve:
+      message.mutable_probed_curve()->set_in_reply_to(exact_number(message.probed_curve().in_reply_to()));
       break;
     case v1::ServerMessage::kShutdown:
       last_words_ = message.shutdown().reason();

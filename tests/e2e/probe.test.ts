@@ -1,7 +1,7 @@
 // A person points at the picture and reads what is there, by mouse, key and finger.
 import { describe, expect, test } from 'vitest';
 import { Stage } from './stage';
-import { Viewer, type Picture } from './viewer';
+import { nearest, type Viewer } from './viewer';
 
 const stage = new Stage({ data: ['torus:48', 'mixed:9'] });
 let viewer: Viewer;
@@ -11,25 +11,6 @@ const card = () => viewer.page.getByRole('region', { name: 'Values at this place
 const marker = () => viewer.page.locator('.marker');
 /** What the card says behind a name. */
 const said = (name: string) => card().locator('div', { has: viewer.page.locator(`dt:text-is("${name}")`) }).locator('dd').innerText();
-
-/** The pixel nearest to the picture's middle that is drawn, or is not. */
-function nearest(picture: Picture, drawn: boolean): { x: number; y: number } {
-  const { width, height, pixels } = picture;
-  let best = { x: 0, y: 0, far: Infinity };
-  for (let y = 8; y < height - 8; y++)
-    for (let x = 8; x < width - 8; x++) {
-      // Not at an edge: the eight around it are alike.
-      const alike = [-8, 0, 8].every((dy) =>
-        [-8, 0, 8].every((dx) => {
-          const at = 4 * ((y + dy) * width + x + dx);
-          return [0, 1, 2].some((c) => Math.abs((pixels[at + c] as number) - (pixels[c] as number)) > 6) === drawn;
-        }),
-      );
-      const far = Math.hypot(x - width / 2, y - height / 2);
-      if (alike && far < best.far) best = { x, y, far };
-    }
-  return best;
-}
 
 describe('values at a place', () => {
   test('a click on the torus says the layer, the place and its value; it goes when the camera moves', async () => {

@@ -46,6 +46,25 @@ export function drawnPixels(picture: Picture): number {
   return count;
 }
 
+/** The pixel nearest to the picture's middle that is drawn, or is not. */
+export function nearest(picture: Picture, drawn: boolean): { x: number; y: number } {
+  const { width, height, pixels } = picture;
+  let best = { x: 0, y: 0, far: Infinity };
+  for (let y = 8; y < height - 8; y++)
+    for (let x = 8; x < width - 8; x++) {
+      // Not at an edge: the eight around it are alike.
+      const alike = [-8, 0, 8].every((dy) =>
+        [-8, 0, 8].every((dx) => {
+          const at = 4 * ((y + dy) * width + x + dx);
+          return [0, 1, 2].some((c) => Math.abs((pixels[at + c] as number) - (pixels[c] as number)) > 6) === drawn;
+        }),
+      );
+      const far = Math.hypot(x - width / 2, y - height / 2);
+      if (alike && far < best.far) best = { x, y, far };
+    }
+  return best;
+}
+
 export class Viewer {
   readonly events: ServerEvent[] = [];
   readonly problems: string[] = [];

@@ -71,6 +71,11 @@ class FakeEngine {
     facts.miss = facts.hit ? "" : "nothing is there";
     send(ProbeReady{r.session, r.request, r.scene.revision, std::move(facts)});
   }
+  void answer(const CurveRequest& r) {
+    CurveFacts facts{r.array, {0, 1}, {2, NAN}, false, {}, 0, {}};
+    if (r.to) facts.layers = {{0, 1, 1, -1}};
+    send(CurveReady{r.session, r.request, r.scene.revision, std::move(facts)});
+  }
   void answer(const ExportRequest& r) {
     send(OperationProgress{r.session, 1, "writing", 0.5, r.request});
     send(ExportReady{r.session, r.request, {}});

@@ -121,6 +121,25 @@ TEST_F(WebSocket, APlaceIsProbedAsTheNewestCameraSeesIt) {
   EXPECT_EQ(probe(0.5, -1).error().field(), "y");
 }
 
+TEST_F(WebSocket, ALineIsAskedForByMessageAndByClientAlike) {
+  Client client(server_.client_options());
+  client.open_dataset("torus-12");
+  client.set_intervals({client::interval(0.1, 0.3)});
+  v1::ClientMessage ask;
+  ask.mutable_probe_line()->mutable_from()->set_x(-1);
+  ask.mutable_probe_line()->mutable_to()->set_x(1);
+  const auto seq = client.send(std::move(ask));
+  v1::ProbedCurve told;
+  for (int i = 0; i < 200 && told.in_reply_to() != seq; ++i)
+    if (const auto message = client.receive(std::chrono::seconds(1)); message && message->has_probed_curve()) told = message->probed_curve();
+  ASSERT_EQ(told.in_reply_to(), seq);
+  EXPECT_EQ(told.array(), "distance");
+  EXPECT_EQ(told.layers(0).interval(), client.state().intervals(0).id());
+  v1::ProbedCurve same = client.probe_line({-1, 0, 0}, {1, 0, 0}, "distance");
+  same.set_in_reply_to(seq);
+  EXPECT_EQ(same.SerializeAsString(), told.SerializeAsString());
+}
+
 TEST_F(WebSocket, CommandsSentWhileADatasetOpensTakeEffectOnIt) {
   Client client(server_.client_options());
   v1::ClientMessage open, set;

@@ -323,6 +323,20 @@ class Pictures(WithServer):
         self.assertGreater(hits, 5)
         self.assertRefused("invalid_argument", s.probe, 1.5, 0.5)
 
+    def test_a_line_has_the_values_of_the_data_and_its_layers(self):
+        s = self.connect()
+        s.intervals.set([(0.1, 0.3)])
+        line = s.probe_line((-2, 0, 0), (2, 0, 0))
+        self.assertEqual(line.array, "distance")
+        self.assertFalse(line.thinned)
+        np.testing.assert_allclose(line.values, np.abs(np.abs(line.at - 2) - 0.6), atol=0.15)
+        self.assertTrue((np.diff(line.at) > 0).all())
+        self.assertEqual({interval for _, _, interval in line.layers}, {s.intervals[0].id})
+        inside = [np.interp((begin + end) / 2, line.at, line.values) for begin, end, _ in line.layers]
+        self.assertTrue(all(0.1 <= value <= 0.3 for value in inside), inside)
+        self.assertRefused("invalid_argument", s.probe_line, (0, 0, 0), (0, 0, 0))
+        self.assertRefused("invalid_argument", s.probe_steps, (0, 0, 0))
+
     def test_frames_come_while_things_change_and_end_lossless(self):
         s = self.connect(frames=True)
         s.intervals.move(s.intervals[0], 0.1, 0.3)

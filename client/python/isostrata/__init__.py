@@ -20,7 +20,7 @@ from .errors import IsostrataError
 from .intervals import Intervals
 from .news import Change, Frame
 from .picture import decode_image
-from .questions import Histogram, Probe
+from .questions import Curve, Histogram, Probe
 from .scene import Camera, Interval, Surface, Term
 from .session import Session
 from .show import View
@@ -30,6 +30,7 @@ __all__ = [
     "Camera",
     "Change",
     "ConnectionEvent",
+    "Curve",
     "Frame",
     "Histogram",
     "Interval",

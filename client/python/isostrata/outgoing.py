@@ -103,6 +103,8 @@ class Outgoing:
             message.error.in_reply_to = self._sent.number_of(message.error.in_reply_to, exact=True)
         elif kind == "probe_result":
             message.probe_result.in_reply_to = self._sent.number_of(message.probe_result.in_reply_to, exact=True)
+        elif kind == "probed_curve":
+            message.probed_curve.in_reply_to = self._sent.number_of(message.probed_curve.in_reply_to, exact=True)
         elif kind == "pong":
             return self._answered(message.pong.client_time_ms)
         return True

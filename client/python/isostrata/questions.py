@@ -38,6 +38,22 @@ class Probe:
     cell_values: Dict[str, float] = field(default_factory=dict)  # of arrays that the file has on cells
 
 
+@dataclass(frozen=True)
+class Curve:
+    """The values of an array along a line, or at a place over all steps. Between two samples the value runs straight."""
+
+    array: str
+    at: np.ndarray  # [n] float64: the distance from the line's first point, or the steps
+    values: np.ndarray  # [n] float64; NaN: none at this step; along a line a gap begins here
+    layers: Tuple[Tuple[float, float, int], ...] = ()  # of a line: from, to, the interval's id (0: what a combined range has brought in)
+    thinned: bool = False  # there were more than 4096 samples: the least and the greatest of each small stretch are left
+
+
+def curve_of(answer: v1.ProbedCurve) -> Curve:
+    layers = tuple((getattr(one, "from"), one.to, one.interval) for one in answer.layers)
+    return Curve(answer.array, np.array(answer.at, dtype=np.float64), np.array(answer.value, dtype=np.float64), layers, answer.thinned)
+
+
 def probe_of(answer: v1.ProbeResult) -> Probe:
     if not answer.hit:
         return Probe(False, answer.miss)

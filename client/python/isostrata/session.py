@@ -21,6 +21,10 @@ from .shown import Shown
 from .v1 import isostrata_pb2 as v1
 
 
+def _point(at: Sequence[float]) -> str:
+    return ",".join(repr(float(of)) for of in at)
+
+
 class Session(Shown):
     """Made by ``connect``. Calls return when the server has done what they ask, and raise IsostrataError where it refused; then
     nothing has changed. Others may change the same session: what is read here is the newest that the server has told."""
@@ -202,6 +206,20 @@ class Session(Shown):
         query = {"x": repr(float(x)), "y": repr(float(y)), "width": width or self.size[0], "height": height or self.size[1]}
         found = self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/probe", query=query))
         return questions.probe_of(json_format.ParseDict(found, v1.ProbeResult(), ignore_unknown_fields=True))
+
+    def probe_line(self, start: Sequence[float], end: Sequence[float], array: str = "") -> questions.Curve:
+        """The values of an array (none: the shown one) along a line between two points in the dataset's space, at the state's step or time:
+        ``c = s.probe_line((0, 0, 0), (1, 0, 0)); plt.plot(c.at, c.values)``."""
+        return self._curve("line", {"from": _point(start), "to": _point(end)}, array)
+
+    def probe_steps(self, at: Sequence[float], array: str = "") -> questions.Curve:
+        """The values of an array (none: the shown one) at a point over all steps, each of which is read."""
+        return self._curve("steps", {"at": _point(at)}, array)
+
+    def _curve(self, along: str, query: dict[str, Any], array: str) -> questions.Curve:
+        query["array"] = array or self.array
+        found = self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/probe/{along}", query=query))
+        return questions.curve_of(json_format.ParseDict(found, v1.ProbedCurve(), ignore_unknown_fields=True))
 
     # ---- long work ----------------------------------------------------------------------------------------------------------------
 

@@ -8,7 +8,9 @@
 #include "engine/messages/failure_of.h"
 #include "engine/picture/export_mesh.h"
 #include "engine/picture/interval_facts.h"
+#include "engine/picture/line_values.h"
 #include "engine/picture/probe_scene.h"
+#include "engine/picture/step_values.h"
 
 namespace isostrata {
 namespace {
@@ -148,6 +150,24 @@ void Jobs::post(const ProbeRequest& request) {
     const CatalogueEntry source = datasets_.entry(of.scene.dataset);
     const ProbeFacts facts = probe_scene(datasets_.steps(source), of.scene, {of.x, of.y, of.width, of.height}, task);
     return ProbeReady{of.session, of.request, of.scene.revision, facts};
+  });
+}
+
+void Jobs::post(const CurveRequest& request) {
+  const Running operation = operations_.begin(request.session, request.request);
+  if (!operation) return;
+  (request.to ? probers_ : followers_).post(request.session, [this, request, operation] {
+    run(request.to ? WorkClass::still : WorkClass::background, request.session, request.request, *operation, [&](const Task& task) {
+      const CatalogueEntry source = datasets_.entry(request.scene.dataset);
+      const StepSource steps = datasets_.steps(source);
+      const auto begin_step = [&](int step, int of) {
+        operation->report_part(double(step) / of, double(step + 1) / of, "reading values, step " + std::to_string(step + 1) + " of " + std::to_string(of));
+        task.report(0, "reading");
+      };
+      return CurveReady{request.session, request.request, request.scene.revision,
+                        request.to ? line_values(steps, request.scene, request.array, request.from, *request.to, task)
+                                   : step_values(steps, request.scene, request.array, request.from, begin_step, task)};
+    });
   });
 }
 

@@ -1,4 +1,4 @@
-// What only answers a question, and draws no frame: what a dataset is, histograms, statistics, measured layers, values at a place, exported meshes, small pictures for lists.
+// What only answers a question, and draws no frame: what a dataset is, histograms, statistics, measured layers, values at a place and along a line, exported meshes, small pictures for lists.
 //
 // Questions of one kind and one session are answered one after the other, those of different sessions beside each other (lanes.h). What of a dataset
 // nobody's session asks has the dataset's own lane, so that a file that cannot be read holds up whoever asks for it and nobody else.
@@ -54,6 +54,8 @@ class Jobs {
   void post(const MeasureRequest& request, std::shared_ptr<const ExtractedScene> ready);
   void post(const ThumbnailRequest& request);
   void post(const ProbeRequest& request);
+  /// Over many steps it reports which is read.
+  void post(const CurveRequest& request);
 
  private:
   using Running = std::shared_ptr<Operation>;
@@ -76,6 +78,7 @@ class Jobs {
   Lanes counters_;             // of histograms and the like, by session
   Lanes probers_;              // of places in pictures, by session: a hand waits, and counts may take seconds
   Lanes readers_{{8, 10}};     // of steps for their ranges, by dataset
+  Lanes followers_{{2, 10}};   // of places over all steps, by session
   Lanes exporters_{{2, 10}};   // of mesh files, by session
   Lanes thumbnails_{{2, 10}};  // by dataset; two, so that a file that hangs holds up no others
 };

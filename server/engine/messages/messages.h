@@ -121,7 +121,7 @@ struct MeasureRequest {
   Scene scene;
 };
 
-// ProbeRequest, answered by ProbeReady: probe.h.
+// ProbeRequest, answered by ProbeReady, and CurveRequest, answered by CurveReady: probe.h.
 
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
 struct CancelRequest {
@@ -159,7 +159,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest, ProbeRequest>;
+                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest, ProbeRequest, CurveRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -288,7 +288,7 @@ struct RequestFailed {
 };
 
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
-                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady, ProbeReady>;
+                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady, ProbeReady, CurveReady>;
 
 /// The session that a request or an event is about.
 template <class... Messages>

@@ -1,4 +1,4 @@
-// What is asked at a place of the picture, and what is there.
+// What is asked at a place of the picture, along a line, and over the steps, and what is there.
 #pragma once
 
 #include <array>
@@ -60,6 +60,41 @@ struct ProbeReady {
   std::uint64_t request = 0;
   std::uint64_t revision = 0;  // of the scene that was probed
   ProbeFacts facts;
+};
+
+/// A stretch of a line that lies in a layer that is shown.
+struct ProbedStretch {
+  double from = 0, to = 0;     // distances
+  std::uint32_t interval = 0;  // as ProbeFacts
+  int term = -1;
+};
+
+/// The values of an array along a line, or at a place over all steps. Between two neighbours the value runs straight.
+struct CurveFacts {
+  std::string array;
+  std::vector<double> at;      // [n] rising: the distance from the line's first point in the dataset's space, or the steps
+  std::vector<double> values;  // [n] NaN: there is none; along a line that begins a gap. Where two lie at one distance, the value jumps
+  bool thinned = false;        // a line's samples were more; what is left keeps the least and the greatest of each small stretch
+  std::vector<ProbedStretch> layers;  // of a line, by layer and distance
+  int step = 0;                       // of a line
+  std::optional<double> time;         // in place of the step
+};
+
+/// Answered by CurveReady or RequestFailed.
+struct CurveRequest {
+  std::uint64_t session = 0;  // SessionKey
+  std::uint64_t request = 0;  // RequestId
+  Scene scene;
+  std::string array;        // empty: the scene's
+  Vec3d from;               // in the dataset's space
+  std::optional<Vec3d> to;  // none: at `from`, over all steps
+};
+
+struct CurveReady {
+  std::uint64_t session = 0;
+  std::uint64_t request = 0;
+  std::uint64_t revision = 0;  // of the scene that was probed
+  CurveFacts facts;
 };
 
 }  // namespace isostrata

@@ -308,4 +308,38 @@ std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, co
   return std::nullopt;
 }
 
+namespace {
+
+void check_point(bool given, const v1::Vec3& point, const char* name) {
+  if (!given || !std::isfinite(point.x()) || !std::isfinite(point.y()) || !std::isfinite(point.z()))
+    refuse("invalid_argument", std::string(name) + (given ? " is not finite" : " is missing") + "; expected a point in the dataset's space", name);
+}
+
+}  // namespace
+
+std::optional<v1::Error> check_line(const v1::ProbeLine& line, const CommandContext& context) {
+  try {
+    check_point(line.has_from(), line.from(), "from");
+    check_point(line.has_to(), line.to(), "to");
+    const v1::Vec3 &a = line.from(), &b = line.to();
+    if (a.x() == b.x() && a.y() == b.y() && a.z() == b.z()) refuse("invalid_argument", "both ends of the line are the same point; expected two that differ", "to");
+    if (!line.array().empty()) array_of(line.array(), context, "array");
+  } catch (Refused& refused) {
+    return std::move(refused.error);
+  }
+  return std::nullopt;
+}
+
+std::optional<v1::Error> check_steps(const v1::ProbeSteps& probe, const CommandContext& context) {
+  try {
+    check_point(probe.has_at(), probe.at(), "at");
+    if (!probe.array().empty()) array_of(probe.array(), context, "array");
+    if (context.dataset && context.dataset->times.size() < 2)
+      refuse("invalid_argument", "the dataset has one step; values over time need a series of steps", "at");
+  } catch (Refused& refused) {
+    return std::move(refused.error);
+  }
+  return std::nullopt;
+}
+
 }  // namespace isostrata

@@ -66,6 +66,9 @@ std::string asked_dataset(const v1::OpenDataset& wanted, std::optional<v1::Error
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);
 /// Null where the place is one of a picture.
 std::optional<v1::Error> check_probe(const v1::ProbePoint& probe);
+/// Null where the points are there and finite, two of a line and not the same, and the open dataset has the array; of a place over steps, if it has several.
+std::optional<v1::Error> check_line(const v1::ProbeLine& line, const CommandContext& context);
+std::optional<v1::Error> check_steps(const v1::ProbeSteps& probe, const CommandContext& context);
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context);
 
 }  // namespace isostrata

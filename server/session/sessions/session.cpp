@@ -259,6 +259,11 @@ RequestId Session::probe(double x, double y, int width, int height, EngineDoor::
   return engine_.ask(ProbeRequest{key_, 0, drawn(), x, y, width, height}, std::move(listener));
 }
 
+RequestId Session::curve(const std::string& array, Vec3d from, std::optional<Vec3d> to, EngineDoor::Listener listener, TimePoint now) {
+  use_.touch(now);
+  return engine_.ask(CurveRequest{key_, 0, drawn(), array, from, to}, std::move(listener));
+}
+
 void Session::on_event(const EngineEvent& event, TimePoint now) {
   v1::ServerMessage message;
   if (const auto* progress = std::get_if<OperationProgress>(&event)) {

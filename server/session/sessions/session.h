@@ -122,6 +122,9 @@ class Session final : private SessionDataset::Audience {
   /// What lies at a place of the newest picture of this size, for a script; a dataset must be open. The answer is ProbeReady or RequestFailed.
   RequestId probe(double x, double y, int width, int height, EngineDoor::Listener listener, TimePoint now);
 
+  /// The values of an array along a line, or without `to` at a place over all steps, for a script; a dataset must be open. The answer is CurveReady or RequestFailed.
+  RequestId curve(const std::string& array, Vec3d from, std::optional<Vec3d> to, EngineDoor::Listener listener, TimePoint now);
+
   /// An event of the session that answers no request: progress, done, a failed extraction.
   void on_event(const EngineEvent& event, TimePoint now);
 
@@ -156,6 +159,7 @@ class Session final : private SessionDataset::Audience {
   void receive_still(Viewer& viewer, const v1::ClientMessage& message, TimePoint now, const Reply& reply);
   void receive_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void receive_probe(Viewer& viewer, const v1::ClientMessage& message);
+  void receive_curve(Viewer& viewer, const v1::ClientMessage& message);
 
   void open_dataset(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload, std::uint64_t command);
   void run_queue(TimePoint now);

@@ -67,6 +67,9 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
       return receive_histogram(viewer, message);
     case v1::ClientMessage::kProbePoint:
       return receive_probe(viewer, message);
+    case v1::ClientMessage::kProbeLine:
+    case v1::ClientMessage::kProbeSteps:
+      return receive_curve(viewer, message);
     case v1::ClientMessage::kCancel:
       dataset_.cancel(message.cancel().operation(), now);
       engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
@@ -145,6 +148,25 @@ void Session::receive_probe(Viewer& viewer, const v1::ClientMessage& message) {
   if (!drawable()) return refuse(wire_error("not_found", "no dataset is open; open one first"));
   if (width < 1 || height < 1) return refuse(wire_error("invalid_argument", "there is no viewport in which the place could lie; say width and height", "width"));
   answers_.probe(viewer, {key_, 0, drawn(), wanted.x(), wanted.y(), width, height}, seq);
+}
+
+void Session::receive_curve(Viewer& viewer, const v1::ClientMessage& message) {
+  const std::uint64_t seq = message.seq();
+  const bool line = message.has_probe_line();
+  const auto refuse = [&](v1::Error error) { viewer.outbox->send(error_message(std::move(error), seq)); };
+  if (!line && !message.probe_steps().has_at()) return answers_.give_up_steps(viewer.key);
+  if (dataset_.opening()) {
+    if (queue_.full()) return refuse(wire_error("unavailable", "too many commands wait for the dataset"));
+    return queue_.add([this, key = viewer.key, message](TimePoint) {
+      if (Viewer* to = people_.find(key)) receive_curve(*to, message);
+    });
+  }
+  if (!drawable()) return refuse(wire_error("not_found", "no dataset is open; open one first"));
+  if (auto error = line ? check_line(message.probe_line(), context()) : check_steps(message.probe_steps(), context())) return refuse(std::move(*error));
+  CurveRequest request{key_, 0, drawn(), line ? message.probe_line().array() : message.probe_steps().array(), {}, {}};
+  request.from = vector_of(line ? message.probe_line().from() : message.probe_steps().at());
+  if (line) request.to = vector_of(message.probe_line().to());
+  answers_.probe(viewer, std::move(request), seq);
 }
 
 }  // namespace isostrata

@@ -58,35 +58,52 @@ void ViewerAnswers::count(Viewer& viewer, HistogramRequest request, std::uint64_
   });
 }
 
-void ViewerAnswers::probe(Viewer& viewer, ProbeRequest request, std::uint64_t seq) {
-  if (const auto before = probes_.find(viewer.key); before != probes_.end()) {
-    viewer.outbox->send(error_message(wire_error("cancelled", "a newer probe of this connection has taken its place"), before->second.seq));
-    give_up_probe(viewer.key);
-  }
-  const RequestId asked = engine_.ask(std::move(request), [this, key = viewer.key, seq](const EngineEvent& event, TimePoint) {
+template <class Ready, class Request, class Answer>
+void ViewerAnswers::probe(Viewer& viewer, Asked asked, Request request, std::uint64_t seq, const Answer& answer) {
+  const ProbeKey key{viewer.key, asked};
+  give_up_probe(key);
+  const RequestId number = engine_.ask(std::move(request), [this, key, seq, answer](const EngineEvent& event, TimePoint) {
     probes_.erase(key);
-    Viewer* to = people_.find(key);
+    Viewer* to = people_.find(key.first);
     if (!to) return;
     if (const auto* failed = std::get_if<RequestFailed>(&event)) return to->outbox->send(error_message(wire_error(*failed), seq));
-    if (const auto* ready = std::get_if<ProbeReady>(&event)) {
-      v1::ServerMessage answer;
-      *answer.mutable_probe_result() = to_wire(*ready);
-      answer.mutable_probe_result()->set_in_reply_to(seq);
-      to->outbox->send(std::move(answer));
+    if (const auto* ready = std::get_if<Ready>(&event)) {
+      v1::ServerMessage message;
+      answer(*ready, message)->set_in_reply_to(seq);
+      to->outbox->send(std::move(message));
     }
   });
-  probes_[viewer.key] = {asked, seq};
+  probes_[key] = {number, seq};
 }
 
-void ViewerAnswers::give_up_probe(ViewerKey viewer) {
-  const auto node = probes_.extract(viewer);
+void ViewerAnswers::probe(Viewer& viewer, ProbeRequest request, std::uint64_t seq) {
+  probe<ProbeReady>(viewer, Asked::place, std::move(request), seq, [](const ProbeReady& ready, v1::ServerMessage& message) {
+    *message.mutable_probe_result() = to_wire(ready);
+    return message.mutable_probe_result();
+  });
+}
+
+void ViewerAnswers::probe(Viewer& viewer, CurveRequest request, std::uint64_t seq) {
+  const Asked asked = request.to ? Asked::line : Asked::steps;
+  probe<CurveReady>(viewer, asked, std::move(request), seq, [](const CurveReady& ready, v1::ServerMessage& message) {
+    *message.mutable_probed_curve() = to_wire(ready);
+    return message.mutable_probed_curve();
+  });
+}
+
+void ViewerAnswers::give_up_steps(ViewerKey viewer) { give_up_probe({viewer, Asked::steps}); }
+
+void ViewerAnswers::give_up_probe(ProbeKey probe) {
+  const auto node = probes_.extract(probe);
   if (node.empty()) return;
+  if (Viewer* of = people_.find(probe.first))
+    of->outbox->send(error_message(wire_error("cancelled", "this connection has asked for another in its place"), node.mapped().seq));
   engine_.post(CancelRequest{session_, 0, node.mapped().request, true});
   engine_.forget(node.mapped().request);
 }
 
 void ViewerAnswers::leave(ViewerKey viewer) {
-  give_up_probe(viewer);
+  for (const Asked asked : {Asked::place, Asked::line, Asked::steps}) give_up_probe({viewer, asked});
   const auto node = pictures_.extract(viewer);
   if (node.empty()) return;
   for (const RequestId request : node.mapped()) {

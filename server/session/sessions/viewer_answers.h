@@ -1,9 +1,10 @@
 // What the engine is asked for one viewer alone: pictures to keep, which are not shown, so that neither credits nor the ladder have to do
-// with them, histograms, and what lies at a place.
+// with them, histograms, and what lies at a place, along a line and over the steps.
 #pragma once
 
 #include <map>
 #include <set>
+#include <utility>
 
 #include "session/datasets/engine_door.h"
 #include "session/people/participants.h"
@@ -25,11 +26,19 @@ class ViewerAnswers {
   void count(Viewer& viewer, HistogramRequest request, std::uint64_t seq);
   /// Answers by a ProbeResult or an Error. One that the viewer asked before and that is not answered yet is given up, and answered so.
   void probe(Viewer& viewer, ProbeRequest request, std::uint64_t seq);
+  /// The same by a ProbedCurve; of lines and of places over steps each by itself.
+  void probe(Viewer& viewer, CurveRequest request, std::uint64_t seq);
+  /// The place over steps that is not answered yet.
+  void give_up_steps(ViewerKey viewer);
   /// The viewer is gone.
   void leave(ViewerKey viewer);
 
  private:
-  void give_up_probe(ViewerKey viewer);
+  enum class Asked { place, line, steps };
+  using ProbeKey = std::pair<ViewerKey, Asked>;
+  template <class Ready, class Request, class Answer>
+  void probe(Viewer& viewer, Asked asked, Request request, std::uint64_t seq, const Answer& answer);
+  void give_up_probe(ProbeKey probe);
   void drawn(ViewerKey viewer, RequestId request, std::uint64_t seq, const EngineEvent& event);
 
   const SessionKey session_;
@@ -40,7 +49,7 @@ class ViewerAnswers {
     RequestId request = 0;
     std::uint64_t seq = 0;
   };
-  std::map<ViewerKey, Probe> probes_;                  // that are being looked up
+  std::map<ProbeKey, Probe> probes_;                   // that are being looked up
   int histograms_ = 0;                                 // that are being counted
 };
 

@@ -326,6 +326,26 @@ v1::ProbeResult to_wire(const ProbeReady& probed) {
   return out;
 }
 
+v1::ProbedCurve to_wire(const CurveReady& probed) {
+  const CurveFacts& facts = probed.facts;
+  v1::ProbedCurve out;
+  out.set_revision(probed.revision);
+  out.set_array(valid_utf8(facts.array));
+  out.mutable_at()->Assign(facts.at.begin(), facts.at.end());
+  out.mutable_value()->Assign(facts.values.begin(), facts.values.end());
+  out.set_thinned(facts.thinned);
+  for (const ProbedStretch& of : facts.layers) {
+    v1::ProbedStretch& to = *out.add_layers();
+    to.set_from(of.from);
+    to.set_to(of.to);
+    to.set_interval(of.interval);
+    if (of.term >= 0) to.set_term(of.term);
+  }
+  out.set_step(facts.step);
+  if (facts.time) out.set_time(*facts.time);
+  return out;
+}
+
 Annotations annotations_of(const v1::Annotations& wanted) { return {wanted.axes(), wanted.box(), wanted.legend()}; }
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field) {

@@ -139,6 +139,19 @@ TEST_F(JobsTest, APlaceIsProbedWhileAnExportOfTheSessionGoesOn) {
   wait_for<ExportReady>([](const ExportReady& of) { return of.request == 1; });
 }
 
+TEST_F(JobsTest, ALineIsReadAndWhatHasOneStepIsNotFollowedOverTime) {
+  jobs_.post(CurveRequest{kOurs, 1, scene(7), "", {-2, 0, 0}, Vec3d{2, 0, 0}});
+  const auto ready = wait_for<CurveReady>([](const CurveReady& of) { return of.request == 1; });
+  EXPECT_EQ(ready.revision, 7u);
+  EXPECT_EQ(ready.facts.array, "distance");
+  EXPECT_GT(ready.facts.at.size(), 10u);
+  EXPECT_FALSE(ready.facts.layers.empty());
+  jobs_.post(CurveRequest{kOurs, 2, scene(7), "", {0.6, 0, 0}, std::nullopt});
+  EXPECT_EQ(failure_of(2).code, ErrorCode::invalid_argument);
+  jobs_.post(CurveRequest{kOurs, 3, scene(7), "none", {-2, 0, 0}, Vec3d{2, 0, 0}});
+  EXPECT_EQ(failure_of(3).code, ErrorCode::not_found);
+}
+
 TEST_F(JobsTest, QuestionsOfOneSessionWaitForEachOtherAndThoseOfAnotherDoNot) {
   std::promise<void> go_on;
   before_export_ = [waits = go_on.get_future().share()](const ExportRequest& of) {

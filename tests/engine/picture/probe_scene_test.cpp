@@ -401,6 +401,32 @@ TEST_F(ProbeScene, LabelsOfPointsAndOfCellsAreReadWhole) {
   EXPECT_GT(hits, 3);
 }
 
+TEST_F(ProbeScene, AWholeValueAtASurfaceIsThatOfTheCellBehindIt) {
+  auto of_cells = testing::field_dataset<float>({9, 8, 7}, [](Vec3d p) { return p.x; });
+  auto held = std::make_shared<std::vector<std::int16_t>>();
+  for (std::int64_t c = 0; c < of_cells->grid.cell_count(); ++c) held->push_back(static_cast<std::int16_t>(c % 7));
+  of_cells->arrays.front().association = Association::cell_averaged;
+  of_cells->arrays.front().cells = std::make_shared<const CellValues>(CellValues{ScalarType::int16, std::span<const std::int16_t>(*held), 0, 6, 0, held});
+  show(of_cells, {});
+  SceneInterval layer{7, 2, 4};
+  layer.opacity = 0;
+  layer.surface.lower = layer.surface.upper = layer.surface.domain = true;
+  scene_.intervals = {layer};
+  scene_.values = FieldValues::whole;
+  look_from({1, 0.7, 2}, 1.2);
+  int hits = 0;
+  for (double x = 0.2; x < 0.8; x += 0.06)
+    for (double y = 0.2; y < 0.8; y += 0.06) {
+      const ProbeFacts found = probe(x, y);
+      if (!found.hit) continue;
+      ++hits;
+      ASSERT_TRUE(found.arrays.front().value);
+      EXPECT_GE(*found.arrays.front().value, 2);
+      EXPECT_LE(*found.arrays.front().value, 4);
+    }
+  EXPECT_GT(hits, 20);
+}
+
 TEST_F(ProbeScene, OfAFlatGridTheAreaIsRead) {
   show("diamond:9", {{0.2, 0.6}});
   look_from({0, 0, 1}, 1);

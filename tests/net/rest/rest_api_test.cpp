@@ -83,6 +83,27 @@ TEST_F(Rest, WhatLiesAtAPlaceIsLookedUpInTheData) {
   expect_problem(server_.ask("GET", path + "?x=0.5&y=0.5&width=0"), 400, "invalid_argument", "width");
 }
 
+TEST_F(Rest, ValuesAlongALineAreThoseOfTheData) {
+  const std::string session = "sessions/" + new_session(), path = "/api/v1/" + session + "/probe/line";
+  EXPECT_EQ(status_of(server_.ask("PUT", "/api/v1/" + session + "/intervals", R"({"intervals":[{"lower":0.1,"upper":0.3,"opacity":0.5,"visible":true}]})")), 200);
+  const json::value found = get(session + "/probe/line?from=-2,0,0&to=2,0.0,0e0&array=distance");
+  EXPECT_EQ(found.at("array").as_string(), "distance");
+  const json::array &at = found.at("at").as_array(), &values = found.at("value").as_array();
+  ASSERT_EQ(at.size(), values.size());
+  ASSERT_GT(at.size(), 11u);
+  EXPECT_NEAR(at.front().to_number<double>(), 1, 1e-6) << "where the data begins";
+  for (std::size_t i = 0; i < at.size(); ++i)
+    EXPECT_NEAR(values[i].to_number<double>(), std::abs(std::abs(at[i].to_number<double>() - 2) - 0.6), 0.15);
+  EXPECT_GE(found.at("layers").as_array().size(), 2u) << "the tube is met twice";
+  expect_problem(server_.ask("GET", path + "?to=1,0,0"), 400, "invalid_argument", "from");
+  expect_problem(server_.ask("GET", path + "?from=0,0&to=1,0,0"), 400, "invalid_argument", "from");
+  expect_problem(server_.ask("GET", path + "?from=0,0,0,0&to=1,0,0"), 400, "invalid_argument", "from");
+  expect_problem(server_.ask("GET", path + "?from=0,0,0&to=inf,0,0"), 400, "invalid_argument", "to");
+  expect_problem(server_.ask("GET", path + "?from=0,0,0&to=0,0,0"), 400, "invalid_argument", "to");
+  expect_problem(server_.ask("GET", path + "?from=0,0,0&to=1,0,0&array=none"), 404, "not_found", "array");
+  expect_problem(server_.ask("GET", "/api/v1/" + session + "/probe/steps?at=0,0,0"), 400, "invalid_argument", "at");
+}
+
 TEST_F(Rest, AStateThatWasReadCanBeWrittenBack) {
   const std::string path = "/api/v1/sessions/" + new_session() + "/state";
   const auto text = [](const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); };

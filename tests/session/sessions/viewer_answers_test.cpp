@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "session/asked_engine.h"
@@ -78,9 +79,9 @@ TEST_F(AnswersForOneViewer, WithoutASizeThePictureIsAsLargeAsTheViewport) {
 }
 
 TEST_F(AnswersForOneViewer, ANewerProbeTakesThePlaceOfTheOneBefore) {
-  answers_.probe(viewers_[1], {}, 5);
-  answers_.probe(viewers_[2], {}, 6);
-  answers_.probe(viewers_[1], {}, 7);
+  answers_.probe(viewers_[1], ProbeRequest{}, 5);
+  answers_.probe(viewers_[2], ProbeRequest{}, 6);
+  answers_.probe(viewers_[1], ProbeRequest{}, 7);
   EXPECT_EQ(outboxes_[1].error().code(), "cancelled");
   EXPECT_EQ(outboxes_[1].error().in_reply_to(), 5u);
   ASSERT_EQ(engine_.posted.size(), 1u);
@@ -97,10 +98,36 @@ TEST_F(AnswersForOneViewer, ANewerProbeTakesThePlaceOfTheOneBefore) {
   EXPECT_EQ(told.arrays(0).value(), 1.5);
   EXPECT_FALSE(told.arrays(1).has_value());
   EXPECT_EQ(told.arrays(1).cell_value(), 2.0);
-  answers_.probe(viewers_[1], {}, 8);
+  answers_.probe(viewers_[1], ProbeRequest{}, 8);
   EXPECT_EQ(engine_.posted.size(), 1u) << "nothing to give up";
   answers_.leave(1);
   EXPECT_EQ(std::get<CancelRequest>(engine_.posted[1]).request, 4u);
+}
+
+TEST_F(AnswersForOneViewer, ALineAndAPlaceOverStepsDoNotTakeEachOthersPlace) {
+  CurveRequest line, place;
+  line.to = Vec3d{1, 0, 0};
+  answers_.probe(viewers_[1], ProbeRequest{}, 4);
+  answers_.probe(viewers_[1], line, 5);
+  answers_.probe(viewers_[1], place, 6);
+  EXPECT_TRUE(outboxes_[1].messages.empty());
+  answers_.probe(viewers_[1], line, 7);
+  EXPECT_EQ(outboxes_[1].error().code(), "cancelled");
+  EXPECT_EQ(outboxes_[1].error().in_reply_to(), 5u);
+  engine_.answer(4, CurveReady{7, 4, 42, {"f", {0, 1}, {2, NAN}, true, {{0, 0.5, 9, -1}, {0.5, 1, 0, 2}}, 3, {}}});
+  const v1::ProbedCurve told = outboxes_[1].messages.back().probed_curve();
+  EXPECT_EQ(told.in_reply_to(), 7u);
+  EXPECT_EQ(told.revision(), 42u);
+  EXPECT_EQ(told.value(0), 2);
+  EXPECT_TRUE(std::isnan(told.value(1)));
+  EXPECT_EQ(told.layers(0).interval(), 9u);
+  EXPECT_FALSE(told.layers(0).has_term());
+  EXPECT_EQ(told.layers(1).term(), 2);
+  answers_.give_up_steps(viewers_[1].key);
+  EXPECT_EQ(outboxes_[1].error().in_reply_to(), 6u);
+  EXPECT_EQ(std::get<CancelRequest>(engine_.posted.back()).request, 3u);
+  answers_.give_up_steps(viewers_[1].key);
+  EXPECT_EQ(engine_.posted.size(), 2u) << "nothing is left to give up";
 }
 
 TEST_F(AnswersForOneViewer, WhoIsGoneHasNothingDrawn) {

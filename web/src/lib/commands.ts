@@ -137,6 +137,9 @@ export const command = {
   }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
   probePoint: (x: number, y: number): Command => ({ case: 'probePoint', value: { x, y } }),
+  probeLine: (from: Vec3, to: Vec3, array: string): Command => ({ case: 'probeLine', value: { from: wireVec(from), to: wireVec(to), array } }),
+  /** null: what was asked before and is not answered is given up. */
+  probeSteps: (at: Vec3 | null, array: string): Command => ({ case: 'probeSteps', value: { ...(at ? { at: wireVec(at) } : {}), array } }),
   reloadDataset: (): Command => ({ case: 'reloadDataset', value: {} }),
   listDatasets: (folder: string, search: string, first: number, most: number): Command => ({
     case: 'listDatasets',

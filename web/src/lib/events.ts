@@ -7,10 +7,11 @@ import {
   StageTimesSchema,
   type Frame as WireFrame,
   type Invitation as WireInvitation,
+  type ProbedCurve as WireCurve,
   type ProbeResult as WireProbe,
   type Welcome as WireWelcome,
 } from '../gen/isostrata/v1/isostrata_pb';
-import type { Frame, Invitation, ProbeResult, ServerEvent, Welcome } from './told';
+import type { Frame, Invitation, ProbedCurve, ProbeResult, ServerEvent, Welcome } from './told';
 import { plain, roles } from './protocol';
 import { datasetInfoOf, entryOf, listOf } from './wire-datasets';
 import { cameraOf, stateOf } from './wire-scene';
@@ -40,6 +41,8 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
       };
     case 'probeResult':
       return { kind: 'probeResult', inReplyTo: Number(body.value.inReplyTo), result: probeOf(body.value) };
+    case 'probedCurve':
+      return { kind: 'probedCurve', inReplyTo: Number(body.value.inReplyTo), curve: curveOf(body.value) };
     case 'progress':
       return { kind: 'progress', progress: plain(body.value) };
     case 'done':
@@ -114,6 +117,15 @@ function probeOf({ revision, hit, miss, position, distance, interval, term, end,
     arrays: arrays.map(({ name, value, cellValue }) => ({ name, value: value ?? null, cellValue: cellValue ?? null })),
   };
 }
+
+const curveOf = ({ revision, array, at, value, thinned, layers }: WireCurve): ProbedCurve => ({
+  revision: Number(revision),
+  array,
+  at,
+  values: value,
+  thinned,
+  layers: layers.map(({ from, to, interval, term }) => ({ from, to, interval, term: term ?? null })),
+});
 
 function frameOf({ revision, inputSeq, phase, stages, facts, camera, streamId, inReplyTo, band, payload, ...rest }: WireFrame): Frame {
   return {

@@ -3,6 +3,7 @@
 import { randomClientId } from './command-log';
 import { command, type Command } from './commands';
 import { Connection, type ConnectionStatus } from './connection';
+import { Curves } from './curves.svelte';
 import { Edits } from './edits';
 import { FileList } from './file-list.svelte';
 import { FrameView } from './frame-view.svelte';
@@ -66,6 +67,7 @@ export class Session {
   readonly frames: FrameView;
   readonly stills: Stills;
   readonly probe: Probe;
+  readonly curves: Curves;
   readonly files: FileList;
   readonly people: People;
   readonly work: Work;
@@ -110,6 +112,7 @@ export class Session {
     });
     this.stills = new Stills((body) => out.sendInOrder(body));
     this.probe = new Probe((body) => out.sendInOrder(body));
+    this.curves = new Curves((body) => out.sendInOrder(body));
     this.files = new FileList({ send, after });
     this.work = new Work(send);
     this.#recovery = new Recovery({ saved, calm, after });
@@ -154,7 +157,7 @@ export class Session {
   #onStatus(status: ConnectionStatus): void {
     this.status = status;
     if (status.kind === 'connected') return;
-    for (const part of [this.#out, this.work, this.stills, this.probe, this.frames, this.history]) part.lost();
+    for (const part of [this.#out, this.work, this.stills, this.probe, this.curves, this.frames, this.history]) part.lost();
     this.#trip = new Smoothed();
     this.roundTripMs = null;
   }
@@ -177,7 +180,12 @@ export class Session {
       case 'frame':
         return this.#onFrame(event.frame);
       case 'probeResult':
-        return void this.probe.answer(event.inReplyTo, event.result);
+        this.probe.answer(event.inReplyTo, event.result);
+        if (!this.curves.picking || this.probe.shown?.answer !== event.result || !event.result.hit) return;
+        this.probe.close();
+        return this.curves.picked(event.result.position);
+      case 'probedCurve':
+        return void this.curves.answered(event.inReplyTo, event.curve);
       case 'volumeErrors':
         this.volumeErrors = event.errors;
         return;
@@ -261,6 +269,7 @@ export class Session {
     this.history.told(heeded);
     this.selection.told(before.intervals, state.intervals);
     this.probe.stateTold(state.revision);
+    this.curves.told(state);
     this.views.goOn();
     this.#askHistogram();
     this.#recovery.keep(state);
@@ -280,7 +289,7 @@ export class Session {
   #onError({ inReplyTo, code, message, field }: ServerError): void {
     // The link that this page came by is over: another try would be refused alike.
     if ((code === 'forbidden' && !inReplyTo) || code === 'unsupported_version') this.#connection.refuse(message);
-    if (this.stills.answer(inReplyTo, message || code) || this.probe.answer(inReplyTo, message || code)) return;
+    if (this.stills.answer(inReplyTo, message || code) || this.probe.answer(inReplyTo, message || code) || this.curves.answered(inReplyTo, message || code)) return;
     const about = this.#out.refused(inReplyTo);
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open

@@ -94,6 +94,16 @@ export interface ProbeResult {
   arrays: { name: string; value: number | null; cellValue: number | null }[]; // null: no number, or not of cells
 }
 
+/** The values of an array along a line, or at a place over all steps. NaN: none; along a line a gap begins. */
+export interface ProbedCurve {
+  revision: number; // of the state that was looked at
+  array: string;
+  at: number[]; // distances from the line's first end, rising; or the steps
+  values: number[];
+  thinned: boolean; // of a line's samples the extremes are left
+  layers: { from: number; to: number; interval: number; term: number | null }[]; // where the line lies in layers that are shown
+}
+
 export interface Welcome {
   protocolMajor: number;
   server: string;
@@ -243,6 +253,7 @@ export type ServerEvent =
   | { kind: 'histogram'; histogram: Histogram }
   | { kind: 'frame'; frame: Frame }
   | { kind: 'probeResult'; inReplyTo: number; result: ProbeResult }
+  | { kind: 'probedCurve'; inReplyTo: number; curve: ProbedCurve }
   | { kind: 'volumeErrors'; errors: VolumeError[] }
   | { kind: 'progress'; progress: Progress }
   | { kind: 'done'; done: Done }
