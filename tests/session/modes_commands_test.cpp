@@ -78,7 +78,7 @@ TEST_F(ModesCommands, ATransferFunctionReplacesTheIntervalsByOneThatKeepsItsPoin
   EXPECT_EQ(interval.lower, 1);
   EXPECT_EQ(interval.upper, 5);
   EXPECT_EQ(interval.transfer, (std::vector<TransferPoint>{{1, {1, 0, 0}, 0}, {2, {0, 0, 1}, 0.5}, {5, {0, 0, 1}, 0.5}}));
-  EXPECT_EQ(state_.scene.color_by, "Density");
+  EXPECT_EQ(state_.scene.color_by, "") << "colours follow the array";
 }
 
 constexpr const char* kTwoPoints = R"("transferFunction":{"points":[{"value":1,"color":{"r":1},"opacity":0.25},
@@ -91,13 +91,13 @@ TEST_F(ModesCommands, AnIntervalsTransferFunctionBringsItsEndsAndMovesWithThem) 
   const auto interval = [&]() -> const SceneInterval& { return state_.scene.intervals[1]; };  // another one after each command
   EXPECT_EQ(interval().lower, 1);
   EXPECT_EQ(interval().upper, 3);
-  EXPECT_EQ(state_.scene.color_by, "Density");
+  EXPECT_EQ(state_.scene.color_by, "");
   ASSERT_FALSE(apply(R"({"patchInterval":{"id":2,"upper":5}})").error);
   EXPECT_EQ(interval().transfer, (std::vector<TransferPoint>{{1, {1, 0, 0}, 0.25}, {5, {0, 0, 1}, 0.5}}));
   ASSERT_FALSE(apply(R"({"selectArrays":{"array":"Energy"}})").error);  // [0, 8] is then [-100, 300]
   EXPECT_EQ(interval().transfer.front().value, -50);
   EXPECT_EQ(interval().transfer.back().value, 150);
-  EXPECT_EQ(state_.scene.color_by, "Energy");
+  EXPECT_EQ(state_.scene.color_by, "");
   ASSERT_FALSE(apply(R"({"patchInterval":{"id":2,"transferFunction":{}}})").error);
   EXPECT_TRUE(interval().transfer.empty());
   EXPECT_EQ(interval().color, before.color);

@@ -79,7 +79,7 @@ void apply(SceneState& state, const v1::SelectArrays& command, const CommandCont
   }
   if (!command.color_by().empty()) scene.color_by = array_of(command.color_by(), context, "color_by").name;
   // A transfer function is of the values that are cut.
-  if (command.color_by().empty() && has_transfer(scene)) scene.color_by = scene.array;
+  if (command.color_by().empty() && has_transfer(scene)) scene.color_by.clear();
   // Numbers that were typed are of the array that they were typed for.
   if (scene.color_range.span == ColorSpan::own && colored_by() != colored_before) scene.color_range = {.log = scene.color_range.log};
   if (!command.texture().empty()) scene.texture = array_of(command.texture(), context, "texture").name;

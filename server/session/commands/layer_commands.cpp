@@ -123,7 +123,7 @@ void settle_transfers(Scene& scene) {
            "the intervals' transfer functions have " + std::to_string(points) + " points; expected at most " +
                std::to_string(kMaxTransferPoints),
            "points");
-  scene.color_by = scene.array;
+  scene.color_by.clear();  // follows the array, as the function does
 }
 
 }  // namespace
