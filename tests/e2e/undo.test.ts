@@ -39,6 +39,23 @@ describe('undo', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('a page that is loaded again undoes what was done before', async () => {
+    await open();
+    const [layer] = (await viewer.layersOfOurOwn(1)) as [Interval];
+    await viewer.drag(viewer.thumb(layer, 'upper'), 60, 0);
+    await viewer.until('a wider layer', ({ intervals }) => intervals[0]!.upper > layer.upper);
+    await viewer.exactPicture();
+    await viewer.page.waitForTimeout(500); // until it is written down
+    await viewer.page.reload();
+    await expect.poll(() => viewer.page.getByRole('button', { name: /^Undo/ }).isEnabled()).toBe(true);
+    await viewer.exactPicture();
+    await undo();
+    await viewer.until('the end of before', ({ intervals }) => intervals[0]!.upper === layer.upper);
+    await viewer.page.getByRole('button', { name: 'Redo' }).click();
+    await viewer.until('the wider one', ({ intervals }) => intervals[0]!.upper > layer.upper);
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('everything that was done goes back step by step, and forth again', async () => {
     await open(/cylinder/);
     const { page } = viewer;

@@ -34,6 +34,26 @@ function harness(...intervals: Interval[]) {
 }
 
 describe('what the person has done', () => {
+  test('is undone by a page that was loaded again in the same session', async () => {
+    const before = harness(layer(1), layer(2));
+    await before.opacity(0.7);
+    await before.opacity(0.8, 'another');
+    before.history.undo();
+    const after = harness(...before.view().intervals);
+    after.history.restore(before.history.text());
+    expect([after.history.undoes, after.history.redoes]).toEqual(['the opacity of Layer 1', 'the opacity of Layer 1']);
+    after.history.redo();
+    expect(after.view().intervals[0]?.opacity).toBe(0.8);
+    after.history.undo();
+    after.history.undo();
+    expect(after.view().intervals[0]?.opacity).toBe(0.5);
+    await after.opacity(0.9);
+    after.history.restore(before.history.text()); // it has steps of its own
+    after.history.undo();
+    expect(after.view().intervals[0]?.opacity).toBe(0.5);
+    expect(after.history.undoes).toBeNull();
+  });
+
   test('a drag is one step, however long it rests; two drags are two', async () => {
     const { history, hand, clock, opacity, view } = harness(layer(1));
     for (hand.grip = 1; hand.grip <= 2; hand.grip++)

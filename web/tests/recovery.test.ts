@@ -81,20 +81,20 @@ describe('the scene is written down', () => {
     const { recovery, saved, clock } = harness();
     recovery.welcomed(here('s'), null);
     for (let revision = 1; revision <= 60; revision++) {
-      recovery.keep(scene(revision));
+      recovery.keep(scene(revision), () => 'steps');
       clock.advance(10);
     }
     expect(saved.state?.revision).toBe(60); // that of 300 ms, and that of 600
-    recovery.keep(scene(61));
+    recovery.keep(scene(61), () => 'steps');
     recovery.welcomed(here('other'), scene(61));
-    recovery.keep(scene(1));
+    recovery.keep(scene(1), () => 'steps');
     clock.advance(1000);
     expect(saved.state?.revision).toBe(60);
   });
 
   test('never one without a dataset', () => {
     const { recovery, saved, clock } = harness();
-    recovery.keep(emptyState);
+    recovery.keep(emptyState, () => 'steps');
     clock.advance(300);
     expect(saved.state).toBeNull();
   });

@@ -2,6 +2,7 @@
 // where the fields still are as the step left them: what somebody else has changed since stays. A drag is one step; the camera is none.
 import { changesBetween, doesNothing, isNothing, isStream, joined, planOf, renamed, wordsOf, type Changes, type Plan, type Side } from './changes';
 import type { Interval, SceneState } from './model';
+import { parseSteps, stepsText } from './saved-steps';
 
 interface Step {
   changes: Changes;
@@ -142,6 +143,18 @@ export class History {
   lost(): void {
     this.#undo = this.#undo.map((step) => (step.open ? { ...step, open: { ...step.open, seq: 0 } } : step));
     if (this.#returning) this.#returning.seq = 0;
+  }
+  /** For another page in the same session, which takes it by `restore`. What the server has not judged is none of it. */
+  text(): string {
+    const plain = (steps: readonly Step[]) => steps.filter(({ open }) => !open).map(({ changes, kind }) => ({ changes, kind }));
+    return stepsText({ undo: plain(this.#undo), redo: plain(this.#redo) });
+  }
+  restore(text: string | null): void {
+    const saved = this.#undo.length + this.#redo.length === 0 ? parseSteps(text) : null;
+    if (!saved) return;
+    const whole = (steps: readonly unknown[]) => (steps as Pick<Step, 'changes' | 'kind'>[]).map((step): Step => ({ ...step, grip: 0, atMs: -Infinity, open: null }));
+    [this.#undo, this.#redo] = [whole(saved.undo), whole(saved.redo)];
+    this.#sealed = true;
   }
   /** Another dataset, another session: nothing of it can be brought back there. */
   clear(): void {

@@ -71,14 +71,16 @@ export class Recovery {
     return { ...step, reason: restoring.quiet ? '' : restoring.cause === 'file' ? strange : step.reason };
   }
 
-  /** Writes the scene down soon, the newest that there is then; not while the old one is still being brought back. */
-  keep(server: SceneState): void {
+  /** Writes the scene down soon, the newest that there is then, and what can be undone in it; not while the old one is still being brought back. */
+  keep(server: SceneState, steps: () => string): void {
     this.#newest = server;
     if (this.#restoring || this.#writesSoon) return;
     this.#writesSoon = true;
     this.doors.after(restMs, () => {
       this.#writesSoon = false;
-      if (!this.#restoring && this.#newest?.dataset) this.doors.saved.state = this.#newest;
+      if (this.#restoring || !this.#newest?.dataset) return;
+      this.doors.saved.state = this.#newest;
+      this.doors.saved.steps = steps();
     });
   }
 }

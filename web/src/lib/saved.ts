@@ -35,6 +35,14 @@ export class SavedTab {
     this.#write('state', state ? savedStateText(state) : '');
   }
 
+  /** What can be undone in the session; empty: nothing. */
+  get steps(): string {
+    return this.#read('steps') ?? '';
+  }
+  set steps(text: string) {
+    this.#write('steps', text);
+  }
+
   /** How a dataset looked when it was left. */
   left(dataset: string): SceneState | null {
     return parseSavedState(this.#read(`left.${dataset}`));

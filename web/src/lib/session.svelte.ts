@@ -230,6 +230,7 @@ export class Session {
     }
     const { scene, people } = this;
     const state = welcome.state ?? emptyState;
+    const { steps } = this.doors.saved;
     const resumed = this.#recovery.welcomed(welcome, scene.server.dataset ? scene.view : null);
     this.welcome = welcome;
     this.ending = null;
@@ -244,6 +245,7 @@ export class Session {
     if (!resumed) {
       this.hand.empty();
       this.history.clear();
+      this.doors.saved.steps = '';
     }
     this.frames.tellViewport();
     if (state.mode === 'cycled' && state.cycle.playing && this.doors.calm() && !people.viewOnly) this.edits.setCycle({ playing: false });
@@ -253,6 +255,7 @@ export class Session {
     this.#ping();
     this.#onState(state, -1);
     if (resumed) this.#visits.arrived(null);
+    if (resumed) this.history.restore(steps);
     // A session that has just begun shows something at once; one that was resumed is left as it was.
     if (!resumed && !people.invited) this.views.openFirst();
   }
@@ -272,7 +275,7 @@ export class Session {
     this.curves.told(state);
     this.views.goOn();
     this.#askHistogram();
-    this.#recovery.keep(state);
+    this.#recovery.keep(state, () => this.history.text());
   }
 
   #onFrame(frame: Frame): void {
