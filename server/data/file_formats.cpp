@@ -35,7 +35,7 @@ constexpr std::array kFormats{
                "VTK"},
     FileFormat{FileKind::plot3d, "PLOT3D", ".xyz .x .g .grd .p3d .q .f xyz.bin grid.bin", "grids with the solution beside them, every dialect", "ours"},
     FileFormat{FileKind::netcdf, "netCDF", ".nc .cdf .nc4 .ncdf", "CF conventions: the variables over the most axes, all times, fill values as gaps", "VTK"},
-    FileFormat{FileKind::zarr, "OME-Zarr image", ".zarr", "a folder: Zarr 2 and 3, the finest level, or one level by its folder; t are steps, c arrays; chunks and shards by blosc, zstd, gzip, lz4, bzip2",
+    FileFormat{FileKind::zarr, "Zarr: OME-Zarr, xarray", ".zarr", "a folder: Zarr 2 and 3; of an image the finest level, or one level by its folder, t are steps, c arrays; of xarray's groups CF conventions, as of netCDF; chunks and shards by blosc, zstd, gzip, lz4, bzip2",
                "ours"},
     FileFormat{FileKind::gzip, "gzip around another format", ".gz", "of formats that are one file: .vtk.gz, .vtu.gz, .npy.gz ...", "zlib"},
 };

@@ -13,7 +13,8 @@ bool is_zarr_metadata(std::string_view name);
 /// Whether an entry of a folder with this name is nobody's data: it begins with a dot and is not Zarr's metadata.
 bool is_hidden(std::string_view name);
 
-/// Whether the folder is one dataset: it is named .zarr, or it is an array, or an image of OME-Zarr. The words in its metadata say so, of which
+/// Whether the folder is one dataset: it is named .zarr, or it is an array, an image of OME-Zarr, or a group of arrays
+/// that name their axes. The words in its metadata say so, of which
 /// at most 1 MiB is looked at; that it can be read is for the reader to say.
 bool is_zarr(const std::filesystem::path& folder);
 

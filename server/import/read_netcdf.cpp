@@ -259,7 +259,7 @@ Imported read_netcdf(const ReadRequest& request) {
     if (const auto from = netcdf_turned(file, over)) turn_block(block, *from);
   }
   imported.notes.insert(imported.notes.end(), notes.begin(), notes.end());
-  if (!steps.sorted) imported.notes.push_back("the file's times do not increase: its steps are in the order of their times");
+  if (!steps.sorted) imported.notes.push_back(kTimesWereSorted);
   if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);
   for (Block& block : imported.blocks)
     for (const FileArray& array : block.arrays)

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <initializer_list>
 #include <memory>
 #include <numeric>
-#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -27,24 +25,6 @@ std::vector<double> times_along(const NetcdfGroup& file, int dimension, const st
   const auto bad = std::find_if(own.begin(), own.end(), [](double time) { return !std::isfinite(time); });
   if (bad != own.end()) throw Error(ErrorCode::bad_data, name + ": time " + std::to_string(bad - own.begin()) + " of '" + coordinate->name() + "' is not a finite number");
   return own;
-}
-
-std::optional<std::size_t> by_name(const std::string& name) {
-  const auto letter = static_cast<std::size_t>((name.empty() ? 0 : name.front() | 0x20) - 'x');
-  return name.size() == 1 && letter < 3 ? std::optional(letter) : std::nullopt;
-}
-
-/// 0, 1 or 2 for an axis that says that it is x, y or z.
-std::optional<std::size_t> direction(const NetcdfGroup& file, int dimension) {
-  const std::optional<NetcdfVariable> coordinate = file.coordinate(dimension);
-  if (!coordinate) return by_name(file.dimension_name(dimension));
-  const auto is_one_of = [](const std::string& text, std::initializer_list<std::string_view> words) { return std::find(words.begin(), words.end(), text) != words.end(); };
-  const std::string axis = coordinate->text("axis"), units = coordinate->text("units"), called = coordinate->name();
-  if (is_one_of(axis, {"X", "Y", "Z"})) return static_cast<std::size_t>(axis.front() - 'X');
-  if (is_one_of(units, {"degrees_east", "degree_east", "degrees_E", "degree_E", "degreesE", "degreeE"})) return 0;
-  if (is_one_of(units, {"degrees_north", "degree_north", "degrees_N", "degree_N", "degreesN", "degreeN"})) return 1;
-  if (is_one_of(coordinate->text("positive"), {"up", "down"})) return 2;
-  return by_name(called);
 }
 
 template <class T>
@@ -71,20 +51,14 @@ NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimens
   NetcdfSteps steps;
   for (const int dimension : dimensions) {
     const std::vector<double> along = times_along(file, dimension, name);
-    if (dimensions.size() == 1) steps.sorted = std::is_sorted(along.begin(), along.end());
     steps.times.insert(steps.times.end(), along.begin(), along.end());
-    if (const auto coordinate = file.coordinate(dimension); coordinate && steps.units.empty()) {
-      steps.units = coordinate->text("units");
-      // What day it is depends on it: models have years of 365 and of 360 days.
-      if (const std::string calendar = coordinate->text("calendar"); !steps.units.empty() && !calendar.empty()) steps.units += ", calendar " + calendar;
-    }
+    if (const auto coordinate = file.coordinate(dimension); coordinate && steps.units.empty()) steps.units = cf_time_units(netcdf_axis(file, dimension));
   }
   if (dimensions.size() == 1) {
-    std::vector<std::size_t>& order = steps.index[dimensions.front()];
-    order.resize(steps.times.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return steps.times[a] < steps.times[b]; });
-    std::sort(steps.times.begin(), steps.times.end());
+    CfSteps sorted = cf_steps(steps.times);
+    steps.times = std::move(sorted.times);
+    steps.index[dimensions.front()] = std::move(sorted.order);
+    steps.sorted = sorted.sorted;
     return steps;
   }
   std::sort(steps.times.begin(), steps.times.end());
@@ -99,23 +73,16 @@ NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimens
   return steps;
 }
 
+CfAxis netcdf_axis(const NetcdfGroup& file, int dimension) {
+  const std::optional<NetcdfVariable> of = file.coordinate(dimension);
+  if (!of) return {file.dimension_name(dimension)};
+  return {of->name(), true, of->text("axis"), of->text("units"), of->text("positive"), of->text("standard_name"), of->text("calendar")};
+}
+
 std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions) {
-  if (dimensions.size() == 2 && direction(file, dimensions[0]) == 0u && direction(file, dimensions[1]) == 1u) return std::array<std::size_t, 3>{1, 0, 2};
-  if (dimensions.size() != 3) return std::nullopt;
-  constexpr std::size_t kNone = 3;
-  std::array<std::size_t, 3> of{kNone, kNone, kNone};
-  std::size_t known = 0, sum = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::optional<std::size_t> along = direction(file, dimensions[2 - axis]);
-    if (!along) continue;
-    if (of[*along] != kNone) return std::nullopt;
-    of[*along] = axis;
-    sum += axis;
-    ++known;
-  }
-  if (known < 2) return std::nullopt;
-  std::replace(of.begin(), of.end(), kNone, 3 - sum);
-  return of == std::array<std::size_t, 3>{0, 1, 2} ? std::nullopt : std::optional(of);
+  std::vector<CfAxis> axes;
+  for (const int dimension : dimensions) axes.push_back(netcdf_axis(file, dimension));
+  return cf_turned(axes);
 }
 
 void turn_block(Block& block, const std::array<std::size_t, 3>& from) {

@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <memory>
-#include <tuple>
 
 #include "data/zarr_folder.h"
-#include "import/appended_file.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
 #include "import/zarr_array.h"
+#include "import/zarr_block.h"
 #include "import/zarr_chunks.h"
+#include "import/zarr_fields.h"
 #include "import/zarr_image.h"
 
 namespace isostrata {
@@ -38,16 +37,17 @@ std::optional<ZarrImage> image_above(const fs::path& folder) {
   }
 }
 
-Found find(ZarrStore& store, const fs::path& folder) {
+/// Nothing if the folder is neither an array nor an image.
+std::optional<Found> find(ZarrStore& store, const fs::path& folder) {
   if (auto array = read_zarr_array(store, "")) {
-    if (auto image = image_above(folder)) return {std::move(*array), std::move(*image), true};
-    return {std::move(*array), {}};
+    if (auto image = image_above(folder)) return Found{std::move(*array), std::move(*image), true};
+    return Found{std::move(*array), {}};
   }
   auto image = read_zarr_image(store, "");
-  if (!image) refuse_zarr_group(store);
+  if (!image) return std::nullopt;
   auto array = read_zarr_array(store, image->level);
   if (!array) throw Error(ErrorCode::bad_data, store.name_of(image->level) + ": expected .zarray or zarr.json in it, as the array of a level has; 'multiscales' names it");
-  return {std::move(*array), std::move(*image), true};
+  return Found{std::move(*array), std::move(*image), true};
 }
 
 /// Which axis is time, and which are x, y, z and the channels of the box.
@@ -127,7 +127,12 @@ void note_units(const ZarrBox& box, const std::vector<ZarrAxis>& axes, std::size
 
 Imported read_zarr(const ReadRequest& request) {
   ZarrStore store(request.file);
-  const Found found = find(store, request.file);
+  const std::optional<Found> one = find(store, request.file);
+  if (!one) {
+    if (auto fields = read_zarr_fields(store, request)) return std::move(*fields);
+    refuse_zarr_group(store);
+  }
+  const Found& found = *one;
   const ZarrArray& array = found.array;
   const ZarrImage& image = found.image;
   std::vector<ZarrAxis> axes = image.axes;
@@ -147,31 +152,19 @@ Imported read_zarr(const ReadRequest& request) {
   const std::int64_t points = checked_product({box.size[0], box.size[1], box.size[2]}, array.file);
   const auto bytes = static_cast<std::uint64_t>(checked_product({points, static_cast<std::int64_t>(size_of(array.type))}, array.file));
   check_bytes(request, static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(bytes), box.size[3]}, array.file)), store.name());
-  check_bytes(request, array.chunk_bytes(), array.file + ": one chunk");
   Block block;
   place(block, box, axes, array.file);
-  block.arrays.resize(static_cast<std::size_t>(box.size[3]));
-  std::vector<std::unique_ptr<AppendedFile<std::byte>>> files(block.arrays.size());  // open from a channel's first value to its last
-  std::vector<std::uint64_t> written(files.size());
-  const auto add = [&](std::size_t c, std::span<const std::byte> values) {
-    if (!files[c]) files[c] = std::make_unique<AppendedFile<std::byte>>(request, "array_" + std::to_string(c) + ".bin");
-    files[c]->add(values);
-    if ((written[c] += values.size()) < bytes) return;
-    FileArray& one = block.arrays[c];
-    std::tie(one.values, one.storage) = files[c]->finish();
-    one.type = array.type;
-    one.name = c < image.channels.size() && !image.channels[c].empty() ? image.channels[c]
-               : box.axes[3] != kNone                                 ? "channel " + std::to_string(c)
-               : found.named                                          ? "intensity"
-                                                                      : fs::path(store.name()).stem().string();
+  const auto called = [&](std::size_t c) -> std::string {
+    if (c < image.channels.size() && !image.channels[c].empty()) return image.channels[c];
+    if (box.axes[3] != kNone) return "channel " + std::to_string(c);
+    return found.named ? "intensity" : fs::path(store.name()).stem().string();
   };
-  const ZarrCount count = read_zarr_box(store, array, box, add, request.progress);
+  const ZarrCount count = add_zarr_arrays(store, array, box, request, called, block);
   imported.blocks.push_back(std::move(block));
   imported.notes = image.notes;
   note_units(box, axes, roles.time, imported.notes);
   if (!found.named) imported.notes.push_back("an array alone, which no image explains: its last axis is x; points 1 apart");
-  if (count.missing > 0)
-    imported.notes.push_back(std::to_string(count.missing) + " of " + std::to_string(count.chunks) + " chunks are not there and hold the fill value");
+  note_missing(count, imported.notes);
   return imported;
 }
 

@@ -41,6 +41,7 @@ struct ZarrArray {
   std::optional<ZarrShards> shards;       // else each chunk is a file
   std::vector<std::size_t> order;         // [axes] the axes of a chunk in memory, the one that runs slowest first
   std::vector<std::string> names;         // [axes], or empty if it has none
+  boost::json::object attributes;         // of its own
   ScalarType type = ScalarType::float32;  // of the values; bool is uint8
   ScalarType stored = type;               // of the chunks' numbers, unless they are halves
   bool half = false;                      // the chunks have numbers of 16-bit floating point
@@ -48,6 +49,7 @@ struct ZarrArray {
   std::optional<ZarrPacking> packing;
   bool swap = false;                      // the chunks have the other byte order
   std::array<std::byte, 8> fill{};        // one value, in the machine's byte order
+  bool fill_is_none = false;              // it says that it has a fill value, which to netCDF's conventions is no value
   std::vector<ZarrCodec> codecs;          // in the order in which they packed; one of them packs at most
   std::string key_prefix;                 // of a chunk's file: "" or "c/"
   char separator = '.';                   // between two of its numbers
@@ -57,6 +59,9 @@ struct ZarrArray {
   /// The file of the chunk that is number index[a] along each axis a, or of the shard that is, below the store's folder.
   std::string chunk_file(const std::vector<std::int64_t>& index) const;
 };
+
+/// Makes a gap of what stands for no value to netCDF's conventions: _FillValue, missing_value, else the fill value of version 2. Whole numbers become real ones.
+void leave_out_fill(ZarrArray& array);
 
 /// The array in a folder of the store ("" is the store's own), if there is one. Throws bad_data for metadata that makes no sense, unsupported for a type, a filter
 /// or a codec that is not read, by its name.

@@ -135,8 +135,8 @@ void refuse_zarr_group(ZarrStore& store) {
   if (member(attributes.of, "plate") || member(attributes.of, "well"))
     throw Error(ErrorCode::unsupported, store.name() + ": a plate of wells, or one well; open one of its images, such as PLATE.zarr/A/1/0");
   std::string arrays;
-  for (const std::string& name : store.arrays()) arrays += (arrays.empty() ? "" : ", ") + store.name() + "/" + name;
-  if (!arrays.empty()) throw Error(ErrorCode::unsupported, store.name() + ": a group of arrays that says of none what it means; open one of them: " + arrays);
+  for (const std::string& name : store.parts(8)) arrays += (arrays.empty() ? "" : ", ") + store.name() + "/" + name;
+  if (!arrays.empty()) throw Error(ErrorCode::unsupported, store.name() + ": a group, of whose parts none says what it means; open one of them: " + arrays);
   if (store.has(".zgroup") || store.has(".zattrs") || store.has("zarr.json"))
     throw Error(ErrorCode::bad_data, attributes.file + ": has no 'multiscales'; expected an OME-Zarr image, or an array");
   throw Error(ErrorCode::bad_data, store.name() + ": expected .zarray, .zattrs or zarr.json in it, as a Zarr array or image has");

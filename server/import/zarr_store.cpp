@@ -60,12 +60,12 @@ bool ZarrStore::has(const std::string& file) const {
   return fs::exists(folder_ / file, error);
 }
 
-std::vector<std::string> ZarrStore::arrays() const {
+std::vector<std::string> ZarrStore::parts(std::size_t most_parts) const {
   std::vector<std::string> names;
   std::error_code error;
   int most = 1000;
-  for (fs::directory_iterator it(folder_, error), end; !error && it != end && --most > 0 && names.size() < 8; it.increment(error))
-    if (const std::string name = it->path().filename().string(); has(name + "/.zarray") || has(name + "/zarr.json")) names.push_back(name);
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end && --most > 0 && names.size() < most_parts; it.increment(error))
+    if (const std::string name = it->path().filename().string(); has(name + "/.zarray") || has(name + "/.zgroup") || has(name + "/zarr.json")) names.push_back(name);
   std::sort(names.begin(), names.end());
   return names;
 }

@@ -33,8 +33,8 @@ class ZarrStore {
   /// The same of JSON of at most 16 MiB and 32 levels, in which NaN and Infinity may stand without quotes. Throws bad_data if it is not valid, or not an object.
   std::optional<boost::json::object> read_json(const std::string& file);
 
-  /// Folders in it that are arrays, in the order of their names; at most eight of the first thousand.
-  std::vector<std::string> arrays() const;
+  /// Folders in it that are arrays or groups, in the order of their names; at most so many of the first thousand.
+  std::vector<std::string> parts(std::size_t most) const;
 
   /// Of a file in it, a link followed, which is not opened; nothing if there is none.
   std::optional<std::uint64_t> size_of(const std::string& file) const;

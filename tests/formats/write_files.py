@@ -22,6 +22,7 @@ import netcdf_files
 import numpy as np
 import PIL.Image
 import pydicom
+import xarray_files
 import xdmf_files
 import zarr_files
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
@@ -530,6 +531,7 @@ def main():
     meta_images()
     packed()
     zarr_files.write(FIELD, lattice, expect)
+    xarray_files.write(FIELD, lattice, expect)
     with open("facts.json", "w") as out:
         json.dump(facts, out)
 
