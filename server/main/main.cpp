@@ -10,6 +10,8 @@ int main(int argc, char** argv) {
   isostrata::add_first_view_command(app);
   isostrata::add_extract_command(app);
   isostrata::add_render_command(app);
+  isostrata::add_measure_command(app);
+  isostrata::add_components_command(app);
   isostrata::add_partition_command(app);
   isostrata::add_tables_command(app);
   isostrata::add_doctor_command(app);
