@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -206,6 +207,15 @@ bool is_beyond(const NetcdfFile& file, const std::vector<int>& dimensions) {
   });
 }
 
+/// Whether a block's points are the places along these dimensions, and its values on them: VTK's reader makes cells of values whose places have bounds.
+bool is_over(const Block& block, const NetcdfFile& file, const std::vector<int>& dimensions) {
+  if (!block.grid.structured() || dimensions.size() > 3) return false;
+  const auto dims = block.grid.dims();
+  for (std::size_t a = 0; a < 3; ++a)
+    if (dims[a] != static_cast<std::int64_t>(a < dimensions.size() ? file.length(dimensions[dimensions.size() - 1 - a]) : 1)) return false;
+  return std::none_of(block.arrays.begin(), block.arrays.end(), [](const FileArray& array) { return array.on_cells; });
+}
+
 }  // namespace
 
 Imported read_netcdf(const ReadRequest& request) {
@@ -254,7 +264,13 @@ Imported read_netcdf(const ReadRequest& request) {
   Imported imported = read_step(reader, request);
   if (!steps.times.empty()) imported.times = steps.times;
   const std::vector<int> over = reader->loading();
+  const auto says = std::find_if(variables.begin(), variables.end(), [&](int variable) { return !file.text(variable, "coordinates").empty(); });
+  const int first = says == variables.end() ? variables.front() : *says;
+  CfMoment moment;
+  if (const std::vector<int> all = file.dimensions(first); !timed.empty() && all.front() == timed.front())
+    moment = {timed.front(), steps.index.at(timed.front()).at(static_cast<std::size_t>(request.step))};
   for (Block& block : imported.blocks) {
+    if (is_over(block, file, over) && place_netcdf_on_curves(block, {file, first}, over, moment, imported.notes)) continue;
     if (auto* uniform = std::get_if<UniformGrid>(&block.grid.shape)) place_downward(*uniform, file, over);
     if (const auto from = netcdf_turned(file, over)) turn_block(block, *from);
   }

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "import/netcdf_values.h"
 
 namespace isostrata {
 namespace {
@@ -45,7 +46,51 @@ void turn_values(FileArray& array, const std::array<std::int64_t, 3>& dims, cons
   array.storage = storage;
 }
 
+/// Those of a group and of the groups that it lies in.
+class NetcdfVariables : public CfVariables {
+ public:
+  explicit NetcdfVariables(const NetcdfGroup& group) : group_(group) {}
+
+  std::vector<std::string> names() const override {
+    std::vector<std::string> out;
+    for (int variable = 0; variable < group_.variables(); ++variable) out.push_back(group_.name(variable));
+    return out;
+  }
+  std::optional<std::vector<int>> dimensions(const std::string& name) const override {
+    const auto of = find(name);
+    return of && of->type() ? std::optional(of->group.dimensions(of->variable)) : std::nullopt;
+  }
+  std::size_t length(int dimension) const override { return group_.length(dimension); }
+  CfAxis axis(int dimension) const override { return netcdf_axis(group_, dimension); }
+  std::string text(const std::string& name, const char* attribute) const override {
+    const auto of = find(name);
+    return of ? of->text(attribute) : "";
+  }
+  std::vector<double> values(const std::string& name, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count) const override {
+    const auto of = find(name);
+    if (!of) return {};
+    const vtkSmartPointer<vtkDataArray> numbers = netcdf_values(of->group, of->variable, from, count);
+    std::vector<double> out(static_cast<std::size_t>(numbers->GetNumberOfValues()));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = numbers->GetComponent(static_cast<vtkIdType>(i), 0);
+    return out;
+  }
+
+ private:
+  std::optional<NetcdfVariable> find(const std::string& name) const {
+    NetcdfGroup group = group_;
+    for (int parent = 0;; group = NetcdfGroup(parent)) {
+      if (const auto own = group.variable(name)) return NetcdfVariable{group, *own};
+      if (nc_inq_grp_parent(group.number(), &parent) != NC_NOERR) return std::nullopt;
+    }
+  }
+  NetcdfGroup group_;
+};
+
 }  // namespace
+
+bool place_netcdf_on_curves(Block& block, const NetcdfVariable& of, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes) {
+  return place_on_curves(block, NetcdfVariables(of.group), of.name(), space, moment, notes);
+}
 
 NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimensions, const std::string& name) {
   NetcdfSteps steps;

@@ -49,7 +49,9 @@ std::vector<Placed> best_of(const std::vector<Placed>& all) {
   return out;
 }
 
-void place(Block& block, const Placed& of, std::vector<std::string>& notes) {
+/// Whether it lies on straight axes.
+bool place(Block& block, const Placed& of, const CfMoment& moment, std::vector<std::string>& notes) {
+  if (place_netcdf_on_curves(block, of.of, of.over.space, moment, notes)) return false;
   std::array<std::vector<double>, 3> axes{{{0}, {0}, {0}}};
   for (std::size_t axis = 0; axis < of.over.space.size(); ++axis) {
     const int dimension = of.over.space[of.over.space.size() - 1 - axis];
@@ -57,6 +59,7 @@ void place(Block& block, const Placed& of, std::vector<std::string>& notes) {
     axes[axis] = cf_places(coordinate && coordinate->type() ? coordinate->values() : std::vector<double>{}, of.of.group.length(dimension), netcdf_axis(of.of.group, dimension), notes);
   }
   place_on_axes(block, std::move(axes));
+  return true;
 }
 
 FileArray array_of(const Placed& of, const NetcdfSteps& steps, int step) {
@@ -117,9 +120,13 @@ std::optional<Imported> read_netcdf_placed(const NetcdfFile& file, const ReadReq
   if (!timed.empty()) imported.times = steps.times;
   check_step(request, imported.times.size());
   if (request.times_only) return imported;
-  place(imported.blocks.emplace_back(), variables.front(), imported.notes);
+  const auto says = std::find_if(variables.begin(), variables.end(), [](const Placed& of) { return !of.of.text("coordinates").empty(); });
+  const Placed& first = says == variables.end() ? variables.front() : *says;
+  CfMoment moment{first.over.time};
+  if (moment.dimension) moment.place = steps.index.at(*moment.dimension).at(static_cast<std::size_t>(request.step));
+  const bool straight = place(imported.blocks.emplace_back(), first, moment, imported.notes);
   add_arrays(variables, steps, request, imported);
-  if (const auto from = netcdf_turned(group, variables.front().over.space)) turn_block(imported.blocks.front(), *from);
+  if (const auto from = straight ? netcdf_turned(group, variables.front().over.space) : std::nullopt) turn_block(imported.blocks.front(), *from);
   if (const std::size_t others = all.size() - variables.size(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");
   if (!steps.sorted) imported.notes.push_back(kTimesWereSorted);
   if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "import/cf_axes.h"
+#include "import/cf_curved.h"
 #include "import/zarr_array.h"
 #include "import/zarr_block.h"
 #include "import/zarr_chunks.h"
@@ -19,7 +20,6 @@ namespace isostrata {
 namespace {
 
 constexpr std::size_t kMostArrays = 1000;
-constexpr std::int64_t kLongestAxis = 10'000'000;
 
 struct Variable {
   std::string name;
@@ -27,7 +27,7 @@ struct Variable {
   std::vector<int> dimensions;
 };
 
-class Fields {
+class Fields : private CfVariables {
  public:
   Fields(ZarrStore& store, const ReadRequest& request) : store_(store), request_(request) { find(); }
 
@@ -45,9 +45,10 @@ class Fields {
     const std::vector<std::size_t> order = take_times(fields, best, imported);
     check_step(request_, imported.times.size());
     if (request_.times_only) return imported;
-    const CfField& first = fields[best.front()];
+    const auto says = std::find_if(best.begin(), best.end(), [&](std::size_t f) { return !text_in(of[f]->array.attributes, "coordinates").empty(); });
+    const std::size_t first = says == best.end() ? best.front() : *says;
     Block& block = imported.blocks.emplace_back();
-    const std::array<std::size_t, 3> from = place(first, block, imported.notes);
+    const std::array<std::size_t, 3> from = place(*of[first], fields[first], order, block, imported.notes);
     check_size(fields, best, of);
     ZarrCount count;
     for (const std::size_t f : best) {
@@ -97,35 +98,67 @@ class Fields {
       throw Error(ErrorCode::bad_data, file + ": " + std::to_string(length) + " places along '" + name + "'; others have " + std::to_string(lengths_[static_cast<std::size_t>(known->second)]));
     return known->second;
   }
-  std::size_t length(int dimension) const { return lengths_[static_cast<std::size_t>(dimension)]; }
+  std::size_t length(int dimension) const override { return lengths_[static_cast<std::size_t>(dimension)]; }
 
   const Variable* coordinate(int dimension) const {
     const auto at = std::find_if(variables_.begin(), variables_.end(), [&](const Variable& one) { return one.dimensions.size() == 1 && one.dimensions[0] == dimension && one.name == names_[static_cast<std::size_t>(dimension)]; });
     return at == variables_.end() ? nullptr : &*at;
   }
-  CfAxis axis(int dimension) const {
+  CfAxis axis(int dimension) const override {
     const Variable* const of = coordinate(dimension);
     if (!of) return {names_[static_cast<std::size_t>(dimension)]};
     const auto text = [&](const char* name) { return text_in(of->array.attributes, name); };
     return {of->name, true, text("axis"), text("units"), text("positive"), text("standard_name"), text("calendar")};
   }
 
-  /// All values of a coordinate; empty if there is none.
-  std::vector<double> places(int dimension) {
-    const Variable* const of = coordinate(dimension);
+  std::vector<std::string> names() const override {
+    std::vector<std::string> out;
+    for (const Variable& one : variables_) out.push_back(one.name);
+    return out;
+  }
+  const Variable* variable(const std::string& name) const {
+    const auto at = std::find_if(variables_.begin(), variables_.end(), [&](const Variable& one) { return one.name == name; });
+    return at == variables_.end() ? nullptr : &*at;
+  }
+  std::optional<std::vector<int>> dimensions(const std::string& name) const override {
+    const Variable* const of = variable(name);
+    return of ? std::optional(of->dimensions) : std::nullopt;
+  }
+  std::string text(const std::string& name, const char* attribute) const override {
+    const Variable* const of = variable(name);
+    return of ? text_in(of->array.attributes, attribute) : std::string();
+  }
+  std::vector<double> values(const std::string& name, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count) const override {
+    const Variable* const of = variable(name);
     if (!of) return {};
-    if (of->array.shape[0] > kLongestAxis) throw Error(ErrorCode::too_large, of->array.file + ": " + std::to_string(of->array.shape[0]) + " places along one axis");
+    std::int64_t bytes = sizeof(double);
+    ZarrBox box;
+    std::size_t axes = 0;
+    for (std::size_t a = 0; a < count.size(); ++a) {
+      box.at.push_back(static_cast<std::int64_t>(from[a]));
+      if (count[count.size() - 1 - a] == 1) continue;
+      if (axes == 3) return {};
+      box.axes[axes] = count.size() - 1 - a;
+      box.size[axes++] = static_cast<std::int64_t>(count[count.size() - 1 - a]);
+      bytes = checked_product({bytes, box.size[axes - 1]}, of->array.file);
+    }
+    check_bytes(request_, static_cast<std::uint64_t>(bytes), of->array.file);
     check_bytes(request_, of->array.chunk_bytes(), of->array.file + ": one chunk");
     std::vector<double> out;
-    ZarrBox box;
-    box.axes[0] = 0;
-    box.size[0] = of->array.shape[0];
-    box.at.assign(1, 0);
     read_zarr_box(store_, of->array, box, [&](std::size_t, std::span<const std::byte> values) {
       std::vector<std::byte> aligned(values.begin(), values.end());
       std::visit([&](auto span) { for (const auto value : span) out.push_back(static_cast<double>(value)); }, scalar_span(of->array.type, aligned));
     }, [](double) {});
     return out;
+  }
+  /// All values of a coordinate; empty if there is none.
+  std::vector<double> places(int dimension) const {
+    const Variable* const of = coordinate(dimension);
+    return of ? values(of->name, {0}, {length(dimension)}) : std::vector<double>{};
+  }
+  std::size_t place_in_time(const CfField& of, const std::vector<std::size_t>& order) const {
+    const auto step = static_cast<std::size_t>(request_.step);
+    return of.time && step < order.size() && length(*of.time) == order.size() ? order[step] : 0;
   }
 
   /// Sets the times, and gives the place along the axis of time of each step.
@@ -148,7 +181,8 @@ class Fields {
   }
 
   /// Gives which of the axes of space (0: the last) is x, which y and which z.
-  std::array<std::size_t, 3> place(const CfField& of, Block& block, std::vector<std::string>& notes) {
+  std::array<std::size_t, 3> place(const Variable& variable, const CfField& of, const std::vector<std::size_t>& order, Block& block, std::vector<std::string>& notes) {
+    if (place_on_curves(block, *this, variable.name, of.space, {of.time, place_in_time(of, order)}, notes)) return {0, 1, 2};
     std::vector<CfAxis> axes;
     for (const int dimension : of.space) axes.push_back(axis(dimension));
     const std::array<std::size_t, 3> from = cf_turned(axes).value_or(std::array<std::size_t, 3>{0, 1, 2});
@@ -183,8 +217,7 @@ class Fields {
     }
     if (field.time) {
       const auto at = static_cast<std::size_t>(std::find(of.dimensions.begin(), of.dimensions.end(), *field.time) - of.dimensions.begin());
-      const std::size_t step = static_cast<std::size_t>(request_.step);
-      box.at[at] = static_cast<std::int64_t>(step < order.size() && length(*field.time) == order.size() ? order[step] : 0);
+      box.at[at] = static_cast<std::int64_t>(place_in_time(field, order));
     }
     return add_zarr_arrays(store_, of.array, box, request_, [&](std::size_t) { return of.name; }, block);
   }

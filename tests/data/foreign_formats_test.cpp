@@ -145,6 +145,14 @@ TEST_F(ForeignFormats, NetcdfKeepsItsTypesWhereNothingIsMissing) {
     EXPECT_EQ(gaps->array(std::string_view(name)).type, type) << name;
 }
 
+TEST_F(ForeignFormats, CellsAtPointsWithoutAPlaceAreHidden) {
+  for (const auto& [name, expected] : {std::pair{"deep.nc", 4}, {"curved.zarr", 1}, {"round.nc", 0}}) {
+    const auto data = test::open(file(name));
+    const auto& hidden = data->grid.hidden_cells;
+    EXPECT_EQ(std::count_if(hidden.begin(), hidden.end(), [](auto how) { return how != 0; }), expected) << name;
+  }
+}
+
 TEST_F(ForeignFormats, LinksToNothingAreCounted) {
   const auto data = test::open(file("links.h5"));
   EXPECT_EQ(data->arrays.size(), 3u);

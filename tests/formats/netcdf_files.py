@@ -230,8 +230,82 @@ def odd_places(field, lattice):
     lattice("named_places.nc", {"T": [1000, 1345, 0]}, [0, 50, 0, 40, 0, 3], [50, 30, 2, "T", 1235], [3, 5], 1)
 
 
+def curves(field, expect):
+    """Longitudes and latitudes over two axes; depths by levels, by a formula, over three axes, or none; in a group; where nothing is, and across the end of the turn."""
+    depth, height, width = field.shape
+    y, x = np.mgrid[0:height, 0:width].astype("f8")
+    lon, lat = 10 + x + y / 2, 40 + y - x / 4
+    steps = np.stack([field, field + 1000])
+    box = [10, 17, 38.75, 44]
+
+    def dataset(name, time, z, y, x, group=None):
+        file = opened(name, [] if group else [(time, 2), (z, depth), (y, height), (x, width)])
+        inner = file.createGroup(group) if group else file
+        if group:
+            for dimension, size in ((time, 2), (z, depth), (y, height), (x, width)):
+                inner.createDimension(dimension, size)
+        return file, inner
+
+    def check(name, places, at, times=(0, 1), array="T", step=1, points=None):
+        expect(name, "curvilinear", field.size, (width - 1) * (height - 1) * (depth - 1), {array: [1000, 1345, 0]}, box + places, [*at, array, 1235], times, step)
+
+    for name, group in (("nemo.nc", None), ("nemo_in_group.nc", "run")):
+        file, of = dataset(name, "time_counter", "deptht", "y", "x", group)
+        axis(of, "time_counter", "time_counter", [0, 86400], {"units": "seconds since 2000-01-01"})
+        axis(of, "deptht", "deptht", [1, 5, 20, 60], {"units": "m", "positive": "down"})
+        stored(of, "nav_lon", "f4", ("y", "x"), lon, units="degrees_east")
+        stored(of, "nav_lat", "f4", ("y", "x"), lat, units="degrees_north")
+        stored(of, "T", "f4", ("time_counter", "deptht", "y", "x"), steps, coordinates="nav_lat nav_lon deptht")
+        file.close()
+        check(name, [-60, -1], [16.5, 41.75, -20], [0, 86400], array="run/T" if group else "T")
+
+    file, of = dataset("wrf.nc", "Time", "bottom_top", "south_north", "west_east")
+    for name, values, unit in (("XLONG", lon, "degree_east"), ("XLAT", lat, "degree_north")):
+        stored(of, name, "f4", ("Time", "south_north", "west_east"), np.stack([values - 100, values]), units=unit)
+    stored(of, "T", "f4", ("Time", "bottom_top", "south_north", "west_east"), steps, coordinates="XLONG XLAT XTIME")
+    file.close()
+    check("wrf.nc", [0, 3], [16.5, 41.75, 2])
+
+    for kind in ("g1", "g2"):
+        file, of = dataset(f"roms_{kind}.nc", "ocean_time", "s_rho", "eta_rho", "xi_rho")
+        axis(of, "ocean_time", "ocean_time", [0, 1], {"units": "days since 2000-01-01"})
+        axis(of, "s_rho", "s_rho", [-0.875, -0.625, -0.375, -0.125], {"positive": "up", "standard_name": "ocean_s_coordinate_" + kind, "formula_terms": "s: s_rho C: Cs_r eta: zeta depth: h depth_c: hc"})
+        stored(of, "Cs_r", "f8", ("s_rho",), [-0.75, -0.5, -0.25, -0.0625])
+        stored(of, "hc", "f8", (), 10.0)
+        stored(of, "h", "f8", ("eta_rho", "xi_rho"), 100 + 10 * x)
+        stored(of, "zeta", "f8", ("ocean_time", "eta_rho", "xi_rho"), np.stack([0 * x, 0 * x + 2]))
+        stored(of, "lon_rho", "f8", ("eta_rho", "xi_rho"), lon, units="degree_east")
+        stored(of, "lat_rho", "f8", ("eta_rho", "xi_rho"), lat, units="degree_north")
+        stored(of, "T", "f4", ("ocean_time", "s_rho", "eta_rho", "xi_rho"), steps, coordinates="lon_rho lat_rho s_rho ocean_time")
+        file.close()
+
+        def z(s, c, h, zeta=2.0, hc=10.0):
+            if kind == "g2":
+                return zeta + (zeta + h) * (hc * s + h * c) / (hc + h)
+            part = hc * s + (h - hc) * c
+            return part + zeta * (1 + part / h)
+
+        check(f"roms_{kind}.nc", [z(-0.875, -0.75, 150.0), z(-0.125, -0.0625, 100.0)], [16.5, 41.75, z(-0.375, -0.25, 150.0)])
+
+    for name, turn in (("deep.nc", 0), ("round.nc", 360)):
+        file, of = dataset(name, "time", "k", "j", "i")
+        axis(of, "time", "time", [0, 1], {"units": "days since 2000-01-01"})
+        deep = np.stack([(k + 1) * (4 + x) for k in range(depth)])
+        east = lon + 165 - turn * (lon > 15)
+        if not turn:
+            deep[3, 4, 5] = 1e20
+            east[0, 0] = np.nan
+        stored(of, "east", "f8", ("j", "i"), east, units="degrees_east")
+        stored(of, "north", "f8", ("j", "i"), lat, units="degrees_north")
+        stored(of, "deep", "f8", ("k", "j", "i"), deep, 1e20, positive="down", units="m")
+        stored(of, "T", "f4", ("time", "k", "j", "i"), steps, coordinates="east north deep")
+        file.close()
+        expect(name, "curvilinear", field.size, 60, {"T": [1000, 1345, 0]}, [175.5 if not turn else 175, 182, 38.75, 44, -36, -4], [181.5, 41.75, -27, "T", 1235], [0, 1], 1)
+
+
 def write(field, lattice, expect):
     odd_places(field, lattice)
+    curves(field, expect)
     groups(field, lattice)
     time_behind(field, lattice, expect)
     packed(field, lattice)

@@ -93,6 +93,19 @@ def write(field, lattice, expect):
     pathlib.Path("climate3.zarr/zarr.json").write_text(json.dumps({"zarr_format": 3, "node_type": "group", "attributes": {}}))
     expect_climate("climate3.zarr", lattice)
 
+    # Longitudes and latitudes over two axes, depths over three; nothing is said of one point.
+    y, x = np.mgrid[0:field.shape[1], 0:field.shape[2]].astype("f8")
+    deep = np.stack([(k + 1) * (4 + x) for k in range(field.shape[0])])
+    deep[0, 0, 0] = np.nan
+    for name, put in (("curved.zarr", version_2), ("curved3.zarr", version_3)):
+        more = {"fill": "NaN"}
+        put(name, "lon", 10 + x + y / 2, ["j", "i"], units="degrees_east", **more)
+        put(name, "lat", 40 + y - x / 4, ["j", "i"], units="degrees_north", **more)
+        put(name, "deep", deep, ["k", "j", "i"], positive="down", **more)
+        put(name, "T", np.stack([field, field + 1000]).astype("f4"), ["time", "k", "j", "i"], coordinates="lon lat deep", **more)
+        expect(name, "curvilinear", field.size, 60, {"T": [1000, 1345, 0]}, [10, 17, 38.75, 44, -36, -4], [16.5, 41.75, -27, "T", 1235], [0, 1], 1)
+    pathlib.Path("curved3.zarr/zarr.json").write_text(json.dumps({"zarr_format": 3, "node_type": "group", "attributes": {}}))
+
     # Axes in another order, time behind them, without coordinates.
     version_2("turned_fields", "p", np.stack([field.T, field.T + 1000], -1), ["x", "y", "z", "time"])
     lattice("turned_fields", {"p": [1000, 1345, 0]}, [0, 5, 0, 4, 0, 3], [5, 3, 2, "p", 1235], [0, 1], 1)
