@@ -1,5 +1,6 @@
 #include "main/layer_arguments.h"
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <utility>
@@ -9,6 +10,8 @@
 namespace isostrata {
 
 namespace {
+
+constexpr std::size_t kStepsKept = 3;  // two, and the one between them
 
 TimeMode time_mode_of(const std::string& text) {
   return text == "spacetime" ? TimeMode::spacetime : text == "interpolate" ? TimeMode::interpolate : TimeMode::step;
@@ -105,10 +108,16 @@ void set_layers(Scene& scene, const LayerArguments& arguments) {
 }
 
 StepSource step_source(const std::string& file) {
-  auto opened = std::make_shared<std::map<int, std::shared_ptr<const Dataset>>>();
-  return [file, opened](int step, const Task&) {
-    auto& dataset = (*opened)[step];
-    if (!dataset) dataset = open_argument(file, step);
+  struct Opened {
+    std::map<int, std::weak_ptr<const Dataset>> all;
+    std::deque<std::shared_ptr<const Dataset>> kept;
+  };
+  return [file, opened = std::make_shared<Opened>()](int step, const Task&) {
+    if (auto there = opened->all[step].lock()) return there;
+    auto dataset = open_argument(file, step);
+    opened->all[step] = dataset;
+    opened->kept.push_back(dataset);
+    if (opened->kept.size() > kStepsKept) opened->kept.pop_front();
     return dataset;
   };
 }

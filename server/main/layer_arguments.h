@@ -29,7 +29,7 @@ LayerRequest layer_request(const LayerArguments& arguments);
 /// Sets the scene's step, time, terms and triangulation.
 void set_layers(Scene& scene, const LayerArguments& arguments);
 
-/// The steps of FILE, each opened once.
+/// The steps of FILE: the same one again while somebody holds it, or it is one of the last few that were opened.
 StepSource step_source(const std::string& file);
 
 /// "NAME=LOWER:UPPER[,color=#rrggbb|map:NAME][,opacity=X][,priority=N]", the parts after the range saying how what an OR or a XOR

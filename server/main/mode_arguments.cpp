@@ -41,7 +41,8 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
                      "A transfer function in place of --interval: FILE.json with \"points\" of value, color and opacity, or a "
                      "table of R G B [OPACITY] over the array's range");
   command.add_option("--steps", arguments.steps,
-                     "With --mode smear: steps in the order they are painted, 0,2,5 or FIRST:LAST[:STRIDE]");
+                     "Steps, 0,2,5 or FIRST:LAST[:STRIDE]: a picture of each, all from one camera; frame-%04d.png numbers them by their steps, film.png holds them all. With "
+                     "--mode smear the steps of one picture in the order they are painted");
   command.add_option("--times", arguments.times,
                      "With --mode smear, in place of --steps: times in the order they are painted, 0.5,1.25, also between steps; "
                      "--time-mode says what is shown there");
@@ -50,7 +51,7 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
       "--phase", [&arguments](const double& phase) { arguments.phase = phase; },
       "With --mode cycled: draw this interval alone, counted from 0 (default: all, as frame-%02d.png or an animated .png)");
   command
-      .add_option("--seconds", arguments.seconds, "With --mode cycled and an animated picture: how long each interval is shown")
+      .add_option("--seconds", arguments.seconds, "Of an animated picture: how long each interval, or step, is shown")
       ->check(CLI::Range(0.01, 600.0))
       ->capture_default_str();
   command
@@ -73,8 +74,8 @@ void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& a
              "' does not go with it");
     scene.intervals = transfer_intervals(read_transfer(arguments.transfer, array.lower, array.upper));
   }
-  if (scene.mode != SceneMode::smear && (!arguments.steps.empty() || !arguments.times.empty() || !arguments.smear_colors.empty()))
-    refuse("--steps, --times and --smear-colors go with --mode smear");
+  if (scene.mode != SceneMode::smear && (!arguments.times.empty() || !arguments.smear_colors.empty())) refuse("--times and --smear-colors go with --mode smear");
+  if (scene.mode == SceneMode::cycled && !arguments.steps.empty()) refuse("--steps and --mode cycled are several pictures each; expected one of them");
   if (scene.mode != SceneMode::cycled && arguments.phase) refuse("--phase goes with --mode cycled");
   if (scene.mode == SceneMode::smear) {
     if (arguments.steps.empty() == arguments.times.empty()) refuse("--mode smear needs --steps or --times, one of them");

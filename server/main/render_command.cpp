@@ -239,16 +239,25 @@ boost::json::object to_json(const RenderArguments& arguments, const Scene& scene
 
 struct Picture {
   double phase = 0;  // of a cycle
+  int step = 0;
   std::string out;
 };
 
-/// What is to be drawn: one picture, or all of a cycle.
+bool is_film(const RenderArguments& arguments) { return !arguments.modes.steps.empty() && arguments.modes.mode != "smear"; }
+
+/// What is to be drawn: one picture, one of each step, or all of a cycle.
 std::vector<Picture> pictures_of(const RenderArguments& arguments, const Scene& scene) {
+  const auto path = [&](std::size_t number) { return is_numbered(arguments.out) ? numbered_path(arguments.out, number) : arguments.out; };
+  if (is_film(arguments)) {
+    std::vector<Picture> film;
+    for (const int step : parse_steps(arguments.modes.steps)) film.push_back({scene.cycle.phase, step, path(static_cast<std::size_t>(step))});
+    return film;
+  }
   // A state has a phase: it is one picture.
-  if (scene.mode != SceneMode::cycled || arguments.modes.phase || !arguments.state.empty()) return {{scene.cycle.phase, arguments.out}};
+  if (scene.mode != SceneMode::cycled || arguments.modes.phase || !arguments.state.empty()) return {{scene.cycle.phase, scene.step, arguments.out}};
   std::vector<Picture> pictures;
   for (std::size_t i = 0; i < std::max<std::size_t>(cycle_length(scene), 1); ++i)
-    pictures.push_back({static_cast<double>(i), is_numbered(arguments.out) ? numbered_path(arguments.out, i) : arguments.out});
+    pictures.push_back({static_cast<double>(i), scene.step, path(i)});
   return pictures;
 }
 
@@ -262,12 +271,12 @@ void add_facts(DrawFacts& sum, const DrawFacts& of) {
 /// Whatever can be refused before the work begins.
 void check_out(const RenderArguments& arguments) {
   check_image_path(arguments.out);
-  const bool cycle = arguments.modes.mode == "cycled" && !arguments.modes.phase && arguments.state.empty();
-  if (cycle && is_numbered(arguments.out)) numbered_path(arguments.out, 0);
-  if (cycle && !is_numbered(arguments.out) && !arguments.out.ends_with(".png"))
-    throw Error(ErrorCode::invalid_argument, arguments.out +
-                                                 ": a cycle is several pictures, and only .png holds them in one "
-                                                 "file; expected .png, %02d in the name, or --phase");
+  const bool film = is_film(arguments), cycle = arguments.modes.mode == "cycled" && !arguments.modes.phase && arguments.state.empty();
+  if ((film || cycle) && is_numbered(arguments.out)) numbered_path(arguments.out, 0);
+  if ((film || cycle) && !is_numbered(arguments.out) && !arguments.out.ends_with(".png"))
+    throw Error(ErrorCode::invalid_argument, arguments.out + (film ? ": --steps are several pictures, and only .png holds them in one file; expected .png, or %04d in the name"
+                                                                   : ": a cycle is several pictures, and only .png holds them in one file; expected .png, %02d in the name, or --phase"));
+  if (film && arguments.layers.time) throw Error(ErrorCode::invalid_argument, "--steps and --time: expected one of them");
 }
 
 void run(const RenderArguments& arguments, const CLI::App& command) {
@@ -313,16 +322,27 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   }
   ScaledDatasets drawn;
   const StepSource scaled_steps = [&](int step, const Task& task) { return drawn.scaled(steps(step, task), scene.axis_scale); };
-  const auto extracted = ranks ? ranks->extract({arguments.file, arguments.file}, steps, scene, nullptr, command_task(), aids)
-                               : extract_scene(scaled_steps, scene, nullptr, command_task(), aids);
-  ms.extract = stage.lap_ms();
+  const auto extract = [&] {
+    return ranks ? ranks->extract({arguments.file, arguments.file}, steps, scene, nullptr, command_task(), aids)
+                 : extract_scene(scaled_steps, scene, nullptr, command_task(), aids);
+  };
   const std::vector<Picture> pictures = pictures_of(arguments, wanted);
+  scene.step = pictures.front().step;
+  auto extracted = extract();
+  ms.extract = stage.lap_ms();
   const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
   std::vector<Image> frames;
   DrawInput input;
   DrawFacts facts;
   for (const Picture& picture : pictures) {
     scene.cycle.phase = picture.phase;
+    if (picture.step != scene.step) {
+      stage.lap_ms();
+      scene.step = picture.step;
+      extracted = nullptr;  // before the next one takes memory
+      extracted = extract();
+      ms.extract += stage.lap_ms();
+    }
     input = draw_input(*extracted, scene, width, height);
     input.transparent = transparent;
     input.float_image = is_float_format(picture.out);
@@ -432,7 +452,7 @@ void add_render_command(CLI::App& app) {
       ->add_option(
           "--out", arguments->out,
           "The picture: .png, .jpg, .webp, .tif or .exr (float, linear, with depth); %02d in the name of a cycle numbers its "
-          "pictures")
+          "pictures, %04d those of --steps")
       ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
   add_ranks_option(*command, arguments->ranks);

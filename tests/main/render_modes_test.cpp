@@ -101,6 +101,23 @@ TEST(RenderModes, ASmearOfTimesShowsThemAlsoBetweenSteps) {
                     folder / "g.png"));
 }
 
+TEST(RenderModes, AFilmIsItsStepsOneByOne) {
+  const TemporaryFolder folder;
+  const std::string scene = "cylinder:16x12x8x5 --array Density --interval 0.98:0.99 --camera +z ";
+  const CommandResult film = run_isostrata("render " + scene + "--steps 0:4:2 --size 48x36 --device native --out '" + (folder / "film-%02d.png").string() + "'");
+  ASSERT_EQ(film.status, 0) << film.err;
+  EXPECT_THAT(film.out, HasSubstr("3 pictures"));
+  std::set<std::string> pictures;
+  for (const char* step : {"0", "2", "4"}) {
+    const std::string one = picture(scene + "--step " + step, folder / "one.png");
+    EXPECT_EQ(one, read_text(folder / (std::string("film-0") + step + ".png"))) << "step " << step;
+    pictures.insert(one);
+  }
+  EXPECT_EQ(pictures.size(), 3u) << "the flow moves";
+  EXPECT_FALSE(std::filesystem::exists(folder / "film-01.png"));
+  EXPECT_THAT(picture(scene + "--steps 0,3", folder / "all.png"), AllOf(HasSubstr("acTL"), HasSubstr("fdAT")));
+}
+
 TEST(RenderModes, ATransferFunctionIsTheIntervalsBetweenItsPoints) {
   const TemporaryFolder folder;
   std::ofstream(folder / "t.json") << R"({"points":[{"value":0.1,"color":"#ff0000","opacity":0.8},
@@ -136,7 +153,9 @@ TEST(RenderModes, RefuseWithOneClearLine) {
       {"--out a.png --mode smear --steps 0,x", "steps '0,x'"},
       {"--out a.png --mode smear --steps 0:9:0", "steps '0:9:0'"},
       {"--out a.png --mode smear --steps 0,7", "7"},
-      {"--out a.png --steps 0", "go with --mode smear"},
+      {"--out a.png --times 0", "go with --mode smear"},
+      {"--out a.jpg --steps 0:1", "only .png holds them in one file"},
+      {"--out a.png --steps 0:1 --mode cycled", "expected one of them"},
       {write("1.json", "{"), "not JSON"},
       {write("2.json", "[{\"value\":1}]"), "point 0: expected a text 'color'"},
       {write("3.json", "[{\"value\":1,\"color\":\"#fff\",\"opacity\":1}]"), "1 points; expected two or more"},
