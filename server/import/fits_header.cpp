@@ -43,19 +43,32 @@ FitsHeader::FitsHeader(std::span<const std::byte> file, std::size_t at, std::str
     if (card.substr(8, 2) == "= ") cards_.emplace(key, value_on(card.substr(10)));
   }
   data_ = (at + kBlock - 1) / kBlock * kBlock;
-  bits_ = static_cast<int>(whole("BITPIX", 8));
-  const std::int64_t axes = whole("NAXIS", 0);
+  take_axes("BITPIX", "NAXIS");
+  const std::int64_t extra = whole("PCOUNT", 0);
+  if (extra < 0 || extra > (std::int64_t{1} << 60)) throw Error(ErrorCode::bad_data, name_ + ": PCOUNT " + std::to_string(extra) + " makes no sense");
+  if (extra > 0 && bytes_ > 0) bytes_ += static_cast<std::size_t>(extra) * static_cast<std::size_t>(std::abs(bits_) / 8);
+}
+
+FitsHeader FitsHeader::unpacked() const {
+  FitsHeader image = *this;
+  image.axes_.clear();
+  image.take_axes("ZBITPIX", "ZNAXIS");
+  if (image.axes_.empty()) throw Error(ErrorCode::bad_data, name_ + ": an image that is packed in tiles has no points");
+  return image;
+}
+
+/// Of these keywords.
+void FitsHeader::take_axes(const std::string& of_bits, const std::string& of_axes) {
+  bits_ = static_cast<int>(whole(of_bits, 8));
+  const std::int64_t axes = whole(of_axes, 0);
   const bool known = std::ranges::any_of(std::array{8, 16, 32, 64, -32, -64}, [&](int bits) { return bits == bits_; });
-  if (!known || axes < 0 || axes > 999) throw Error(ErrorCode::bad_data, name_ + ": BITPIX " + std::to_string(bits_) + ", NAXIS " + std::to_string(axes) + "; expected 8, 16, 32, 64, -32 or -64 bits, 0 to 999 axes");
+  if (!known || axes < 0 || axes > 999) throw Error(ErrorCode::bad_data, name_ + ": " + of_bits + " " + std::to_string(bits_) + ", " + of_axes + " " + std::to_string(axes) + "; expected 8, 16, 32, 64, -32 or -64 bits, 0 to 999 axes");
   std::int64_t values = axes > 0;
   for (std::int64_t a = 1; a <= axes; ++a) {
-    axes_.push_back(whole("NAXIS" + std::to_string(a), -1));
+    axes_.push_back(whole(of_axes + std::to_string(a), -1));
     values = checked_product({values, axes_.back()}, name_);
   }
-  const std::int64_t extra = whole("PCOUNT", 0);
   bytes_ = static_cast<std::size_t>(checked_product({values, std::abs(bits_) / 8}, name_));
-  if (extra < 0 || extra > (std::int64_t{1} << 60)) throw Error(ErrorCode::bad_data, name_ + ": PCOUNT " + std::to_string(extra) + " makes no sense");
-  if (extra > 0 && values > 0) bytes_ += static_cast<std::size_t>(extra) * static_cast<std::size_t>(std::abs(bits_) / 8);
   if (values == 0) axes_.clear();
 }
 

@@ -18,6 +18,9 @@ class FitsHeader {
   /// The header that begins at `at`. Throws bad_data for one that does not end, or sizes that make no sense; `name` is the file's.
   FitsHeader(std::span<const std::byte> file, std::size_t at, std::string name);
 
+  /// Of a table that holds an image in tiles: the same with the bits and the axes of the image, whose values lie elsewhere. Throws bad_data.
+  FitsHeader unpacked() const;
+
   std::string text(const std::string& key) const;            // without quotes and trailing blanks; empty if there is none
   std::optional<double> real(const std::string& key) const;  // also with a Fortran exponent, 1.5D3
   std::int64_t whole(const std::string& key, std::int64_t otherwise) const;
@@ -30,6 +33,8 @@ class FitsHeader {
   std::size_t next() const;                                     // where another header would begin
 
  private:
+  void take_axes(const std::string& bits, const std::string& axes);
+
   std::string name_;
   std::map<std::string, std::string> cards_;
   int bits_ = 8;

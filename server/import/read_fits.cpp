@@ -9,6 +9,7 @@
 
 #include "import/appended_file.h"
 #include "import/fits_header.h"
+#include "import/fits_tiles.h"
 #include "import/place_image.h"
 #include "import/read_own.h"
 #include "import/swap_bytes.h"
@@ -31,7 +32,7 @@ struct FitsAxes {
 FitsHeader first_image(std::span<const std::byte> file, const std::string& name) {
   for (std::size_t at = 0; at < file.size();) {
     FitsHeader header(file, at, name);
-    if (header.is_true("ZIMAGE")) throw Error(ErrorCode::unsupported, name + ": an image that is packed in tiles; unpack it (funpack, or Python: astropy.io.fits)");
+    if (header.is_true("ZIMAGE")) return header;
     const std::string kind = header.text("XTENSION");
     if (!header.axes().empty() && (at == 0 || kind == "IMAGE") && !header.is_true("GROUPS")) return header;
     if (header.next() <= at) break;
@@ -72,7 +73,8 @@ FitsValues values_of(const FitsHeader& header) {
   const int bits = header.bits();
   of.stored = bits == 8 ? ScalarType::uint8 : bits == 16 ? ScalarType::int16 : bits == 32 ? ScalarType::int32 : bits == 64 ? ScalarType::int64 : bits == -32 ? ScalarType::float32 : ScalarType::float64;
   of.type = of.stored;
-  if (bits > 0 && !header.text("BLANK").empty()) of.blank = header.whole("BLANK", 0);
+  for (const char* key : {"ZBLANK", "BLANK"})
+    if (bits > 0 && !header.text(key).empty()) of.blank = header.whole(key, 0);
   const bool plain = of.scale == 1 && of.zero == 0;
   if (bits < 0) {
     if (!plain) of.type = ScalarType::float64;
@@ -143,7 +145,7 @@ void place(Block& block, const FitsHeader& header, const FitsAxes& axes, const s
 
 std::string array_name(const FitsHeader& header, const FitsAxes& axes, std::int64_t s) {
   const std::string extension = header.text("EXTNAME"), type = header.text("BTYPE");
-  const std::string base = !extension.empty() ? extension : !type.empty() ? type : "intensity";
+  const std::string base = !extension.empty() && extension != "COMPRESSED_IMAGE" ? extension : !type.empty() ? type : "intensity";
   if (axes.stokes.number == 0) return base;
   const std::string n = std::to_string(axes.stokes.number);
   const double code = header.real("CRVAL" + n).value_or(1) + (static_cast<double>(s) + 1 - header.real("CRPIX" + n).value_or(0)) * header.real("CDELT" + n).value_or(1);
@@ -156,8 +158,10 @@ std::string array_name(const FitsHeader& header, const FitsAxes& axes, std::int6
 Imported read_fits(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   const MappedFile file(request.file);
-  const FitsHeader header = first_image(file.bytes(), name);
-  if (header.data() > file.bytes().size() || header.data_bytes() > file.bytes().size() - header.data())
+  const FitsHeader found = first_image(file.bytes(), name);
+  const bool tiles = found.is_true("ZIMAGE");
+  const FitsHeader header = tiles ? found.unpacked() : found;
+  if (!tiles && (header.data() > file.bytes().size() || header.data_bytes() > file.bytes().size() - header.data()))
     throw Error(ErrorCode::bad_data, name + ": is cut off: " + std::to_string(header.data_bytes()) + " bytes of values declared, " +
                                          std::to_string(file.bytes().size() - std::min(header.data(), file.bytes().size())) + " present");
   const FitsAxes axes = sort_axes(header, name);
@@ -174,6 +178,7 @@ Imported read_fits(const ReadRequest& request) {
   Block& block = imported.blocks.emplace_back();
   place(block, header, axes, name, imported.notes);
   if (const std::string unit = header.text("BUNIT"); !unit.empty()) imported.notes.push_back("unit of the values: " + unit);
+  const FitsData data = tiles ? unpack_fits_tiles(file.bytes(), found, header, request) : FitsData{file.bytes().subspan(header.data(), header.data_bytes()), nullptr};
   const std::size_t width = size_of(of.stored), length = static_cast<std::size_t>(axes.space[0].size);
   const auto step = static_cast<std::size_t>(std::max<std::int64_t>(axes.space[0].step, 1));
   std::vector<std::byte> row(length * width), values(length * size_of(of.type));
@@ -182,7 +187,7 @@ Imported read_fits(const ReadRequest& request) {
     for (std::int64_t z = 0; z < axes.space[2].size; ++z)
       for (std::int64_t y = 0; y < axes.space[1].size; ++y) {
         const std::int64_t first = s * axes.stokes.step + request.step * axes.time.step + z * axes.space[2].step + y * axes.space[1].step;
-        const std::byte* from = file.bytes().data() + header.data() + static_cast<std::size_t>(first) * width;
+        const std::byte* from = data.bytes.data() + static_cast<std::size_t>(first) * width;
         if (step == 1) std::memcpy(row.data(), from, row.size());
         else
           for (std::size_t i = 0; i < length; ++i) std::memcpy(row.data() + i * width, from + i * step * width, width);
