@@ -23,7 +23,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::npz, "NumPy archive", ".npz", "the largest array, and all that have its axes", "ours"},
     FileFormat{FileKind::fits, "FITS", ".fits .fit .fts .fits.fz", "the first image, also packed in tiles: up to three axes, steps along TIME, an array for each of STOKES; scaled values", "ours"},
     FileFormat{FileKind::mrc, "MRC, CCP4", ".mrc .mrcs .map .ccp4", "density maps in their cell, in ångström; stacks of volumes as steps", "ours"},
-    FileFormat{FileKind::hdf5, "HDF5, MATLAB 7.3", ".h5 .hdf5 .hdf .mat", "the largest array of two or three axes, and all of its shape; the last axis is x", "HDF5's"},
+    FileFormat{FileKind::hdf5, "HDF5, MATLAB 7.3, Imaris", ".h5 .hdf5 .hdf .mat .ims", "the largest array of two or three axes, and all of its shape, the last axis is x; of Imaris the finest level, time points are steps, channels arrays", "HDF5's"},
     FileFormat{FileKind::tiff, "TIFF", ".tif .tiff", "pages are slices, or the channels, slices and frames of ImageJ and OME-TIFF; 1 to 32 bits and real numbers as they are stored, colours as components", "OpenImageIO"},
     FileFormat{FileKind::pictures, "stack of pictures", ".png .tif .tiff .bmp .pnm .pgm .exr", "numbered pictures of one size are slices: 'slice_*.png'", "OpenImageIO"},
     FileFormat{FileKind::slc, "SLC", ".slc", "volumes of bytes", "VTK"},

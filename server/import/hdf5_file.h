@@ -39,6 +39,8 @@ class Hdf5File : public ArrayFile {
   std::optional<StoredArray> find(const std::string& path) const;
   bool has(const char* name) const;
   bool has_group(const char* name) const;
+  /// An attribute of a group or an array: a text, or an array of letters; empty if there is none.
+  std::string text(const std::string& path, const std::string& attribute) const;
   int lost_links() const { return lost_; }
   void read(const StoredArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const override;
   std::size_t chunk(const StoredArray& array, std::size_t axis) const override;

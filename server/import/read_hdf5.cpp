@@ -199,6 +199,7 @@ Imported read_hdf5(const ReadRequest& request) {
   const auto holds = [&](const char* name) { return file.has(name); };
   if (holds("num_nodes") && holds("num_el_blk")) return read_exodus(request);
 #endif
+  if (file.has_group("DataSetInfo") && file.has_group("DataSet")) return read_imaris(request);
   if (is_placed(request, largest(file, request.file.filename().string(), true))) return read_netcdf(request);
   Imported imported = read_plainly(file, request, true);
   if (file.lost_links() > 0 && !request.times_only) imported.notes.push_back(std::to_string(file.lost_links()) + " links skipped that lead to nothing");

@@ -136,6 +136,20 @@ bool Hdf5File::has_group(const char* name) const {
   return Hdf5Handle(has(name) ? H5Gopen2(file_.id(), name, H5P_DEFAULT) : -1, H5Gclose).is_there();
 }
 
+std::string Hdf5File::text(const std::string& path, const std::string& attribute) const {
+  constexpr std::size_t kMost = 4096;
+  const Hdf5Handle of(H5Aopen_by_name(file_.id(), path.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!of.is_there()) return {};
+  const Hdf5Handle type(H5Aget_type(of.id()), H5Tclose), space(H5Aget_space(of.id()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  const std::size_t size = H5Tget_size(type.id());
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 || count < 1 || size < 1 || static_cast<std::size_t>(count) > kMost / size) return {};
+  std::string text(static_cast<std::size_t>(count) * size, '\0');
+  if (H5Aread(of.id(), type.id(), text.data()) < 0) return {};
+  std::erase(text, '\0');
+  return text.substr(0, text.find_last_not_of(' ') + 1);
+}
+
 /// Arrays first, then groups.
 void Hdf5File::walk(hid_t group, const std::string& prefix) {
   constexpr std::size_t kMostArrays = 10'000, kDeepest = 16;

@@ -20,6 +20,9 @@ Imported read_mrc(const ReadRequest& request);
 /// HDF5 without a convention of its own: the largest array of two or three axes, and all of its shape.
 Imported read_hdf5(const ReadRequest& request);
 
+/// Imaris: the finest level; time points are steps, channels arrays.
+Imported read_imaris(const ReadRequest& request);
+
 /// The same of netCDF whose axes do not say what they are.
 Imported read_netcdf_plainly(const ReadRequest& request);
 

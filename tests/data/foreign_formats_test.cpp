@@ -110,7 +110,7 @@ TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
 TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
   for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"},
                                          {"atoms.nc", ErrorCode::unsupported, "particles (AMBER)"}, {"no_steps.nc", ErrorCode::bad_data, "'time' has length 0"}, {"no_steps_nor_times.nc", ErrorCode::bad_data, "'time' has length 0"},
-                                         {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"}}) {
+                                         {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"no_size.ims", ErrorCode::bad_data, "ImageSizeX '' of its first channel"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"}}) {
     const Error error = test::refusal(file(name));
     EXPECT_EQ(error.code(), code) << error.what();
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();

@@ -42,7 +42,36 @@ def lists(field, lattice):
         file.create_dataset("x", data=field, chunks=(2, 2, 2), compression="lzf")
 
 
+def imaris(field, lattice):
+    """As Imaris has it: attributes of single letters, arrays as large as their chunks need, a coarser level beside the finest."""
+    depth, height, width = field.shape
+    with h5py.File("cells.ims", "w") as file:
+        def says(group, **attributes):
+            for name, value in attributes.items():
+                file.require_group(group).attrs[name] = np.array(list(str(value)), "S1")
+
+        says("DataSetInfo/Image", X=width, Y=height, Z=depth, ExtMin0=1, ExtMax0=4, ExtMin1=0, ExtMax1=5, ExtMin2=-4, ExtMax2=4, Unit="um")
+        says("DataSetInfo/Channel 0", Name="nuclei")
+        says("DataSetInfo/Channel 1", Name="(name not specified)")
+        says("DataSetInfo/TimeInfo", TimePoint1="2024-02-28 23:59:30.500", TimePoint2="2024-02-29 00:00:00.000")
+        for level in range(2):
+            for time in range(2):
+                for channel, values in enumerate((field + 1000 * time, field * (1 + time))):
+                    path = f"DataSet/ResolutionLevel {level}/TimePoint {time}/Channel {channel}"
+                    values = values[:, ::level + 1, ::level + 1]
+                    padded = np.full([-(-n // 4) * 4 for n in values.shape], 9999, "u2")
+                    padded[tuple(map(slice, values.shape))] = values
+                    file.create_dataset(path + "/Data", data=padded, chunks=(4, 4, 4), compression="gzip")
+                    says(path, ImageSizeX=values.shape[2], ImageSizeY=values.shape[1], ImageSizeZ=values.shape[0])
+    with h5py.File("no_size.ims", "w") as file:
+        file["DataSet/ResolutionLevel 0/TimePoint 0/Channel 0/Data"] = field
+        file.create_group("DataSetInfo")
+    for time in range(2):
+        lattice("cells.ims", {"nuclei": [1000 * time, 1000 * time + 345, 0], "channel 1": [0, 345 * (1 + time), 0]}, [1.25, 3.75, 0.5, 4.5, -3, 3], [3.75, 3.5, 1, "nuclei", 1000 * time + 235], [0, 29.5], time)
+
+
 def write(field, lattice):
+    imaris(field, lattice)
     links(field, lattice)
     kinds(field, lattice)
     lists(field, lattice)
