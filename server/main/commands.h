@@ -13,6 +13,7 @@ void add_extract_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_measure_command(CLI::App& app);
 void add_components_command(CLI::App& app);
+void add_section_command(CLI::App& app);
 void add_partition_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_tables_command(CLI::App& app);

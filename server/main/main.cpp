@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   isostrata::add_render_command(app);
   isostrata::add_measure_command(app);
   isostrata::add_components_command(app);
+  isostrata::add_section_command(app);
   isostrata::add_partition_command(app);
   isostrata::add_tables_command(app);
   isostrata::add_doctor_command(app);

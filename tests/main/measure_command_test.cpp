@@ -89,6 +89,31 @@ TEST(MeasureCommand, SaysThatNothingLiesInALayer) {
   EXPECT_THAT(result.err, HasSubstr("nothing lies in 5:6"));
 }
 
+TEST(SectionCommand, PrintsAndWritesAreasThatMeet) {
+  const TemporaryFolder folder;
+  const std::string layers = "section tets:9 --interval 0.2:0.4 --interval 0.4:0.6 --of distance --json --plane ";
+  const json::value plain = json::parse(said(layers + "0.05,0.1,0.2,1,2,3"));
+  EXPECT_EQ(number(plain.at("unmatched_edges")), 0);
+  ASSERT_EQ(plain.at("layers").as_array().size(), 2u);
+  for (const json::value& row : plain.at("layers").as_array()) {
+    EXPECT_GT(number(row.at("area")), 0.05);
+    EXPECT_GT(number(row.at("triangles")), 10);
+  }
+  // What is written is opened again as a mesh of areas: the same areas, and the values within the layers.
+  const std::string out = (folder / "cut.vtu").string();
+  said(layers + "z=0.2 --out '" + out + "'");
+  const json::value info = json::parse(said("info '" + out + "' --json"));
+  EXPECT_NEAR(number(info.at("bounds").at(2).at(0)), 0.2, 1e-12);
+  EXPECT_NEAR(number(info.at("bounds").at(2).at(1)), 0.2, 1e-12);
+  said(layers + "z=0.2 --out '" + (folder / "cut.vtp").string() + "'");
+  EXPECT_THAT(read_text(folder / "cut.vtp"), HasSubstr("<Polys>"));
+  for (const char* wrong : {"1,2,3", "0,0,0,0,0,0", "0,0,0,0,0,x", "w=1", "z=", "0,0,0,0,0,1,2"}) {
+    const CommandResult result = run_isostrata("section torus:8 --interval 0:1 --plane " + std::string(wrong));
+    EXPECT_EQ(result.status, 1) << wrong;
+    EXPECT_THAT(result.err, HasSubstr("expected x,y,z,nx,ny,nz")) << wrong;
+  }
+}
+
 TEST(ComponentsCommand, ListsPlantedPiecesByTheirSize) {
   // Three cubes of ones among zeros, of 1, 8 and 27 points.
   const TemporaryFolder folder;

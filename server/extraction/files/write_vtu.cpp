@@ -33,6 +33,11 @@ std::vector<VtkArray> simplices_of(const IntervalMesh& mesh, const char* type) {
   return cells_of<Index, 4>(mesh.tetrahedra.size(), type, 10, [&mesh](std::uint64_t i) { return mesh.tetrahedra[i]; });
 }
 
+/// Also of no areas at all.
+std::vector<VtkArray> simplices_of_areas(const IntervalMesh& mesh) {
+  return cells_of<std::int64_t, 3>(mesh.facets.size(), "Int64", 5, [&mesh](std::uint64_t i) { return mesh.facets[i].points; });
+}
+
 }  // namespace
 
 std::vector<VtkSection> mesh_sections(const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more) {
@@ -64,6 +69,16 @@ void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& arr
               mesh_sections(mesh, array_name, more)};
   VtkSection& on_points = file.sections.front();
   if (!on_points.arrays.empty()) on_points.attributes = " Scalars=\"" + xml_text(on_points.arrays.front().name) + "\"";
+  write_vtk_xml(out, file, compression, task);
+}
+
+void write_vtp(OutputFile& out, const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more, int compression, const Task& task) {
+  VtkXml file{"PolyData", "", " NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfPolys=\"" + std::to_string(mesh.facets.size()) + "\"",
+              mesh_sections(mesh, array_name, more)};
+  VtkSection& polygons = file.sections.back();
+  polygons.tag = "Polys";
+  polygons.arrays = simplices_of_areas(mesh);
+  polygons.arrays.pop_back();  // the types
   write_vtk_xml(out, file, compression, task);
 }
 
