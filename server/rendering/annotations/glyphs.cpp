@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "base/error.h"
+#include "rendering/annotations/other_fonts.h"
 #include FT_FREETYPE_H
 #include FT_GLYPH_H
 #include FT_OUTLINE_H
@@ -51,35 +54,54 @@ struct Font::State {
   FT_Library library = nullptr;
   FT_Face face = nullptr;
   FT_Stroker stroker = nullptr;
+  mutable std::map<std::string, FT_Face> others;  // by their files; null: one that does not open
 
   ~State() {
     if (stroker) FT_Stroker_Done(stroker);
+    for (const auto& [file, other] : others)
+      if (other) FT_Done_Face(other);
     if (face) FT_Done_Face(face);
     if (library) FT_Done_FreeType(library);
   }
 
-  void set_size(double size) const {
+  static void set_size(FT_Face face, double size) {
     const auto fixed = static_cast<FT_F26Dot6>(std::lround(std::clamp(size, 1.0, 2000.0) * 64));
     FT_Size_RequestRec request{FT_SIZE_REQUEST_TYPE_NOMINAL, fixed, fixed, 0, 0};
     FT_Request_Size(face, &request);
   }
 
-  /// Calls each(x in pixels from the text's origin) with the glyph loaded; returns the end of the last advance.
+  /// The program's own font if it has the character or nobody has.
+  FT_Face face_with(char32_t character, double size) const {
+    if (FT_Get_Char_Index(face, character) != 0) return face;
+    const std::string file = font_with(character);
+    if (file.empty()) return face;
+    const auto [at, added] = others.emplace(file, nullptr);
+    if (added && FT_New_Face(library, file.c_str(), 0, &at->second) != 0) at->second = nullptr;
+    if (!at->second) return face;
+    set_size(at->second, size);
+    return at->second;
+  }
+
+  /// Calls each(x in pixels from the text's origin, glyph); returns the end of the last advance.
   template <class Each>
   double walk(std::string_view text, double size, const Each& each) const {
-    set_size(size);
+    set_size(face, size);
     double x = 0;
     FT_UInt before = 0;
+    FT_Face face_before = nullptr;
     while (!text.empty()) {
-      const FT_UInt index = FT_Get_Char_Index(face, next_code_point(text));
-      if (FT_Load_Glyph(face, index, FT_LOAD_NO_BITMAP | FT_LOAD_NO_HINTING) != 0) continue;
+      const char32_t character = next_code_point(text);
+      const FT_Face of = face_with(character, size);
+      const FT_UInt index = FT_Get_Char_Index(of, character);
+      if (FT_Load_Glyph(of, index, FT_LOAD_NO_BITMAP | FT_LOAD_NO_HINTING) != 0) continue;
       FT_Vector kerning{0, 0};
-      if (before) FT_Get_Kerning(face, before, index, FT_KERNING_UNFITTED, &kerning);
+      if (before && of == face_before) FT_Get_Kerning(of, before, index, FT_KERNING_UNFITTED, &kerning);
       x += static_cast<double>(kerning.x) / 64;
-      const double advance = static_cast<double>(face->glyph->linearHoriAdvance) / 65536;
-      each(x);
+      const double advance = static_cast<double>(of->glyph->linearHoriAdvance) / 65536;
+      each(x, of->glyph);
       x += advance;
       before = index;
+      face_before = of;
     }
     return x;
   }
@@ -95,17 +117,17 @@ Font::Font() : state_(std::make_unique<State>()) {
 Font::~Font() = default;
 
 double Font::width(std::string_view text, double size) const {
-  return state_->walk(text, size, [](double) {});
+  return state_->walk(text, size, [](double, FT_GlyphSlot) {});
 }
 
 double Font::cap_height(double size) const { return 0.729 * size; }  // of DejaVu Sans: 1493 of 2048 units
 
 void Font::draw(std::string_view text, double size, double x, double y, double outline, const Put& put) const {
   const double baseline = std::round(y);
-  state_->walk(text, size, [&](double offset) {
+  state_->walk(text, size, [&](double offset, FT_GlyphSlot slot) {
     const double at = std::round((x + offset) * kSteps) / kSteps, whole = std::floor(at);
     FT_Glyph glyph = nullptr;
-    if (FT_Get_Glyph(state_->face->glyph, &glyph) != 0) return;
+    if (FT_Get_Glyph(slot, &glyph) != 0) return;
     if (outline > 0) {
       FT_Stroker_Set(state_->stroker, static_cast<FT_Fixed>(outline * 64), FT_STROKER_LINECAP_ROUND, FT_STROKER_LINEJOIN_ROUND,
                      0);

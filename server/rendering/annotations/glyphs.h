@@ -1,4 +1,5 @@
-// Text as coverage masks. The font (DejaVu Sans) is part of the program, so no machine needs one; FreeType fills its outlines.
+// Text as coverage masks. The font (DejaVu Sans) is part of the program, so no machine needs one; what it has not is drawn by a font of the machine
+// (other_fonts.h), or as a box. FreeType fills the outlines.
 #pragma once
 
 #include <cstdint>
