@@ -70,9 +70,12 @@ describe('curves', () => {
     expect(sent).toHaveLength(1);
     one.told(state({ revision: 3, array: 'g' }));
     expect(sent[1]).toMatchObject({ case: 'probeSteps', value: { array: 'g' } });
+    one.answered(2, 'cancelled');
+    one.again();
+    expect([one.answer, one.waits, sent.length]).toEqual([null, true, 3]);
     one.close();
-    expect(sent[2]).toEqual({ case: 'probeSteps', value: { array: '' } });
-    expect(one.answered(2, 'cancelled')).toBe(true);
+    expect(sent[3]).toEqual({ case: 'probeSteps', value: { array: '' } });
+    expect(one.answered(3, 'cancelled')).toBe(true);
     expect([one.place, one.answer]).toEqual([null, null]);
   });
 

@@ -199,4 +199,18 @@ describe('a press', () => {
     vi.advanceTimersByTime(1000);
     expect(long).toHaveBeenCalledTimes(1);
   });
+
+  test('of a finger is a tap as well while a place is being picked', () => {
+    let picking = true;
+    const press = new Press(long, () => picking);
+    const finger = { ...event, pointerType: 'touch' };
+    press.begin(finger, { x: 10, y: 10 });
+    expect(press.end(finger)).toEqual({ x: 10, y: 10 });
+    press.begin(finger, { x: 10, y: 10 });
+    press.moveTo({ x: 60, y: 10 });
+    expect(press.end(finger)).toBeNull(); // it has turned the picture
+    picking = false;
+    press.begin(finger, { x: 10, y: 10 });
+    expect(press.end(finger)).toBeNull();
+  });
 });

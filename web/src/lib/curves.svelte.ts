@@ -40,6 +40,10 @@ export class Curves {
     this.picking = null;
     this.#ask(true);
   }
+  again(): void {
+    this.answer = null;
+    this.#ask(true);
+  }
   ofArray(array: string): void {
     this.array = array;
     this.#ask(true);

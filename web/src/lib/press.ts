@@ -11,8 +11,11 @@ export class Press {
   #down: { id: number; at: Point2; finger: boolean } | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** long: a finger has rested at a place. */
-  constructor(private readonly long: (at: Point2) => void) {}
+  /** long: a finger has rested at a place. taps: whether a short touch is a click now. */
+  constructor(
+    private readonly long: (at: Point2) => void,
+    private readonly taps: () => boolean = () => false,
+  ) {}
 
   /** A second finger, another button or a key beside it means something else. */
   begin(event: PressEvent, at: Point2): void {
@@ -36,6 +39,6 @@ export class Press {
     const down = this.#down;
     clearTimeout(this.#timer);
     this.#down = null;
-    return down && !down.finger && event?.pointerId === down.id ? down.at : null;
+    return down && (!down.finger || this.taps()) && event?.pointerId === down.id ? down.at : null;
   }
 }
