@@ -1,6 +1,7 @@
 #include "extraction/measure/measure_layers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
@@ -20,8 +21,9 @@ void add_square(Moments& moments, Vec3d p, double weight) {
   moments[3] += weight * p.x * p.y, moments[4] += weight * p.x * p.z, moments[5] += weight * p.y * p.z;
 }
 
+/// Of values less a first one, so that a large offset costs no digits. A simplex with a value that is not finite counts for nothing.
 struct ArraySums {
-  double min = kInfinity, max = -kInfinity, integral = 0;
+  double min = kInfinity, max = -kInfinity, size = 0, first = 0, second = 0;
 };
 
 /// About an origin near the mesh, so that large coordinates cost no digits.
@@ -42,15 +44,17 @@ struct Sums {
     for (std::size_t i = 0; i < of.size(); ++i) {
       of[i].min = std::min(of[i].min, other.of[i].min);
       of[i].max = std::max(of[i].max, other.of[i].max);
-      of[i].integral += other.of[i].integral;
+      of[i].size += other.of[i].size;
+      of[i].first += other.of[i].first;
+      of[i].second += other.of[i].second;
     }
   }
 };
 
 /// A simplex of n points, of this signed size: integrals of what is linear in it. 1 / (n (n + 1)): of x x^T, from those of products of two barycentric coordinates.
 template <std::size_t n>
-void add_simplex(Sums& sums, const IntervalMesh& mesh, std::span<const MeshArray> arrays, const std::array<std::uint32_t, n>& points, std::uint64_t element, double size,
-                 Vec3d origin) {
+void add_simplex(Sums& sums, const IntervalMesh& mesh, std::span<const MeshArray> arrays, std::span<const double> offsets, const std::array<std::uint32_t, n>& points,
+                 std::uint64_t element, double size, Vec3d origin) {
   constexpr double kShare = 1.0 / (n * (n + 1));
   ++sums.elements;
   sums.size += size;
@@ -66,19 +70,24 @@ void add_simplex(Sums& sums, const IntervalMesh& mesh, std::span<const MeshArray
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const std::vector<float>& values = arrays[i].values;
     ArraySums& of = sums.of[i];
-    double mean = 0;
+    double least = kInfinity, most = -kInfinity, total = 0, squares = 0;
     const auto take = [&](float value) {
-      of.min = std::min<double>(of.min, value);
-      of.max = std::max<double>(of.max, value);
-      mean += value;
+      least = std::min<double>(least, value);
+      most = std::max<double>(most, value);
+      const double off = value - offsets[i];
+      total += off;
+      squares += off * off;
     };
-    if (arrays[i].in_cells) {
+    if (arrays[i].in_cells)
       take(values[element]);
-    } else {
+    else
       for (const std::uint32_t point : points) take(values[point]);
-      mean /= n;
-    }
-    of.integral += size * mean;
+    if (!std::isfinite(total)) continue;
+    of.min = std::min(of.min, least);
+    of.max = std::max(of.max, most);
+    of.size += size;
+    of.first += arrays[i].in_cells ? size * total : size * total / n;
+    of.second += arrays[i].in_cells ? size * squares : size * kShare * (squares + total * total);
   }
 }
 
@@ -92,7 +101,12 @@ class Summing {
   Summing(const IntervalMesh& mesh, std::span<const MeshArray> arrays, const Components* components) : mesh_(mesh), arrays_(arrays), components_(components) {
     nothing_.of.resize(arrays.size());
     if (!mesh.positions.empty()) origin_ = mesh.positions[0];
+    for (const MeshArray& array : arrays) {
+      const auto finite = std::find_if(array.values.begin(), array.values.end(), [](float value) { return std::isfinite(value); });
+      offsets_.push_back(finite == array.values.end() ? 0.0 : *finite);
+    }
   }
+  std::span<const double> offsets() const { return offsets_; }
   Vec3d origin() const { return origin_; }
   std::size_t rows() const { return components_ ? components_->interval.size() : mesh_.summaries.size(); }
   std::size_t row_of(std::uint64_t element, std::uint16_t interval) const { return components_ ? components_->of[element] : interval; }
@@ -131,17 +145,18 @@ class Summing {
   void add_tetrahedron(std::uint64_t i, std::vector<Sums>& to) const {
     const auto& p = mesh_.tetrahedra[i];
     const auto& x = mesh_.positions;
-    add_simplex(to[row_of(i, mesh_.tetrahedron_interval[i])], mesh_, arrays_, p, i, orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6, origin_);
+    add_simplex(to[row_of(i, mesh_.tetrahedron_interval[i])], mesh_, arrays_, offsets_, p, i, orient3d(x[p[0]], x[p[1]], x[p[2]], x[p[3]]) / 6, origin_);
   }
   void add_triangle(std::uint64_t i, std::vector<Sums>& to) const {
     const BoundaryFacet& facet = mesh_.facets[i];
-    add_simplex(to[row_of(i, facet.interval)], mesh_, arrays_, facet.points, i, area_of(mesh_, facet.points), origin_);
+    add_simplex(to[row_of(i, facet.interval)], mesh_, arrays_, offsets_, facet.points, i, area_of(mesh_, facet.points), origin_);
   }
 
   const IntervalMesh& mesh_;
   std::span<const MeshArray> arrays_;
   const Components* components_;
   Vec3d origin_{};
+  std::vector<double> offsets_;  // of the arrays
   Sums nothing_;
 };
 
@@ -179,12 +194,18 @@ void add_areas(const IntervalMesh& mesh, const Summing& summing, std::vector<Lay
   }
 }
 
-LayerMeasure measure_of(const Sums& sums, Vec3d origin, bool flat) {
+ArrayMeasure measure_of(const ArraySums& of, double offset) {
+  if (of.size == 0) return {};
+  const double mean = of.first / of.size;
+  return {of.min, offset + mean, of.max, offset * of.size + of.first, std::sqrt(std::max(of.second / of.size - mean * mean, 0.0)), of.size};
+}
+
+LayerMeasure measure_of(const Sums& sums, std::span<const double> offsets, Vec3d origin, bool flat) {
   LayerMeasure row;
   row.tetrahedra = flat ? 0 : sums.elements;
   (flat ? row.area.domain : row.volume) = sums.size;
   row.bounds = sums.box;
-  for (const ArraySums& of : sums.of) row.of.push_back({of.min, sums.size != 0 ? of.integral / sums.size : 0, of.max, of.integral});
+  for (std::size_t i = 0; i < sums.of.size(); ++i) row.of.push_back(measure_of(sums.of[i], offsets[i]));
   if (sums.size == 0) return row;
   const Vec3d centre = sums.first / sums.size;
   row.centroid = origin + centre;
@@ -202,7 +223,7 @@ std::vector<LayerMeasure> measure_layers(const IntervalMesh& mesh, std::span<con
   const Summing summing(mesh, arrays, components);
   std::vector<LayerMeasure> rows;
   for (const Sums& sums : summing.sums(task)) {
-    rows.push_back(measure_of(sums, summing.origin(), flat));
+    rows.push_back(measure_of(sums, summing.offsets(), summing.origin(), flat));
     const std::size_t row = rows.size() - 1;
     rows.back().interval = components ? components->interval[row] : static_cast<std::uint16_t>(row);
     if (components) rows.back().component = static_cast<std::uint32_t>(row);

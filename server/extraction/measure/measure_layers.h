@@ -15,9 +15,12 @@
 
 namespace isostrata {
 
+/// Of where the values are finite; of nothing, zeros.
 struct ArrayMeasure {
-  double min = 0, mean = 0, max = 0;  // mean: integral / volume
+  double min = 0, mean = 0, max = 0;  // mean: integral / valued
   double integral = 0;
+  double deviation = 0;  // the standard deviation over the solid, each part counting by its volume
+  double valued = 0;     // the volume in which there are values; of a flat grid the area
 };
 
 /// Of facets. Those that touch another layer count at their end and in `contact`.

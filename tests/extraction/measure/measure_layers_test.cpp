@@ -49,6 +49,31 @@ FromFacets from_facets(const IntervalMesh& mesh, std::uint16_t interval) {
   return sums;
 }
 
+TEST(MeasureLayers, HasTheDeviationOfALinearFieldAndLeavesOutWhatHasNoValue) {
+  // Over a box the coordinate x is spread evenly; with a large offset as well.
+  Layers layers = layers_of("torus:8", {{-100, 100}});
+  const IntervalMesh& mesh = layers.mesh;
+  MeshArray x{"x", {}, false}, far{"far", {}, false}, holes{"holes", {}, false};
+  for (const Vec3d p : mesh.positions) {
+    x.values.push_back(static_cast<float>(p.x));
+    far.values.push_back(static_cast<float>(65536 + p.x));
+    holes.values.push_back(p.y > 0.5 ? NAN : 3.0f);
+  }
+  const Task task;
+  const std::vector<MeshArray> arrays{x, far, holes};
+  const LayerMeasure row = measure_layers(mesh, arrays, nullptr, task).at(0);
+  const double wide = row.bounds.upper.x - row.bounds.lower.x;
+  EXPECT_NEAR(row.of[0].deviation, wide / std::sqrt(12), 1e-6);
+  EXPECT_NEAR(row.of[0].valued, row.volume, 1e-9);
+  EXPECT_NEAR(row.of[1].deviation, wide / std::sqrt(12), 1e-3) << "values have single precision";
+  EXPECT_NEAR(row.of[1].mean, 65536 + row.of[0].mean, 1e-2);
+  EXPECT_LT(row.of[2].valued, 0.9 * row.volume);
+  EXPECT_GT(row.of[2].valued, 0.5 * row.volume);
+  EXPECT_NEAR(row.of[2].mean, 3, 1e-12);
+  EXPECT_NEAR(row.of[2].deviation, 0, 1e-12);
+  EXPECT_NEAR(row.of[2].integral, 3 * row.of[2].valued, 1e-9);
+}
+
 TEST(MeasureLayers, HasTheVolumeAndCentroidThatTheFacetsEnclose) {
   for (const char* name : {"torus:24", "tets:9", "mixed:7", "cylinder:16x16x9"}) {
     SCOPED_TRACE(name);
