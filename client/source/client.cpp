@@ -249,6 +249,10 @@ class Client::Impl {
     return get<v1::ProbedCurve>("/probe/steps?at=" + in_full(at) + of_array(array));
   }
 
+  v1::LayerStatistics layer_statistics(std::uint32_t interval, const std::string& array) {
+    return get<v1::LayerStatistics>("/intervals/" + std::to_string(interval) + "/statistics" + (array.empty() ? "" : "?array=" + percent_encoded(array)));
+  }
+
   void restore_state(const std::string& text) {
     const HttpAnswer answer =
         patiently([&] { return http_request(connection_.options(), "PUT", session_path() + "/state", text); });
@@ -363,6 +367,7 @@ v1::ProbedCurve Client::probe_line(const std::array<double, 3>& from, const std:
   return impl_->probe_line(from, to, array);
 }
 v1::ProbedCurve Client::probe_steps(const std::array<double, 3>& at, const std::string& array) { return impl_->probe_steps(at, array); }
+v1::LayerStatistics Client::layer_statistics(std::uint32_t interval, const std::string& array) { return impl_->layer_statistics(interval, array); }
 v1::Histogram Client::histogram(const std::string& array, int bins) { return impl_->histogram(array, bins); }
 v1::Frame Client::lossless_frame() { return impl_->lossless_frame(); }
 std::string Client::still(int width, int height, const std::string& format) { return impl_->still(width, height, format); }

@@ -45,6 +45,7 @@ bool is_command(const v1::ClientMessage& message) {
     case v1::ClientMessage::kProbePoint:
     case v1::ClientMessage::kProbeLine:
     case v1::ClientMessage::kProbeSteps:
+    case v1::ClientMessage::kRequestLayerStatistics:
     case v1::ClientMessage::kCancel:
     case v1::ClientMessage::kPing:
     case v1::ClientMessage::kDecoderFailed:
@@ -311,6 +312,9 @@ void Connection::note(v1::ServerMessage& message) {
       break;
     case v1::ServerMessage::kProbedCurve:
       message.mutable_probed_curve()->set_in_reply_to(exact_number(message.probed_curve().in_reply_to()));
+      break;
+    case v1::ServerMessage::kLayerStatistics:
+      message.mutable_layer_statistics()->set_in_reply_to(exact_number(message.layer_statistics().in_reply_to()));
       break;
     case v1::ServerMessage::kShutdown:
       last_words_ = message.shutdown().reason();

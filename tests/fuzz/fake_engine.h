@@ -76,6 +76,7 @@ class FakeEngine {
     if (r.to) facts.layers = {{0, 1, 1, -1}};
     send(CurveReady{r.session, r.request, r.scene.revision, std::move(facts)});
   }
+  void answer(const LayerStatisticsRequest& r) { send(LayerStatisticsReady{r.session, r.request, r.scene.revision, r.interval, {}}); }
   void answer(const ExportRequest& r) {
     send(OperationProgress{r.session, 1, "writing", 0.5, r.request});
     send(ExportReady{r.session, r.request, {}});

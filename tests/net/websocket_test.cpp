@@ -140,6 +140,31 @@ TEST_F(WebSocket, ALineIsAskedForByMessageAndByClientAlike) {
   EXPECT_EQ(same.SerializeAsString(), told.SerializeAsString());
 }
 
+TEST_F(WebSocket, ALayersStatisticsAreAskedForByMessageAndByClientAlike) {
+  Client client(server_.client_options());
+  client.open_dataset("torus-12");
+  client.set_intervals({client::interval(0.1, 0.3)});
+  const std::uint32_t id = client.state().intervals(0).id();
+  const auto told = [&](std::uint32_t interval) {
+    v1::ClientMessage ask;
+    ask.mutable_request_layer_statistics()->set_interval(interval);
+    const auto seq = client.send(std::move(ask));
+    for (int i = 0; i < 200; ++i) {
+      const auto message = client.receive(std::chrono::seconds(1));
+      if (message && message->has_layer_statistics() && message->layer_statistics().in_reply_to() == seq) return *message;
+      if (message && message->has_error() && message->error().in_reply_to() == seq) return *message;
+    }
+    ADD_FAILURE() << "no answer";
+    return v1::ServerMessage();
+  };
+  v1::LayerStatistics found = told(id).layer_statistics();
+  EXPECT_EQ(found.revision(), client.state().revision());
+  EXPECT_EQ(found.array(), "distance");
+  found.clear_in_reply_to();
+  EXPECT_EQ(client.layer_statistics(id).SerializeAsString(), found.SerializeAsString());
+  EXPECT_EQ(told(id + 1).error().field(), "interval");
+}
+
 TEST_F(WebSocket, CommandsSentWhileADatasetOpensTakeEffectOnIt) {
   Client client(server_.client_options());
   v1::ClientMessage open, set;

@@ -337,6 +337,17 @@ class Pictures(WithServer):
         self.assertRefused("invalid_argument", s.probe_line, (0, 0, 0), (0, 0, 0))
         self.assertRefused("invalid_argument", s.probe_steps, (0, 0, 0))
 
+    def test_a_layer_is_told_in_numbers(self):
+        s = self.connect()
+        s.intervals.set([(0.1, 0.3)])
+        found = s.layer_statistics(s.intervals[0])
+        self.assertAlmostEqual(found["volume"], s.layer_facts()[0]["volume"], 6)
+        self.assertTrue(0.1 < found["mean"] < 0.3, found)
+        self.assertEqual((found["pieces"], found["array"]), (1, "distance"))
+        np.testing.assert_allclose(found["centroid"], (0, 0, 0), atol=1e-6)
+        self.assertEqual(s.layer_statistics(s.intervals[0].id, "distance"), found)
+        self.assertRefused("not_found", s.layer_statistics, 999)
+
     def test_frames_come_while_things_change_and_end_lossless(self):
         s = self.connect(frames=True)
         s.intervals.move(s.intervals[0], 0.1, 0.3)

@@ -100,6 +100,8 @@ class Client {
   /// What lies at a place of the newest state's picture, from (0, 0), its upper left corner, to (1, 1): position, layer, cell and the values of all arrays.
   /// width, height: the picture's, since how far the camera sees to the sides depends on them.
   v1::ProbeResult probe(double x, double y, int width = 800, int height = 600);
+  /// One layer in numbers, by its id: volume, centroid, pieces, and the mean, deviation and extremes of an array (none: the session's) in it.
+  v1::LayerStatistics layer_statistics(std::uint32_t interval, const std::string& array = "");
   /// The values of an array (none: the session's) along a line between two points in the dataset's space, at the newest state's step or time.
   v1::ProbedCurve probe_line(const std::array<double, 3>& from, const std::array<double, 3>& to, const std::string& array = "");
   /// At a point over all steps, each of which is read.

@@ -105,6 +105,8 @@ class Outgoing:
             message.probe_result.in_reply_to = self._sent.number_of(message.probe_result.in_reply_to, exact=True)
         elif kind == "probed_curve":
             message.probed_curve.in_reply_to = self._sent.number_of(message.probed_curve.in_reply_to, exact=True)
+        elif kind == "layer_statistics":
+            message.layer_statistics.in_reply_to = self._sent.number_of(message.layer_statistics.in_reply_to, exact=True)
         elif kind == "pong":
             return self._answered(message.pong.client_time_ms)
         return True

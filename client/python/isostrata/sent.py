@@ -21,7 +21,8 @@ _MOST_BYTES = 4 << 20  # of judged ones
 
 # What is about one connection, or a question that can be put again; everything else must be done once, and not be lost.
 _NO_COMMANDS = {
-    "hello", "viewport", "interaction", "frame_ack", "request_still", "request_histogram", "probe_point", "probe_line", "probe_steps", "cancel",
+    "hello", "viewport", "interaction", "frame_ack", "request_still", "request_histogram", "probe_point", "probe_line", "probe_steps",
+    "request_layer_statistics", "cancel",
     "ping", "decoder_failed", "list_invitations", None,
 }  # fmt: skip
 

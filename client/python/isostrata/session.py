@@ -200,6 +200,17 @@ class Session(Shown):
         query = {"array": array or self.array}
         return self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/statistics", query=query))
 
+    def layer_statistics(self, interval: Any, array: str = "") -> dict[str, Any]:
+        """One layer in numbers: ``volume``, ``centroid``, ``pieces`` that do not touch, the volume of the ``largest``, and of an array (none: the shown one) in it
+        ``mean``, ``standardDeviation``, ``lower``, ``upper``; ``valued`` is the volume in which it has values. interval: of ``s.intervals``, or its id."""
+        number = getattr(interval, "id", interval)
+        found = self._patiently(lambda: self.rest.json("GET", f"sessions/{self.id}/intervals/{number}/statistics", query={"array": array or self.array}))
+        centre = found.get("centroid")
+        numbers = {name: found.get(name, 0.0) for name in ("volume", "largest", "valued")}
+        values = {name: found.get(name, 0.0) for name in ("mean", "standardDeviation", "lower", "upper")} if numbers["valued"] else {}
+        return {"array": found["array"], "flat": found.get("flat", False), "pieces": int(found.get("pieces", 0)), **numbers, **values,
+                "centroid": centre and tuple(centre.get(axis, 0.0) for axis in "xyz")}
+
     def probe(self, x: float, y: float, width: int = 0, height: int = 0) -> questions.Probe:
         """What lies at a place of the picture of the newest state, from (0, 0), its upper left corner, to (1, 1): ``s.probe(0.5, 0.5).values["distance"]``.
         It is looked up in the data, not in the picture."""

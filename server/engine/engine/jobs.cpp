@@ -8,6 +8,7 @@
 #include "engine/messages/failure_of.h"
 #include "engine/picture/export_mesh.h"
 #include "engine/picture/interval_facts.h"
+#include "engine/picture/layer_statistics.h"
 #include "engine/picture/line_values.h"
 #include "engine/picture/probe_scene.h"
 #include "engine/picture/step_values.h"
@@ -168,6 +169,15 @@ void Jobs::post(const CurveRequest& request) {
                         request.to ? line_values(steps, request.scene, request.array, request.from, *request.to, task)
                                    : step_values(steps, request.scene, request.array, request.from, begin_step, task)};
     });
+  });
+}
+
+void Jobs::post(const LayerStatisticsRequest& request) {
+  answer(counters_, request.session, WorkClass::still, request, [this](const LayerStatisticsRequest& of, const Task& task) {
+    const CatalogueEntry source = datasets_.entry(of.scene.dataset);
+    const std::uint64_t bytes = memory_.quarter_of_free();
+    const auto room = memory_.lend(of.session, bytes, "a layer's statistics");
+    return LayerStatisticsReady{of.session, of.request, of.scene.revision, of.interval, layer_statistics(datasets_.steps(source), of.scene, of.interval, of.array, bytes, task)};
   });
 }
 

@@ -56,6 +56,7 @@ class Jobs {
   void post(const ProbeRequest& request);
   /// Over many steps it reports which is read.
   void post(const CurveRequest& request);
+  void post(const LayerStatisticsRequest& request);
 
  private:
   using Running = std::shared_ptr<Operation>;

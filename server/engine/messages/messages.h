@@ -19,6 +19,7 @@
 #include "engine/data/catalogue.h"
 #include "engine/data/dataset_facts.h"
 #include "engine/messages/exported_mesh.h"
+#include "engine/messages/layer_statistics.h"
 #include "engine/messages/probe.h"
 #include "extraction/files/write_mesh.h"
 #include "scene/scene.h"
@@ -121,7 +122,7 @@ struct MeasureRequest {
   Scene scene;
 };
 
-// ProbeRequest, answered by ProbeReady, and CurveRequest, answered by CurveReady: probe.h.
+// ProbeRequest, answered by ProbeReady, and CurveRequest, answered by CurveReady: probe.h. LayerStatisticsRequest, answered by LayerStatisticsReady: layer_statistics.h.
 
 /// Ends an operation, by the number that OperationProgress gave it or by the request it works for; unknown ones are ignored.
 struct CancelRequest {
@@ -159,7 +160,7 @@ struct CloseStream {
 };
 
 using EngineRequest = std::variant<OpenRequest, SceneUpdate, FrameRequest, HistogramRequest, CancelRequest, ForgetFrame,
-                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest, ProbeRequest, CurveRequest>;
+                                   RestScene, CloseSession, StatisticsRequest, ExportRequest, CloseStream, MeasureRequest, CatalogueUpdate, ThumbnailRequest, ProbeRequest, CurveRequest, LayerStatisticsRequest>;
 
 // ---- from the engine ---------------------------------------------------------------------------------------------------------
 
@@ -288,7 +289,7 @@ struct RequestFailed {
 };
 
 using EngineEvent = std::variant<OperationProgress, OperationDone, DatasetReady, HistogramReady, FrameStarted, FrameReady,
-                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady, ProbeReady, CurveReady>;
+                                 RequestFailed, StatisticsReady, ExportReady, LayersMeasured, ThumbnailReady, ProbeReady, CurveReady, LayerStatisticsReady>;
 
 /// The session that a request or an event is about.
 template <class... Messages>

@@ -83,6 +83,16 @@ std::vector<SmearMoment> smear_moments(const Scene& scene) {
   return moments;
 }
 
+Scene one_moment(const Scene& scene) {
+  Scene one = scene;
+  const std::vector<SmearMoment> moments = smear_moments(scene);
+  if (moments.empty()) return one;
+  one.mode = SceneMode::sorted;
+  one.step = moments.front().step;
+  one.time = moments.front().time;
+  return one;
+}
+
 bool same_extraction(const Scene& a, const Scene& b) {
   return a.dataset == b.dataset && a.axis_scale == b.axis_scale && layer_request(a) == layer_request(b) && smear_moments(a) == smear_moments(b) &&
          lights_along_gradient(a) == lights_along_gradient(b) && shades_bodies(a) == shades_bodies(b);

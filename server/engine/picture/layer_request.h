@@ -52,6 +52,9 @@ struct SmearMoment {
 /// Of SceneMode::smear; empty in any other mode.
 std::vector<SmearMoment> smear_moments(const Scene& scene);
 
+/// The scene at one time: of a smear its first.
+Scene one_moment(const Scene& scene);
+
 /// Whether the extraction made for one scene serves the other: same dataset, axis scale, layer_request and moments of a smear, lit and shaded alike.
 bool same_extraction(const Scene& a, const Scene& b);
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "engine/picture/layer_request.h"
 #include "engine/picture/ray_layers.h"
 #include "engine/picture/ray_stretch.h"
 
@@ -75,17 +76,6 @@ std::vector<ProbedStretch> layers_along(const RayLayers& along, const Scene& sce
     }
   }
   return out;
-}
-
-/// A scene whose pictures show one time: of a smear its first.
-Scene one_moment(const Scene& scene) {
-  Scene one = scene;
-  const std::vector<SmearMoment> moments = smear_moments(scene);
-  if (moments.empty()) return one;
-  one.mode = SceneMode::sorted;
-  one.step = moments.front().step;
-  one.time = moments.front().time;
-  return one;
 }
 
 bool finite(Vec3d p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }

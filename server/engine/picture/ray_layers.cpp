@@ -61,13 +61,13 @@ double value_at(const IntervalMesh& mesh, const PointArray& array, std::uint32_t
   return weight == 1 ? b : array.at(static_cast<std::size_t>(origin.a())) * (1 - weight) + b * weight;
 }
 
+std::optional<double> if_finite(double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; }
+
 /// Of the carried array at a point of the mesh.
 double value_at(const Layers& layers, const MeshArray& carried, std::uint32_t point) {
   if (layers.mesh.origins.empty()) return static_cast<double>(carried.values[point]);
   return value_at(layers.mesh, layers.dataset->array(carried.name), point);
 }
-
-std::optional<double> if_finite(double value) { return std::isfinite(value) ? std::optional(value) : std::nullopt; }
 
 }  // namespace
 

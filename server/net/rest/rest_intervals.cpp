@@ -4,6 +4,7 @@
 #include "net/http/json_body.h"
 #include "net/http/problem.h"
 #include "net/rest/rest_routes.h"
+#include "session/commands/apply_command.h"
 #include "session/wire/wire.h"
 
 namespace isostrata {
@@ -26,6 +27,23 @@ std::optional<v1::Interval> interval_of(const Call& call) {
 bool named(const json::object& document, const char* field) {
   const auto* of = v1::Interval::descriptor()->FindFieldByName(field);
   return document.contains(of->name()) || document.contains(of->json_name());
+}
+
+void statistics(RestContext& context, const Call& call) {
+  const auto interval = interval_of(call);
+  if (!interval) return;
+  const auto asked = call.target.query.find("array");
+  const std::string array = asked == call.target.query.end() ? "" : asked->second;
+  if (!call.session->dataset()) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
+  if (auto error = check_layer(interval->id(), array, call.session->scene(), {call.session->dataset()})) return call.reply(problem(*error));
+  const RequestId request = call.session->layer_statistics(
+      interval->id(), array,
+      [reply = call.reply](const EngineEvent& event, TimePoint) {
+        if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
+        reply(message_response(200, to_wire(std::get<LayerStatisticsReady>(event))));
+      },
+      rest_now());
+  give_up_with(call, context, request);
 }
 
 void add(RestContext& context, const Call& call) {
@@ -134,6 +152,15 @@ void add_interval_routes(std::vector<Route>& routes, RestContext& context) {
                       message.mutable_remove_interval()->set_id(found->id());
                       command_and_answer(context, call, message);
                     }});
+  routes.push_back({.method = "GET",
+                    .path = "/sessions/{session}/intervals/{interval}/statistics",
+                    .id = "getIntervalStatistics",
+                    .tag = "intervals",
+                    .summary = "One layer in numbers: volume, centroid, pieces, and the mean, deviation and extremes of an array in it",
+                    .description = "Of the newest state. The layer is cut anew for it, which takes as long as a picture of changed layers. The operation can be watched and ended.",
+                    .query = {{"array", "Its name; absent: the session's"}},
+                    .answers = {{200, "The layer in numbers", "LayerStatistics"}},
+                    .handler = [&context](Call call) { statistics(context, call); }});
 }
 
 }  // namespace isostrata

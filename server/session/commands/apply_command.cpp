@@ -342,4 +342,15 @@ std::optional<v1::Error> check_steps(const v1::ProbeSteps& probe, const CommandC
   return std::nullopt;
 }
 
+std::optional<v1::Error> check_layer(std::uint32_t interval, const std::string& array, const Scene& scene, const CommandContext& context) {
+  try {
+    if (std::none_of(scene.intervals.begin(), scene.intervals.end(), [&](const SceneInterval& of) { return of.id == interval; }))
+      refuse("not_found", "interval " + std::to_string(interval) + " is not in the scene", "interval");
+    if (!array.empty()) array_of(array, context, "array");
+  } catch (Refused& refused) {
+    return std::move(refused.error);
+  }
+  return std::nullopt;
+}
+
 }  // namespace isostrata

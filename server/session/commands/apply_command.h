@@ -69,6 +69,8 @@ std::optional<v1::Error> check_probe(const v1::ProbePoint& probe);
 /// Null where the points are there and finite, two of a line and not the same, and the open dataset has the array; of a place over steps, if it has several.
 std::optional<v1::Error> check_line(const v1::ProbeLine& line, const CommandContext& context);
 std::optional<v1::Error> check_steps(const v1::ProbeSteps& probe, const CommandContext& context);
+/// Null where the scene has the interval, and the open dataset the array.
+std::optional<v1::Error> check_layer(std::uint32_t interval, const std::string& array, const Scene& scene, const CommandContext& context);
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context);
 
 }  // namespace isostrata

@@ -264,6 +264,11 @@ RequestId Session::curve(const std::string& array, Vec3d from, std::optional<Vec
   return engine_.ask(CurveRequest{key_, 0, drawn(), array, from, to}, std::move(listener));
 }
 
+RequestId Session::layer_statistics(std::uint32_t interval, const std::string& array, EngineDoor::Listener listener, TimePoint now) {
+  use_.touch(now);
+  return engine_.ask(LayerStatisticsRequest{key_, 0, drawn(), interval, array}, std::move(listener));
+}
+
 void Session::on_event(const EngineEvent& event, TimePoint now) {
   v1::ServerMessage message;
   if (const auto* progress = std::get_if<OperationProgress>(&event)) {

@@ -125,6 +125,9 @@ class Session final : private SessionDataset::Audience {
   /// The values of an array along a line, or without `to` at a place over all steps, for a script; a dataset must be open. The answer is CurveReady or RequestFailed.
   RequestId curve(const std::string& array, Vec3d from, std::optional<Vec3d> to, EngineDoor::Listener listener, TimePoint now);
 
+  /// One layer in numbers, for a script; a dataset must be open. The answer is LayerStatisticsReady or RequestFailed.
+  RequestId layer_statistics(std::uint32_t interval, const std::string& array, EngineDoor::Listener listener, TimePoint now);
+
   /// An event of the session that answers no request: progress, done, a failed extraction.
   void on_event(const EngineEvent& event, TimePoint now);
 
@@ -160,6 +163,7 @@ class Session final : private SessionDataset::Audience {
   void receive_histogram(Viewer& viewer, const v1::ClientMessage& message);
   void receive_probe(Viewer& viewer, const v1::ClientMessage& message);
   void receive_curve(Viewer& viewer, const v1::ClientMessage& message);
+  void receive_layer_statistics(Viewer& viewer, const v1::ClientMessage& message);
 
   void open_dataset(const std::string& id, Viewer* viewer, TimePoint now, Reply reply, bool reload, std::uint64_t command);
   void run_queue(TimePoint now);

@@ -70,6 +70,8 @@ void Session::receive(Viewer& viewer, const v1::ClientMessage& message, TimePoin
     case v1::ClientMessage::kProbeLine:
     case v1::ClientMessage::kProbeSteps:
       return receive_curve(viewer, message);
+    case v1::ClientMessage::kRequestLayerStatistics:
+      return receive_layer_statistics(viewer, message);
     case v1::ClientMessage::kCancel:
       dataset_.cancel(message.cancel().operation(), now);
       engine_.post(CancelRequest{key_, message.cancel().operation(), 0});
@@ -167,6 +169,15 @@ void Session::receive_curve(Viewer& viewer, const v1::ClientMessage& message) {
   request.from = vector_of(line ? message.probe_line().from() : message.probe_steps().at());
   if (line) request.to = vector_of(message.probe_line().to());
   answers_.probe(viewer, std::move(request), seq);
+}
+
+void Session::receive_layer_statistics(Viewer& viewer, const v1::ClientMessage& message) {
+  const std::uint64_t seq = message.seq();
+  const v1::RequestLayerStatistics& wanted = message.request_layer_statistics();
+  const auto refuse = [&](v1::Error error) { viewer.outbox->send(error_message(std::move(error), seq)); };
+  if (dataset_.opening() || !drawable()) return refuse(wire_error("unavailable", "no dataset is open, or another one is being opened"));
+  if (auto error = check_layer(wanted.interval(), wanted.array(), state_.scene, context())) return refuse(std::move(*error));
+  answers_.measure(viewer, {key_, 0, drawn(), wanted.interval(), wanted.array()}, seq);
 }
 
 }  // namespace isostrata

@@ -91,6 +91,13 @@ void ViewerAnswers::probe(Viewer& viewer, CurveRequest request, std::uint64_t se
   });
 }
 
+void ViewerAnswers::measure(Viewer& viewer, LayerStatisticsRequest request, std::uint64_t seq) {
+  probe<LayerStatisticsReady>(viewer, Asked::statistics, std::move(request), seq, [](const LayerStatisticsReady& ready, v1::ServerMessage& message) {
+    *message.mutable_layer_statistics() = to_wire(ready);
+    return message.mutable_layer_statistics();
+  });
+}
+
 void ViewerAnswers::give_up_steps(ViewerKey viewer) { give_up_probe({viewer, Asked::steps}); }
 
 void ViewerAnswers::give_up_probe(ProbeKey probe) {
@@ -103,7 +110,7 @@ void ViewerAnswers::give_up_probe(ProbeKey probe) {
 }
 
 void ViewerAnswers::leave(ViewerKey viewer) {
-  for (const Asked asked : {Asked::place, Asked::line, Asked::steps}) give_up_probe({viewer, asked});
+  for (const Asked asked : {Asked::place, Asked::line, Asked::steps, Asked::statistics}) give_up_probe({viewer, asked});
   const auto node = pictures_.extract(viewer);
   if (node.empty()) return;
   for (const RequestId request : node.mapped()) {

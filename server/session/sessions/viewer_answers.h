@@ -28,13 +28,15 @@ class ViewerAnswers {
   void probe(Viewer& viewer, ProbeRequest request, std::uint64_t seq);
   /// The same by a ProbedCurve; of lines and of places over steps each by itself.
   void probe(Viewer& viewer, CurveRequest request, std::uint64_t seq);
+  /// The same by a LayerStatistics.
+  void measure(Viewer& viewer, LayerStatisticsRequest request, std::uint64_t seq);
   /// The place over steps that is not answered yet.
   void give_up_steps(ViewerKey viewer);
   /// The viewer is gone.
   void leave(ViewerKey viewer);
 
  private:
-  enum class Asked { place, line, steps };
+  enum class Asked { place, line, steps, statistics };
   using ProbeKey = std::pair<ViewerKey, Asked>;
   template <class Ready, class Request, class Answer>
   void probe(Viewer& viewer, Asked asked, Request request, std::uint64_t seq, const Answer& answer);

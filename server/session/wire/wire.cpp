@@ -346,6 +346,26 @@ v1::ProbedCurve to_wire(const CurveReady& probed) {
   return out;
 }
 
+v1::LayerStatistics to_wire(const LayerStatisticsReady& measured) {
+  const LayerStatistics& of = measured.of;
+  v1::LayerStatistics out;
+  out.set_revision(measured.revision);
+  out.set_interval(measured.interval);
+  out.set_array(valid_utf8(of.array));
+  out.set_flat(of.flat);
+  out.set_volume(of.volume);
+  if (of.volume > 0) *out.mutable_centroid() = to_wire(of.centroid);
+  out.set_pieces(of.pieces);
+  out.set_largest(of.largest);
+  out.set_valued(of.valued);
+  if (!(of.valued > 0)) return out;
+  out.set_lower(of.lower);
+  out.set_upper(of.upper);
+  out.set_mean(of.mean);
+  out.set_standard_deviation(of.standard_deviation);
+  return out;
+}
+
 Annotations annotations_of(const v1::Annotations& wanted) { return {wanted.axes(), wanted.box(), wanted.legend()}; }
 
 v1::Error wire_error(std::string_view code, std::string message, std::string field) {

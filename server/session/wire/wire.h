@@ -25,6 +25,7 @@ v1::LayerFacts to_wire(const LayersMeasured& measured);
 /// Without in_reply_to, which is the connection's own.
 v1::ProbeResult to_wire(const ProbeReady& probed);
 v1::ProbedCurve to_wire(const CurveReady& probed);
+v1::LayerStatistics to_wire(const LayerStatisticsReady& measured);
 /// Without frame_id and input_seq, which are the connection's own, and without the payload, which viewers share.
 v1::Frame to_wire(const FrameReady& frame);
 

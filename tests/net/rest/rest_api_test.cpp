@@ -104,6 +104,21 @@ TEST_F(Rest, ValuesAlongALineAreThoseOfTheData) {
   expect_problem(server_.ask("GET", "/api/v1/" + session + "/probe/steps?at=0,0,0"), 400, "invalid_argument", "at");
 }
 
+TEST_F(Rest, ALayerIsToldInNumbers) {
+  const std::string session = "sessions/" + new_session();
+  EXPECT_EQ(status_of(server_.ask("PUT", "/api/v1/" + session + "/intervals", R"({"intervals":[{"lower":0.1,"upper":0.3,"opacity":0.5,"visible":true}]})")), 200);
+  const json::value interval = get(session + "/intervals").at("intervals").at(0);
+  const std::string path = session + "/intervals/" + std::to_string(interval.at("id").to_number<int>()) + "/statistics";
+  const json::value found = get(path + "?array=distance");
+  const json::value layer = get(session + "/layers").at("intervals").at(0);
+  EXPECT_NEAR(found.at("volume").to_number<double>(), layer.at("volume").to_number<double>(), 1e-6);
+  EXPECT_GT(found.at("mean").to_number<double>(), 0.1);
+  EXPECT_LT(found.at("mean").to_number<double>(), 0.3);
+  EXPECT_EQ(found.at("pieces").as_string(), "1");
+  expect_problem(server_.ask("GET", "/api/v1/" + path + "?array=none"), 404, "not_found", "array");
+  expect_problem(server_.ask("GET", "/api/v1/" + session + "/intervals/999/statistics"), 404, "not_found", "id");
+}
+
 TEST_F(Rest, AStateThatWasReadCanBeWrittenBack) {
   const std::string path = "/api/v1/sessions/" + new_session() + "/state";
   const auto text = [](const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); };

@@ -140,6 +140,7 @@ export const command = {
   probeLine: (from: Vec3, to: Vec3, array: string): Command => ({ case: 'probeLine', value: { from: wireVec(from), to: wireVec(to), array } }),
   /** null: what was asked before and is not answered is given up. */
   probeSteps: (at: Vec3 | null, array: string): Command => ({ case: 'probeSteps', value: { ...(at ? { at: wireVec(at) } : {}), array } }),
+  requestLayerStatistics: (interval: number, array: string): Command => ({ case: 'requestLayerStatistics', value: { interval, array } }),
   reloadDataset: (): Command => ({ case: 'reloadDataset', value: {} }),
   listDatasets: (folder: string, search: string, first: number, most: number): Command => ({
     case: 'listDatasets',

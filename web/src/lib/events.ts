@@ -43,6 +43,11 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
       return { kind: 'probeResult', inReplyTo: Number(body.value.inReplyTo), result: probeOf(body.value) };
     case 'probedCurve':
       return { kind: 'probedCurve', inReplyTo: Number(body.value.inReplyTo), curve: curveOf(body.value) };
+    case 'layerStatistics': {
+      const { inReplyTo, revision, pieces, centroid: at, ...rest } = body.value;
+      const statistics = { ...rest, revision: Number(revision), pieces: Number(pieces), centroid: [at?.x ?? 0, at?.y ?? 0, at?.z ?? 0] as const };
+      return { kind: 'layerStatistics', inReplyTo: Number(inReplyTo), statistics };
+    }
     case 'progress':
       return { kind: 'progress', progress: plain(body.value) };
     case 'done':

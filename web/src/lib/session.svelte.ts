@@ -13,6 +13,7 @@ import { Smoothed } from './meter';
 import { scaledBox } from './camera';
 import { emptyState, type Box, type Camera, type SceneState } from './model';
 import type { Ending, Frame, ServerError, ServerEvent, VolumeError, Welcome } from './told';
+import { Measures } from './measures.svelte';
 import { Notices } from './notices.svelte';
 import { OpenDataset } from './open-dataset.svelte';
 import { Outgoing } from './outgoing';
@@ -68,6 +69,7 @@ export class Session {
   readonly stills: Stills;
   readonly probe: Probe;
   readonly curves: Curves;
+  readonly measures: Measures;
   readonly files: FileList;
   readonly people: People;
   readonly work: Work;
@@ -113,6 +115,7 @@ export class Session {
     this.stills = new Stills((body) => out.sendInOrder(body));
     this.probe = new Probe((body) => out.sendInOrder(body));
     this.curves = new Curves((body) => out.sendInOrder(body));
+    this.measures = new Measures((body) => out.sendInOrder(body));
     this.files = new FileList({ send, after });
     this.work = new Work(send);
     this.#recovery = new Recovery({ saved, calm, after });
@@ -157,7 +160,7 @@ export class Session {
   #onStatus(status: ConnectionStatus): void {
     this.status = status;
     if (status.kind === 'connected') return;
-    for (const part of [this.#out, this.work, this.stills, this.probe, this.curves, this.frames, this.history]) part.lost();
+    for (const part of [this.#out, this.work, this.stills, this.probe, this.curves, this.measures, this.frames, this.history]) part.lost();
     this.#trip = new Smoothed();
     this.roundTripMs = null;
   }
@@ -184,6 +187,8 @@ export class Session {
         if (!this.curves.picking || this.probe.shown?.answer !== event.result || !event.result.hit) return;
         this.probe.close();
         return this.curves.picked(event.result.position);
+      case 'layerStatistics':
+        return void this.measures.answered(event.inReplyTo, event.statistics);
       case 'probedCurve':
         return void this.curves.answered(event.inReplyTo, event.curve);
       case 'volumeErrors':
@@ -292,7 +297,8 @@ export class Session {
   #onError({ inReplyTo, code, message, field }: ServerError): void {
     // The link that this page came by is over: another try would be refused alike.
     if ((code === 'forbidden' && !inReplyTo) || code === 'unsupported_version') this.#connection.refuse(message);
-    if (this.stills.answer(inReplyTo, message || code) || this.probe.answer(inReplyTo, message || code) || this.curves.answered(inReplyTo, message || code)) return;
+    const why = message || code;
+    if (this.stills.answer(inReplyTo, why) || this.probe.answer(inReplyTo, why) || this.curves.answered(inReplyTo, why) || this.measures.answered(inReplyTo, why)) return;
     const about = this.#out.refused(inReplyTo);
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open

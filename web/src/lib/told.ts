@@ -104,6 +104,23 @@ export interface ProbedCurve {
   layers: { from: number; to: number; interval: number; term: number | null }[]; // where the line lies in layers that are shown
 }
 
+/** One layer in numbers. Means are over its solid. */
+export interface LayerStatistics {
+  revision: number; // of the state that was measured
+  interval: number;
+  array: string;
+  flat: boolean; // areas stand in place of volumes
+  volume: number;
+  centroid: Vec3;
+  pieces: number; // that do not touch
+  largest: number; // the volume of the largest
+  valued: number; // the volume in which the array has values; those that follow are said of it, if it is not 0
+  lower: number;
+  upper: number;
+  mean: number;
+  standardDeviation: number;
+}
+
 export interface Welcome {
   protocolMajor: number;
   server: string;
@@ -254,6 +271,7 @@ export type ServerEvent =
   | { kind: 'frame'; frame: Frame }
   | { kind: 'probeResult'; inReplyTo: number; result: ProbeResult }
   | { kind: 'probedCurve'; inReplyTo: number; curve: ProbedCurve }
+  | { kind: 'layerStatistics'; inReplyTo: number; statistics: LayerStatistics }
   | { kind: 'volumeErrors'; errors: VolumeError[] }
   | { kind: 'progress'; progress: Progress }
   | { kind: 'done'; done: Done }

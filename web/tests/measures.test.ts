@@ -1,0 +1,59 @@
+// A layer in numbers: who asks, what is kept, when it is of what was.
+import { create, toBinary } from '@bufbuild/protobuf';
+import { describe, expect, test } from 'vitest';
+import { ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
+import type { Command } from '../src/lib/commands';
+import { decodeEvent } from '../src/lib/events';
+import { measureKey, Measures, statisticsText } from '../src/lib/measures.svelte';
+import { emptyState, type Interval, type SceneState } from '../src/lib/model';
+import type { LayerStatistics } from '../src/lib/told';
+
+const layer = (id: number, more: Partial<Interval> = {}): Interval => ({ id, lower: 0, upper: 1, color: [1, 0, 0], colorMap: '', opacity: 0.5, priority: id, visible: true, number: id, ...more });
+const scene = (more: Partial<SceneState> = {}): SceneState => ({ ...emptyState, dataset: 'd', array: 'f', ...more });
+const numbers = (more: Partial<LayerStatistics> = {}): LayerStatistics => ({
+  revision: 3, interval: 1, array: 'f', flat: false, volume: 2, centroid: [0, 1 / 3, 0], pieces: 2, largest: 1.5, valued: 2, lower: 0, upper: 1, mean: 0.25, standardDeviation: 0.125, ...more,
+});
+
+describe("a layer's numbers", () => {
+  test('go to the layer that was asked of, of its newest question', () => {
+    const sent: Command[] = [];
+    const one = new Measures((body) => sent.push(body));
+    one.ask(scene(), layer(1), '');
+    one.ask(scene(), layer(2), 'g');
+    expect(sent).toEqual([
+      { case: 'requestLayerStatistics', value: { interval: 1, array: '' } },
+      { case: 'requestLayerStatistics', value: { interval: 2, array: 'g' } },
+    ]);
+    one.ask(scene(), layer(1), 'g');
+    expect(one.answered(1, 'another took its place')).toBe(true);
+    expect(one.list.get(1)?.answer).toBeNull();
+    expect(one.answered(3, numbers())).toBe(true);
+    expect(one.list.get(1)?.answer).toEqual(numbers());
+    one.close(2);
+    expect(one.answered(2, numbers())).toBe(true);
+    expect([...one.list.keys()]).toEqual([1]);
+    expect(one.answered(9, 'of something else')).toBe(false);
+    one.ask(scene(), layer(2), '');
+    one.lost();
+    expect(one.list.get(2)?.answer).toMatch(/connection/);
+    expect(one.list.get(1)?.answer).toEqual(numbers());
+  });
+
+  test('are old when what they were measured of changes, and not when it looks otherwise', () => {
+    const key = measureKey(scene(), layer(1), '');
+    expect(measureKey(scene({ revision: 9, colorBy: 'g' }), layer(1, { opacity: 1, name: 'x' }), 'f')).toBe(key);
+    for (const other of [measureKey(scene({ step: 1 }), layer(1), ''), measureKey(scene(), layer(1, { upper: Infinity }), ''), measureKey(scene({ array: 'g' }), layer(1), '')])
+      expect(other).not.toBe(key);
+  });
+
+  test('come as the server says them and go as a table', () => {
+    const value = { inReplyTo: 5n, revision: 3n, interval: 1, array: 'f', volume: 2, centroid: { x: 0, y: 1 / 3, z: 0 }, pieces: 2n, largest: 1.5, valued: 2, upper: 1, mean: 0.25, standardDeviation: 0.125 };
+    const event = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'layerStatistics', value } })));
+    expect(event).toMatchObject({ kind: 'layerStatistics', inReplyTo: 5, statistics: numbers() });
+    expect(statisticsText(numbers(), 'shell').split('\n')).toEqual([
+      'layer\tshell', 'volume\t2', 'centroid\t0\t0.3333333333333333\t0', 'pieces\t2', 'volume of the largest piece\t1.5', 'array\tf', 'mean\t0.25', 'standard deviation\t0.125', 'least\t0', 'greatest\t1',
+    ]);
+    expect(statisticsText(numbers({ flat: true, valued: 0 }), 'shell')).toContain('area with values\t0');
+    expect(statisticsText(numbers({ valued: 0 }), 'shell')).not.toContain('mean');
+  });
+});
