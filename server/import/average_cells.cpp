@@ -220,6 +220,37 @@ std::vector<double> sum_at_points(const Block& block, std::span<const FileArray*
   return sums;
 }
 
+/// The numbers of one array at the points that have weights of their own, asked for in the order of the points.
+class WeightedValues {
+ public:
+  WeightedValues(const PointWeights& weights, const FileArray& array) : weights_(weights), array_(array) {}
+  /// Adds the point's numbers to `to`; false where the mean over its cells is its value.
+  template <class Out>
+  bool add(std::int64_t point, std::vector<Out>& to) {
+    if (at_ == weights_.points.size() || weights_.points[at_] != point) return false;
+    const auto components = static_cast<std::size_t>(array_.components);
+    std::visit(
+        [&](auto typed) {
+          using T = typename decltype(typed)::value_type;
+          const NumbersAt<T> values{array_.values.data()};
+          for (std::size_t c = 0; c < components; ++c) {
+            double sum = weights_.first[at_] < weights_.first[at_ + 1] ? 0 : std::numeric_limits<double>::quiet_NaN();
+            for (std::size_t k = weights_.first[at_]; k < weights_.first[at_ + 1]; ++k)
+              sum += weights_.weights[k] * values[static_cast<std::size_t>(weights_.cells[k]) * components + c];
+            to.push_back(static_cast<Out>(sum));
+          }
+        },
+        scalar_span(array_.type, {}));
+    ++at_;
+    return true;
+  }
+
+ private:
+  const PointWeights& weights_;
+  const FileArray& array_;
+  std::size_t at_ = 0;
+};
+
 /// The numbers from `column` on of each point's sums, by how many cells are in them.
 template <class Out>
 FileArray mean_of(const Block& block, const FileArray& array, const std::vector<double>& sums, std::size_t width, std::size_t column, AppendedFile<Out> file) {
@@ -227,10 +258,12 @@ FileArray mean_of(const Block& block, const FileArray& array, const std::vector<
   const auto points = static_cast<std::size_t>(block.grid.point_count());
   const auto components = static_cast<std::size_t>(array.components);
   const bool seams = has_seams(block);
+  WeightedValues weighted(block.weights, array);
   std::vector<Out> means;
   for (std::size_t first = 0; first < points; first += kTogether) {
     means.clear();
     for (std::size_t p = first; p < std::min(first + kTogether, points); ++p) {
+      if (weighted.add(static_cast<std::int64_t>(p), means)) continue;
       const auto from = seams ? static_cast<std::size_t>(without_seams(block, static_cast<std::int64_t>(p))) : p;
       const double* const of_point = &sums[from * (width + 1)];
       const double cells = of_point[width];

@@ -30,12 +30,21 @@ struct FileArray {
   std::shared_ptr<const void> storage;
 };
 
+/// Points whose value is not the plain mean over the cells around them (average_cells.h), but the sum of these cells' values times these weights.
+struct PointWeights {
+  std::vector<std::int64_t> points;   // increasing
+  std::vector<std::size_t> first{0};  // [points + 1]
+  std::vector<std::int64_t> cells;
+  std::vector<double> weights;  // those of a point sum to 1
+};
+
 /// One piece of space. hidden_cells are set where the file blanks cells.
 struct Block {
   Grid grid;
   std::vector<FileArray> arrays;
   /// [cells] which cell of the file each is (a part of), not decreasing; empty where each is one of its own.
   std::vector<std::int64_t> source;
+  PointWeights weights;             // of cells of several sizes around a point
   std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
   std::array<bool, 3> seams{};    // by axis: the first and the last sheet of a curvilinear grid are the same places (close_seams.h)
   std::string name;               // what the file calls it; may be empty
