@@ -37,6 +37,9 @@ constexpr std::array kFormats{
     FileFormat{FileKind::netcdf, "netCDF", ".nc .cdf .nc4 .ncdf", "CF conventions: the variables over the most axes, all times, fill values as gaps", "VTK"},
     FileFormat{FileKind::zarr, "Zarr: OME-Zarr, xarray", ".zarr", "a folder: Zarr 2 and 3; of an image the finest level, or one level by its folder, t are steps, c arrays; of xarray's groups CF conventions, as of netCDF; chunks and shards by blosc, zstd, gzip, lz4, bzip2",
                "ours"},
+    FileFormat{FileKind::vtk_levels, "XML VTK of levels (AMR)", ".vthb .vth", "boxes of cells in levels: the cells that no finer box covers, as one conforming grid", "ours, for the list"},
+    FileFormat{FileKind::hyper_tree, "hyper tree grid", ".htg", "the leaves of its trees as one conforming grid; masked ones are hidden", "VTK"},
+    FileFormat{FileKind::amrex, "AMReX, BoxLib", "", "a folder, a plotfile: all levels, the cells that no finer box covers, as one conforming grid", "ours"},
     FileFormat{FileKind::gzip, "gzip around another format", ".gz", "of formats that are one file: .vtk.gz, .vtu.gz, .npy.gz ...", "zlib"},
 };
 
@@ -61,7 +64,6 @@ constexpr std::array kForeign{
     ForeignFormat{".raw .img .bin .vol .dat .u8 .u16 .f32", "numbers without a header",
                   "put a header beside it, NAME.nhdr: 'NRRD0004', 'type: float', 'dimension: 3', 'sizes: NX NY NZ', 'encoding: raw', "
                   "'endian: little', 'data file: NAME'"},
-    ForeignFormat{".vthb .htg", "a grid of levels", "save it as .vtu or .vti (ParaView: Resample To Image)"},
     ForeignFormat{".exr .jpg .jpeg .gif .webp .svg .bmp .png .pgm .pnm", "one picture",
                   "a stack of PNG or TIFF pictures is opened by its pattern, 'slice_*.png'"},
     ForeignFormat{".zip .tar .tgz .bz2 .xz .zst .7z .rar .gz", "an archive", "unpack it"},

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "data/file_series.h"
 #include "data/picture_size.h"
+#include "data/plotfile_folder.h"
 #include "data/referred_names.h"
 #include "data/zarr_folder.h"
 
@@ -37,7 +38,6 @@ std::string not_a_grid(const std::string& name, const Recognised& of) {
   if (of.kind == FileKind::openfoam) return "a mark of an OpenFOAM case without the case around it";
   if (of.vtk_type == "PolyData" || of.vtk_type == "PPolyData") return "a surface; expected a grid whose cells have a volume";
   if (of.kind != FileKind::vtk_xml) return {};
-  if (of.vtk_type.starts_with("Hyper") || of.vtk_type.ends_with("AMR")) return "a grid of levels; save it as .vtu or .vti (ParaView: Resample To Image)";
   if (!of.vtk_type.ends_with("ImageData") && !of.vtk_type.ends_with("Grid")) return "XML VTK of a type that is not a grid";
   return {};
 }
@@ -91,7 +91,7 @@ void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
   out.dataset = FileKind::openfoam;
 }
 
-/// All that is in a Zarr folder, links aside; nothing if that is too much to look at.
+/// All that is in a folder of Zarr or a plotfile, links aside; nothing if that is too much to look at.
 void weigh(const fs::path& folder, FolderContents& out) {
   constexpr int kMostFiles = 10'000;
   int left = kMostFiles;
@@ -128,6 +128,19 @@ void look_at_levels(int descriptor, DIR* listed, FolderContents& out) {
   }
   std::sort(out.files.begin(), out.files.end(), [](const LookedAt& a, const LookedAt& b) { return a.name < b.name; });
   out.dataset = FileKind::zarr;
+}
+
+/// What says what a plotfile holds; the values are only weighed.
+void look_at_plotfile(int descriptor, DIR* listed, FolderContents& out) {
+  constexpr int kMostNames = 1000;
+  int left = kMostNames;
+  for (const dirent* it = readdir(listed); it && --left > 0; it = readdir(listed)) {
+    const std::string name = it->d_name, said = name.starts_with("Level_") ? name + "/Cell_H" : name;
+    struct stat about {};
+    if ((name == "Header" || said != name) && fstatat(descriptor, said.c_str(), &about, 0) == 0) out.files.push_back({.name = said, .stamp = stamp_of(about)});
+  }
+  std::sort(out.files.begin(), out.files.end(), [](const LookedAt& a, const LookedAt& b) { return a.name < b.name; });
+  out.dataset = FileKind::amrex;
 }
 
 }  // namespace
@@ -192,6 +205,11 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   }
   if (is_zarr(folder)) {
     look_at_levels(descriptor, listed.get(), out);
+    weigh(folder, out);
+    return out;
+  }
+  if (is_plotfile(folder)) {
+    look_at_plotfile(descriptor, listed.get(), out);
     weigh(folder, out);
     return out;
   }

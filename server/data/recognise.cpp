@@ -18,6 +18,7 @@
 #include "base/error.h"
 #include "data/file_series.h"
 #include "data/nifti_mark.h"
+#include "data/plotfile_folder.h"
 #include "data/zarr_folder.h"
 
 namespace isostrata {
@@ -96,12 +97,13 @@ Recognised recognise_folder(const fs::path& folder) {
   const std::string name = folder.filename().string();
   if (is_openfoam_case(folder)) return {FileKind::openfoam, {}};
   if (is_zarr(folder)) return {FileKind::zarr, {}};
+  if (is_plotfile(folder)) return {FileKind::amrex, {}};
   if (any_file(folder, 64, is_dicom)) return {FileKind::dicom, {}};
   if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".n5"))
     throw Error(ErrorCode::unsupported, name + ": N5; save it as OME-Zarr (Python: zarr, ome-zarr)");
   if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".bp"))
     throw Error(ErrorCode::unsupported, name + ": ADIOS; save it as VTKHDF or .vtu (ParaView: Save Data)");
-  throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, a Zarr folder, or a folder of DICOM slices");
+  throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, a Zarr folder, a plotfile of AMReX, or a folder of DICOM slices");
 }
 
 /// HDF5 may begin with a block of something else, of 512 bytes times a power of two; empty where it does not.
@@ -156,7 +158,7 @@ void refuse_microscope(const std::string& file, const std::string& name) {
   if (file.ends_with(".vtk")) throw Error(ErrorCode::bad_data, name + ": expected '# vtk DataFile' at its start");
   if (ends_with_one_of(file, extensions_of(FileKind::nrrd)))
     throw Error(ErrorCode::bad_data, name + ": expected 'NRRD000' and a digit at its start");
-  if (ends_with_one_of(file, ".vti .vtr .vts .vtu .vtm .pvd .vtp")) throw Error(ErrorCode::bad_data, name + ": expected a <VTKFile> element");
+  if (ends_with_one_of(file, ".vti .vtr .vts .vtu .vtm .pvd .vtp .vthb .vth .htg")) throw Error(ErrorCode::bad_data, name + ": expected a <VTKFile> element");
   if (ends_with_one_of(file, ".e .ex2 .exo")) throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5, as Exodus II files are");
   if (ends_with_one_of(file, ".nc .cdf .nc4 .vtkhdf .h5 .hdf5 .hdf"))
     throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5 by its name; it begins as neither");
@@ -249,6 +251,8 @@ Recognised recognise(const fs::path& path) {
   if (begins_as_xml(head, "<VTKFile")) {
     std::string type = vtk_file_attribute(head, "type");
     if (type == "Collection") return {FileKind::pvd, {}};
+    if (type == "HyperTreeGrid") return {FileKind::hyper_tree, {}};
+    if (type == "vtkOverlappingAMR" || type == "vtkNonOverlappingAMR" || type == "vtkHierarchicalBoxDataSet") return {FileKind::vtk_levels, std::move(type)};
     const bool blocks = type == "vtkMultiBlockDataSet" || type == "vtkPartitionedDataSet" || type == "vtkPartitionedDataSetCollection";
     return {blocks ? FileKind::multi_block : FileKind::vtk_xml, std::move(type)};
   }

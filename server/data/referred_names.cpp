@@ -111,6 +111,7 @@ std::vector<std::string> referred_names(const std::filesystem::path& file, const
       return of.vtk_type.starts_with("P") && of.vtk_type != "PolyData" ? quoted_after(beginning(file), "Source") : std::vector<std::string>{};
     case FileKind::pvd:
     case FileKind::multi_block:
+    case FileKind::vtk_levels:
       return quoted_after(beginning(file), "file");
     case FileKind::series:
       return quoted_after(beginning(file), "\"name\"");

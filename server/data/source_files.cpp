@@ -25,6 +25,8 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::vtk_legacy:
     case FileKind::vtk_xml:
     case FileKind::multi_block:
+    case FileKind::vtk_levels:
+    case FileKind::hyper_tree:
     case FileKind::pvd:
     case FileKind::series:
     case FileKind::vtkhdf:

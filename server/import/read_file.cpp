@@ -27,7 +27,8 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::mrc, read_mrc},
     {FileKind::slc, read_slc},               {FileKind::gaussian_cube, read_gaussian_cube},
     {FileKind::plot3d, read_plot3d},         {FileKind::gzip, read_gzip},
-    {FileKind::zarr, read_zarr},
+    {FileKind::zarr, read_zarr},             {FileKind::vtk_levels, read_vtk_levels},
+    {FileKind::amrex, read_amrex},           {FileKind::hyper_tree, read_hyper_tree},
 #ifdef ISOSTRATA_READS_EXODUS
     {FileKind::exodus, read_exodus},
 #endif

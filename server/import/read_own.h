@@ -52,6 +52,12 @@ Imported read_numbered(const ReadRequest& request);
 /// A tree of blocks, each a file below the list's directory.
 Imported read_multi_block(const ReadRequest& request);
 
+/// Boxes of cells in levels, each a .vti below the list's directory; values on cells alone.
+Imported read_vtk_levels(const ReadRequest& request);
+
+/// A plotfile of AMReX or BoxLib, which is a folder.
+Imported read_amrex(const ReadRequest& request);
+
 /// A file inside gzip, of a format that is one file. It is unpacked into request.scratch.
 Imported read_gzip(const ReadRequest& request);
 

@@ -150,7 +150,7 @@ CatalogueEntry Catalogue::entry_of(const fs::path& root, const FolderEntry& list
   // What a reader may find otherwise than it was listed: of lists, cases and folders too much to look at again after each reading.
   const bool numbered = listed.files > 1 && is_series_pattern(listed.source);
   entry.mark = numbered || listed.marks.empty() ? listed.mark : 0;
-  if (listed.kind == FileKind::openfoam || listed.kind == FileKind::zarr || (listed.kind == FileKind::dicom && listed.files > 1)) entry.mark = 0;
+  if (listed.kind == FileKind::openfoam || listed.kind == FileKind::zarr || listed.kind == FileKind::amrex || (listed.kind == FileKind::dicom && listed.files > 1)) entry.mark = 0;
   return entry;
 }
 

@@ -1,0 +1,98 @@
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLUtilities.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "data/recognise.h"
+#include "import/leaf_block.h"
+#include "import/read_file.h"
+#include "import/read_own.h"
+#include "import/vtk_messages.h"
+
+namespace isostrata {
+namespace {
+
+constexpr std::size_t kMostFiles = 100'000;
+
+/// The files of all levels, in their order.
+std::vector<std::string> listed_files(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  if (std::filesystem::file_size(request.file) > (64u << 20)) throw Error(ErrorCode::too_large, name + ": above 64 MiB; a list of boxes is not that long");
+  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(request.file.c_str()));
+  throw_on_vtk_error(name);
+  if (!root) throw Error(ErrorCode::bad_data, name + ": is not well-formed XML");
+  std::vector<std::string> files;
+  const auto inner = [](vtkXMLDataElement* element, const char* called, const auto& use) {
+    for (int i = 0; i < element->GetNumberOfNestedElements(); ++i)
+      if (std::strcmp(element->GetNestedElement(i)->GetName(), called) == 0) use(element->GetNestedElement(i));
+  };
+  for (int i = 0; i < root->GetNumberOfNestedElements(); ++i)
+    inner(root->GetNestedElement(i), "Block", [&](vtkXMLDataElement* level) {
+      inner(level, "DataSet", [&](vtkXMLDataElement* box) {
+        if (files.size() == kMostFiles) throw Error(ErrorCode::too_large, name + ": lists above 100000 files");
+        if (const char* file = box->GetAttribute("file")) files.emplace_back(file);
+      });
+    });
+  if (files.empty()) throw Error(ErrorCode::bad_data, name + ": lists no files");
+  return files;
+}
+
+LevelBox box_of(const Grid& grid, const std::string& file) {
+  const auto* uniform = std::get_if<UniformGrid>(&grid.shape);
+  if (!uniform) throw Error(ErrorCode::unsupported, file + ": is a " + grid.kind_name() + " grid; expected image data along the axes, as a box of a level is");
+  LevelBox box{.origin = uniform->origin, .spacing = uniform->spacing};
+  for (std::size_t a = 0; a < 3; ++a) box.cells[a] = uniform->dims[a] - 1;
+  return box;
+}
+
+const FileArray* find(const Block& block, const FileArray& like) {
+  for (const FileArray& array : block.arrays)
+    if (array.on_cells && array.name == like.name && array.components == like.components && array.type == like.type) return &array;
+  return nullptr;
+}
+
+}  // namespace
+
+Imported read_vtk_levels(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  check_step(request, 1);
+  const std::vector<std::string> files = listed_files(request);
+  Imported imported;
+  LevelBoxes levels;
+  std::vector<Block> blocks;
+  for (const std::string& file : files) {
+    ReadRequest part = request;
+    part.file = referred_file(request.file, file);
+    part.progress = [](double) {};
+    if (const Recognised of = recognise(part.file); of.kind != FileKind::vtk_xml || of.vtk_type != "ImageData")
+      throw Error(ErrorCode::unsupported, name + ": lists '" + file + "', which is " + std::string(format_of(of.kind).name) + "; expected a .vti for each box");
+    Imported one = read_file(part);
+    if (one.times != std::vector<double>{0.0}) imported.times = {one.times.front()};
+    levels.boxes.push_back(box_of(one.blocks.front().grid, file));
+    blocks.push_back(std::move(one.blocks.front()));
+    request.progress(0.3 * static_cast<double>(blocks.size()) / static_cast<double>(files.size()));
+  }
+  LeafBlock leaves(levels, request, imported.notes);
+  std::set<std::string> left_out, on_points;
+  for (const Block& block : blocks)
+    for (const FileArray& array : block.arrays) {
+      if (!array.on_cells)
+        on_points.insert(array.name);
+      else if (&block != &blocks.front() || !std::all_of(blocks.begin(), blocks.end(), [&](const Block& other) { return find(other, array) != nullptr; }))
+        left_out.insert(array.name);
+    }
+  for (const FileArray& array : blocks.front().arrays) {
+    if (!array.on_cells || !std::all_of(blocks.begin(), blocks.end(), [&](const Block& other) { return find(other, array) != nullptr; })) continue;
+    leaves.add(array, [&](std::size_t box) { return find(blocks[box], array)->values; });
+    left_out.erase(array.name);
+  }
+  for (const std::string& array : left_out) imported.notes.push_back("array '" + array + "' left out: not all boxes have it, in one type");
+  for (const std::string& array : on_points) imported.notes.push_back("array '" + array + "' left out: it is on points; of levels the values of cells are read");
+  imported.blocks.push_back(leaves.take());
+  return imported;
+}
+
+}  // namespace isostrata
