@@ -22,6 +22,7 @@
 #include "data/beneath.h"
 #include "data/decimal_names.h"
 #include "data/recognise.h"
+#include "data/plotfile_folder.h"
 #include "data/zarr_folder.h"
 
 namespace isostrata {
@@ -247,7 +248,7 @@ std::vector<SeriesFile> series_files(const fs::path& pattern) {
     const std::string name = it->path().filename().string();
     const bool whole = matches(name, text, numbers);
     if (!whole) numbers.clear();
-    if ((!whole && (dotted.empty() || !matches(name, dotted, numbers))) || !it->is_regular_file(ignored)) continue;
+    if ((!whole && (dotted.empty() || !matches(name, dotted, numbers))) || !(it->is_regular_file(ignored) || is_plotfile(it->path()))) continue;
     if (it->is_symlink(ignored)) check_link(it->path());
     if (files.size() + decimals.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
     (whole ? files : decimals).push_back({it->path(), std::move(numbers)});

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kMaxDepth = 8;
 constexpr std::int64_t kMostFiles = 200'000;
-constexpr std::int64_t kQuietNs = 2'000'000'000;  // since a folder of an OpenFOAM case or of a Zarr image got its last file
+constexpr std::int64_t kQuietNs = 2'000'000'000;  // since a folder of an OpenFOAM case, of a Zarr image or of a plotfile got its last file
 constexpr std::size_t kLeastSlices = 3;  // two pictures with numbers are two pictures
 
 constexpr const char* kPiece = "belongs to another file: a piece, a part or a step that is listed there";
@@ -107,6 +107,7 @@ class Listing {
 
   void list(const fs::path& folder, const FolderContents& contents) {
     if (contents.dataset == FileKind::openfoam) return list_case(folder, contents);
+    if (contents.dataset == FileKind::amrex && folder != root_) return;  // the folder around it lists it, as a step if it is one of several
     if (contents.dataset) return list_levels(folder, contents);
     for (const auto& [name, why] : contents.passed_over) pass_over(folder, name, why);
     std::vector<const LookedAt*> dicom, pictures;
@@ -134,6 +135,36 @@ class Listing {
           add_step(folder / name, kind, folder, members);
       }
     list_pictures(folder, pictures);
+    list_plotfiles(folder, contents.folders);
+  }
+
+  /// Numbered ones are steps, as files are.
+  void list_plotfiles(const fs::path& folder, const std::vector<std::string>& inner) {
+    std::vector<std::string> plotfiles;
+    for (const std::string& name : inner)
+      if (const auto at = folders_.find(folder / name); at != folders_.end() && at->second.dataset == FileKind::amrex) plotfiles.push_back(name);
+    for (const NameGroup& group : group_by_number(std::move(plotfiles))) {
+      if (group.members.size() == 1) {
+        list_levels(folder / group.name, folders_.at(folder / group.name));
+        continue;
+      }
+      FolderEntry& entry = out_.entries.emplace_back();
+      entry.name = below(folder / group.name);
+      entry.source = (folder / group.name).string();
+      entry.kind = FileKind::amrex;
+      entry.files = static_cast<int>(group.members.size());
+      entry.settled = 0;
+      for (const std::string& member : group.members) {
+        const FolderContents& contents = folders_.at(folder / member);
+        const auto stamp = file_stamp(folder / member);
+        note(entry, folder, {.name = member, .stamp = stamp.value_or(FileStamp{})});
+        entry.marks.push_back(entry.mark);
+        entry.bytes += contents.bytes;
+        entry.changed = std::max(entry.changed, contents.changed_ns / 1'000'000);
+        entry.writing = entry.writing || now_ns_ - contents.changed_ns < kQuietNs;
+        if (!entry.writing) ++entry.settled;
+      }
+    }
   }
 
   void add_step(const fs::path& source, FileKind kind, const fs::path& folder, const std::vector<const LookedAt*>& members) {
@@ -307,6 +338,10 @@ std::set<fs::path> FolderLister::renew(const std::set<std::string>& writing) {
     for (const std::string& piece : others)
       if (const fs::path folder = fs::path(piece).parent_path(); folders_.contains(folder)) renewed_.insert(folder);
     pieces_ = std::move(pieces);
+  }
+  for (const fs::path& folder : std::set<fs::path>(renewed_)) {  // a plotfile is listed by the folder around it; what is gone may have been one
+    const auto at = folders_.find(folder);
+    if (folder != root_ && (at == folders_.end() || at->second.dataset == FileKind::amrex)) renewed_.insert(folder.parent_path());
   }
   for (const fs::path& folder : renewed_)
     if (const auto at = folders_.find(folder); at != folders_.end()) {

@@ -16,6 +16,7 @@
 #include "data/decimal_names.h"
 #include "data/file_series.h"
 #include "data/recognise.h"
+#include "import/amrex_header.h"
 #include "import/declared_time.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
@@ -102,6 +103,7 @@ void check_size(const ReadRequest& request) {
 /// All of its steps with their times; none where the file does not say a time.
 std::vector<double> times_of(const std::filesystem::path& file, const ReadRequest& request) {
   const FileKind kind = recognise(file).kind;
+  if (kind == FileKind::amrex) return {read_amrex_header(file).time};
   if (kind == FileKind::vtk_xml || kind == FileKind::vtk_legacy) {
     const std::optional<double> time = declared_time(file);
     return time ? std::vector<double>{*time} : std::vector<double>{};

@@ -89,9 +89,11 @@ Imported read_vtk_levels(const ReadRequest& request) {
     leaves.add(array, [&](std::size_t box) { return find(blocks[box], array)->values; });
     left_out.erase(array.name);
   }
+  Block block = leaves.take();
+  if (block.arrays.empty() && !on_points.empty()) throw Error(ErrorCode::unsupported, name + ": its values are on points; expected values of cells, as boxes of levels have them (ParaView: Point Data to Cell Data)");
   for (const std::string& array : left_out) imported.notes.push_back("array '" + array + "' left out: not all boxes have it, in one type");
   for (const std::string& array : on_points) imported.notes.push_back("array '" + array + "' left out: it is on points; of levels the values of cells are read");
-  imported.blocks.push_back(leaves.take());
+  imported.blocks.push_back(std::move(block));
   return imported;
 }
 

@@ -102,6 +102,24 @@ TEST(Levels, SayHowManyThereAreAndTheirTime) {
   EXPECT_TRUE(data->notes[1].starts_with("18 cells beside finer ones, cut into ")) << data->notes[1];
 }
 
+TEST(Levels, OfPointsAloneAreRefusedAndWhatOneBoxLacksIsLeftOut) {
+  const Scratch scratch;
+  const LevelBoxes levels{.boxes = {{{0, 0, 0}, {1, 1, 1}, {4, 4, 4}}, {{1, 1, 1}, {0.5, 0.5, 0.5}, {4, 4, 4}}}, .axes = {}};
+  const auto list = write_vthb(scratch, "levels", levels, slope);
+  const std::vector<double> at_points(125, 1.0);
+  const std::string array = testing::data_array("p", "Float64", at_points);
+  for (const char* box : {"levels/box_0.vti", "levels/box_1.vti"}) {
+    std::string text = test::read_bytes(scratch / box);
+    text.insert(text.find("</PointData>"), array);
+    scratch.write(box, text);
+  }
+  EXPECT_EQ(open(list)->arrays.size(), 1u);
+  EXPECT_EQ(open(list)->notes.back(), "array 'p' left out: it is on points; of levels the values of cells are read");
+  std::string text = test::read_bytes(scratch / "levels/box_1.vti");
+  scratch.write("levels/box_1.vti", text.replace(text.find("\"field\""), 7, "\"other\""));
+  EXPECT_NE(std::string(refusal(list).what()).find("its values are on points"), std::string::npos);
+}
+
 TEST(Levels, AreListedAsOneThingEach) {
   const Scratch scratch;
   const LevelBoxes levels = block_tree(kTree, kSeed);
@@ -115,6 +133,49 @@ TEST(Levels, AreListedAsOneThingEach) {
   EXPECT_GT(listing.entries.back().bytes, 1000u);
   ASSERT_EQ(listing.passed_over.size(), 1u);
   EXPECT_EQ(listing.passed_over.front().files, std::ssize(levels.boxes));
+}
+
+TEST(Levels, OfNumberedPlotfilesAreSteps) {
+  const Scratch scratch;
+  const LevelBoxes few = block_tree(kTree, kSeed), others = block_tree(kTree, kSeed + 1);
+  for (const auto& [number, time] : {std::pair{"00000", 0.0}, {"00010", 0.25}, {"00100", 1.5}})
+    write_plotfile(scratch, std::string("plt") + number, time == 0.25 ? others : few, {{"density", [time = time](const Vec3d& p) { return bump(p) + time; }}}, {.time = time});
+  write_plotfile(scratch, "other", few, {{"density", bump}});
+  const FolderListing listing = list_folder(scratch.path());
+  ASSERT_EQ(listing.entries.size(), 2u);
+  EXPECT_EQ(listing.entries[0].name, "other");
+  EXPECT_EQ(listing.entries[1].name, "plt*");
+  EXPECT_EQ(listing.entries[1].files, 3);
+  EXPECT_EQ(listing.entries[1].marks.size(), 3u);
+  for (int step = 0; step < 3; ++step) {
+    const auto data = open(scratch / "plt*", step);
+    EXPECT_EQ(data->times, (std::vector<double>{0, 0.25, 1.5})) << "those that their headers say";
+    EXPECT_GT(data->arrays.front().upper, data->times[static_cast<std::size_t>(step)] + 0.3);
+    EXPECT_LT(data->arrays.front().lower, data->times[static_cast<std::size_t>(step)] + 0.1);
+    EXPECT_GT(data->arrays.front().lower, data->times[static_cast<std::size_t>(step)]);
+  }
+  EXPECT_EQ(refusal(scratch / "plt*", {.step = 3}).code(), ErrorCode::not_found);
+}
+
+TEST(Levels, AStepThatFollowsIsListedByALookAtItAlone) {
+  const Scratch scratch;
+  const LevelBoxes levels = block_tree(kTree, kSeed);
+  write_plotfile(scratch, "plt1", levels, {{"density", bump}});
+  write_plotfile(scratch, "plt2", levels, {{"density", bump}});
+  std::filesystem::rename(scratch / "plt2/Header", scratch / "Header");  // AMReX writes it last
+  FolderLister lister(std::filesystem::canonical(scratch.path()));
+  const auto names = [&] {
+    std::vector<std::string> out;
+    for (const FolderEntry& entry : lister.list().entries) out.push_back(entry.name);
+    return out;
+  };
+  EXPECT_EQ(names(), std::vector<std::string>{"plt1"});
+  std::filesystem::rename(scratch / "Header", scratch / "plt2/Header");
+  lister.look_again(std::filesystem::canonical(scratch / "plt2"));
+  EXPECT_EQ(names(), std::vector<std::string>{"plt*"});
+  std::filesystem::remove_all(scratch / "plt2");
+  lister.look_again(std::filesystem::canonical(scratch.path()));
+  EXPECT_EQ(names(), std::vector<std::string>{"plt1"});
 }
 
 // ---- what is refused --------------------------------------------------------------------------------------------------------------
