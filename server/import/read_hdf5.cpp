@@ -21,6 +21,8 @@
 #include "import/mapped_file.h"
 #include "import/netcdf_file.h"
 #include "import/place_image.h"
+#include "import/read_hdf5_blocks.h"
+#include "import/read_hdf5_blocks.h"
 #include "import/read_own.h"
 #include "import/read_vtk.h"
 
@@ -200,6 +202,8 @@ Imported read_hdf5(const ReadRequest& request) {
   if (holds("num_nodes") && holds("num_el_blk")) return read_exodus(request);
 #endif
   if (file.has_group("DataSetInfo") && file.has_group("DataSet")) return read_imaris(request);
+  if (auto levels = read_flash(file, request)) return std::move(*levels);
+  if (auto levels = read_athena(file, request)) return std::move(*levels);
   if (is_placed(request, largest(file, request.file.filename().string(), true))) return read_netcdf(request);
   Imported imported = read_plainly(file, request, true);
   if (file.lost_links() > 0 && !request.times_only) imported.notes.push_back(std::to_string(file.lost_links()) + " links skipped that lead to nothing");

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 
@@ -114,6 +116,26 @@ bool same_object(hid_t a, hid_t b) {
 #endif
 }
 
+/// Up to its first zero, without the blanks that Fortran leaves at its end.
+std::string trimmed(std::string text) {
+  text.resize(std::min(text.find('\0'), text.size()));
+  text.resize(text.find_last_not_of(' ') + 1);
+  return text;
+}
+
+/// All letters of an attribute of texts of one length, and that length; none if it is not one, or has more than `most`.
+std::pair<std::string, std::size_t> letters_of(hid_t file, const char* path, const char* attribute, std::size_t most) {
+  const Hdf5Handle of(H5Aopen_by_name(file, path, attribute, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!of.is_there()) return {};
+  const Hdf5Handle type(H5Aget_type(of.id()), H5Tclose), space(H5Aget_space(of.id()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  const std::size_t size = H5Tget_size(type.id());
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 || count < 1 || size < 1 || static_cast<std::size_t>(count) > most / size) return {};
+  std::string text(static_cast<std::size_t>(count) * size, '\0');
+  if (H5Aread(of.id(), type.id(), text.data()) < 0) return {};
+  return {text, size};
+}
+
 std::vector<hsize_t> sizes_of(const std::vector<std::size_t>& sizes) { return {sizes.begin(), sizes.end()}; }
 
 }  // namespace
@@ -137,17 +159,48 @@ bool Hdf5File::has_group(const char* name) const {
 }
 
 std::string Hdf5File::text(const std::string& path, const std::string& attribute) const {
-  constexpr std::size_t kMost = 4096;
-  const Hdf5Handle of(H5Aopen_by_name(file_.id(), path.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (!of.is_there()) return {};
-  const Hdf5Handle type(H5Aget_type(of.id()), H5Tclose), space(H5Aget_space(of.id()), H5Sclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-  const std::size_t size = H5Tget_size(type.id());
-  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 || count < 1 || size < 1 || static_cast<std::size_t>(count) > kMost / size) return {};
-  std::string text(static_cast<std::size_t>(count) * size, '\0');
-  if (H5Aread(of.id(), type.id(), text.data()) < 0) return {};
+  std::string text = letters_of(file_.id(), path.c_str(), attribute.c_str(), 4096).first;
   std::erase(text, '\0');
   return text.substr(0, text.find_last_not_of(' ') + 1);
+}
+
+std::vector<double> Hdf5File::numbers(const char* attribute) const {
+  const Hdf5Handle found(H5Aexists(file_.id(), attribute) > 0 ? H5Aopen(file_.id(), attribute, H5P_DEFAULT) : -1, H5Aclose);
+  if (!found.is_there()) return {};
+  const Hdf5Handle type(H5Aget_type(found.id()), H5Tclose), space(H5Aget_space(found.id()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (!hdf5_type(type.id()) || count < 1 || count > 10'000) return {};
+  std::vector<double> values(static_cast<std::size_t>(count));
+  return H5Aread(found.id(), H5T_NATIVE_DOUBLE, values.data()) < 0 ? std::vector<double>() : values;
+}
+
+std::vector<std::string> Hdf5File::words(const char* attribute) const {
+  const auto [text, length] = letters_of(file_.id(), "/", attribute, 1 << 20);
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at < text.size(); at += length) out.push_back(trimmed(text.substr(at, length)));
+  return out;
+}
+
+std::optional<double> Hdf5File::number_beside(const char* table, std::string_view name) const {
+  constexpr std::size_t kLongest = 256;
+  struct Row {
+    std::array<char, kLongest> name;
+    double value;
+  };
+  const Hdf5Handle dataset(has(table) ? H5Dopen2(file_.id(), table, H5P_DEFAULT) : -1, H5Dclose);
+  if (!dataset.is_there()) return std::nullopt;
+  const Hdf5Handle stored(H5Dget_type(dataset.id()), H5Tclose), space(H5Dget_space(dataset.id()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (H5Tget_class(stored.id()) != H5T_COMPOUND || H5Tget_member_index(stored.id(), "name") < 0 || H5Tget_member_index(stored.id(), "value") < 0 || count < 1 || count > 100'000) return std::nullopt;
+  const Hdf5Handle text(H5Tcopy(H5T_C_S1), H5Tclose), row(H5Tcreate(H5T_COMPOUND, sizeof(Row)), H5Tclose);
+  H5Tset_size(text.id(), kLongest);
+  H5Tinsert(row.id(), "name", offsetof(Row, name), text.id());
+  H5Tinsert(row.id(), "value", offsetof(Row, value), H5T_NATIVE_DOUBLE);
+  std::vector<Row> rows(static_cast<std::size_t>(count));
+  if (H5Dread(dataset.id(), row.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()) < 0) return std::nullopt;
+  for (const Row& one : rows)
+    if (trimmed({one.name.begin(), one.name.end()}) == name) return one.value;
+  return std::nullopt;
 }
 
 /// Arrays first, then groups.

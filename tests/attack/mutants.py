@@ -269,6 +269,7 @@ def escapes(program, place, counts):
         pieces |= {
             f"{way}, pvd": ("a.pvd", f'<VTKFile type="Collection"><Collection><DataSet timestep="0" file="{to}/ascii.vtu"/></Collection></VTKFile>'),
             f"{way}, vtm": ("a.vtm", f'<VTKFile type="vtkMultiBlockDataSet" version="1.0"><vtkMultiBlockDataSet><DataSet index="0" file="{to}/ascii.vtu"/></vtkMultiBlockDataSet></VTKFile>'),
+            f"{way}, vthb": ("a.vthb", (outside / "levels.vthb").read_text().replace('file="', f'file="{to}/')),
             f"{way}, pvtu": ("a.pvtu", (outside / "parts.pvtu").read_text().replace('Source="', f'Source="{to}/')),
             f"{way}, pvti": ("a.pvti", (outside / "parts.pvti").read_text().replace('Source="', f'Source="{to}/')),
             f"{way}, series": ("a.vtu.series", '{"file-series-version": "1.0", "files": [{"name": "%s/ascii.vtu", "time": 0}]}' % to),

@@ -111,6 +111,12 @@ def xml(folder):
                                        '<PDataArray type="Float32" NumberOfComponents="3"/></PPoints><Piece Source="ascii.vtu"/><Piece Source="binary.vtu"/></PUnstructuredGrid></VTKFile>\n')
     (folder / "blocks.vtm").write_text('<VTKFile type="vtkMultiBlockDataSet" version="1.0"><vtkMultiBlockDataSet><DataSet index="0" name="a" file="ascii.vtu"/>'
                                        '<Block index="1" name="b"><DataSet index="0" file="zlib.vtu"/></Block></vtkMultiBlockDataSet></VTKFile>\n')
+    for name, size, origin in (("coarse", 1, 0), ("fine", 0.5, 1)):
+        (folder / f"{name}.vti").write_text(f'<VTKFile type="ImageData" version="0.1"><ImageData WholeExtent="0 4 0 4 0 4" Origin="{origin} {origin} {origin}" Spacing="{size} {size} {size}"><Piece Extent="0 4 0 4 0 4">'
+                                            f'<CellData><DataArray type="Float32" Name="s" format="ascii">{" ".join(map(str, range(64)))}</DataArray></CellData></Piece></ImageData></VTKFile>\n')
+    (folder / "levels.vthb").write_text('<VTKFile type="vtkOverlappingAMR" version="1.1"><vtkOverlappingAMR origin="0 0 0" grid_description="XYZ"><Block level="0" spacing="1 1 1"><DataSet index="0" '
+                                        'amr_box="0 3 0 3 0 3" file="coarse.vti"/></Block><Block level="1" spacing="0.5 0.5 0.5"><DataSet index="0" amr_box="2 5 2 5 2 5" file="fine.vti"/></Block>'
+                                        '</vtkOverlappingAMR></VTKFile>\n')
     (folder / "steps.pvd").write_text('<VTKFile type="Collection"><Collection><DataSet timestep="0" file="ascii.vtu"/><DataSet timestep="0.5" file="zlib.vtu"/></Collection></VTKFile>\n')
     (folder / "steps.vtu.series").write_text('{"file-series-version": "1.0", "files": [{"name": "ascii.vtu", "time": 0}, {"name": "binary.vtu", "time": 2}]}\n')
 

@@ -118,6 +118,35 @@ TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
   }
 }
 
+TEST_F(ForeignFormats, BlocksOfFlashAndOfAthenaAreOneConformingGrid) {
+  const auto flash = test::open(file("sedov_hdf5_chk_0001")), athena = test::open(file("blast.athdf"));
+  for (const auto& data : {flash, athena}) {
+    SCOPED_TRACE(data->name);
+    EXPECT_EQ(data->times, std::vector<double>{2.5});
+    EXPECT_EQ(data->bounds.upper, (Vec3d{8, 4, 4}));
+    EXPECT_EQ(data->notes.front(), "3 levels, refined by 2: 64, 448 and 512 cells that no finer one covers");
+    double volume = 0;
+    for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell) volume += test::cell_volume(data->grid, cell);
+    EXPECT_NEAR(volume, 128, 1e-9);
+    ASSERT_EQ(data->arrays.size(), 2u);
+    EXPECT_EQ(data->array("dens").cells->lower, 0.125 * 111) << "the first of the finest cells";
+    EXPECT_EQ(data->array("dens").cells->upper, 3.75 * 111) << "the last of the refined ones";
+  }
+  EXPECT_EQ(flash->cell_types, athena->cell_types);
+  ASSERT_EQ(flash->grid.point_count(), athena->grid.point_count());
+  for (const char* name : {"dens", "pres"})
+    for (std::size_t p = 0; p < static_cast<std::size_t>(flash->grid.point_count()); ++p) ASSERT_NEAR(flash->array(name).at(p), athena->array(name).at(p), 1e-4) << name << " at point " << p;
+}
+
+TEST_F(ForeignFormats, BlocksThatAreRefusedSayWhy) {
+  for (const auto& [name, code, what] : {std::tuple{"stretched.athdf", ErrorCode::unsupported, "not of one size along x1"}, {"damaged_hdf5_chk_0001", ErrorCode::bad_data, "'bounding box' has 3x2x2 numbers"},
+                                         {"far_hdf5_chk_0001", ErrorCode::bad_data, "box 0 and box 1 are of one level and overlap"}}) {
+    const Error error = test::refusal(file(name));
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(ForeignFormats, XdmfThatIsRefusedSaysWhy) {
   for (const auto& [name, code, what] : {std::tuple{"no_array.xdmf", ErrorCode::bad_data, "'run.h5:/nothing', where no array of numbers is"}, {"outside.xdmf", ErrorCode::bad_data, "'../run.h5'; expected a file below its own directory"},
                                          {"other_size.xdmf", ErrorCode::bad_data, "'/all' has 3 x 120 values; the file says 7"}, {"short.xdmf", ErrorCode::bad_data, "'p' has 2 values for 3 points"},

@@ -15,6 +15,7 @@ import struct
 import sys
 import zlib
 
+import block_files
 import h5py
 import hdf5_files
 import netCDF4
@@ -517,6 +518,7 @@ def main():
     vtkhdf()
     containers()
     hdf5_files.write(FIELD, lattice)
+    block_files.write()
     xdmf_files.write(FIELD, lattice, expect)
     cgns()
     nifti_files()
