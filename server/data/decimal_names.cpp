@@ -93,7 +93,15 @@ double WrittenNumber::value() const {
   return out;
 }
 
+WrittenNumber written_number(const std::string& text, bool behind_letter) {
+  const auto dot = std::min(text.find('.'), text.size());
+  return {text.substr(0, dot), text.substr(std::min(dot + 1, text.size())), behind_letter};
+}
+
+bool has_sign_or_exponent(const WrittenNumber& number) { return number.whole.starts_with('-') || (number.whole + number.fraction).find_first_of("eE") != std::string::npos; }
+
 bool are_decimals(const std::vector<WrittenNumber>& numbers) {
+  if (numbers.size() > 1 && std::any_of(numbers.begin(), numbers.end(), has_sign_or_exponent)) return true;
   const auto has_dot = [](const WrittenNumber& number) { return !number.fraction.empty(); };
   if (numbers.size() < 2 || std::none_of(numbers.begin(), numbers.end(), has_dot)) return false;
   if (std::any_of(numbers.begin(), numbers.end(), [](const WrittenNumber& number) { return with_zeros(number.whole); })) return false;
@@ -122,8 +130,7 @@ std::vector<WrittenNumber> numbers_at_star(std::string_view pattern, const std::
     const std::string name = file.path.filename().string();
     if (name.size() + 1 < pattern.size() - (last - first)) return {};  // the first of restarts has no number
     const std::string text = name.substr(first, name.size() - first - (pattern.size() - last - 1));
-    const auto dot = std::min(text.find('.'), text.size());
-    out.push_back({text.substr(0, dot), text.substr(std::min(dot + 1, text.size())), first > 0 && std::isalpha(static_cast<unsigned char>(pattern[first - 1])) != 0});
+    out.push_back(written_number(text, first > 0 && std::isalpha(static_cast<unsigned char>(pattern[first - 1])) != 0));
   }
   return out;
 }
@@ -131,11 +138,36 @@ std::vector<WrittenNumber> numbers_at_star(std::string_view pattern, const std::
 std::vector<double> decimals_in_names(std::string_view pattern, const std::vector<SeriesFile>& files) {
   const std::vector<WrittenNumber> numbers = numbers_at_star(pattern, files);
   const bool one_star = pattern.find('*') == pattern.rfind('*');
-  const bool dots = std::any_of(numbers.begin(), numbers.end(), [](const WrittenNumber& number) { return !number.fraction.empty(); });
+  const bool dots = std::any_of(numbers.begin(), numbers.end(), [](const WrittenNumber& number) { return !number.fraction.empty() || has_sign_or_exponent(number); });
   std::vector<double> out;
   if (!dots || (!one_star && !are_decimals(numbers))) return out;
   for (const WrittenNumber& number : numbers) out.push_back(number.value());
   return out;
+}
+
+bool is_signed_at_star(std::string_view name, std::string_view pattern) {
+  const auto star = decimal_star(pattern);
+  if (star == std::string_view::npos || pattern.find('*') != star || star != pattern.rfind('*') || name.size() < pattern.size()) return false;
+  const std::string_view before = pattern.substr(0, star), behind = pattern.substr(star + 1);
+  if (!name.starts_with(before) || !name.ends_with(behind)) return false;
+  std::string_view rest = name.substr(star, name.size() + 1 - pattern.size());
+  const auto digits = [&] {
+    const auto count = std::min(rest.find_first_not_of("0123456789"), rest.size());
+    rest.remove_prefix(count);
+    return count > 0;
+  };
+  const bool minus = rest.starts_with('-') && (star == 0 || before.ends_with('_') || before.ends_with('=') || before.ends_with(' '));
+  if (minus) rest.remove_prefix(1);
+  if (!digits()) return false;
+  if (rest.starts_with('.')) {
+    rest.remove_prefix(1);
+    if (!digits()) return false;
+  }
+  if (rest.size() > 2 && (rest[0] == 'e' || rest[0] == 'E') && (rest[1] == '-' || rest[1] == '+')) {
+    rest.remove_prefix(2);
+    return digits() && rest.empty();
+  }
+  return minus && rest.empty();
 }
 
 std::string with_dot(const std::string& pattern) {

@@ -46,7 +46,8 @@ struct Name {
   std::string text;
   std::vector<std::pair<std::size_t, std::size_t>> runs;  // begin, length of each number
   std::vector<std::uint64_t> numbers;
-  std::size_t decimal = std::string::npos;  // which of the numbers is one with a dot in it, or may be
+  std::size_t decimal = std::string::npos;  // which of the numbers is one with a dot, a sign or an exponent, or may be
+  std::size_t end_of_decimal = 0;           // behind it
   std::string decimal_stars = "*";
 
   explicit Name(std::string of) : text(std::move(of)) {
@@ -84,21 +85,47 @@ struct Name {
     const std::size_t dot = runs[r].first + runs[r].second;
     return r + 1 < runs.size() && runs[r + 1].first == dot + 1 && text[dot] == '.';
   }
-  /// The last two numbers with a dot between them, and none before or behind.
-  void find_decimal() {
-    for (std::size_t r = 0; r + 1 < runs.size(); ++r)
-      if (dot_behind(r) && !dot_behind(r + 1) && (runs[r].first == 0 || text[runs[r].first - 1] != '.')) decimal = r;
+  std::size_t end_of(std::size_t r) const { return runs[r].first + runs[r].second; }
+  /// Whether a minus before it is no hyphen: "phi_-0.5", not "run-5".
+  bool negative(std::size_t r) const {
+    const std::size_t at = runs[r].first;
+    return at > 0 && text[at - 1] == '-' && (at == 1 || text[at - 2] == '_' || text[at - 2] == '=' || text[at - 2] == ' ');
   }
+  /// Whether the number behind r is its exponent, "1e-3": with a sign, and at the end of a word.
+  bool exponent_behind(std::size_t r) const {
+    const std::size_t e = end_of(r);
+    return r + 1 < runs.size() && runs[r + 1].first == e + 2 && (text[e] == 'e' || text[e] == 'E') && (text[e + 1] == '-' || text[e + 1] == '+') &&
+           (end_of(r + 1) == text.size() || !std::isalnum(static_cast<unsigned char>(text[end_of(r + 1)])));
+  }
+  /// The last number with a minus or an exponent, else the last two with a dot between them, and none before or behind.
+  void find_decimal() {
+    bool found_special = false;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      const bool fraction = dot_behind(r) && !dot_behind(r + 1) && (runs[r].first == 0 || text[runs[r].first - 1] != '.');
+      const std::size_t last = fraction ? r + 1 : r;
+      const bool exponent = exponent_behind(last), special = exponent || negative(r);
+      if ((!fraction && !special) || (found_special && !special)) continue;
+      decimal = r;
+      end_of_decimal = end_of(exponent ? last + 1 : last);
+      found_special = special;
+      if (exponent) r = last + 1;
+    }
+  }
+  std::size_t begin_of(std::size_t r) const { return runs[r].first - (negative(r) ? 1 : 0); }
   WrittenNumber written(std::size_t r) const {
-    const auto at = [&](std::size_t run) { return text.substr(runs[run].first, runs[run].second); };
-    return {at(r), decimal == r ? at(r + 1) : "", runs[r].first > 0 && std::isalpha(static_cast<unsigned char>(text[runs[r].first - 1])) != 0};
+    const std::size_t begin = decimal == r ? begin_of(r) : runs[r].first;
+    const bool behind_letter = begin > 0 && std::isalpha(static_cast<unsigned char>(text[begin - 1])) != 0;
+    return written_number(text.substr(begin, (decimal == r ? end_of_decimal : end_of(r)) - begin), behind_letter);
   }
   /// The two are one from now on. In place of its value, which is not whole, stands its place among all.
   void join(std::size_t r, std::uint64_t place, const std::string& stars) {
     if (decimal == r) {
-      runs[r].second += 1 + runs[r + 1].second;
-      runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(r) + 1);
-      numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(r) + 1);
+      while (r + 1 < runs.size() && runs[r + 1].first < end_of_decimal) {
+        runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(r) + 1);
+        numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(r) + 1);
+      }
+      const std::size_t begin = begin_of(r);
+      runs[r] = {begin, end_of_decimal - begin};
     }
     decimal = r;
     decimal_stars = stars;
@@ -171,7 +198,7 @@ bool join_decimals(std::vector<Name>& names) {
   for (const Name& name : names) values.push_back(written.emplace_back(name.written(at)).value());
   std::sort(values.begin(), values.end());
   if (!are_decimals(written)) return false;
-  const bool all = std::all_of(names.begin(), names.end(), [](const Name& name) { return name.decimal != std::string::npos; });
+  const bool all = std::all_of(written.begin(), written.end(), [](const WrittenNumber& number) { return !number.fraction.empty() && !has_sign_or_exponent(number); });
   for (std::size_t n = 0; n < names.size(); ++n)
     names[n].join(at, static_cast<std::uint64_t>(std::lower_bound(values.begin(), values.end(), written[n].value()) - values.begin()), all ? "*.*" : "*");
   return true;
@@ -248,7 +275,9 @@ std::vector<SeriesFile> series_files(const fs::path& pattern) {
     const std::string name = it->path().filename().string();
     const bool whole = matches(name, text, numbers);
     if (!whole) numbers.clear();
-    if ((!whole && (dotted.empty() || !matches(name, dotted, numbers))) || !(it->is_regular_file(ignored) || is_plotfile(it->path()))) continue;
+    const bool special = !whole && is_signed_at_star(name, text);
+    if (special) numbers.push_back(0);
+    if ((!whole && !special && (dotted.empty() || !matches(name, dotted, numbers))) || !(it->is_regular_file(ignored) || is_plotfile(it->path()))) continue;
     if (it->is_symlink(ignored)) check_link(it->path());
     if (files.size() + decimals.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
     (whole ? files : decimals).push_back({it->path(), std::move(numbers)});

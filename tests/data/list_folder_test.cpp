@@ -142,6 +142,28 @@ TEST(GroupByNumber, ADateAndItsTimeOfDayCountAsOne) {
   EXPECT_EQ(grouped({"a_2000-13-01.nc", "a_2000-13-02.nc", "a_2000-14-01.nc", "a_2000-14-02.nc"}), (Groups{{"a_2000-13-*.nc", 2}, {"a_2000-14-*.nc", 2}}));  // no month
 }
 
+TEST(GroupByNumber, AMinusAndAnExponentAreOfTheNumber) {
+  for (const auto& [numbers, members] : std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>{
+           {{"-0.5", "0", "0.5", "-1.5"}, {"t_-1.5.vtk", "t_-0.5.vtk", "t_0.vtk", "t_0.5.vtk"}},
+           {{"1", "-1", "0", "-2"}, {"t_-2.vtk", "t_-1.vtk", "t_0.vtk", "t_1.vtk"}},
+           {{"1e-3", "1.5e-3", "0.01", "1e+2"}, {"t_1e-3.vtk", "t_1.5e-3.vtk", "t_0.01.vtk", "t_1e+2.vtk"}}}) {
+    const Scratch scratch;
+    std::vector<std::string> names;
+    for (const std::string& number : numbers) scratch.write(names.emplace_back("t_" + number + ".vtk"), "");
+    const auto groups = group_by_number(names);
+    ASSERT_EQ(groups.size(), 1u);
+    EXPECT_EQ(groups.front().name, "t_*.vtk");
+    EXPECT_EQ(groups.front().members, members);
+    std::vector<std::string> found;
+    for (const SeriesFile& file : series_files(scratch / "t_*.vtk")) found.push_back(file.path.filename().string());
+    EXPECT_EQ(found, members);
+  }
+  // A hyphen, and letters that are no exponent.
+  EXPECT_EQ(group_by_number({"run-1.vtk", "run-2.vtk"}).front().name, "run-*.vtk");
+  EXPECT_EQ(group_by_number({"x_1e3.vtk", "x_2e3.vtk"}).front().name, "x_*e3.vtk");
+  EXPECT_EQ(group_by_number({"a_2020-01-31.vtk", "a_2020-02-01.vtk"}).front().name, "a_2020-*-*.vtk");
+}
+
 TEST(NumberedFiles, DecimalNumbersAreTheirTimesInTheListingAndByAPattern) {
   const Scratch scratch;
   const std::vector<std::string> written{"0.05", "0.1", "0.15", "0.2", "1.0", "1.05", "10.0"};
@@ -157,9 +179,11 @@ TEST(NumberedFiles, DecimalNumbersAreTheirTimesInTheListingAndByAPattern) {
   EXPECT_EQ(test::open(scratch / "U_0.*.vti")->times, (std::vector<double>{1, 2, 5, 15}));
   for (const std::string more : {"V_0", "V_0.5", "V_1", "V_1.5"}) scratch.write(more + ".vti", image());
   EXPECT_EQ(test::open(scratch / "V_*.vti")->times, (std::vector<double>{0, 0.5, 1, 1.5}));
+  for (const std::string more : {"w_-0.5", "w_0", "w_5e-1", "w_-1.5"}) scratch.write(more + ".vti", image());
+  EXPECT_EQ(test::open(scratch / "w_*.vti")->times, (std::vector<double>{-1.5, -0.5, 0, 0.5}));
   for (const std::string more : {"p_1", "p_2", "p_1.0001", "p_1.0002", "p_2.0001", "p_2.0002"}) scratch.write(more + ".vti", image());
   EXPECT_EQ(test::open(scratch / "p_*.vti")->times, (std::vector<double>{1, 2}));
-  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"U_*.*.vti", 7}, {"V_*.vti", 4}, {"p_*.vti", 2}, {"p_1.*.vti", 2}, {"p_2.*.vti", 2}}));
+  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"U_*.*.vti", 7}, {"V_*.vti", 4}, {"p_*.vti", 2}, {"p_1.*.vti", 2}, {"p_2.*.vti", 2}, {"w_*.vti", 4}}));
 }
 
 TEST(NumberedFiles, AreStepsInTheOrderOfTheirNumbersWithGaps) {
