@@ -39,6 +39,8 @@ class Writer {
     check_bytes(request_, total_, request_.file.filename().string());
     written_.insert(name);
     if (const auto place = MappedFile::place_of(bytes); place && place->offset == 0 && place->file == directory_ / name) return;  // its reader wrote it
+    std::error_code none_there;
+    std::filesystem::remove(directory_ / name, none_there);  // another array may be mapped from a file of this name: that stays as it is
     const int out = open((directory_ / name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (out < 0) throw_system_error("cannot write to a temporary file", errno);
     last_ = write_behind(Hurry::none, out, bytes, true, std::move(storage));

@@ -30,6 +30,13 @@ def kinds(field, lattice):
     lattice("user_block.h5", {"x": [0, 345, 0]}, UNIT, [5, 3, 2, "x", 235])
 
 
+def vectors(field, lattice):
+    with h5py.File("two_vectors.h5", "w") as file:
+        file["u"] = np.stack([field, 2 * field, 3 * field], -1)
+        file["v"] = np.stack([4 * field, 5 * field, 6 * field], -1)
+    lattice("two_vectors.h5", {"u_x": [0, 345, 0], "u_z": [0, 1035, 0], "v_x": [0, 1380, 0], "v_z": [0, 2070, 0]}, UNIT, [5, 3, 2, "v_y", 1175])
+
+
 def lists(field, lattice):
     with h5py.File("lists.h5", "w") as file:
         file["Mesh/geometry"] = np.zeros((500, 3))
@@ -74,4 +81,5 @@ def write(field, lattice):
     imaris(field, lattice)
     links(field, lattice)
     kinds(field, lattice)
+    vectors(field, lattice)
     lists(field, lattice)
