@@ -84,7 +84,7 @@ json::value box_json(const Box3d& box) {
 json::object to_json(const Measured& made, const LayerMeasure& row, const std::vector<std::string>& names) {
   json::object of;
   for (std::size_t i = 0; i < names.size(); ++i)
-    of[names[i]] = json::object{{"min", json_number(row.of[i].min)}, {"mean", json_number(row.of[i].mean)}, {"max", json_number(row.of[i].max)}, {"integral", json_number(row.of[i].integral)}};
+    of[names[i]] = json::object{{"min", json_number(row.of[i].min)}, {"mean", json_number(row.of[i].mean)}, {"max", json_number(row.of[i].max)}, {"deviation", json_number(row.of[i].deviation)}, {"integral", json_number(row.of[i].integral)}};
   const Interval& interval = made.intervals[row.interval];
   return {{"lower", json_number(interval.lower)},
           {"upper", json_number(interval.upper)},
@@ -108,7 +108,7 @@ std::string csv_name(const std::string& name) {
 void print_csv_head(const std::vector<std::string>& names) {
   std::printf("time,lower,upper,component,tetrahedra,volume,volume_error,area_lower,area_upper,area_domain,area_contact,centroid_x,centroid_y,centroid_z,x_min,x_max,y_min,y_max,z_min,z_max");
   for (const std::string& name : names)
-    for (const char* what : {" min", " mean", " max", " integral"}) std::printf(",%s", csv_name(name + what).c_str());
+    for (const char* what : {" min", " mean", " max", " deviation", " integral"}) std::printf(",%s", csv_name(name + what).c_str());
   std::printf("\n");
 }
 
@@ -133,7 +133,7 @@ void print_csv(const Measured& made, double time) {
     for (int axis = 0; axis < 3; ++axis) print_csv(empty ? none : row.centroid[axis]);
     for (int axis = 0; axis < 3; ++axis) print_csv(row.bounds.lower[axis]), print_csv(row.bounds.upper[axis]);
     for (const ArrayMeasure& of : row.of)
-      for (const double value : {of.min, of.mean, of.max, of.integral}) print_csv(value);
+      for (const double value : {of.min, of.mean, of.max, of.deviation, of.integral}) print_csv(value);
     std::printf("\n");
   }
 }
@@ -155,7 +155,7 @@ void print_text(const Measured& made, double time, const std::vector<std::string
     std::printf("    centroid  %.8g, %.8g, %.8g\n    bounds    x [%g, %g]  y [%g, %g]  z [%g, %g]\n", row.centroid.x, row.centroid.y, row.centroid.z, row.bounds.lower.x, row.bounds.upper.x,
                 row.bounds.lower.y, row.bounds.upper.y, row.bounds.lower.z, row.bounds.upper.z);
     for (std::size_t i = 0; i < names.size(); ++i)
-      std::printf("    %-9s min %.8g, mean %.8g, max %.8g, integral %.8g\n", names[i].c_str(), row.of[i].min, row.of[i].mean, row.of[i].max, row.of[i].integral);
+      std::printf("    %-9s min %.8g, mean %.8g (standard deviation %.4g), max %.8g, integral %.8g\n", names[i].c_str(), row.of[i].min, row.of[i].mean, row.of[i].deviation, row.of[i].max, row.of[i].integral);
   }
 }
 
@@ -244,7 +244,7 @@ void add_options(CLI::App& command, MeasureArguments& arguments) {
 }  // namespace
 
 void add_measure_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("measure", "Says what each layer holds: volume, areas, centroid, axes, and of any array minimum, mean, maximum and integral");
+  CLI::App* command = app.add_subcommand("measure", "Says what each layer holds: volume, areas, centroid, axes, and of any array minimum, mean, standard deviation, maximum and integral");
   const auto arguments = std::make_shared<MeasureArguments>();
   add_options(*command, *arguments);
   command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated (-inf and inf leave an end open)")->required()->allow_extra_args(false);
