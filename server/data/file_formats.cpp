@@ -35,7 +35,7 @@ constexpr std::array kFormats{
                "VTK"},
     FileFormat{FileKind::plot3d, "PLOT3D", ".xyz .x .g .grd .p3d .q .f xyz.bin grid.bin", "grids with the solution beside them, every dialect", "ours"},
     FileFormat{FileKind::netcdf, "netCDF", ".nc .cdf .nc4 .ncdf", "CF conventions: the variables over the most axes, all times, fill values as gaps", "VTK"},
-    FileFormat{FileKind::zarr, "Zarr: OME-Zarr, xarray", ".zarr", "a folder: Zarr 2 and 3; of an image the finest level, or one level by its folder, t are steps, c arrays; of xarray's groups CF conventions, as of netCDF; chunks and shards by blosc, zstd, gzip, lz4, bzip2",
+    FileFormat{FileKind::zarr, "Zarr", ".zarr", "a folder: Zarr 2 and 3; of an image the finest level, or one level by its folder, t are steps, c arrays; of xarray's groups CF conventions, as of netCDF; chunks and shards by blosc, zstd, gzip, lz4, bzip2",
                "ours"},
     FileFormat{FileKind::vtk_levels, "XML VTK of levels (AMR)", ".vthb .vth", "boxes of cells in levels: the cells that no finer box covers, as one conforming grid", "ours, for the list"},
     FileFormat{FileKind::hyper_tree, "hyper tree grid", ".htg", "the leaves of its trees as one conforming grid; masked ones are hidden", "VTK"},

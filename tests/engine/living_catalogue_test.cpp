@@ -101,7 +101,7 @@ TEST_P(LivingFolder, AZarrFolderIsOneEntryWhichIsAnotherVersionIfItsMetadataIsRe
   begin();
   EXPECT_EQ(newest()->entries().size(), 1u);
   const CatalogueEntry first = wait_for("i.zarr", [](const auto& e) { return !e.writing; });
-  EXPECT_EQ(first.kind, "OME-Zarr image");
+  EXPECT_EQ(first.kind, "Zarr");
   folder_.write("i.zarr/.zattrs", R"({"multiscales":[{"name":"other","datasets":[{"path":"0"}]}]})");
   const CatalogueEntry other = wait_for("i.zarr", [&](const auto& e) { return e.version > first.version && !e.writing; });
   EXPECT_EQ(other.id, first.id);
