@@ -136,7 +136,7 @@ CatalogueEntry Catalogue::entry_of(const fs::path& path) {
   const SourceStamp stamp = stamp_of(path);
   entry.bytes = stamp.bytes;
   entry.changed_unix_ms = stamp.changed_unix_ms();
-  entry.slices = is_series_pattern(path) && (names_pictures(path) || entry.kind == format_of(FileKind::dicom).name);
+  entry.one_step = is_series_pattern(path) && (names_pictures(path) || entry.kind == format_of(FileKind::dicom).name);
   entry.parts = entry.files;
   entry.mark = mark_on_disk(entry.source, entry.files);
   return entry;
@@ -144,7 +144,9 @@ CatalogueEntry Catalogue::entry_of(const fs::path& path) {
 
 CatalogueEntry Catalogue::entry_of(const fs::path& root, const FolderEntry& listed) {
   CatalogueEntry entry{{}, listed.name, marked(root, listed.source), std::string(format_of(listed.kind).name), listed.bytes, listed.changed, listed.files};
-  entry.slices = listed.kind == FileKind::pictures || listed.kind == FileKind::dicom;
+  const bool slices = listed.kind == FileKind::pictures || listed.kind == FileKind::dicom;
+  const bool lists_steps = listed.kind == FileKind::pvd || listed.kind == FileKind::series || listed.kind == FileKind::openfoam;
+  entry.one_step = slices || (listed.files <= 1 && !lists_steps);
   entry.writing = listed.writing;
   entry.parts = std::max(1, static_cast<int>(listed.marks.size()));
   // What a reader may find otherwise than it was listed: of lists, cases and folders too much to look at again after each reading.

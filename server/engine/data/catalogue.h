@@ -28,7 +28,7 @@ struct CatalogueEntry {
   std::uint64_t bytes = 0;           // of all its files
   std::int64_t changed_unix_ms = 0;  // the newest of them
   int files = 1;                     // steps or slices that are files of their own
-  bool slices = false;               // files are slices of a volume, else steps
+  bool one_step = false;             // its files are parts of one step (slices, blocks, boxes, pieces), else steps
   bool writing = false;              // one of its files is being written
   CatalogueNews news = CatalogueNews::none;
   std::int64_t noticed_unix_ms = 0;  // when

@@ -34,7 +34,7 @@ std::string by_whom() {
 
 /// Every n-th point, where the whole is too much to read in passing.
 Region part_to_read(const CatalogueEntry& of) {
-  const std::uint64_t bytes = of.slices ? of.bytes : of.bytes / static_cast<std::uint64_t>(std::max(of.files, 1));  // of a step
+  const std::uint64_t bytes = of.one_step ? of.bytes : of.bytes / static_cast<std::uint64_t>(std::max(of.files, 1));  // of a step
   Region part;
   if (bytes <= kMostThumbnailRead) return part;
   if (!may_lie_in_place(of.source))

@@ -54,7 +54,7 @@ v1::DatasetEntry to_wire(const CatalogueEntry& entry) {
   out.set_bytes(entry.bytes);
   out.set_changed_unix_ms(static_cast<double>(entry.changed_unix_ms));
   out.set_files(static_cast<std::uint32_t>(std::max(entry.files, 1)));
-  const int steps = entry.slices ? 1 : std::max(entry.files, entry.parts);
+  const int steps = entry.one_step ? 1 : std::max(entry.files, entry.parts);
   if (steps > 1) out.set_steps(static_cast<std::uint32_t>(steps));
   out.set_news(to_wire(entry.news));
   out.set_noticed_unix_ms(static_cast<double>(entry.noticed_unix_ms));

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "base/error.h"
@@ -45,6 +46,22 @@ TEST(CatalogueIds, NameAPartAndAVersionOfIt) {
   EXPECT_EQ(part_id(id, Region{}), "head-3f2a91");
   EXPECT_EQ(part_name("head.nii", part), "head.nii, points :31,:,5: by 2");
   for (const char* wrong : {"head@", "head@1", "head@:,:,:*0", "head@9:3,:,:"}) EXPECT_THROW(part_of_id(wrong), Error) << wrong;
+}
+
+TEST_F(CatalogueFiles, BlocksThatAFileListsAreNoSteps) {
+  const auto listed = [](const std::string& kind, const std::string& inside) {
+    return "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + kind + "\" version=\"1.0\"><" + kind + ">" + inside + "</" + kind + "></VTKFile>\n";
+  };
+  root_.write("more/parts.vtm", listed("vtkMultiBlockDataSet", "<DataSet index=\"0\" file=\"p.vti\"/><DataSet index=\"1\" file=\"q.vti\"/>"));
+  root_.write("more/time.pvd", listed("Collection", "<DataSet timestep=\"0\" file=\"r.vti\"/><DataSet timestep=\"1\" file=\"s.vti\"/>"));
+  for (const char* name : {"p", "q", "r", "s"}) root_.write("more/" + std::string(name) + ".vti", listed("ImageData", ""));
+  const auto catalogue = Catalogue::from_sources({(root_ / "more").string()});
+  std::map<std::string, bool> one_step;
+  for (const CatalogueEntry& entry : catalogue.entries()) {
+    one_step[entry.name] = entry.one_step;
+    EXPECT_EQ(entry.parts, 2) << entry.name;
+  }
+  EXPECT_EQ(one_step, (std::map<std::string, bool>{{"parts.vtm", true}, {"time.pvd", false}}));
 }
 
 TEST_F(CatalogueFiles, ADirectoryOffersWhatCanBeReadInsideItself) {
