@@ -16,8 +16,8 @@ const PointArray& Dataset::array(std::string_view wanted) const {
     all += (all.empty() ? "" : ", ") + candidate.name;
     names.push_back(candidate.name);
   }
-  throw Error(ErrorCode::not_found, name + ": no array '" + std::string(wanted) + "'; " +
-                                        (all.empty() ? "it has no point or cell arrays" : "it has " + all) + "." + did_you_mean(wanted, names));
+  const std::string meant = did_you_mean(wanted, names);
+  throw Error(ErrorCode::not_found, name + ": no array '" + std::string(wanted) + "'; " + (all.empty() ? "it has no point or cell arrays" : "it has " + all) + (meant.empty() ? "" : "." + meant));
 }
 
 }  // namespace isostrata

@@ -32,7 +32,7 @@ T number(std::string_view part, std::string_view whole, const char* what) {
   return value;
 }
 
-/// Throws not_found if there is no such file, with the name beside it, or of a built-in field, that is nearly the same.
+/// Throws not_found if there is no such file but one beside it, or a built-in field, whose name is nearly the same.
 void say_what_was_meant(const std::string& file) {
   namespace fs = std::filesystem;
   constexpr int kMost = 10000;  // names of a folder that are looked at
@@ -46,7 +46,7 @@ void say_what_was_meant(const std::string& file) {
   int looked_at = 0;
   for (fs::directory_iterator entry(folder.empty() ? "." : folder, error), end; !error && entry != end && looked_at < kMost; entry.increment(error), ++looked_at)
     names.push_back((folder / entry->path().filename()).string());
-  throw Error(ErrorCode::not_found, file + ": no such file or analytic data." + did_you_mean(file, names));
+  if (const std::string meant = did_you_mean(file, names); !meant.empty()) throw Error(ErrorCode::not_found, file + ": no such file or analytic data." + meant);
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

@@ -171,8 +171,8 @@ ColorMap color_map(std::string_view name) {
     known += (known.empty() ? "" : ", ") + map.name;
     names.push_back(map.name);
   }
-  throw Error(ErrorCode::not_found, "colour map '" + std::string(name) + "' is not built in; there are " + known + " and ramps as #0000ff-#ffffff." +
-                                        did_you_mean(name, names));
+  const std::string meant = did_you_mean(name, names);
+  throw Error(ErrorCode::not_found, "colour map '" + std::string(name) + "' is not built in; there are " + known + " and ramps as #0000ff-#ffffff" + (meant.empty() ? "" : "." + meant));
 }
 
 bool is_color_map(std::string_view name) {
