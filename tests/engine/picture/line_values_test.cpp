@@ -128,7 +128,9 @@ int holds(const StepSource& steps, const Scene& scene, const std::string& array,
       if (deep < -1e-6) {
         EXPECT_FALSE(found) << "a value beyond the data";
       }
-      if (found && deep > 1e-6) EXPECT_NEAR(*found, value, 1e-6 * (dataset.array(array).upper - dataset.array(array).lower));
+      if (found && deep > 1e-6) {
+        EXPECT_NEAR(*found, value, 1e-6 * (dataset.array(array).upper - dataset.array(array).lower));
+      }
       for (std::size_t i = 0; i < layers.layers.mesh.summaries.size(); ++i) {
         const double in_layer = layers.at(p, i).first;
         if (std::abs(in_layer) < 1e-5) continue;
@@ -181,7 +183,9 @@ TEST(LineValues, ALineOnFacesAndEdgesOfCellsHasNoGapsAndEachValueOnce) {
     for (std::size_t i = 0; i < curve.at.size(); ++i) {
       const Vec3d p = from + normalized(to - from) * curve.at[i];
       EXPECT_NEAR(curve.values[i], 3 * p.x - p.y + 2 * p.z, 1e-7);
-      if (i > 0) EXPECT_GT(curve.at[i], curve.at[i - 1]);
+      if (i > 0) {
+        EXPECT_GT(curve.at[i], curve.at[i - 1]);
+      }
     }
     EXPECT_LE(curve.at.size(), 60u);
   }
@@ -263,7 +267,9 @@ TEST(LineValues, ManySamplesKeepTheirExtremesAndTheirGaps) {
   EXPECT_EQ(std::count_if(curve.values.begin(), curve.values.end(), [](double of) { return std::isnan(of); }), 10);
   for (const int place : {33333, 77777}) EXPECT_NE(std::find(curve.at.begin(), curve.at.end(), place), curve.at.end());
   for (std::size_t i = 0; i < curve.at.size(); ++i)
-    if (!std::isnan(curve.values[i])) EXPECT_EQ(curve.values[i], all.values[static_cast<std::size_t>(curve.at[i])]);
+    if (!std::isnan(curve.values[i])) {
+      EXPECT_EQ(curve.values[i], all.values[static_cast<std::size_t>(curve.at[i])]);
+    }
 }
 
 TEST(LineValues, WhatCannotBeAskedIsSaid) {
