@@ -20,7 +20,7 @@ let base = '';
 let document: Json;
 
 beforeAll(async () => {
-  server = await Server.start({ data: ['torus:64', 'sphere:16'], token, more: ['--device', 'native', '--log-format', 'json'] });
+  server = await Server.start({ data: ['torus:64', 'sphere:16', 'cylinder:8x8x4x3'], token, more: ['--device', 'native', '--log-format', 'json'] });
   base = `http://127.0.0.1:${server.ready.port}`;
   document = await (await call('GET', '/openapi.json')).json();
 });
@@ -138,6 +138,16 @@ test('every operation of the document can be called, and answers what the docume
   expect(probed.arrays.map(({ name }: Json) => name)).toEqual(['distance']);
   expect((await answers.call('getProbe', at, undefined, '?x=0&y=0')).json.miss).toContain('background');
   expect((await answers.call('getProbe', at)).response.status).toBe(400);
+  // From outside the box, which begins after 1.
+  const line = (await answers.call('getProbeLine', at, undefined, '?from=-2,0.1,0.2&to=0.9,0.1,0.2')).json;
+  expect(line.at[0]).toBeCloseTo(1);
+  expect(line.value).toHaveLength(line.at.length);
+  expect((await answers.call('getProbeLine', at, undefined, '?from=0,0,0')).response.status).toBe(400);
+  expect((await answers.call('getProbeSteps', at, undefined, '?at=0.5,0.1,0.2')).text).toContain('has one step');
+  const series = (await answers.call('createSession', {}, { dataset: 'cylinder-8x8x4x3' })).json.id as string;
+  expect((await answers.call('getProbeSteps', { session: series }, undefined, '?at=2,0.5,4')).json.value).toHaveLength(3);
+  await answers.call('deleteSession', { session: series });
+  expect((await answers.call('getIntervalStatistics', { session, interval })).json.volume).toBeGreaterThan(0);
   // Each part of the state is read, and given back.
   for (const part of Object.keys(document.paths).filter((p) => document.paths[p].get?.tags[0] === 'scene')) {
     const { get, put, patch } = document.paths[part];
