@@ -18,24 +18,10 @@
 #include <vector>
 
 #include "base/error.h"
+#include "import/vtk_type.h"
 
 namespace isostrata {
 namespace {
-
-int vtk_type(ScalarType type) {
-  switch (type) {
-    case ScalarType::int8: return VTK_SIGNED_CHAR;
-    case ScalarType::uint8: return VTK_UNSIGNED_CHAR;
-    case ScalarType::int16: return VTK_SHORT;
-    case ScalarType::uint16: return VTK_UNSIGNED_SHORT;
-    case ScalarType::int32: return VTK_INT;
-    case ScalarType::uint32: return VTK_UNSIGNED_INT;
-    case ScalarType::int64: return VTK_LONG_LONG;
-    case ScalarType::uint64: return VTK_UNSIGNED_LONG_LONG;
-    case ScalarType::float32: return VTK_FLOAT;
-    default: return VTK_DOUBLE;
-  }
-}
 
 struct Bounds {
   double least = -std::numeric_limits<double>::infinity(), greatest = std::numeric_limits<double>::infinity();
@@ -136,14 +122,14 @@ double one_number(const NetcdfGroup& file, int variable, const char* attribute, 
 
 ScalarType netcdf_stored(vtkDataArray& values) {
   for (const ScalarType type : {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16, ScalarType::int32, ScalarType::uint32, ScalarType::int64, ScalarType::uint64, ScalarType::float32})
-    if (vtk_type(type) == values.GetDataType()) return type;
+    if (vtk_type_of(type) == values.GetDataType()) return type;
   return ScalarType::float64;
 }
 
 vtkSmartPointer<vtkDataArray> netcdf_values(const NetcdfGroup& file, int variable, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count) {
   const ScalarType type = file.type(variable).value_or(ScalarType::float64);
   const std::size_t values = std::accumulate(count.begin(), count.end(), std::size_t{1}, std::multiplies<>());
-  auto stored = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type(type)));
+  auto stored = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type_of(type)));
   stored->SetNumberOfValues(static_cast<vtkIdType>(values));
   if (const int error = nc_get_vara(file.number(), variable, from.data(), count.data(), stored->GetVoidPointer(0)); error != NC_NOERR)
     throw Error(ErrorCode::bad_data, "'" + file.name(variable) + "' cannot be read: " + nc_strerror(error));

@@ -16,25 +16,11 @@
 #include <string>
 
 #include "import/parsed_number.h"
+#include "import/vtk_type.h"
 #include "import/xdmf_grid.h"
 
 namespace isostrata {
 namespace {
-
-int xdmf_vtk_type(ScalarType type) {
-  switch (type) {
-    case ScalarType::int8: return VTK_SIGNED_CHAR;
-    case ScalarType::uint8: return VTK_UNSIGNED_CHAR;
-    case ScalarType::int16: return VTK_SHORT;
-    case ScalarType::uint16: return VTK_UNSIGNED_SHORT;
-    case ScalarType::int32: return VTK_INT;
-    case ScalarType::uint32: return VTK_UNSIGNED_INT;
-    case ScalarType::int64: return VTK_LONG_LONG;
-    case ScalarType::uint64: return VTK_UNSIGNED_LONG_LONG;
-    case ScalarType::float32: return VTK_FLOAT;
-    default: return VTK_DOUBLE;
-  }
-}
 
 /// Of a structured topology, x first: the file has the slowest axis first.
 std::array<int, 3> xdmf_dims(const XdmfElement& topology, std::size_t axes) {
@@ -143,7 +129,7 @@ vtkSmartPointer<vtkDataSet> xdmf_rectilinear(const std::array<int, 3>& dims, std
 }  // namespace
 
 vtkSmartPointer<vtkDataArray> vtk_array(const XdmfArray& array, int components, XdmfKept& keep) {
-  const auto out = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(xdmf_vtk_type(array.type)));
+  const auto out = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type_of(array.type)));
   out->SetNumberOfComponents(components);
   keep.push_back(array.storage);
   if (!array.values.empty()) out->SetVoidArray(const_cast<std::byte*>(array.values.data()), static_cast<vtkIdType>(array.count()), 1);
