@@ -32,6 +32,11 @@ int free_port(int wanted, bool strict) {
   throw ClientError("unavailable", "no port of this machine is free");
 }
 
+std::string address_here(const std::string& address, int port) {
+  const auto place = address.find("://") + 3;
+  return address.substr(0, place) + "127.0.0.1:" + std::to_string(port) + address.substr(address.find('/', place));
+}
+
 bool answers(Options options) {
   options.timeout = std::chrono::seconds(5);
   try {

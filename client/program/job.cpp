@@ -76,9 +76,4 @@ ServingJob read_job(const std::string& job, const std::string& printed) {
   return found;
 }
 
-std::string address_here(const ServingJob& job, int port) {
-  const auto place = job.address.find("://") + 3;
-  return job.address.substr(0, place) + "127.0.0.1:" + std::to_string(port) + job.address.substr(job.address.find('/', place));
-}
-
 }  // namespace isostrata::client

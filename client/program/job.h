@@ -22,7 +22,4 @@ extern const char* const kAskForJob;
 /// wrote no address), "no_slurm".
 ServingJob read_job(const std::string& job, const std::string& printed);
 
-/// The same address at a port of this machine.
-std::string address_here(const ServingJob& job, int port);
-
 }  // namespace isostrata::client

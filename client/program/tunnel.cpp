@@ -53,7 +53,7 @@ void tunnel(const Options& options, const TunnelArguments& arguments) {
                                                    : "ssh to " + job.node + " " + when + " with status " + std::to_string(status));
   };
   Options here = options;
-  here.url = address_here(job, port);
+  here.url = address_here(job.address, port);
   for (const auto last = std::chrono::steady_clock::now() + options.timeout; !answers(here);) {
     if (line.status()) throw ended("failed");
     if (std::chrono::steady_clock::now() > last)

@@ -89,11 +89,6 @@ std::string last_line(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-std::string at_port(const std::string& address, int port) {
-  const auto place = address.find("://") + 3;
-  return address.substr(0, place) + "127.0.0.1:" + std::to_string(port) + address.substr(address.find('/', place));
-}
-
 ClientError ended(const Place& place, int status, const std::string& printed) {
   const std::string who = place.host.empty() ? "the server" : place.host;
   if (status == 127 && printed.empty()) return {"unavailable", place.host.empty() ? "there is no program 'isostrata' here" : "there is no program 'ssh' here"};
@@ -133,7 +128,7 @@ void view(const Options& options, const ViewArguments& arguments) {
     address = address_in(printed);
   }
   Options here = options;
-  here.url = place.host.empty() ? address : at_port(address, port);
+  here.url = place.host.empty() ? address : address_here(address, port);
   for (const auto last = std::chrono::steady_clock::now() + options.timeout; !answers(here);) {
     if (stopped()) return;
     if (const auto status = server.status()) throw ended(place, *status, printed);
