@@ -3,6 +3,7 @@
 
 #include "net/http/json_body.h"
 #include "net/http/problem.h"
+#include "net/rest/answer_ready.h"
 #include "net/rest/rest_routes.h"
 #include "session/commands/apply_command.h"
 #include "session/wire/wire.h"
@@ -32,17 +33,11 @@ bool named(const json::object& document, const char* field) {
 void statistics(RestContext& context, const Call& call) {
   const auto interval = interval_of(call);
   if (!interval) return;
-  const auto asked = call.target.query.find("array");
-  const std::string array = asked == call.target.query.end() ? "" : asked->second;
+  const std::string array = array_parameter(call);
   if (!call.session->dataset()) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
   if (auto error = check_layer(interval->id(), array, call.session->scene(), {call.session->dataset()})) return call.reply(problem(*error));
   const RequestId request = call.session->layer_statistics(
-      interval->id(), array,
-      [reply = call.reply](const EngineEvent& event, TimePoint) {
-        if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
-        reply(message_response(200, to_wire(std::get<LayerStatisticsReady>(event))));
-      },
-      rest_now());
+      interval->id(), array, answer_ready<LayerStatisticsReady>(call), rest_now());
   give_up_with(call, context, request);
 }
 

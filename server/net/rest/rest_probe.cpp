@@ -2,8 +2,8 @@
 #include <array>
 #include <charconv>
 
-#include "net/http/json_body.h"
 #include "net/http/problem.h"
+#include "net/rest/answer_ready.h"
 #include "net/rest/rest_routes.h"
 #include "session/commands/apply_command.h"
 #include "session/wire/wire.h"
@@ -34,12 +34,7 @@ void probe(RestContext& context, const Call& call) {
   if (auto error = check_size(width, height)) return call.reply(problem(*error));
   if (!call.session->dataset()) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
   const RequestId request = call.session->probe(
-      x, y, static_cast<int>(width), static_cast<int>(height),
-      [reply = call.reply](const EngineEvent& event, TimePoint) {
-        if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
-        reply(message_response(200, to_wire(std::get<ProbeReady>(event))));
-      },
-      rest_now());
+      x, y, static_cast<int>(width), static_cast<int>(height), answer_ready<ProbeReady>(call), rest_now());
   give_up_with(call, context, request);
 }
 
@@ -61,19 +56,9 @@ std::optional<v1::Error> point_parameter(const Call& call, const char* name, v1:
   return std::nullopt;
 }
 
-std::string array_parameter(const Call& call) {
-  const auto it = call.target.query.find("array");
-  return it == call.target.query.end() ? "" : it->second;
-}
-
 void ask_curve(RestContext& context, const Call& call, const std::string& array, const v1::Vec3& from, std::optional<Vec3d> to) {
   const RequestId request = call.session->curve(
-      array, vector_of(from), to,
-      [reply = call.reply](const EngineEvent& event, TimePoint) {
-        if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
-        reply(message_response(200, to_wire(std::get<CurveReady>(event))));
-      },
-      rest_now());
+      array, vector_of(from), to, answer_ready<CurveReady>(call), rest_now());
   give_up_with(call, context, request);
 }
 
