@@ -43,19 +43,10 @@ class SectionMaker {
       while (last < edges_.size() && edges_[last] == edges_[first]) ++last;
       out_.unmatched_edges += (last - first) % 2;
     }
-    fill(out_.mesh.positions, positions_);
-    fill(out_.mesh.values, values_);
-    fill(out_.mesh.facets, facets_);
     return std::move(out_);
   }
 
  private:
-  template <class T>
-  static void fill(Buffer<T>& buffer, const std::vector<T>& from) {
-    buffer.resize(from.size());
-    std::copy(from.begin(), from.end(), buffer.begin());
-  }
-
   /// Where the plane meets the mesh's edge, or the end of it that lies on the plane.
   std::uint32_t point_on(std::uint32_t below, std::uint32_t above) {
     const bool at_end = distance_[above] == 0;
@@ -117,12 +108,12 @@ class SectionMaker {
   const Task& task_;
   std::vector<double> distance_;  // [np] from the plane
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
-  std::vector<Vec3d> positions_;
-  std::vector<double> values_;
-  std::vector<BoundaryFacet> facets_;
   std::vector<std::uint32_t> outline_;
   std::vector<std::array<std::uint32_t, 3>> edges_;  // interval, and two points
   Section out_;
+  Buffer<Vec3d>& positions_ = out_.mesh.positions;
+  Buffer<double>& values_ = out_.mesh.values;
+  Buffer<BoundaryFacet>& facets_ = out_.mesh.facets;
 };
 
 }  // namespace
