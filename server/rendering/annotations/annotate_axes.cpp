@@ -141,6 +141,35 @@ void put_free(const Text& text, const LabelBox& box, const AnnotationInput& inpu
 
 }  // namespace
 
+std::vector<Point2> box_outline(const AnnotationInput& input) {
+  if (input.bounds.empty()) return {};
+  const Screen screen(input);
+  std::vector<Point2> corners;
+  for (int i = 0; i < 8; ++i) {
+    const Box3d& box = input.bounds;
+    const Vec3d corner{i & 1 ? box.upper.x : box.lower.x, i & 2 ? box.upper.y : box.lower.y, i & 4 ? box.upper.z : box.lower.z};
+    if (!screen.before_eye(corner)) return {};
+    corners.push_back(screen.at(corner));
+  }
+  // The convex hull, by Andrew's chains: the one above from left to right, then the one below back.
+  std::sort(corners.begin(), corners.end(), [](Point2 a, Point2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  std::vector<Point2> outline;
+  for (int chain = 0; chain < 2; ++chain) {
+    const std::size_t first = outline.size();
+    for (const Point2 p : corners) {
+      while (outline.size() >= first + 2) {
+        const Point2 a = outline[outline.size() - 2], b = outline.back();
+        if ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x) > 0) break;
+        outline.pop_back();
+      }
+      outline.push_back(p);
+    }
+    outline.pop_back();  // begins the other chain
+    std::reverse(corners.begin(), corners.end());
+  }
+  return outline;
+}
+
 void annotate_box(const AnnotationInput& input, const AnnotationTheme& theme, Drawing& drawing) {
   const Screen screen(input);
   for (const Edge& edge : edges_of(input)) {

@@ -28,13 +28,17 @@ struct LabelBox {
   }
 };
 
+struct LegendLayout;
+
 /// The shapes of one part of the layout each. Boxes of all labels so far are in `taken`.
 void annotate_box(const AnnotationInput& input, const AnnotationTheme& theme, Drawing& drawing);
 void annotate_axes(const AnnotationInput& input, const AnnotationTheme& theme, const Font& font, std::vector<LabelBox>& taken,
                    Drawing& drawing);
 void annotate_triad(const AnnotationInput& input, const AnnotationTheme& theme, const Font& font, std::vector<LabelBox>& taken,
                     Drawing& drawing);
-void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme, const Font& font, std::vector<LabelBox>& taken,
-                     Drawing& drawing);
+void annotate_legend(const AnnotationInput& input, const AnnotationTheme& theme, const Font& font, const LegendLayout& legend, Drawing& drawing);
+
+/// The corners of the box's outline in the picture, in turn. Empty if there is no box, or a part of it lies behind the eye.
+std::vector<Point2> box_outline(const AnnotationInput& input);
 
 }  // namespace isostrata

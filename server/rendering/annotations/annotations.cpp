@@ -1,6 +1,9 @@
 #include "rendering/annotations/annotations.h"
 
+#include <algorithm>
+
 #include "rendering/annotations/annotation_theme.h"
+#include "rendering/annotations/legend_layout.h"
 
 namespace isostrata {
 
@@ -32,19 +35,78 @@ Text AnnotationTheme::label(Point2 at, std::string words, Text::Align align, dou
   return out;
 }
 
+namespace {
+
+/// Lines end where the legend begins.
+void cut_out(const LabelBox& box, std::vector<Shape>& shapes) {
+  std::vector<Shape> kept;
+  for (const Shape& shape : shapes) {
+    const auto* stroke = std::get_if<Stroke>(&shape);
+    if (!stroke) {
+      kept.push_back(shape);
+      continue;
+    }
+    const Point2 a = stroke->from, b = stroke->to;
+    double enters = 0, leaves = 1;  // shares of the line
+    const auto side = [&](double from, double to, double lower, double upper) {
+      if (from == to) {
+        if (from < lower || from > upper) leaves = -1;
+        return;
+      }
+      const double t0 = (lower - from) / (to - from), t1 = (upper - from) / (to - from);
+      enters = std::max(enters, std::min(t0, t1));
+      leaves = std::min(leaves, std::max(t0, t1));
+    };
+    const double half = stroke->width / 2;
+    side(a.x, b.x, box.x0 - half, box.x1 + half);
+    side(a.y, b.y, box.y0 - half, box.y1 + half);
+    const auto at = [&](double t) { return Point2{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t}; };
+    const auto piece = [&](Point2 from, Point2 to) {
+      Stroke part = *stroke;
+      part.from = from, part.to = to;
+      kept.emplace_back(part);
+    };
+    if (enters >= leaves) {
+      kept.push_back(shape);
+      continue;
+    }
+    if (enters > 0) piece(a, at(enters));
+    if (leaves < 1) piece(at(leaves), b);
+  }
+  shapes = std::move(kept);
+}
+
+}  // namespace
+
 Drawing annotate(const AnnotationInput& input) {
   Drawing drawing;
   if (!input.show.any()) return drawing;
   const AnnotationTheme theme(input);
   const Font font;
+  const bool boxed = !input.bounds.empty();
+  if (input.show.box && boxed) annotate_box(input, theme, drawing);
+  const auto with_axes = [&](std::vector<LabelBox>& taken) {
+    Drawing with = drawing;
+    if (input.show.axes && boxed) {
+      annotate_triad(input, theme, font, taken, with);
+      annotate_axes(input, theme, font, taken, with);
+    }
+    return with;
+  };
   std::vector<LabelBox> taken;
-  if (input.show.box && !input.bounds.empty()) annotate_box(input, theme, drawing);
-  if (input.show.legend) annotate_legend(input, theme, font, taken, drawing);
-  if (input.show.axes && !input.bounds.empty()) {
-    annotate_triad(input, theme, font, taken, drawing);
-    annotate_axes(input, theme, font, taken, drawing);
+  Drawing whole = with_axes(taken);
+  if (!input.show.legend) return whole;
+  const LegendLayout legend = lay_out_legend(input, theme, font, box_outline(input), taken);
+  if (legend.rows.empty()) return whole;
+  // If there is no free place, numbers that it would cover are left out.
+  if (std::any_of(taken.begin(), taken.end(), [&](const LabelBox& of) { return of.overlaps(legend.box, 0.5 * theme.letter); })) {
+    taken = {legend.box};
+    whole = with_axes(taken);
   }
-  return drawing;
+  cut_out(legend.box, whole.under);
+  cut_out(legend.box, whole.over);
+  annotate_legend(input, theme, font, legend, whole);
+  return whole;
 }
 
 }  // namespace isostrata

@@ -34,7 +34,8 @@ struct AnnotationInput {
 
 /// Lines of the box that the volume can hide lie under the picture, all others over it: the box holds the volume, so an edge is
 /// behind all of it where both its faces look away, and else on the outline or before it. Sizes follow the picture's: letters are
-/// a forty-eighth of its shorter side, at least 9 pixels. An axis that is scaled says how: "z ×50". What does not fit, or would cover another number, is left out.
+/// a forty-eighth of its shorter side, at least 9 pixels. An axis that is scaled says how: "z ×50". The legend stands
+/// where it covers nothing of the box and its numbers, if there is such a corner; else lines end at it. What does not fit, or would cover another number, is left out.
 Drawing annotate(const AnnotationInput& input);
 
 }  // namespace isostrata

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -78,6 +80,110 @@ TEST(Annotations, NumbersAndNamesNeverOverlapAndStayInThePicture) {
   }
 }
 
+/// What is drawn beside the legend, and the legend's panel: the first shape with the panel's opacity. All that follows is the
+/// legend's.
+struct Beside {
+  std::vector<Shape> shapes;  // of under and over
+  std::optional<Box> panel;
+};
+
+Beside beside_the_legend(const Drawing& drawing) {
+  Beside out{drawing.under, {}};
+  for (const Shape& shape : drawing.over) {
+    if (const auto* polygon = std::get_if<Polygon>(&shape); polygon && polygon->ink.opacity == 0.75) {
+      out.panel = Box{polygon->corners[0].x, polygon->corners[0].y, polygon->corners[2].x, polygon->corners[2].y};
+      break;
+    }
+    out.shapes.push_back(shape);
+  }
+  return out;
+}
+
+/// Whether any of many points of a shape lies within a box.
+bool meets(const Shape& shape, const Box& box) {
+  const auto inside = [&](Point2 p) { return p.x > box.x0 && p.x < box.x1 && p.y > box.y0 && p.y < box.y1; };
+  if (const auto* stroke = std::get_if<Stroke>(&shape)) {
+    for (int i = 0; i <= 1000; ++i)
+      if (inside({stroke->from.x + (stroke->to.x - stroke->from.x) * i / 1000,
+                  stroke->from.y + (stroke->to.y - stroke->from.y) * i / 1000}))
+        return true;
+  } else if (const auto* polygon = std::get_if<Polygon>(&shape)) {
+    return std::any_of(polygon->corners.begin(), polygon->corners.end(), inside);
+  } else if (std::holds_alternative<Text>(shape)) {
+    const Box text = text_boxes({{}, {shape}}).front();
+    return text.x0 < box.x1 && box.x0 < text.x1 && text.y0 < box.y1 && box.y0 < text.y1;
+  }
+  return false;
+}
+
+/// Four layers with a colour map among them, with short names or long ones.
+AnnotationInput four_layers(int width, int height, const Box3d& bounds, bool long_names) {
+  AnnotationInput input = some_input(width, height);
+  input.bounds = bounds;
+  input.camera = view_of(bounds, "reset", static_cast<double>(width) / height);
+  input.entries.push_back({7.25, 12.125, "", {}});
+  const char* names[] = {"shock behind the leading edge of the fin", "wake, slower than the stream by a tenth",
+                         "undisturbed stream before the plate", "boundary layer"};
+  for (int i = 0; i < 4; ++i) input.entries[static_cast<std::size_t>(i)].name = long_names ? names[i] : i % 2 ? "wake" : "";
+  return input;
+}
+
+constexpr std::pair<int, int> kUsualSizes[] = {{640, 480}, {800, 600}, {1280, 720}, {1920, 1080}, {3840, 2160}, {600, 900}};
+
+TEST(Annotations, NothingLiesUnderTheLegendWhateverTheView) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> number;
+  std::uniform_real_distribution<double> share;
+  for (int trial = 0; trial < 300; ++trial) {
+    const auto [width, height] = kUsualSizes[trial % 6];
+    AnnotationInput input =
+        four_layers(width, height, {{0, 0, 0}, {1, 0.2 + share(random), 0.05 + share(random)}}, trial % 4 == 1);
+    const double away = length(input.camera.eye - input.camera.at) * (0.3 + share(random));  // many are too large for the picture
+    input.camera.eye = input.camera.at + normalized(Vec3d{number(random), number(random), number(random)}) * away;
+    input.camera.orthographic = trial % 3 == 0;
+    input.show.box = trial % 5 != 0;
+    const Beside beside = beside_the_legend(annotate(input));
+    ASSERT_TRUE(beside.panel) << "trial " << trial;
+    EXPECT_TRUE(beside.panel->x0 > 0 && beside.panel->y0 > 0 && beside.panel->x1 < width && beside.panel->y1 < height)
+        << "trial " << trial << ", seed 11";
+    for (std::size_t i = 0; i < beside.shapes.size(); ++i)
+      EXPECT_FALSE(meets(beside.shapes[i], *beside.panel)) << "trial " << trial << ", seed 11, shape " << i;
+  }
+}
+
+TEST(Annotations, InPicturesOfUsualSizesTheLegendTakesNothingAway) {
+  const Vec3d plate{3, 2, 0.3};
+  for (const auto& [width, height] : kUsualSizes)
+    for (const Vec3d& size : {Vec3d{1, 1, 1}, Vec3d{3, 1, 1}, Vec3d{1, 3, 1}, Vec3d{1, 1, 3}, plate})
+      for (const bool long_names : {false, true}) {
+        if (long_names && size == plate && 3 * width == 4 * height) continue;  // no corner is large enough
+        AnnotationInput input = four_layers(width, height, {{0, 0, 0}, size}, long_names);
+        const Beside with = beside_the_legend(annotate(input));
+        input.show.legend = false;
+        const Beside without = beside_the_legend(annotate(input));
+        ASSERT_TRUE(with.panel);
+        const auto of = std::to_string(width) + "x" + std::to_string(height) + ", box " + std::to_string(size.x) + " " +
+                        std::to_string(size.y) + " " + std::to_string(size.z);
+        EXPECT_EQ(with.shapes.size(), without.shapes.size()) << of << (long_names ? ", long names" : "");
+        for (const Shape& shape : without.shapes)
+          EXPECT_FALSE(meets(shape, *with.panel)) << of << (long_names ? ", long names" : "");
+      }
+}
+
+TEST(Annotations, TheLegendIsAtTheUpperRightUnlessAnotherCornerIsFree) {
+  AnnotationInput input = four_layers(1280, 720, {{0, 0, 0}, {1, 1, 1}}, false);
+  const auto panel = [&] { return *beside_the_legend(annotate(input)).panel; };
+  EXPECT_GT(panel().x0, 900);
+  EXPECT_LT(panel().y0, 20);
+  const Vec3d right = 0.9 * normalized(cross(input.camera.at - input.camera.eye, input.camera.up));
+  input.camera.eye = input.camera.eye - right;  // the box goes to the right
+  input.camera.at = input.camera.at - right;
+  EXPECT_LT(panel().x0, 20);
+  EXPECT_LT(panel().y0, 20);
+  input.camera.eye = input.camera.at + (input.camera.eye - input.camera.at) * 0.2;  // the box is all over the picture
+  EXPECT_GT(panel().x0, 900);
+}
+
 TEST(Annotations, EdgesBehindTheVolumeAreUnderIt) {
   AnnotationInput input = some_input();
   input.show = {false, true, false};
@@ -124,6 +230,7 @@ TEST(Annotations, SizesFollowThePictureAndInksItsBackground) {
   };
   EXPECT_NEAR(letters(some_input(1024, 1024)).size, 2 * letters(some_input(512, 512)).size, 1e-9);
   AnnotationInput input = some_input();
+  input.show = {false, false, true};
   input.background = {1, 1, 1};
   EXPECT_LT(letters(input).ink.color[0], 0.3f);
   input.background = {0.1f, 0.1f, 0.1f};
