@@ -38,7 +38,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::zarr, "Zarr", ".zarr", "a folder: Zarr 2 and 3; of an image the finest level, or one level by its folder, t are steps, c arrays; of xarray's groups CF conventions, as of netCDF; chunks and shards by blosc, zstd, gzip, lz4, bzip2",
                "ours"},
     FileFormat{FileKind::vtk_levels, "XML VTK of levels (AMR)", ".vthb .vth", "boxes of cells in levels: the cells that no finer box covers, as one conforming grid", "ours, for the list"},
-    FileFormat{FileKind::hyper_tree, "hyper tree grid", ".htg", "the leaves of its trees as one conforming grid; masked ones are hidden", "VTK"},
+    FileFormat{FileKind::hyper_tree, "hyper tree grid", ".htg", "the leaves of its trees as one conforming grid; masked ones are hidden", "ours"},
     FileFormat{FileKind::amrex, "AMReX, BoxLib", "", "a folder, a plotfile: all levels, the cells that no finer box covers, as one conforming grid", "ours"},
     FileFormat{FileKind::gzip, "gzip around another format", ".gz", "of formats that are one file: .vtk.gz, .vtu.gz, .npy.gz ...", "zlib"},
 };

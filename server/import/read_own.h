@@ -55,6 +55,9 @@ Imported read_multi_block(const ReadRequest& request);
 /// Boxes of cells in levels, each a .vti below the list's directory; values on cells alone.
 Imported read_vtk_levels(const ReadRequest& request);
 
+/// A hyper tree grid in VTK's XML: the leaves of its trees, masked ones hidden.
+Imported read_hyper_tree(const ReadRequest& request);
+
 /// A plotfile of AMReX or BoxLib, which is a folder.
 Imported read_amrex(const ReadRequest& request);
 

@@ -16,9 +16,6 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type);
 /// Exodus II: all element blocks, nodal and element arrays, undisplaced.
 Imported read_exodus(const ReadRequest& request);
 
-/// A hyper tree grid: the leaves of its trees, masked ones hidden.
-Imported read_hyper_tree(const ReadRequest& request);
-
 /// MetaImage; the data file must lie below the header's directory.
 Imported read_meta_image(const ReadRequest& request);
 

@@ -375,12 +375,6 @@ void append_dataset(vtkDataSet* data, const ReadRequest& request, bool joined_pi
 
 }  // namespace
 
-std::vector<FileArray> cell_arrays(vtkDataSetAttributes* attributes, std::int64_t cells, const std::string& name, std::vector<std::string>& notes) {
-  Block block;
-  add_arrays(attributes, true, cells, {block, AddedPoints(), name, notes});
-  return std::move(block.arrays);
-}
-
 void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, bool joined_pieces, std::vector<Block>& blocks,
                        std::vector<std::string>& notes) {
   const std::string name = request.file.filename().string();

@@ -8,7 +8,6 @@
 #include "import/imported.h"
 
 class vtkDataObject;
-class vtkDataSetAttributes;
 
 namespace isostrata {
 
@@ -19,8 +18,5 @@ namespace isostrata {
 /// data and tables, bad_data for cells whose points are not there.
 void append_vtk_blocks(vtkDataObject* object, const ReadRequest& request, bool joined_pieces, std::vector<Block>& blocks,
                        std::vector<std::string>& notes);
-
-/// The arrays of numbers of these cells; the others are noted. Throws bad_data where one has another number of values.
-std::vector<FileArray> cell_arrays(vtkDataSetAttributes* attributes, std::int64_t cells, const std::string& name, std::vector<std::string>& notes);
 
 }  // namespace isostrata

@@ -3,6 +3,7 @@
 #include <vtkDataSetAttributes.h>
 #include <vtkXMLUtilities.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,17 +14,20 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/error.h"
 #include "data/partition.h"
 #include "import/parsed_number.h"
+#include "import/swap_bytes.h"
 
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kLongestHead = 1u << 20;
+constexpr std::size_t kLongestHead = 16u << 20;
 constexpr const char* kText = "IsostrataText";  // an element that says where the text in another one begins
 
 std::optional<ScalarType> vtk_type(std::string_view name) {
@@ -33,6 +37,31 @@ std::optional<ScalarType> vtk_type(std::string_view name) {
       {"Float32", ScalarType::float32}, {"Float64", ScalarType::float64}};
   const auto at = names.find(name);
   return at == names.end() ? std::nullopt : std::optional(at->second);
+}
+
+/// Name, type and components of a DataArray of numbers.
+std::optional<FileArray> head_of(vtkXMLDataElement* element) {
+  const auto type = vtk_type(attribute(element, "type"));
+  const std::string_view said = attribute(element, "NumberOfComponents");
+  const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : parsed_number<std::uint64_t>(said);
+  if (std::string_view(element->GetName()) != "DataArray" || !type || !components || *components > 1000) return std::nullopt;
+  FileArray out;
+  out.name = attribute(element, "Name");
+  out.type = *type;
+  out.components = static_cast<int>(*components);
+  return out;
+}
+
+/// False as soon as use says so.
+template <class Use>
+bool for_each_word(std::string_view text, const Use& use) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  for (auto at = text.find_first_not_of(kBlanks); at != std::string_view::npos; at = text.find_first_not_of(kBlanks, at)) {
+    const std::string_view word = text.substr(at, text.find_first_of(kBlanks, at) - at);
+    if (!use(word)) return false;
+    at += word.size();
+  }
+  return true;
 }
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
@@ -127,12 +156,13 @@ std::optional<XmlArrays> XmlArrays::open(const std::filesystem::path& file) {
   if (!elements) return std::nullopt;
   out.root_ = tree_of(*elements);
   if (!out.root_ || std::string_view(out.root_->GetName()) != "VTKFile") return std::nullopt;
-  const std::string_view length = attribute(out.root_, "header_type"), compressor = attribute(out.root_, "compressor");
+  const std::string_view length = attribute(out.root_, "header_type"), compressor = attribute(out.root_, "compressor"), order = attribute(out.root_, "byte_order");
   out.appended_ = elements->appended;
   out.coding_ = {.packing = compressor == "vtkZLibDataCompressor" ? Packing::zlib : compressor == "vtkLZ4DataCompressor" ? Packing::lz4 : Packing::none,
                  .base64 = elements->base64,
-                 .wide = length == "UInt64"};
-  const bool ours = attribute(out.root_, "byte_order") == "LittleEndian" && (compressor.empty() || out.coding_.packing != Packing::none) &&
+                 .wide = length == "UInt64",
+                 .swapped = order == "BigEndian"};
+  const bool ours = (out.coding_.swapped || order == "LittleEndian") && (compressor.empty() || out.coding_.packing != Packing::none) &&
                     (out.coding_.wide || length == "UInt32" || length.empty());
   return ours ? std::optional(std::move(out)) : std::nullopt;
 }
@@ -166,35 +196,85 @@ std::optional<double> XmlArrays::field(std::string_view name) const {
   return std::nullopt;
 }
 
-std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element) const {
-  const auto type = vtk_type(attribute(element, "type"));
-  const std::string_view said = attribute(element, "NumberOfComponents"), format = attribute(element, "format");
-  const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : parsed_number<std::uint64_t>(said);
-  if (std::string_view(element->GetName()) != "DataArray" || !type || !components || *components > 1000) return std::nullopt;
+std::optional<std::uint64_t> XmlArrays::text_begin(vtkXMLDataElement* element) const {
+  vtkXMLDataElement* const place = element->FindNestedElementWithName(kText);
+  return place ? parsed_number<std::uint64_t>(attribute(place, "at")) : std::nullopt;
+}
+
+std::optional<CodedValues> XmlArrays::coded(vtkXMLDataElement* element) const {
   const auto all = file_->bytes();
+  const std::string_view format = attribute(element, "format");
   XmlCoding coding = coding_;
   std::uint64_t from = 0;
   if (format == "appended") {
     const auto offset = parsed_number<std::uint64_t>(attribute(element, "offset"));
     if (appended_ == 0 || !offset || __builtin_add_overflow(appended_, *offset, &from)) return std::nullopt;
   } else if (format == "binary") {
-    vtkXMLDataElement* const place = element->FindNestedElementWithName(kText);
-    const auto text = place ? parsed_number<std::uint64_t>(attribute(place, "at")) : std::nullopt;
+    const auto text = text_begin(element);
     if (!text) return std::nullopt;
     from = *text;
     while (from < all.size() && is_space(static_cast<char>(all[from]))) ++from;
     coding.base64 = true;
   }
   if (from == 0 || from > all.size()) return std::nullopt;
-  auto coded = coded_values(all.subspan(static_cast<std::size_t>(from)), coding);
-  if (!coded || coded->bytes % (*components * size_of(*type)) != 0) return std::nullopt;
-  XmlArray array{.as = {}, .coded = std::move(*coded)};
-  array.as.name = attribute(element, "Name");
-  array.as.type = *type;
-  array.as.components = static_cast<int>(*components);
+  return coded_values(all.subspan(static_cast<std::size_t>(from)), coding);
+}
+
+std::string_view XmlArrays::text(vtkXMLDataElement* element) const {
+  const auto bytes = file_->bytes();
+  const auto at = text_begin(element);
+  if (!at) return {};
+  const std::string_view behind = std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).substr(static_cast<std::size_t>(*at));
+  return behind.substr(0, behind.find('<'));
+}
+
+std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element) const {
+  auto head = head_of(element);
+  auto values = coded(element);
+  if (!head || !values || values->bytes % (static_cast<std::uint64_t>(head->components) * size_of(head->type)) != 0) return std::nullopt;
+  XmlArray array{.as = std::move(*head), .coded = std::move(*values)};
   array.as.storage = file_;
   if (array.coded.plain()) array.as.values = array.coded.as_they_lie();
   return array;
+}
+
+std::optional<FileArray> XmlArrays::values(vtkXMLDataElement* element) const {
+  if (attribute(element, "format") != "ascii") {
+    const auto found = array(element);
+    return found ? decoded(*found) : std::nullopt;
+  }
+  auto out = head_of(element);
+  const auto read = [&](const auto& like) {
+    using T = std::remove_cvref_t<decltype(like[0])>;
+    const auto words = std::make_shared<std::vector<T>>();
+    const bool good = for_each_word(text(element), [&](std::string_view word) {
+      const auto value = parsed_number<T>(word);
+      if (value) words->push_back(*value);
+      return value.has_value();
+    });
+    out->values = std::as_bytes(std::span<const T>(*words));
+    out->storage = words;
+    return good && words->size() % static_cast<std::size_t>(out->components) == 0;
+  };
+  return out && std::visit(read, scalar_span(out->type, {})) ? std::move(out) : std::nullopt;
+}
+
+std::optional<XmlBits> XmlArrays::bits(vtkXMLDataElement* element) const {
+  XmlBits out;
+  if (attribute(element, "format") == "ascii") {
+    const bool good = for_each_word(text(element), [&](std::string_view word) {
+      if (word == "1" || word == "0") out.append(word == "1");
+      return word == "1" || word == "0";
+    });
+    return good ? std::optional(std::move(out)) : std::nullopt;
+  }
+  const auto values = coded(element);
+  if (!values) return std::nullopt;
+  out.bytes.resize(static_cast<std::size_t>(values->bytes));
+  if (!decode(*values, std::as_writable_bytes(std::span(out.bytes)))) return std::nullopt;
+  out.count = 8 * values->bytes;  // the last byte is filled up by anything
+  if (const auto said = parsed_number<std::uint64_t>(attribute(element, "NumberOfTuples"))) out.count = std::min(out.count, *said);
+  return out;
 }
 
 std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element, std::uint64_t tuples) const {
@@ -236,6 +316,7 @@ std::optional<FileArray> decoded(const XmlArray& array) {
   if (array.coded.plain()) return out;
   auto [storage, values] = allocate<std::byte>(static_cast<std::size_t>(array.coded.bytes));
   if (!decode(array.coded, values)) return std::nullopt;
+  if (array.coded.coding.swapped) swap_bytes(values, size_of(out.type));
   out.values = values;
   out.storage = storage;
   return out;

@@ -27,9 +27,23 @@ struct XmlArray {
   CodedValues coded;
 };
 
+/// Values of one bit each, the highest bit of a byte first.
+struct XmlBits {
+  std::vector<std::uint8_t> bytes;
+  std::uint64_t count = 0;
+
+  /// 0 where there is none.
+  bool operator[](std::uint64_t at) const { return at < count && (bytes[at / 8] >> (7 - at % 8) & 1) != 0; }
+  void append(bool value) {
+    if (count % 8 == 0) bytes.push_back(0);
+    bytes[count / 8] |= static_cast<std::uint8_t>(value << (7 - count % 8));
+    ++count;
+  }
+};
+
 class XmlArrays {
  public:
-  /// Nothing for files of the other byte order, and for values packed by other than zlib and LZ4. What is wrong with a file is VTK's readers' to say.
+  /// Nothing for values packed by other than zlib and LZ4. What is wrong with a file is its reader's to say.
   static std::optional<XmlArrays> open(const std::filesystem::path& file);
 
   struct Piece {
@@ -41,7 +55,15 @@ class XmlArrays {
   /// The only number of a field of this name, if it is a real one.
   std::optional<double> field(std::string_view name) const;
 
-  /// A DataArray of whole tuples, as many as are there.
+  vtkXMLDataElement* root() const { return root_; }
+
+  /// Where the values of a DataArray stand that are not text, of any type; nothing where none stand there.
+  std::optional<CodedValues> coded(vtkXMLDataElement* element) const;
+  /// What a DataArray of numbers, or one of bits, holds, as text or not. Nothing where it is damaged. Somebody has said that there is room for it.
+  std::optional<FileArray> values(vtkXMLDataElement* element) const;
+  std::optional<XmlBits> bits(vtkXMLDataElement* element) const;
+
+  /// A DataArray of whole tuples that are not text, as many as are there.
   std::optional<XmlArray> array(vtkXMLDataElement* element) const;
   /// Of this many tuples and no more.
   std::optional<XmlArray> array(vtkXMLDataElement* element, std::uint64_t tuples) const;
@@ -50,6 +72,8 @@ class XmlArrays {
 
  private:
   XmlArrays() = default;
+  std::optional<std::uint64_t> text_begin(vtkXMLDataElement* element) const;
+  std::string_view text(vtkXMLDataElement* element) const;  // between its tags
 
   std::shared_ptr<const MappedFile> file_;
   vtkSmartPointer<vtkXMLDataElement> root_;

@@ -33,15 +33,15 @@ struct CodedValues {
   std::vector<std::uint64_t> block_ends;  // of the packed bytes
 
   /// As they lie in memory, at any address.
-  bool plain() const { return coding.packing == Packing::none && !coding.base64; }
-  /// Precondition: plain.
+  bool plain() const { return coding.packing == Packing::none && !coding.base64 && !coding.swapped; }
+  /// Precondition: neither packed nor in base64.
   std::span<const std::byte> as_they_lie() const { return text.subspan(front); }
 };
 
 /// What begins there and ends in `from`. Nothing if no values do, or more than so many bytes can hold.
 std::optional<CodedValues> coded_values(std::span<const std::byte> from, const XmlCoding& coding);
 
-/// All of the values, on the threads. Precondition: room for just these. False where they are damaged.
+/// All of the values in their own byte order, on the threads. Precondition: room for just these. False where they are damaged.
 bool decode(const CodedValues& values, std::span<std::byte> to);
 
 }  // namespace isostrata

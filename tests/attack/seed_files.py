@@ -1,5 +1,5 @@
 """Small right files for mutants.py: seed_files.write(FOLDER, PROGRAM) writes what tests/formats/write_files.py does, and, as text or plain bytes, VTK's formats in every
-encoding, NRRD, MetaImage, FITS, MRC, PLOT3D, series, parts and meshes of our own. The field is x + 10 y + 100 z on 6 x 5 x 4 points.
+encoding, hyper trees, plotfiles, NRRD, MetaImage, FITS, MRC, PLOT3D, series, parts and meshes of our own. The field is x + 10 y + 100 z on 6 x 5 x 4 points.
 """
 import base64
 import gzip
@@ -121,6 +121,76 @@ def xml(folder):
     (folder / "steps.vtu.series").write_text('{"file-series-version": "1.0", "files": [{"name": "ascii.vtu", "time": 0}, {"name": "binary.vtu", "time": 2}]}\n')
 
 
+def trees(folder):
+    """Hyper tree grids of both versions: two roots, of which the second is refined, and two of its children once more."""
+    counts, refined, values = [1, 1, 8, 16], [1, 0, 1, 0, 1, 0, 0, 0, 0], list(range(26))
+
+    def array(binary, kind, name, values):
+        head = f'<DataArray type="{kind}" Name="{name}" NumberOfTuples="{len(values)}" format='
+        if not binary:
+            return f'{head}"ascii">{" ".join(map(str, values))}</DataArray>'
+        bits = bytes(sum(bit << 7 - i for i, bit in enumerate(values[at:at + 8])) for at in range(0, len(values), 8)) if kind == "Bit" else b""
+        raw = bits or struct.pack(f"<{len(values)}{dict(Float64='d', Int64='q', UInt32='I', Float32='f', Bit='B')[kind]}", *values)
+        return f'{head}"binary">{base64.b64encode(struct.pack("<I", len(raw)) + raw).decode()}</DataArray>'
+
+    for version, binary, name in ((2, False, "trees"), (2, True, "packed_trees"), (1, True, "old_trees")):
+        def one(*what):
+            return array(binary, *what)
+        axes = "".join(one("Float64", f"{axis}Coordinates", places) for axis, places in zip("XYZ", ([0, 1, 2], [0, 1], [0, 1])))
+        if version == 2:
+            body = (f'<Trees>{one("Bit", "Descriptors", refined)}{one("Int64", "NumberOfVerticesPerDepth", counts)}{one("Int64", "TreeIds", [0, 1])}{one("UInt32", "DepthPerTree", [1, 3])}'
+                    f'{one("Bit", "Mask", [0] * 25 + [1])}</Trees><CellData>{one("Float32", "s", values)}</CellData>')
+        else:
+            body = "<Trees>" + "".join(f'<Tree Index="{tree}" NumberOfLevels="{len(own)}" NumberOfVertices="{sum(own)}">{one("Bit", "Descriptor", bits)}{one("Int64", "NbVerticesByLevel", own)}'
+                                       f'<CellData>{one("Float32", "s", part)}</CellData></Tree>' for tree, own, bits, part in ((0, [1], [], values[:1]), (1, counts[1:], refined[:5], values[1:]))) + "</Trees>"
+        (folder / f"{name}.htg").write_text(f'<VTKFile type="HyperTreeGrid" version="{version}.0" byte_order="LittleEndian" header_type="UInt32"><HyperTreeGrid BranchFactor="2" '
+                                            f'TransposedRootIndexing="0" Dimensions="3 2 2"><Grid>{axes}</Grid>{body}</HyperTreeGrid></VTKFile>\n')
+
+
+def plotfile(folder):
+    """Two levels of AMReX, a box each."""
+    levels = [(1.0, (0, 0, 0), (3, 3, 3)), (0.5, (2, 2, 2), (5, 5, 5))]
+    head = ["HyperCLaw-V1.1", "1", "s", "3", "0.5", "1", "0 0 0", "4 4 4", "2", "((0,0,0) (3,3,3) (0,0,0)) ((0,0,0) (7,7,7) (0,0,0))", "0 0", "1 1 1", "0.5 0.5 0.5", "0", "0"]
+    for level, (size, low, high) in enumerate(levels):
+        below = folder / f"plotfile/Level_{level}"
+        below.mkdir(parents=True)
+        box = "((%d,%d,%d) (%d,%d,%d) (0,0,0))" % (*low, *high)
+        below.joinpath("Cell_D_00000").write_bytes(f"FAB ((8, (64 11 52 0 1 12 0 1023)),(8, (8 7 6 5 4 3 2 1))){box} 1\n".encode() + floats(range(64), "d"))
+        below.joinpath("Cell_H").write_text(f"1\n1\n1\n0\n(1 0\n{box}\n)\n1\nFabOnDisk: Cell_D_00000 0\n")
+        head += [f"{level} 1 0.5", "0", *(f"{low[axis] * size} {(high[axis] + 1) * size}" for axis in range(3)), f"Level_{level}/Cell"]
+    (folder / "plotfile/Header").write_text("\n".join(head) + "\n")
+
+
+def rice(row):
+    """A row of a FITS image in RICE_1 for 32-bit numbers: the first, then one block of differences, three bits of each as they are."""
+    bits = f"{row[0]:032b}{4:05b}"
+    for value, before in zip(row, [row[0], *row]):
+        folded = 2 * (value - before) if value >= before else 2 * (before - value) - 1
+        bits += "0" * (folded >> 3) + f"1{folded & 7:03b}"
+    bits += "0" * (-len(bits) % 8)
+    return bytes(int(bits[at:at + 8], 2) for at in range(0, len(bits), 8))
+
+
+def tiles(folder):
+    """As fpack packs them: a tile for each row."""
+    rows = [[int(v) for v in FIELD[at:at + NX]] for at in range(0, len(FIELD), NX)]
+
+    def cards(*pairs):
+        return ("".join(f"{key:8}= {value}".ljust(80) for key, value in pairs) + "END").ljust(2880 * (1 + len(pairs) // 36)).encode()
+
+    for name, kind, pack in (("rice", "RICE_1", rice), ("gzip", "GZIP_1", lambda row: gzip.compress(struct.pack(f">{NX}i", *row)))):
+        heap, table = b"", b""
+        for row in rows:
+            packed = pack(row)
+            table += struct.pack(">2i", len(packed), len(heap))
+            heap += packed
+        head = cards(("XTENSION", "'BINTABLE'"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", 8), ("NAXIS2", len(rows)), ("PCOUNT", len(heap)), ("GCOUNT", 1), ("TFIELDS", 1),
+                     ("TTYPE1", "'COMPRESSED_DATA'"), ("TFORM1", "'1PB(100)'"), ("ZIMAGE", "T"), ("ZBITPIX", 32), ("ZNAXIS", 3), ("ZNAXIS1", NX), ("ZNAXIS2", NY), ("ZNAXIS3", NZ),
+                     ("ZTILE1", NX), ("ZTILE2", 1), ("ZTILE3", 1), ("ZCMPTYPE", f"'{kind}'"), ("ZNAME1", "'BLOCKSIZE'"), ("ZVAL1", 32), ("ZNAME2", "'BYTEPIX'"), ("ZVAL2", 4))
+        body = table + heap
+        (folder / f"{name}.fits.fz").write_bytes(cards(("SIMPLE", "T"), ("BITPIX", 8), ("NAXIS", 0)) + head + body + bytes(-len(body) % 2880))
+
+
 def images(folder):
     raw = floats(FIELD)
     (folder / "field.raw").write_bytes(raw)
@@ -147,6 +217,9 @@ def write(folder, program):
     (folder / "facts.json").unlink()
     legacy(folder)
     xml(folder)
+    trees(folder)
+    plotfile(folder)
     images(folder)
+    tiles(folder)
     for name, more in (("layer.vtu", []), ("layer_plain.vtu", ["--compress", "0"]), ("layer.vtkhdf", [])):
         subprocess.run([program, "extract", "torus:6", "--interval", "0:0.3", "--out", folder / name, *more], check=True, stdout=subprocess.DEVNULL)

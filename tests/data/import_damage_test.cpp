@@ -340,6 +340,41 @@ TEST(ImportDamage, ALinkIsReadUnderItsOwnName) {
   EXPECT_EQ(test::open(scratch / "in/x.vti")->grid.point_count(), 8);
 }
 
+// VTK's reader of 9.1 follows such numbers past its arrays.
+TEST(ImportDamage, AHyperTreeWhoseNumbersDoNotFitIsSaid) {
+  const auto array = [](const std::string& type, const std::string& name, const std::string& values) {
+    return "<DataArray type=\"" + type + "\" Name=\"" + name + "\" format=\"ascii\">" + values + "</DataArray>\n";
+  };
+  const std::string right = "<VTKFile type=\"HyperTreeGrid\" version=\"2.0\" byte_order=\"LittleEndian\"><HyperTreeGrid BranchFactor=\"2\" Dimensions=\"3 2 2\"><Grid>" +
+                            array("Float64", "XCoordinates", "0 1 3") + array("Float64", "YCoordinates", "0 1") + array("Float64", "ZCoordinates", "0 1") + "</Grid><Trees>" +
+                            array("Bit", "Descriptors", "1") + array("Int64", "NumberOfVerticesPerDepth", "1 1 8") + array("Int64", "TreeIds", "0 1") + array("UInt32", "DepthPerTree", "1 2") +
+                            "</Trees><CellData>" + array("Float32", "a", "1 2 3 4 5 6 7 8 9 10") + "</CellData></HyperTreeGrid></VTKFile>\n";
+  const Scratch scratch;
+  EXPECT_EQ(test::open(scratch.write("trees.htg", right))->arrays.front().upper, 10);
+  const std::pair<std::pair<const char*, const char*>, const char*> wrongs[] = {
+      {{"1 1 8", "1 2 7"}, "level 0 of tree 1 has 2 cells by its number, and 1 by those that are refined"},
+      {{">1</", ">0</"}, "level 1 of tree 1 has 8 cells by its number, and 0 by those that are refined"},
+      {{"1 1 8", "1 1 9"}, "array 'a' has 10 tuples; expected 11"},
+      {{"1 1 8", "1 1 99999999999999999"}, "above 2^48 cells"},
+      {{"1 1 8", "1 1 -8"}, "above 2^48 cells"},
+      {{"1 1 8", "1 1"}, "tree 1 has 2 levels, of which the numbers of cells are not there"},
+      {{"Name=\"TreeIds\" format=\"ascii\">0 1", "Name=\"TreeIds\" format=\"ascii\">0 2"}, "tree 2 does not lie in the grid"},
+      {{"Name=\"TreeIds\" format=\"ascii\">0 1", "Name=\"TreeIds\" format=\"ascii\">0 0"}, "tree 0 is there twice"},
+      {{"Name=\"TreeIds\" format=\"ascii\">0 1", "Name=\"TreeIds\" format=\"ascii\">0"}, "has 1 trees, and depths of 2"},
+      {{"\"UInt32\"", "\"Float32\""}, "'DepthPerTree' holds float32; expected whole numbers"},
+      {{">1 2<", ">1 0<"}, "tree 1 has 0 levels"},
+      {{">1</", ">x</"}, "array 'Descriptors' is damaged; expected bits"},
+      {{" 10</", "</"}, "array 'a' has 9 tuples; expected 10"},
+      {{"0 1 3", "0 1 1"}, "the coordinates along x do not increase"},
+      {{"Factor=\"2\"", "Factor=\"4\""}, "its branch factor is '4'; expected 2 or 3"},
+      {{"version=\"2.0\"", "version=\"0.1\""}, "of version '0.1'; expected 1 or 2"},
+      {{"Name=\"Descriptors\"", "Name=\"D\""}, "expected an array 'Descriptors' in Trees"}};
+  for (const auto& [change, said] : wrongs) {
+    const Error error = refusal(scratch.write("trees.htg", replaced(right, change.first, change.second)));
+    EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+  }
+}
+
 TEST(ImportDamage, MemoryBudgetIsKept) {
   const Scratch scratch;
   OpenOptions options;

@@ -46,8 +46,8 @@ inline std::string mutated(std::string bytes, std::mt19937& random) {
 }
 
 /// Opens `rounds` changed files, of each of `files` (name and bytes) in turn. $ISOSTRATA_MUTATIONS and $ISOSTRATA_MUTATION_SEED ask for
-/// more of them, and for others.
-inline void expect_datasets_or_errors(const std::vector<std::pair<std::string, std::string>>& files, int rounds) {
+/// more of them, and for others. Returns at how many the reader crashed, which is an error like others.
+inline int expect_datasets_or_errors(const std::vector<std::pair<std::string, std::string>>& files, int rounds) {
   if (const char* wished = std::getenv("ISOSTRATA_MUTATIONS")) rounds = std::atoi(wished);
   const char* wished_seed = std::getenv("ISOSTRATA_MUTATION_SEED");
   const unsigned seed = wished_seed ? static_cast<unsigned>(std::atoi(wished_seed)) : 20040717;
@@ -79,6 +79,7 @@ inline void expect_datasets_or_errors(const std::vector<std::pair<std::string, s
   }
   std::printf("  %d mutated files: %d opened, %d refused, in %d of these the reader crashed\n", rounds, opened, refused, crashed);
   EXPECT_EQ(opened + refused, rounds);
+  return crashed;
 }
 
 }  // namespace isostrata::testing
