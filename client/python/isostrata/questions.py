@@ -47,11 +47,12 @@ class Curve:
     values: np.ndarray  # [n] float64; NaN: none at this step; along a line a gap begins here
     layers: Tuple[Tuple[float, float, int], ...] = ()  # of a line: from, to, the interval's id (0: what a combined range has brought in)
     thinned: bool = False  # there were more than 4096 samples: the least and the greatest of each small stretch are left
+    grids_differ: bool = False  # of values over the steps: the grid is not the same at all of them; the place stays where it is
 
 
 def curve_of(answer: v1.ProbedCurve) -> Curve:
     layers = tuple((getattr(one, "from"), one.to, one.interval) for one in answer.layers)
-    return Curve(answer.array, np.array(answer.at, dtype=np.float64), np.array(answer.value, dtype=np.float64), layers, answer.thinned)
+    return Curve(answer.array, np.array(answer.at, dtype=np.float64), np.array(answer.value, dtype=np.float64), layers, answer.thinned, answer.grids_differ)
 
 
 def probe_of(answer: v1.ProbeResult) -> Probe:

@@ -78,6 +78,7 @@ struct CurveFacts {
   std::vector<ProbedStretch> layers;  // of a line, by layer and distance
   int step = 0;                       // of a line
   std::optional<double> time;         // in place of the step
+  bool grids_differ = false;          // over the steps: the grid is not the same at all of them
 };
 
 /// Answered by CurveReady or RequestFailed.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "data/same_grid.h"
 #include "engine/picture/ray_layers.h"
 #include "engine/picture/ray_stretch.h"
 
@@ -38,6 +40,7 @@ CurveFacts step_values(const StepSource& steps, const Scene& scene, const std::s
   one.time.reset();
   double reach = 0;
   int count = 0;
+  std::optional<Grid> first;
   {
     const auto shown = steps(scene.step, task);
     if (shown->times.size() < 2)
@@ -55,6 +58,9 @@ CurveFacts step_values(const StepSource& steps, const Scene& scene, const std::s
     begin_step(one.step, count);
     double value = std::numeric_limits<double>::quiet_NaN();
     const auto dataset = steps(one.step, task);
+    count = std::max(count, static_cast<int>(dataset->times.size()));  // the shown step may have been read before the last ones came
+    if (!first) first = dataset->grid;
+    curve.grids_differ = curve.grids_differ || !same_grid(*first, dataset->grid);
     if (std::any_of(dataset->arrays.begin(), dataset->arrays.end(), [&](const PointArray& of) { return of.name == curve.array; })) {
       RayLayers along = whole_field(steps, one, ray, curve.array, task);
       along.extract();

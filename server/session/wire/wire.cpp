@@ -343,6 +343,7 @@ v1::ProbedCurve to_wire(const CurveReady& probed) {
   }
   out.set_step(facts.step);
   if (facts.time) out.set_time(*facts.time);
+  out.set_grids_differ(facts.grids_differ);
   return out;
 }
 

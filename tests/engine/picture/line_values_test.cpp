@@ -320,6 +320,30 @@ TEST(StepValues, AreThoseOfALineThroughThePlaceAtEachStep) {
   EXPECT_NEAR(corner.values[0], dataset.arrays.front().at(0), 1e-5);
 }
 
+TEST(StepValues, AGridThatMovesIsToldAndStepsThatCameLaterAreRead) {
+  const auto still = steps_of("cylinder:8x6x4x4");
+  EXPECT_FALSE(step_values(still, Scene{}, "", {0, 0, 1}, [](int, int) {}, Task{}).grids_differ);
+  const auto moved = make_analytic("cylinder:9x6x4x4", {}, Task{});
+  const StepSource one_moves = [&](int step, const Task& task) {
+    const auto of = still(step, task);
+    if (step != 2) return of;
+    auto other = std::make_shared<Dataset>(*moved);
+    other->times = of->times;
+    return std::shared_ptr<const Dataset>(other);
+  };
+  EXPECT_TRUE(step_values(one_moves, Scene{}, "", {0, 0, 1}, [](int, int) {}, Task{}).grids_differ);
+
+  // The step that is shown was read when there were three; the first one knows of all four.
+  Scene scene;
+  scene.step = 1;
+  const StepSource grown = [&](int step, const Task& task) {
+    auto of = std::make_shared<Dataset>(*still(step, task));
+    if (step == 1) of->times.pop_back();
+    return std::shared_ptr<const Dataset>(of);
+  };
+  EXPECT_EQ(step_values(grown, scene, "", {0, 0, 1}, [](int, int) {}, Task{}).at, (std::vector<double>{0, 1, 2, 3}));
+}
+
 TEST(StepValues, ACancelledOneEndsAtItsStep) {
   Task task;
   const StepSource steps = steps_of("cylinder:8x6x4x9");

@@ -123,12 +123,13 @@ function probeOf({ revision, hit, miss, position, distance, interval, term, end,
   };
 }
 
-const curveOf = ({ revision, array, at, value, thinned, layers }: WireCurve): ProbedCurve => ({
+const curveOf = ({ revision, array, at, value, thinned, layers, gridsDiffer }: WireCurve): ProbedCurve => ({
   revision: Number(revision),
   array,
   at,
   values: value,
   thinned,
+  gridsDiffer,
   layers: layers.map(({ from, to, interval, term }) => ({ from, to, interval, term: term ?? null })),
 });
 

@@ -101,6 +101,7 @@ export interface ProbedCurve {
   at: number[]; // distances from the line's first end, rising; or the steps
   values: number[];
   thinned: boolean; // of a line's samples the extremes are left
+  gridsDiffer: boolean; // over the steps: the grid is not the same at all of them
   layers: { from: number; to: number; interval: number; term: number | null }[]; // where the line lies in layers that are shown
 }
 
