@@ -152,7 +152,10 @@ void print_text(const Measured& made, double time, const std::vector<std::string
     if (!made.errors.empty()) std::printf(" (cut straight; the interpolated field's differs by about %.2g)", made.errors[row.interval]);
     std::printf(", %lld tetrahedra\n    area      lower %.8g, upper %.8g, domain %.8g, of which %.8g touches another layer\n", static_cast<long long>(row.tetrahedra), row.area.lower,
                 row.area.upper, row.area.domain, row.area.contact);
-    std::printf("    centroid  %.8g, %.8g, %.8g\n    bounds    x [%g, %g]  y [%g, %g]  z [%g, %g]\n", row.centroid.x, row.centroid.y, row.centroid.z, row.bounds.lower.x, row.bounds.upper.x,
+    Vec3d centroid = row.centroid;
+    for (int axis = 0; axis < 3; ++axis)  // what rounding leaves of a middle at 0
+      if (std::abs(centroid[axis]) < 1e-12 * row.bounds.diagonal()) centroid[axis] = 0;
+    std::printf("    centroid  %.8g, %.8g, %.8g\n    bounds    x [%g, %g]  y [%g, %g]  z [%g, %g]\n", centroid.x, centroid.y, centroid.z, row.bounds.lower.x, row.bounds.upper.x,
                 row.bounds.lower.y, row.bounds.upper.y, row.bounds.lower.z, row.bounds.upper.z);
     for (std::size_t i = 0; i < names.size(); ++i)
       std::printf("    %-9s min %.8g, mean %.8g (standard deviation %.4g), max %.8g, integral %.8g\n", names[i].c_str(), row.of[i].min, row.of[i].mean, row.of[i].deviation, row.of[i].max, row.of[i].integral);

@@ -74,6 +74,12 @@ TEST(MeasureCommand, PrintsATableOfEveryStep) {
   EXPECT_FALSE(std::getline(table, line));
 }
 
+TEST(MeasureCommand, ACentroidThatRoundingAloneKeepsFromZeroIsZeroAsText) {
+  const json::value measured = json::parse(said("measure sphere:24 --interval 0:0.2 --json"));
+  for (const json::value& at : measured.at("steps").at(0).at("layers").at(0).at("centroid").as_array()) EXPECT_LT(std::abs(number(at)), 1e-14);
+  EXPECT_THAT(said("measure sphere:24 --interval 0:0.2"), HasSubstr("centroid  0, 0, 0\n"));
+}
+
 TEST(MeasureCommand, OfAFlatGridIsItsArea) {
   const TemporaryFolder folder;
   folder.write("flat.nrrd", "NRRD0004\ntype: double\ndimension: 2\nsizes: 3 2\nencoding: ascii\n\n0 1 2 0 1 2\n");
