@@ -3,7 +3,7 @@ import { hexOf, luminance, newIntervalColor, rgbOfHex } from '../src/lib/colors'
 import { barHeights, barPath } from '../src/lib/histogram-shape';
 import { RateMeter, Smoothed } from '../src/lib/meter';
 import type { Rgb } from '../src/lib/model';
-import { formatBytes, formatCount, formatNumber, niceStep, roundTo, ticks } from '../src/lib/ticks';
+import { formatBytes, formatCount, formatNumber, formatRange, niceStep, roundTo, ticks, tickText } from '../src/lib/ticks';
 import { viewportPixels } from '../src/lib/viewport-size';
 import { seeded } from './random';
 
@@ -23,6 +23,23 @@ test('ticks are multiples of a round step and lie within the axis', () => {
   expect(ticks(3, 3, 5)).toEqual([]);
   expect(niceStep(0.3)).toBe(0.5);
   expect(roundTo(0.30000000004, 0.1)).toBe(0.3);
+});
+
+test('ticks are told apart, and a short range has the digits that tell its ends apart', () => {
+  for (let seed = 1; seed <= 200; seed++) {
+    const r = seeded(seed);
+    const lower = (r() - 0.5) * 10 ** Math.floor(r() * 12 - 6);
+    const upper = lower + Math.abs(lower) * 10 ** Math.floor(-r() * 8);
+    const texts = ticks(lower, upper, 4).map(tickText);
+    expect(new Set(texts).size, `seed ${seed}`).toBe(texts.length);
+    expect(texts.map(Number), `seed ${seed}`).toEqual(ticks(lower, upper, 4));
+    const [a, b] = formatRange(lower, upper);
+    expect(Number(a), `seed ${seed}`).toBeLessThan(Number(b));
+  }
+  expect(formatRange(101325.02, 101325.07)).toEqual(['101325.02', '101325.07']);
+  expect(formatRange(0.1 + 0.2, 4.97749)).toEqual(['0.3', '4.9775']);
+  expect(formatRange(7, 7)).toEqual(['7', '7']);
+  expect(formatRange(-Infinity, Infinity)).toEqual(['−∞', '∞']);
 });
 
 test('numbers are short and right to the digits shown', () => {

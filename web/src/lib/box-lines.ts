@@ -1,7 +1,7 @@
 // The bounding box and its axes as lines and labels on the screen, for the overlay that moves at once while the frame follows.
 import { center, projectSegment, screenFromView, viewAxes, viewFromWorld } from './camera';
 import type { Box, Camera, Vec3 } from './model';
-import { formatNumber, ticks } from './ticks';
+import { formatNumber, ticks, tickText } from './ticks';
 import { sub, dot } from './vec';
 
 export interface EdgeLine {
@@ -124,7 +124,7 @@ function label(
     if (view[2] >= 0 && !camera.orthographic) continue;
     const [x, y] = screenFromView(camera, width, height, view);
     result.ticks.push({ x1: x, y1: y, x2: x + out[0] * 5, y2: y + out[1] * 5 });
-    const label: AxisLabel = { x: x + out[0] * 16, y: y + out[1] * 13, text: formatNumber(value, 4), kind: 'tick' };
+    const label: AxisLabel = { x: x + out[0] * 16, y: y + out[1] * 13, text: tickText(value), kind: 'tick' };
     // Where two axes meet, one number is enough.
     if (result.labels.every((other) => Math.hypot(other.x - label.x, other.y - label.y) > 18)) result.labels.push(label);
   }

@@ -30,6 +30,17 @@ export function formatNumber(value: number, digits = 5): string {
   return String(short);
 }
 
+/** Of a tick, which is round: the whole of it. */
+export const tickText = (value: number): string => formatNumber(value, 12);
+
+/** Both with as many digits as show how far they are apart, at least so many. */
+export function formatRange(lower: number, upper: number, digits = 5): [string, string] {
+  let texts: [string, string];
+  do texts = [formatNumber(lower, digits), formatNumber(upper, digits)];
+  while (Math.abs(Number(texts[1]) - Number(texts[0]) - (upper - lower)) > 0.1 * Math.abs(upper - lower) && ++digits <= 17);
+  return texts;
+}
+
 /** The nearest multiple of step, without the tail that binary arithmetic leaves. */
 export function roundTo(value: number, step: number): number {
   return Number((Math.round(value / step) * step).toPrecision(12));
