@@ -46,6 +46,43 @@ describe('a dataset that is chosen again', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('is opened by undoing the choice of another one, as it was left; what was done there is undone as well, also after a reload', async () => {
+    viewer = await stage.open();
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await choose(/torus/);
+    const [layer] = await viewer.layersOfOurOwn(1);
+    await viewer.row(layer!).locator('input[type=color]').fill('#ff00ff');
+    await viewer.until('the colour', (state) => state.intervals[0]!.color[1] === 0);
+    await viewer.drag(viewer.page.getByRole('application'), 60, 30);
+    await viewer.page.waitForTimeout(300);
+    const torus = await viewer.exactPicture();
+    await choose(/sphere/);
+    await viewer.exactPicture();
+    await viewer.page.getByRole('button', { name: 'Add cut' }).click();
+    await viewer.until('a cut', (state) => state.clipPlanes?.length === 1);
+    const sphere = await viewer.exactPicture();
+
+    const undo = viewer.page.getByRole('button', { name: 'Undo', exact: true });
+    await undo.click();
+    await viewer.until('no cut', (state) => state.clipPlanes?.length === 0);
+    expect(await undo.getAttribute('title')).toBe('Undo opening sphere:24 (Ctrl+Z)');
+    await undo.click();
+    await viewer.until('the torus', (state) => state.dataset.startsWith('torus') && state.intervals[0]?.color[1] === 0);
+    expect(difference(torus, await viewer.exactPicture())).toBe(0);
+    await viewer.page.reload();
+    await viewer.exactPicture();
+    await undo.click();
+    await viewer.until('the colour of before', (state) => state.intervals[0]?.color[1] !== 0);
+
+    const redo = viewer.page.getByRole('button', { name: 'Redo', exact: true });
+    for (let i = 0; i < 3; i++) await redo.click(); // the colour, the sphere, its cut; those that come too early wait
+    await viewer.until('the sphere', (state) => state.dataset.startsWith('sphere') && state.clipPlanes?.length === 1);
+    expect(difference(sphere, await viewer.exactPicture())).toBe(0);
+    for (let i = 0; i < 3; i++) await undo.click();
+    await viewer.until('all is undone', (state) => state.dataset.startsWith('torus') && state.intervals[0]?.color[1] !== 0);
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('of which nothing was changed is shown as at first, without a word; a reload forgets nothing', async () => {
     viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);

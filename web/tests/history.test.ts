@@ -1,6 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { changesBetween, type Plan } from '../src/lib/changes';
 import { History } from '../src/lib/history.svelte';
+import { seeded } from './random';
 import { emptyState, type Interval, type SceneState } from '../src/lib/model';
 
 const layer = (id: number, more: Partial<Interval> = {}): Interval => ({ id, lower: 0, upper: 1, color: [1, 0, 0], colorMap: '', opacity: 0.5, priority: id, visible: true, number: id, ...more });
@@ -23,14 +24,37 @@ function harness(...intervals: Interval[]) {
       return 7;
     },
     say: (text) => said.push(text),
+    name: (dataset) => dataset,
+    leave: () => view,
+    visit: (state) => visited.push(state),
   });
+  const visited: SceneState[] = [];
+  let fresh = 100;
+  /** What the server says when another dataset is open: its first view, whose layers have the ids of those before. */
+  const turned = (dataset: string) => {
+    history.turned(dataset);
+    view = { ...emptyState, dataset, array: 'Density', intervals: [layer(1), layer(2)] };
+  };
+  const open = (dataset: string) => {
+    history.opens(dataset);
+    turned(dataset);
+    history.told(1);
+  };
+  /** The dataset that is visited opens, and what it showed comes back with layers of new ids. */
+  const arrive = () => {
+    const state = visited.pop()!;
+    turned(state.dataset);
+    history.arrived(9, state);
+    view = { ...state, intervals: state.intervals.map((l) => ({ ...l, id: ++fresh })) };
+    history.told(9);
+  };
   const set = (change: Partial<SceneState>) => (view = { ...view, ...change });
   const patch = (id: number, change: Partial<Interval>) => set({ intervals: view.intervals.map((l) => (l.id === id ? { ...l, ...change } : l)) });
   const opacity = async (value: number, kind = 'layer 1 opacity') => {
     history.note(kind, () => patch(1, { opacity: value }));
     await turn();
   };
-  return { history, clock, hand, plans, said, set, patch, opacity, view: () => view };
+  return { history, clock, hand, plans, said, set, patch, opacity, view: () => view, visited, turned, open, arrive };
 }
 
 describe('what the person has done', () => {
@@ -52,6 +76,67 @@ describe('what the person has done', () => {
     after.history.undo();
     expect(after.view().intervals[0]?.opacity).toBe(0.5);
     expect(after.history.undoes).toBeNull();
+  });
+
+  test('goes over a change of dataset: all that was done in any order is undone and redone', async () => {
+    const without = (state: SceneState) => ({ ...state, intervals: state.intervals.map((l) => ({ ...l, id: l.number })) });
+    for (let seed = 1; seed <= 60; seed++) {
+      const r = seeded(seed);
+      const { history, patch, open, arrive, visited, view } = harness(layer(1), layer(2));
+      const states = [without(view())];
+      for (let i = 0; i < 12; i++) {
+        if (r() < 0.4) open(['fin', 'jet', 'cube'].filter((name) => name !== view().dataset)[Math.floor(r() * 2)]!);
+        else {
+          const { id, opacity } = view().intervals[Math.floor(r() * 2)]!;
+          history.note(`${i}`, () => patch(id, { opacity: opacity + r() }));
+          await turn();
+        }
+        states.push(without(view()));
+      }
+      const go = (one: () => void) => {
+        one();
+        if (visited.length > 0) arrive();
+      };
+      for (let round = 0; round < 2; round++) {
+        for (let i = states.length - 2; i >= 0; i--) {
+          go(() => history.undo());
+          expect(without(view()), `seed ${seed}, undo ${i}`).toEqual(states[i]);
+        }
+        expect(history.undoes, `seed ${seed}`).toBeNull();
+        for (let i = 1; i < states.length; i++) {
+          go(() => history.redo());
+          expect(without(view()), `seed ${seed}, redo ${i}`).toEqual(states[i]);
+        }
+        expect(history.redoes, `seed ${seed}`).toBeNull();
+      }
+    }
+  });
+
+  test('waits while a dataset is on its way back, stays where that fails, and ends where somebody else opens one', async () => {
+    const { history, opacity, open, arrive, visited, turned, view } = harness(layer(1), layer(2));
+    await opacity(0.7);
+    open('jet');
+    expect([history.undoes, history.touched]).toEqual(['opening jet', false]);
+    history.undo();
+    history.undo(); // of what will be there
+    expect(visited.map(({ dataset }) => dataset)).toEqual(['fin']);
+    arrive();
+    expect([view().dataset, view().intervals[0]?.opacity, history.undoes]).toEqual(['fin', 0.5, null]);
+    history.redo();
+    expect(view().intervals[0]?.opacity).toBe(0.7);
+    history.redo();
+    history.redo();
+    history.stayed(); // the file is gone
+    expect([visited.length, history.redoes]).toEqual([2, 'opening jet']); // it is tried again
+    history.stayed();
+    expect([view().dataset, history.undoes]).toEqual(['fin', 'the opacity of Layer 1']);
+
+    const text = history.text();
+    const again = harness(layer(1), layer(2));
+    again.history.restore(text);
+    expect(again.history.redoes).toBe('opening jet');
+    turned('cube');
+    expect([history.undoes, history.redoes]).toEqual([null, null]);
   });
 
   test('a drag is one step, however long it rests; two drags are two', async () => {

@@ -17,6 +17,12 @@ describe('steps as a text', () => {
     expect(saved).toEqual({ undo: [one], redo: [step(after, before)] });
     expect(planOf((saved!.undo[0] as typeof one).changes, after, 'before')).toEqual(planOf(one.changes, after, 'before'));
   });
+  test('to another dataset have what was shown of the one before', () => {
+    const before = state(layer(1, { upper: Infinity }));
+    const one = { ...step(before, before), turn: { before, after: null, to: 'e' } };
+    expect(parseSteps(stepsText({ undo: [one], redo: [{ ...one, turn: { ...one.turn, after: before } }] }))?.undo).toEqual([one]);
+    expect(parseSteps(stepsText({ undo: [{ ...one, turn: { ...one.turn, before: { dataset: 'd' } } }], redo: [] }))).toBeNull();
+  });
   test('that are too many leave out the oldest, and of those undone the farthest', () => {
     const long = 'x'.repeat(2000);
     const steps = Array.from({ length: 200 }, (_, i) => step(state(layer(1)), state(layer(1, { name: `${i} ${long}` }))));

@@ -4,8 +4,8 @@ import type { DatasetEntry, DatasetInfo, Welcome } from './told';
 import { restoreStep, type RestoreStep } from './restore';
 import type { SavedTab } from './saved';
 
-/** Why something is brought back: the session was lost; a person has opened a file; a dataset is chosen again; it is to be as it is shown at first. */
-export type Cause = 'loss' | 'file' | 'again' | 'anew';
+/** Why something is brought back: the session was lost; a person has opened a file; a dataset is chosen again; it is to be as it is shown at first; the choice of another one is undone or redone. */
+export type Cause = 'loss' | 'file' | 'again' | 'anew' | 'undo';
 
 export interface RecoveryDoors {
   saved: SavedTab;
@@ -33,6 +33,14 @@ export class Recovery {
   }
   get cause(): Cause | null {
     return this.#restoring?.cause ?? null;
+  }
+  /** What is being brought. */
+  get saved(): SceneState | null {
+    return this.#restoring?.saved ?? null;
+  }
+  /** Whether another dataset has been asked for, for what is brought. */
+  get opened(): boolean {
+    return this.#restoring?.opened ?? false;
   }
   /** This is to be shown, in the session that there is. opened: its dataset is asked for already. */
   bring(saved: SceneState, cause: Cause, opened = false): void {

@@ -83,20 +83,24 @@ const openEnds = (key: string, value: unknown): unknown =>
 export function parseSavedState(text: string | null): SceneState | null {
   if (!text) return null;
   try {
-    const value = JSON.parse(text, openEnds) as SceneState;
-    const numbers = (...xs: unknown[]) => xs.every((x) => typeof x === 'number' && Number.isFinite(x));
-    const good =
-      typeof value.dataset === 'string' &&
-      typeof value.array === 'string' &&
-      typeof value.colorBy === 'string' &&
-      numbers(value.step, value.unitDistance, ...value.background) &&
-      Array.isArray(value.intervals) &&
-      value.intervals.every(
-        (i: Range & { opacity: number }) =>
-          typeof i.lower === 'number' && typeof i.upper === 'number' && numbers(i.opacity) && i.lower < i.upper,
-      );
-    return good ? value : null;
+    const value = JSON.parse(text, openEnds) as unknown;
+    return isState(value) ? value : null;
   } catch {
     return null;
   }
+}
+export function isState(of: unknown): of is SceneState {
+  const numbers = (...xs: unknown[]) => xs.every((x) => typeof x === 'number' && Number.isFinite(x));
+  const value = of as SceneState;
+  return (
+    typeof of === 'object' &&
+    of !== null &&
+    typeof value.dataset === 'string' &&
+    typeof value.array === 'string' &&
+    typeof value.colorBy === 'string' &&
+    Array.isArray(value.background) &&
+    numbers(value.step, value.unitDistance, ...value.background) &&
+    Array.isArray(value.intervals) &&
+    value.intervals.every((i: Range & { opacity: number }) => typeof i.lower === 'number' && typeof i.upper === 'number' && numbers(i.opacity) && i.lower < i.upper)
+  );
 }

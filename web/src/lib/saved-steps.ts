@@ -1,4 +1,5 @@
 // What can be undone and redone, as a text that a tab remembers over a reload. JSON has neither maps nor infinities.
+import { isState } from './restore';
 
 const mostLetters = 300_000; // of the few millions that a browser gives to a page
 
@@ -33,6 +34,8 @@ export function parseSteps(text: string | null): SavedSteps | null {
   const maps = (of: Record<string, unknown>, ...names: string[]) => names.every((name) => of[name] instanceof Map);
   const good = (step: unknown): boolean => {
     const changes = (step as { changes?: Record<string, unknown> } | null)?.changes;
+    const turn = (step as { turn?: { before: unknown; after: unknown; to: unknown } } | null)?.turn;
+    if (turn && !(isState(turn.before) && (turn.after === null || isState(turn.after)) && typeof turn.to === 'string')) return false;
     return !!changes && maps(changes, 'scene', 'fields', 'layers') && !!changes.listed && !!changes.ranked;
   };
   try {

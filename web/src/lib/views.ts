@@ -14,7 +14,7 @@ import type { Visits } from './visits';
 export interface ViewsDoors {
   scene: SceneView;
   edits: Pick<Edits, 'openDataset'>;
-  history: Pick<History, 'note' | 'undoes'>;
+  history: Pick<History, 'note' | 'touched' | 'opens' | 'arrived' | 'stayed'>;
   notices: Notices;
   dataset: OpenDataset;
   files: FileList;
@@ -36,16 +36,28 @@ export class Views {
 
   /** As it was left in this tab, if it was. */
   openDataset(id: string): void {
-    const { edits, visits, recovery, scene } = this.doors;
+    const { edits, history, visits, recovery, scene } = this.doors;
     this.#tried = null;
+    history.opens(id);
     edits.openDataset(id);
     const left = visits.of(id);
     if (left && id !== scene.server.dataset) recovery.bring(left, 'again', true);
     else recovery.giveUp();
   }
+  /** What is shown, with its camera. */
+  get shown(): SceneState {
+    return { ...this.doors.scene.view, camera: this.doors.camera() };
+  }
+  /** Another dataset, as this says. */
+  visit(state: SceneState): void {
+    const { edits, recovery } = this.doors;
+    this.#tried = null;
+    edits.openDataset(state.dataset);
+    recovery.bring(state, 'undo', true);
+  }
   /** What is shown, as a file; another scene in its place, out of such a file. */
   get file(): string {
-    return viewText({ ...this.doors.scene.view, camera: this.doors.camera() });
+    return viewText(this.shown);
   }
   openFile(text: string, name: string): void {
     const { files, notices, out, recovery, scene } = this.doors;
@@ -72,6 +84,7 @@ export class Views {
   /** A dataset cannot be opened. If nobody has asked for it, perhaps the next one can. */
   failed(): void {
     this.doors.recovery.giveUp();
+    this.doors.history.stayed();
     if (this.#tried === null || ++this.#tried >= mostTries) this.#tried = null;
     else this.openFirst();
   }
@@ -79,24 +92,29 @@ export class Views {
   /** The server turns from the dataset that is shown to another one. */
   turns(from: string, to: SceneState): void {
     const { history, scene, visits } = this.doors;
-    visits.left({ ...scene.view, dataset: from }, history.undoes !== null);
+    visits.left({ ...scene.view, dataset: from }, history.touched);
     visits.arrived(to);
   }
   /** The next step of what is being brought, whenever the server has said something. */
   goOn(): void {
     const { dataset, datasetsAll, files, history, notices, out, recovery, scene, visits } = this.doors;
-    const { cause } = recovery;
+    const { cause, opened, saved } = recovery;
     const step = recovery.next(scene.server, dataset.info, files.datasets, datasetsAll());
     if (step.kind === 'send') {
       const send = () => Math.max(...step.commands.map((body) => out.send(body)));
       if (cause === 'loss') visits.arrived(null);
-      if (cause === 'loss' || !step.done) send();
-      else history.note('view', send, true);
+      if (!step.done && cause === 'file' && saved) history.opens(saved.dataset);
+      // What is shown of another dataset belongs to the choice of it.
+      if (cause === 'loss' || opened || !step.done) {
+        const seq = send();
+        if (cause === 'undo' && step.done && saved) history.arrived(seq, saved);
+      } else history.note('view', send, true);
       if (step.done && cause === 'again') this.#sayBack(scene.server);
       if (step.done && cause === 'file') notices.say('The view is opened.', 'note');
     }
     if (step.kind !== 'impossible') return;
     if (step.reason) notices.say(step.reason);
+    history.stayed();
     if (cause === 'loss') this.openFirst();
   }
   /** first: how the dataset is shown at first. */
