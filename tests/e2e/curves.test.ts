@@ -1,8 +1,12 @@
 // A person plots values along a line between two places of the picture, and over the steps at one.
 import { describe, expect, test } from 'vitest';
+import { mkdtempSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { Server } from './server';
 import { Stage } from './stage';
-import { nearest, type Viewer } from './viewer';
+import { launch, nearest, Viewer } from './viewer';
 
 const stage = new Stage({ data: ['torus:48', 'cylinder:16x12x8x6'] });
 let viewer: Viewer;
@@ -103,4 +107,115 @@ describe('values as curves', () => {
     await expect.poll(() => plot().count()).toBe(1);
     expect(viewer.problems).toEqual([]);
   });
+
+  test('the plot and the numbers of a layer are there again after a reload', async () => {
+    viewer = await stage.open();
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    const [layer] = await viewer.layersOfOurOwn(1);
+    const there = nearest(await viewer.exactPicture(), true);
+    await viewport().click({ position: there });
+    await viewer.page.getByRole('button', { name: 'Line from here' }).click();
+    await viewport().click({ position: { x: there.x, y: (await viewport().boundingBox())!.height - there.y } });
+    await expect.poll(() => plot().count()).toBe(1);
+    const numbers = () => viewer.page.getByRole('region', { name: 'Layer 1: statistics' }).locator('dd').allInnerTexts();
+    await viewer.page.getByRole('button', { name: 'Layer 1: statistics' }).click();
+    await expect.poll(async () => (await numbers()).length).toBeGreaterThan(4);
+    const [line, measured] = [await saved(), await numbers()];
+    expect(line.length).toBeGreaterThan(2);
+
+    await viewer.page.reload();
+    await expect.poll(() => plot().count()).toBe(1);
+    expect(await saved()).toEqual(line);
+    await expect.poll(numbers).toEqual(measured);
+    expect(viewer.state.intervals[0]?.id).toBe(layer!.id);
+
+    await dock().getByRole('button', { name: 'Close the plot' }).click();
+    await viewer.page.reload();
+    await expect.poll(numbers).toEqual(measured);
+    expect(await dock().count()).toBe(0);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('while another array is read nothing stands under its name; if what reads is killed it is read again', async () => {
+    viewer = await stage.open();
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x12x8x6');
+    await viewer.until('the cylinder', (state) => state.dataset.startsWith('cylinder') && state.intervals.length > 0);
+    await viewport().click({ position: nearest(await viewer.exactPicture(), true) });
+    await viewer.page.getByRole('button', { name: 'Over time' }).click();
+    await expect.poll(() => plot().count()).toBe(1);
+    process.kill(stage.server.ready.worker!, 'SIGSTOP');
+    await dock().getByRole('combobox', { name: 'Array of the plot' }).selectOption('Energy');
+    await expect.poll(() => dock().innerText()).toContain('Reading all steps');
+    expect(await plot().count()).toBe(0);
+    process.kill(stage.server.ready.worker!, 'SIGKILL');
+    await expect.poll(() => plot().count(), { timeout: 30_000 }).toBe(1);
+    expect((await saved())[0]).toEqual(['step', 'time', 'Energy']);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('by keys alone: the keyboard goes to the plot that a button opens, and back to the picture', async () => {
+    viewer = await stage.open();
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.page.getByLabel('Dataset').selectOption('cylinder-16x12x8x6');
+    await viewer.until('the cylinder', (state) => state.dataset.startsWith('cylinder') && state.intervals.length > 0);
+    await viewer.exactPicture();
+    const focused = () => viewer.page.evaluate(() => document.activeElement?.getAttribute('aria-label') ?? document.activeElement?.tagName);
+    await viewport().focus();
+    await viewer.page.keyboard.press('p'); // in the middle
+    const over = viewer.page.getByRole('button', { name: 'Over time' });
+    await over.waitFor();
+    await over.focus();
+    await viewer.page.keyboard.press('Enter');
+    await expect.poll(focused).toBe('Values over time');
+    await expect.poll(() => plot().count()).toBe(1);
+    await dock().getByRole('button', { name: 'Close the plot' }).focus();
+    await viewer.page.keyboard.press('Enter');
+    await expect.poll(focused).toMatch(/^Picture of the layers/);
+    const ask = viewer.page.getByRole('button', { name: /: statistics$/ }).first();
+    const name = await ask.getAttribute('aria-label');
+    await ask.focus();
+    await viewer.page.keyboard.press('Enter');
+    await expect.poll(focused).toBe(name); // of the numbers, which have the button's place
+    await viewer.page.getByRole('button', { name: /: close the statistics$/ }).focus();
+    await viewer.page.keyboard.press('Enter');
+    await expect.poll(focused).toBe(name);
+    expect(viewer.problems).toEqual([]);
+  });
+});
+
+test('a curve follows files that grow and are read anew, and says that the grid is not the same at all steps', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-curve-'));
+  const put = (name: string, scale: number, spacing = 1) => {
+    const n = 16;
+    const head = `NRRD0004\ntype: float\ndimension: 3\nsizes: ${n} ${n} ${n}\nspacings: ${spacing} ${spacing} ${spacing}\nencoding: raw\nendian: little\n\n`;
+    const values = Float32Array.from({ length: n ** 3 }, (_, i) => scale * Math.hypot((i % n) - 7.5, (Math.floor(i / n) % n) - 7.5, Math.floor(i / n ** 2) - 7.5));
+    writeFileSync(join(folder, '.new'), Buffer.concat([Buffer.from(head), Buffer.from(values.buffer)]));
+    renameSync(join(folder, '.new'), join(folder, name));
+  };
+  put('run_1.nrrd', 1);
+  put('run_2.nrrd', 1);
+  const server = await Server.start({ data: [folder] });
+  const browser = await launch();
+  try {
+    viewer = await Viewer.open(browser, server.ready.url);
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewport().click({ position: nearest(await viewer.exactPicture(), true) });
+    await viewer.page.getByRole('button', { name: 'Over time' }).click();
+    const steps = async () => (await saved()).slice(1).map(([step]) => step);
+    await expect.poll(() => plot().count()).toBe(1);
+    expect(await steps()).toEqual(['1', '2']);
+    expect(await dock().innerText()).not.toContain('not the same');
+    const [before] = (await saved()).slice(1).map(([, , value]) => Number(value));
+    put('run_3.nrrd', 1, 1.5);
+    await expect.poll(steps, { timeout: 20_000 }).toEqual(['1', '2', '3']);
+    expect(await dock().innerText()).toContain('The grid is not the same at all steps');
+    put('run_1.nrrd', 3);
+    await viewer.page.getByRole('button', { name: 'Reload' }).click();
+    await expect.poll(async () => Number((await saved())[1]?.[2]) / before!, { timeout: 20_000 }).toBeCloseTo(3, 4);
+  } finally {
+    await browser.close();
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
 });

@@ -7,12 +7,13 @@ import { curvePath, curveRange, lineTable, nearestSample, stepsTable, valueAt } 
 import { Curves } from '../src/lib/curves.svelte';
 import { decodeEvent } from '../src/lib/events';
 import { emptyState, type SceneState, type Vec3 } from '../src/lib/model';
+import { parsePlots, plotsText, type SavedPlots } from '../src/lib/saved-plots';
 import type { ProbedCurve } from '../src/lib/told';
 
 const a: Vec3 = [0, 0, 0];
 const b: Vec3 = [2, 0, 0];
 const state = (more: Partial<SceneState> = {}): SceneState => ({ ...emptyState, dataset: 'd', array: 'f', ...more });
-const curve = (more: Partial<ProbedCurve> = {}): ProbedCurve => ({ revision: 1, array: 'f', at: [0, 1, 2], values: [1, 3, 2], thinned: false, layers: [], ...more });
+const curve = (more: Partial<ProbedCurve> = {}): ProbedCurve => ({ revision: 1, array: 'f', at: [0, 1, 2], values: [1, 3, 2], thinned: false, gridsDiffer: false, layers: [], ...more });
 
 describe('curves', () => {
   const sent: Command[] = [];
@@ -93,13 +94,50 @@ describe('curves', () => {
     expect(one.answer).toBe('There is no connection.');
   });
 
+  test('files that are read anew are asked again; steps that come concern curves over the steps alone', () => {
+    const one = make();
+    one.dataTold(0, 4);
+    one.show({ kind: 'line', from: a, to: b });
+    one.answered(1, curve());
+    one.dataTold(0, 5);
+    expect(sent).toHaveLength(1);
+    one.dataTold(1, 5);
+    expect(sent).toHaveLength(2);
+    one.answered(2, curve());
+    one.show({ kind: 'steps', at: a });
+    one.answered(3, curve());
+    one.dataTold(1, 5);
+    expect(sent).toHaveLength(3);
+    one.dataTold(1, 6);
+    expect(sent[3]).toMatchObject({ case: 'probeSteps' });
+  });
+
+  test('what is open is saved as a text, and asked for again where nothing is open', () => {
+    let saved: SavedPlots | null = null;
+    const one = new Curves((body) => sent.push(body), () => (saved = parsePlots(plotsText({ dataset: 'd', curve: one.open, layers: [[3, 'g']] }))));
+    one.told(state());
+    one.ofArray('g');
+    one.show({ kind: 'line', from: a, to: b });
+    expect(saved).toEqual({ dataset: 'd', curve: { place: { kind: 'line', from: a, to: b }, array: 'g' }, layers: [[3, 'g']] });
+    const again = make();
+    again.restore(saved!.curve!);
+    expect(sent.at(-1)).toMatchObject({ case: 'probeLine', value: { to: { x: 2 }, array: 'g' } });
+    again.restore({ place: { kind: 'steps', at: a }, array: '' });
+    expect(again.place?.kind).toBe('line');
+    one.close();
+    expect(saved).toEqual({ dataset: 'd', curve: null, layers: [[3, 'g']] });
+    expect(plotsText({ dataset: 'd', curve: null, layers: [] })).toBe('');
+    for (const text of ['', 'x', '{}', '{"dataset":"d","curve":{"place":{"kind":"line","from":[0,0],"to":[1,1,1]},"array":""},"layers":[]}', '{"dataset":"d","curve":null,"layers":[["1","g"]]}', '{"dataset":"d","curve":{"place":{"kind":"x"},"array":""},"layers":[]}'])
+      expect(parsePlots(text), text).toBeNull();
+  });
+
   test('an answer comes as the server says it', () => {
-    const value = { inReplyTo: 5n, revision: 8n, array: 'f', at: [0, 1], value: [2, NaN], thinned: true, layers: [{ from: 0, to: 0.5, interval: 3 }] };
+    const value = { inReplyTo: 5n, revision: 8n, array: 'f', at: [0, 1], value: [2, NaN], thinned: true, gridsDiffer: true, layers: [{ from: 0, to: 0.5, interval: 3 }] };
     const event = decodeEvent(toBinary(ServerMessageSchema, create(ServerMessageSchema, { body: { case: 'probedCurve', value } })));
     expect(event).toEqual({
       kind: 'probedCurve',
       inReplyTo: 5,
-      curve: { revision: 8, array: 'f', at: [0, 1], values: [2, NaN], thinned: true, layers: [{ from: 0, to: 0.5, interval: 3, term: null }] },
+      curve: { revision: 8, array: 'f', at: [0, 1], values: [2, NaN], thinned: true, gridsDiffer: true, layers: [{ from: 0, to: 0.5, interval: 3, term: null }] },
     });
   });
 });

@@ -35,14 +35,20 @@ describe("a layer's numbers", () => {
     expect(one.answered(9, 'of something else')).toBe(false);
     one.ask(scene(), layer(2), '');
     one.lost();
-    expect(one.list.get(2)?.answer).toMatch(/connection/);
     expect(one.list.get(1)?.answer).toEqual(numbers());
+    one.restore(scene({ intervals: [layer(1), layer(2), layer(5)] }), [...one.open, [5, 'g'], [6, '']]);
+    expect(sent.slice(4)).toEqual([
+      { case: 'requestLayerStatistics', value: { interval: 2, array: '' } },
+      { case: 'requestLayerStatistics', value: { interval: 5, array: 'g' } }, // there is no layer 6
+    ]);
+    one.clear();
+    expect([one.open, one.answered(5, numbers())]).toEqual([[], false]);
   });
 
   test('are old when what they were measured of changes, and not when it looks otherwise', () => {
     const key = measureKey(scene(), layer(1), '');
     expect(measureKey(scene({ revision: 9, colorBy: 'g' }), layer(1, { opacity: 1, name: 'x' }), 'f')).toBe(key);
-    for (const other of [measureKey(scene({ step: 1 }), layer(1), ''), measureKey(scene(), layer(1, { upper: Infinity }), ''), measureKey(scene({ array: 'g' }), layer(1), '')])
+    for (const other of [measureKey(scene({ step: 1 }), layer(1), ''), measureKey(scene(), layer(1, { upper: Infinity }), ''), measureKey(scene({ array: 'g' }), layer(1), ''), measureKey(scene(), layer(1), '', 1)])
       expect(other).not.toBe(key);
   });
 
@@ -53,6 +59,8 @@ describe("a layer's numbers", () => {
     expect(statisticsText(numbers(), 'shell').split('\n')).toEqual([
       'layer\tshell', 'volume\t2', 'centroid\t0\t0.3333333333333333\t0', 'pieces\t2', 'volume of the largest piece\t1.5', 'array\tf', 'mean\t0.25', 'standard deviation\t0.125', 'least\t0', 'greatest\t1',
     ]);
+    const box = { lower: [-1, -1, -1] as const, upper: [1, 1, 1] as const };
+    expect(statisticsText(numbers({ centroid: [5.6e-15, -3e-13, 1e-9] }), 'shell', box)).toContain('centroid\t0\t0\t1e-9\n');
     expect(statisticsText(numbers({ flat: true, valued: 0 }), 'shell')).toContain('area with values\t0');
     expect(statisticsText(numbers({ valued: 0 }), 'shell')).not.toContain('mean');
   });

@@ -1,6 +1,7 @@
 // Values along a line between two picked places, and over the steps at one: what is asked, what is shown, which end is being picked.
 import { command, type Command } from './commands';
 import type { SceneState, Vec3 } from './model';
+import type { OpenCurve } from './saved-plots';
 import type { ProbedCurve } from './told';
 
 export type CurvePlace = { kind: 'line'; from: Vec3; to: Vec3 } | { kind: 'steps'; at: Vec3 };
@@ -30,15 +31,31 @@ export class Curves {
   #newest = 0;
   #key = ''; // of what has been asked
   #state: SceneState | null = null;
+  #data = { reloads: 0, steps: 0 };
 
-  constructor(private readonly sendInOrder: (body: Command) => number) {}
+  /** changed: another curve is open now, or none. */
+  constructor(
+    private readonly sendInOrder: (body: Command) => number,
+    private readonly changed: () => void = () => {},
+  ) {}
+
+  get open(): OpenCurve | null {
+    return this.place && { place: this.place, array: this.array };
+  }
 
   show(place: CurvePlace): void {
     if (this.place?.kind !== place.kind) this.answer = null;
     this.place = place;
     this.start = null;
     this.picking = null;
+    this.changed();
     this.#ask(true);
+  }
+  /** As it was open before; not if something is open. */
+  restore({ place, array }: OpenCurve): void {
+    if (this.place) return;
+    this.array = array;
+    this.show(place);
   }
   again(): void {
     this.answer = null;
@@ -46,6 +63,7 @@ export class Curves {
   }
   ofArray(array: string): void {
     this.array = array;
+    this.changed();
     this.#ask(true);
   }
   /** The next place of a layer that is read in the picture becomes this end. */
@@ -74,12 +92,18 @@ export class Curves {
     this.array = '';
     this.#newest = 0;
     this.pick(null);
+    this.changed();
   }
   told(state: SceneState): void {
     const gone = this.#state !== null && this.#state.dataset !== state.dataset;
     this.#state = state;
     if (gone) this.close();
     else this.#ask(false);
+  }
+  /** How often the files have been read anew, and how many steps they have. */
+  dataTold(reloads: number, steps: number): void {
+    this.#data = { reloads, steps };
+    this.#ask(false);
   }
   /** Whether the message has asked for a curve. */
   answered(seq: number, answer: ProbedCurve | string): boolean {
@@ -100,7 +124,8 @@ export class Curves {
   #ask(anew: boolean): void {
     const { place } = this;
     if (!place || !this.#state || (this.waits && !anew)) return;
-    const key = dependsOn(this.#state, place, this.array);
+    const { reloads, steps } = this.#data;
+    const key = `${dependsOn(this.#state, place, this.array)} ${reloads} ${place.kind === 'steps' ? steps : ''}`;
     if (!anew && key === this.#key) return;
     this.#key = key;
     const seq = this.sendInOrder(

@@ -1,6 +1,7 @@
 // One layer in numbers: asked for by a button, and kept until it is asked for again. What it was of is kept beside it.
 import { command, type Command } from './commands';
-import type { Interval, SceneState } from './model';
+import { diagonal } from './camera';
+import type { Box, Interval, SceneState, Vec3 } from './model';
 import type { LayerStatistics } from './told';
 
 export interface Measured {
@@ -11,9 +12,9 @@ export interface Measured {
 }
 
 /** What a layer's numbers depend on. */
-export function measureKey(scene: SceneState, interval: Interval, array: string): string {
+export function measureKey(scene: SceneState, interval: Interval, array: string, reloads = 0): string {
   return JSON.stringify([
-    scene.dataset, scene.array, scene.values, scene.step, scene.time, scene.timeMode, scene.terms, interval.id, String(interval.lower), String(interval.upper), array || scene.array,
+    scene.dataset, reloads, scene.array, scene.values, scene.step, scene.time, scene.timeMode, scene.terms, interval.id, String(interval.lower), String(interval.upper), array || scene.array,
   ]);
 }
 
@@ -22,15 +23,33 @@ export class Measures {
   list = $state.raw<ReadonlyMap<number, Measured>>(new Map());
   readonly #asked = new Map<number, number>(); // the layer that a message has asked of
 
-  constructor(private readonly sendInOrder: (body: Command) => number) {}
+  /** changed: numbers of another layer or array are open now, or fewer. */
+  constructor(
+    private readonly sendInOrder: (body: Command) => number,
+    private readonly changed: () => void = () => {},
+  ) {}
 
-  ask(scene: SceneState, interval: Interval, array: string): void {
+  get open(): [id: number, array: string][] {
+    return [...this.list].map(([id, { array }]) => [id, array]);
+  }
+
+  /** reloads: how often the data have been read anew. */
+  ask(scene: SceneState, interval: Interval, array: string, reloads = 0): void {
     const seq = this.sendInOrder(command.requestLayerStatistics(interval.id, array));
     if (seq) this.#asked.set(seq, interval.id);
-    this.#set(interval.id, { answer: seq ? null : 'There is no connection.', array, key: measureKey(scene, interval, array) });
+    this.#set(interval.id, { answer: seq ? null : 'There is no connection.', array, key: measureKey(scene, interval, array, reloads) });
+    this.changed();
+  }
+  /** As they were open before: what has no answer is asked for, again if the connection took it. */
+  restore(scene: SceneState, open: readonly [id: number, array: string][], reloads = 0): void {
+    for (const [id, array] of open) {
+      const interval = scene.intervals.find((of) => of.id === id);
+      if (interval && !this.list.get(id)?.answer) this.ask(scene, interval, array, reloads);
+    }
   }
   close(interval: number): void {
     this.#set(interval, null);
+    this.changed();
   }
   /** Whether the message has asked for a layer's numbers. */
   answered(seq: number, answer: LayerStatistics | string): boolean {
@@ -44,7 +63,11 @@ export class Measures {
   }
   lost(): void {
     this.#asked.clear();
-    for (const [interval, of] of this.list) if (!of.answer) this.#set(interval, { ...of, answer: 'The connection was lost before the numbers came.' });
+  }
+  /** Another session, another dataset: other layers. */
+  clear(): void {
+    this.lost();
+    this.list = new Map();
   }
 
   #set(interval: number, of: Measured | null): void {
@@ -55,13 +78,19 @@ export class Measures {
   }
 }
 
+/** A place without what rounding leaves of a 0, in data of this extent. */
+export function withoutRest(place: Vec3, bounds: Box | null): Vec3 {
+  const least = bounds ? 1e-12 * diagonal(bounds) : 0;
+  return place.map((at) => (Math.abs(at) < least ? 0 : at)) as unknown as Vec3;
+}
+
 /** Lines of a name, a tab, and values in all their digits: what a table takes. */
-export function statisticsText(of: LayerStatistics, layer: string): string {
+export function statisticsText(of: LayerStatistics, layer: string, bounds: Box | null = null): string {
   const size = of.flat ? 'area' : 'volume';
   const lines: [string, ...(string | number)[]][] = [
     ['layer', layer],
     [size, of.volume],
-    ['centroid', ...of.centroid],
+    ['centroid', ...withoutRest(of.centroid, bounds)],
     ['pieces', of.pieces],
     [`${size} of the largest piece`, of.largest],
     ['array', of.array],

@@ -17,6 +17,8 @@ function binsOf(array: ArrayInfo, whole: boolean): number {
 export class OpenDataset {
   info = $state.raw<DatasetInfo | null>(null);
   histogram = $state.raw<Histogram | null>(null);
+  /** How often its files have been read anew. */
+  reloads = $state(0);
   #asked = ''; // which histogram
 
   /** info: null of a server that describes the dataset only once it has opened it again. In a session that goes on that is the same one. */
@@ -29,7 +31,9 @@ export class OpenDataset {
   told(info: DatasetInfo): number {
     const before = this.info;
     this.info = info;
-    return before && before.id === info.id && before.onDisk !== 'changed' ? Math.max(info.times.length - before.times.length, 0) : 0;
+    const changed = before?.id === info.id && before.onDisk === 'changed';
+    if (changed && info.onDisk !== 'changed') this.reloads++;
+    return before && before.id === info.id && !changed ? Math.max(info.times.length - before.times.length, 0) : 0;
   }
   toldHistogram(histogram: Histogram): void {
     this.histogram = histogram;

@@ -43,6 +43,14 @@ export class SavedTab {
     this.#write('steps', text);
   }
 
+  /** Which plots are open in the session; empty: none. */
+  get plots(): string {
+    return this.#read('plots') ?? '';
+  }
+  set plots(text: string) {
+    this.#write('plots', text);
+  }
+
   /** How a dataset looked when it was left. */
   left(dataset: string): SceneState | null {
     return parseSavedState(this.#read(`left.${dataset}`));

@@ -22,6 +22,7 @@ import { Probe } from './probe.svelte';
 import { protocolMajor } from './protocol';
 import { Recovery } from './recovery';
 import type { SavedTab } from './saved';
+import { parsePlots, plotsText, type SavedPlots } from './saved-plots';
 import { SceneView } from './scene-view.svelte';
 import { Selection } from './selection.svelte';
 import { Stills } from './stills';
@@ -101,6 +102,9 @@ export class Session {
       grip: () => this.hand.grip,
       now,
       bring: (plan) => this.edits.bring(plan),
+      name: (id) => this.files.datasets.find((of) => of.id === id.split('@')[0])?.name ?? id,
+      leave: () => this.views.shown,
+      visit: (state) => this.views.visit(state),
       say: (text) => notices.say(text, 'note'),
     });
     this.edits = new Edits(scene, out, notices, selection, people, this.history, { calm, most: () => this.welcome?.limits.maxIntervals ?? 256 });
@@ -114,8 +118,9 @@ export class Session {
     });
     this.stills = new Stills((body) => out.sendInOrder(body));
     this.probe = new Probe((body) => out.sendInOrder(body));
-    this.curves = new Curves((body) => out.sendInOrder(body));
-    this.measures = new Measures((body) => out.sendInOrder(body));
+    const keep = () => (saved.plots = plotsText({ dataset: scene.server.dataset, curve: this.curves.open, layers: this.measures.open }));
+    this.curves = new Curves((body) => out.sendInOrder(body), keep);
+    this.measures = new Measures((body) => out.sendInOrder(body), keep);
     this.files = new FileList({ send, after });
     this.work = new Work(send);
     this.#recovery = new Recovery({ saved, calm, after });
@@ -175,6 +180,7 @@ export class Session {
         const more = this.dataset.told(event.info);
         if (more) this.notices.say(`${more === 1 ? 'One more step has' : `${more} more steps have`} come.`, 'note', 'step');
         this.scene.waking = false;
+        this.curves.dataTold(this.dataset.reloads, event.info.times.length);
         this.views.goOn();
         return this.#askHistogram();
       }
@@ -202,6 +208,7 @@ export class Session {
         if (left !== 'picture') return;
         this.scene.edit((mine) => mine.forget('dataset'));
         this.#recovery.giveUp();
+        this.history.stayed();
         return this.notices.say('Cancelled. The picture shows the last finished state.', 'note');
       }
       case 'error':
@@ -235,7 +242,8 @@ export class Session {
     }
     const { scene, people } = this;
     const state = welcome.state ?? emptyState;
-    const { steps } = this.doors.saved;
+    const { steps, plots } = this.doors.saved;
+    const last = this.doors.saved.state?.dataset; // of which the steps are
     const resumed = this.#recovery.welcomed(welcome, scene.server.dataset ? scene.view : null);
     this.welcome = welcome;
     this.ending = null;
@@ -251,6 +259,8 @@ export class Session {
       this.hand.empty();
       this.history.clear();
       this.doors.saved.steps = '';
+      this.measures.clear();
+      this.doors.saved.plots = '';
     }
     this.frames.tellViewport();
     if (state.mode === 'cycled' && state.cycle.playing && this.doors.calm() && !people.viewOnly) this.edits.setCycle({ playing: false });
@@ -260,9 +270,18 @@ export class Session {
     this.#ping();
     this.#onState(state, -1);
     if (resumed) this.#visits.arrived(null);
-    if (resumed) this.history.restore(steps);
+    if (resumed && state.dataset === last) this.history.restore(steps);
+    if (resumed) this.#restorePlots(parsePlots(plots));
     // A session that has just begun shows something at once; one that was resumed is left as it was.
     if (!resumed && !people.invited) this.views.openFirst();
+  }
+
+  #restorePlots(plots: SavedPlots | null): void {
+    const { server } = this.scene;
+    if (!plots || plots.dataset !== server.dataset) return;
+    this.curves.dataTold(this.dataset.reloads, this.dataset.info?.times.length ?? 0);
+    if (plots.curve) this.curves.restore(plots.curve);
+    this.measures.restore(server, plots.layers, this.dataset.reloads);
   }
 
   /** heeded: up to which of this connection's messages. */
@@ -271,7 +290,8 @@ export class Session {
     if (state.dataset !== before.dataset) {
       this.views.turns(before.dataset, state);
       this.dataset.turnedTo(state.dataset);
-      this.history.clear();
+      this.history.turned(state.dataset);
+      this.measures.clear();
     }
     this.scene.told(state);
     this.history.told(heeded);
