@@ -342,6 +342,25 @@ describe('the store', () => {
     expect(histograms()).toBe(2);
   });
 
+  test('a curve that is cancelled says so itself; of the picture, which has not changed, nothing is said', () => {
+    const { session, says, find } = harness();
+    says(welcome('s'));
+    says({ case: 'frame', value: { revision: 1n, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
+    session.curves.show({ kind: 'steps', at: [0, 0, 0] });
+    const { seq } = find('probeSteps')!;
+    says({ case: 'progress', value: { operation: 4n, stage: 'reading values', fraction: 0.5 } });
+    session.work.cancel(4n);
+    says({ case: 'done', value: { operation: 4n, cancelled: true } });
+    says({ case: 'error', value: { inReplyTo: BigInt(seq), code: 'cancelled', message: 'cancelled' } });
+    const told = () => session.notices.list.map(({ text }) => text).filter((text) => text.startsWith('Cancelled'));
+    expect(told()).toEqual([]);
+    expect(session.curves.answer).toBe('Cancelled.');
+
+    says({ case: 'state', value: state(2) }); // the picture is of revision 1
+    says({ case: 'done', value: { operation: 5n, cancelled: true } });
+    expect(told()).toEqual(['Cancelled. The picture shows the last finished state.']);
+  });
+
   test('a reading in the background that is cancelled leaves the picture as it is', () => {
     const { session, says } = harness();
     says(welcome('s'));

@@ -206,9 +206,12 @@ export class Session {
         const left = this.work.done(event.done);
         if (left === 'ranges') this.notices.say('Cancelled. Ranges are those of the steps that were read.', 'note');
         if (left !== 'picture') return;
+        const waited = this.scene.view.dataset !== this.scene.server.dataset;
         this.scene.edit((mine) => mine.forget('dataset'));
         this.#recovery.giveUp();
         this.history.stayed();
+        // Else it was a curve, a layer's numbers or a place, which say so themselves.
+        if (!waited && this.frames.frame?.revision === this.scene.server.revision) return;
         return this.notices.say('Cancelled. The picture shows the last finished state.', 'note');
       }
       case 'error':
@@ -317,7 +320,7 @@ export class Session {
   #onError({ inReplyTo, code, message, field }: ServerError): void {
     // The link that this page came by is over: another try would be refused alike.
     if ((code === 'forbidden' && !inReplyTo) || code === 'unsupported_version') this.#connection.refuse(message);
-    const why = message || code;
+    const why = code === 'cancelled' ? 'Cancelled.' : message || code;
     if (this.stills.answer(inReplyTo, why) || this.probe.answer(inReplyTo, why) || this.curves.answered(inReplyTo, why) || this.measures.answered(inReplyTo, why)) return;
     const about = this.#out.refused(inReplyTo);
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
