@@ -342,6 +342,18 @@ describe('the store', () => {
     expect(histograms()).toBe(2);
   });
 
+  test('of a histogram of the dataset before nothing is said', () => {
+    const { session, says, find } = harness();
+    says(welcome('s'));
+    const refuse = (array: string) => says({ case: 'error', value: { inReplyTo: BigInt(find('requestHistogram')!.seq), code: 'not_found', message: `array '${array}' is not in it` } });
+    says({ case: 'state', value: { ...state(2), dataset: 'jet', array: 'p' } });
+    refuse('Density');
+    expect(session.notices.list).toEqual([]);
+    says({ case: 'datasetInfo', value: { ...info, id: 'jet', arrays: [{ name: 'p', lower: 0, upper: 5 }] } });
+    refuse('p');
+    expect(session.notices.list).toMatchObject([{ place: 'histogram', text: "array 'p' is not in it" }]);
+  });
+
   test('a curve that is cancelled says so itself; of the picture, which has not changed, nothing is said', () => {
     const { session, says, find } = harness();
     says(welcome('s'));

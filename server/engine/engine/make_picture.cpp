@@ -69,7 +69,11 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
   if (request.still && is_float(*request.still)) input.float_image = true;
   if (request.annotations) order.scene.annotations = *request.annotations;
-  if (order.scene.annotations.any()) drawn.annotations = annotate(annotation_input(*order.extracted, order.scene, input));
+  if (order.scene.annotations.any()) {
+    AnnotationInput beside = annotation_input(*order.extracted, order.scene, input);
+    beside.passing = !request.lossless && !request.still;
+    drawn.annotations = annotate(beside);
+  }
   const DepthLight& light = order.scene.light;
   DrawResult result;
   if (request.samples > 1) {

@@ -8,7 +8,7 @@
 namespace isostrata {
 
 AnnotationTheme::AnnotationTheme(const AnnotationInput& input) {
-  letter = std::max(9.0, std::min(input.width, input.height) / 48.0);
+  letter = std::max(input.passing ? 4.0 : 9.0, std::min(input.width, input.height) / 48.0);
   line = std::max(1.0, letter / 11);
   const Rgb& b = input.background;
   dark = !input.transparent && 0.299f * b[0] + 0.587f * b[1] + 0.114f * b[2] < 0.5f;

@@ -27,6 +27,7 @@ struct AnnotationInput {
   Camera camera;
   int width = 800, height = 600;  // of the whole picture
   Rgb background{0, 0, 0};        // what inks are chosen against
+  bool passing = false;           // shown for a moment, perhaps enlarged: letters have no least size, so that they are as large as in the picture at rest
   bool transparent = false;       // the background is left out: inks for paper, with a rim that shows on anything
   std::string array, color_by;    // names for the legend
   std::vector<LegendEntry> entries;
@@ -34,7 +35,7 @@ struct AnnotationInput {
 
 /// Lines of the box that the volume can hide lie under the picture, all others over it: the box holds the volume, so an edge is
 /// behind all of it where both its faces look away, and else on the outline or before it. Sizes follow the picture's: letters are
-/// a forty-eighth of its shorter side, at least 9 pixels. An axis that is scaled says how: "z ×50". The legend stands
+/// a forty-eighth of its shorter side, at least 9 pixels (4 if it passes). An axis that is scaled says how: "z ×50". The legend stands
 /// where it covers nothing of the box and its numbers, if there is such a corner; else lines end at it. What does not fit, or would cover another number, is left out.
 Drawing annotate(const AnnotationInput& input);
 

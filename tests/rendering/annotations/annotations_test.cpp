@@ -229,6 +229,11 @@ TEST(Annotations, SizesFollowThePictureAndInksItsBackground) {
     return Text{};
   };
   EXPECT_NEAR(letters(some_input(1024, 1024)).size, 2 * letters(some_input(512, 512)).size, 1e-9);
+  // A small picture that is shown enlarged has the letters and the panel of the one at rest.
+  AnnotationInput rest = some_input(1000, 500), passing = some_input(400, 200);
+  passing.passing = true;
+  EXPECT_NEAR(letters(rest).size, 2.5 * letters(passing).size, 1e-9);
+  EXPECT_NEAR(beside_the_legend(annotate(rest)).panel->x0, 2.5 * beside_the_legend(annotate(passing)).panel->x0, 20);
   AnnotationInput input = some_input();
   input.show = {false, false, true};
   input.background = {1, 1, 1};

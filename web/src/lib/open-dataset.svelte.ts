@@ -20,6 +20,7 @@ export class OpenDataset {
   /** How often its files have been read anew. */
   reloads = $state(0);
   #asked = ''; // which histogram
+  #message = 0; // that asked for it
 
   /** info: null of a server that describes the dataset only once it has opened it again. In a session that goes on that is the same one. */
   welcomed(info: DatasetInfo | null, dataset: string, resumed: boolean): void {
@@ -41,6 +42,7 @@ export class OpenDataset {
   /** The session has turned to this dataset. */
   turnedTo(dataset: string): void {
     if (this.info?.id !== dataset) this.info = null;
+    this.#message = 0;
   }
 
   /** Asks for the histogram of what is shown, unless that has been asked for already. */
@@ -53,8 +55,13 @@ export class OpenDataset {
     this.#asked = wanted;
     return command.requestHistogram(array, range ? binsOf(range, values === 'whole') : histogramBins);
   }
-  /** The histogram was refused: the next State asks again. */
-  refused(): void {
+  sent(message: number): void {
+    this.#message = message;
+  }
+  /** A message that asked for a histogram is refused. Whether that was of what is shown now: then the next State asks again. */
+  refused(message: number): boolean {
+    if (message !== this.#message) return false;
     this.#asked = '';
+    return true;
   }
 }

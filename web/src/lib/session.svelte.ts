@@ -323,13 +323,13 @@ export class Session {
     const why = code === 'cancelled' ? 'Cancelled.' : message || code;
     if (this.stills.answer(inReplyTo, why) || this.probe.answer(inReplyTo, why) || this.curves.answered(inReplyTo, why) || this.measures.answered(inReplyTo, why)) return;
     const about = this.#out.refused(inReplyTo);
+    if (about.place === 'histogram' && !this.dataset.refused(inReplyTo)) return;
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open
     if (inReplyTo) this.history.told(inReplyTo);
     // Of what was cancelled, Done speaks.
     if (code !== 'cancelled') this.notices.add({ text: message || code, ...about, field, tone: 'error' });
     if (about.place === 'dataset') this.views.failed();
-    if (about.place === 'histogram') this.dataset.refused();
   }
 
   #ping(): void {
@@ -339,6 +339,6 @@ export class Session {
     const wanted = this.dataset.wants(this.scene.server);
     if (!wanted) return;
     this.notices.clear('histogram');
-    this.#out.send(wanted);
+    this.dataset.sent(this.#out.send(wanted));
   }
 }
