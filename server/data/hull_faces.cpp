@@ -58,7 +58,7 @@ void add_determinant(Expansion& to, const Vec3d& a, const Vec3d& b, const Vec3d&
 // ---- the hull ------------------------------------------------------------------------------------------------------------------
 
 using Triangle = std::array<int, 3>;  // counter-clockwise seen from outside
-using Cycle = std::vector<int>;
+using CornerCycle = std::vector<int>;
 
 /// The boundary of the hull, triangulated by placing; empty where the points lie in a plane.
 std::vector<Triangle> exact_hull(std::span<const Vec3d> p) {
@@ -121,7 +121,7 @@ class Faces {
   }
 
   /// With all within `tolerance` of a face's plane in it; nothing where the faces are no polygons then.
-  std::optional<std::vector<Cycle>> join(double tolerance) {
+  std::optional<std::vector<CornerCycle>> join(double tolerance) {
     std::vector<int> face(hull_.size(), -1);
     int faces = 0;
     for (const int seed : by_area_) {
@@ -140,7 +140,7 @@ class Faces {
       ++faces;
     }
     if (faces < 4) return std::nullopt;
-    std::vector<Cycle> cycles;
+    std::vector<CornerCycle> cycles;
     for (int f = 0; f < faces; ++f) {
       auto cycle = outline(face, f);
       if (!cycle) return std::nullopt;
@@ -175,14 +175,14 @@ class Faces {
   }
 
   /// The one cycle around a face's triangles; nothing where there are more, or it meets itself.
-  std::optional<Cycle> outline(const std::vector<int>& face, int f) const {
+  std::optional<CornerCycle> outline(const std::vector<int>& face, int f) const {
     std::map<int, int> next;
     for (std::size_t t = 0; t < hull_.size(); ++t) {
       if (face[t] != f) continue;
       for (int k = 0; k < 3; ++k)
         if (face[beyond_[t][k]] != f && !next.try_emplace(hull_[t][k], hull_[t][(k + 1) % 3]).second) return std::nullopt;
     }
-    Cycle cycle;
+    CornerCycle cycle;
     if (next.empty()) return std::nullopt;
     for (int at = next.begin()->first; cycle.empty() || at != cycle.front(); at = next.at(at)) cycle.push_back(at);
     if (cycle.size() != next.size() || cycle.size() < 3) return std::nullopt;
@@ -190,10 +190,10 @@ class Faces {
   }
 
   /// A point that is no corner yet and lies on an edge is a corner of both its faces: of the nearest edge, where there are more.
-  void add_points_of_edges(std::vector<Cycle>& cycles, double tolerance) const {
+  void add_points_of_edges(std::vector<CornerCycle>& cycles, double tolerance) const {
     std::vector<char> used(p_.size());
     std::set<std::array<int, 2>> edges;
-    for (const Cycle& cycle : cycles)
+    for (const CornerCycle& cycle : cycles)
       for (std::size_t i = 0; i < cycle.size(); ++i) {
         used[cycle[i]] = 1;
         edges.insert(undirected(cycle[i], cycle[(i + 1) % cycle.size()]));
@@ -215,8 +215,8 @@ class Faces {
     }
     if (on.empty()) return;
     for (auto& [edge, points] : on) std::sort(points.begin(), points.end());
-    for (Cycle& cycle : cycles) {
-      Cycle full;
+    for (CornerCycle& cycle : cycles) {
+      CornerCycle full;
       for (std::size_t i = 0; i < cycle.size(); ++i) {
         const int from = cycle[i], to = cycle[(i + 1) % cycle.size()];
         full.push_back(from);
@@ -280,11 +280,11 @@ void hull_faces(std::span<const Vec3d> points, std::span<const std::int64_t> ids
   for (const Triangle& t : hull) volume += orient3d(points[0], points[t[0]], points[t[1]], points[t[2]]) / 6;
   if (!(std::abs(volume) > 1e-12 * box.diagonal() * box.diagonal() * box.diagonal())) return;  // flat but for rounding
   Faces faces(points, hull);
-  std::optional<std::vector<Cycle>> cycles;
+  std::optional<std::vector<CornerCycle>> cycles;
   for (double tolerance = whole; !(cycles = faces.join(tolerance)); tolerance = tolerance > 1e-3 * whole ? tolerance / 8 : 0)
     if (tolerance == 0) return;
   std::vector<std::int64_t> cycle;
-  for (const Cycle& local : *cycles) {
+  for (const CornerCycle& local : *cycles) {
     cycle.clear();
     for (const int v : local) cycle.push_back(ids[static_cast<std::size_t>(v)]);
     out.add(cycle);

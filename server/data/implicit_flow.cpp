@@ -25,7 +25,7 @@ Vec3d step(Vec3d p, double h) {
 
 double from_sphere(Vec3d p) { return length(p - Vec3d{kSphereX, 0, 0}); }
 
-struct Storage {
+struct FlowStorage {
   std::vector<float> implicit, time, streamline;
 };
 
@@ -80,7 +80,7 @@ void fill_implicit_flow(Dataset& dataset, std::int64_t n, const Task& task) {
   grid.spacing = {spacing, spacing, spacing};
   dataset.grid.shape = grid;
 
-  const auto storage = std::make_shared<Storage>();
+  const auto storage = std::make_shared<FlowStorage>();
   for (auto* values : {&storage->implicit, &storage->time, &storage->streamline})
     values->resize(static_cast<std::size_t>(n * n * n));
   const auto at = [n](std::int64_t i) { return static_cast<double>(2 * i - (n - 1)) / static_cast<double>(n - 1); };

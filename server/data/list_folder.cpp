@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int kMaxDepth = 8;
-constexpr std::int64_t kMostFiles = 200'000;
+constexpr std::int64_t kMostListed = 200'000;
 constexpr std::int64_t kQuietNs = 2'000'000'000;  // since a folder of an OpenFOAM case, of a Zarr image or of a plotfile got its last file
 constexpr std::size_t kLeastSlices = 3;  // two pictures with numbers are two pictures
 
@@ -286,7 +286,7 @@ void FolderLister::forget(const fs::path& folder) {
 void FolderLister::look(const fs::path& folder, int depth) {
   const auto known = folders_.find(folder);
   const std::int64_t before = known == folders_.end() ? 0 : count_of(known->second);
-  std::optional<FolderContents> contents = look_at_folder(folder, root_, kMostFiles - seen_ + before, known == folders_.end() ? nullptr : &known->second);
+  std::optional<FolderContents> contents = look_at_folder(folder, root_, kMostListed - seen_ + before, known == folders_.end() ? nullptr : &known->second);
   if (!contents) return forget(folder);
   seen_ += count_of(*contents) - before;
   renewed_.insert(folder);
@@ -348,7 +348,7 @@ std::set<fs::path> FolderLister::renew(const std::set<std::string>& writing) {
       parts_[folder] = Listing(root_, folders_, pieces_, writing).run(folder);
       cut_off_ = cut_off_ || at->second.cut_off;
     }
-  cut_off_ = cut_off_ || seen_ >= kMostFiles;
+  cut_off_ = cut_off_ || seen_ >= kMostListed;
   std::set<fs::path> renewed = std::move(renewed_);
   renewed_.clear();
   if (folders_.empty()) throw Error(ErrorCode::not_found, root_.string() + ": this directory cannot be listed");

@@ -28,9 +28,9 @@ constexpr std::int64_t kMostTimes = 1'000'000;
 
 /// A file of the directory, mapped read-only, then unlinked where it shall be. Its directory belongs to us alone, and the child
 /// has ended.
-class Mapping {
+class ImportMapping {
  public:
-  Mapping(const fs::path& path, std::uint64_t expected_bytes, const std::string& name, ImportFiles files) {
+  ImportMapping(const fs::path& path, std::uint64_t expected_bytes, const std::string& name, ImportFiles files) {
     const std::string file = path.filename().string();
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     struct stat status {};
@@ -50,11 +50,11 @@ class Mapping {
     }
     if (files == ImportFiles::unlinked) unlink(path.c_str());
   }
-  ~Mapping() {
+  ~ImportMapping() {
     if (data_) munmap(data_, size_);
   }
-  Mapping(const Mapping&) = delete;
-  Mapping& operator=(const Mapping&) = delete;
+  ImportMapping(const ImportMapping&) = delete;
+  ImportMapping& operator=(const ImportMapping&) = delete;
   std::span<const std::byte> bytes() const { return {static_cast<const std::byte*>(data_), size_}; }
 
  private:
@@ -86,7 +86,7 @@ class Manifest {
     if (error) refuse("wrote no manifest");
     if (size > kMostManifest)
       refuse("wrote a manifest of " + std::to_string(size) + " bytes; expected at most " + std::to_string(kMostManifest));
-    const Mapping mapping(path, size, name_, files);
+    const ImportMapping mapping(path, size, name_, files);
     try {
       json::parse_options strict;
       strict.max_depth = 8;
@@ -130,7 +130,7 @@ class Manifest {
     if (total_ > options_.max_bytes)
       throw Error(ErrorCode::too_large,
                   name_ + ": needs more than the limit of " + std::to_string(options_.max_bytes) + " bytes");
-    const auto mapping = std::make_shared<const Mapping>(directory_ / file, bytes, name_, files_);
+    const auto mapping = std::make_shared<const ImportMapping>(directory_ / file, bytes, name_, files_);
     storage = mapping;
     return mapping->bytes();
   }

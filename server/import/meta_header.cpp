@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kBlanks = " \t", kSeparators = "=:";
 constexpr std::size_t kLongest = 499;  // MetaIO's buffers have 500 bytes
 constexpr std::size_t kLongestName = 200;  // MetaIO has a place for 255
-constexpr int kMostLines = 1000;
+constexpr int kMostHeaderLines = 1000;
 
 std::string shown(std::string_view line) {
   std::string text(line.substr(0, 60));
@@ -99,7 +99,7 @@ MetaHeader read_meta_header(std::istream& in, std::string_view file) {
   const auto refuse = [&](const std::string& why) { return Error(ErrorCode::bad_data, std::string(file) + ": " + why); };
   MetaHeader header;
   std::string line;
-  for (int i = 0; i < kMostLines && std::getline(in, line); ++i) {
+  for (int i = 0; i < kMostHeaderLines && std::getline(in, line); ++i) {
     header.end += line.size() + 1;
     if (line.ends_with('\r')) line.pop_back();
     line.erase(0, std::min(line.find_first_not_of(kBlanks), line.size()));

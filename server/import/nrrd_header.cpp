@@ -12,7 +12,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kMostAxes = 16, kMostFiles = 65536;
+constexpr std::size_t kMostNrrdAxes = 16, kMostDataFiles = 65536;
 
 std::string lower(std::string_view text) {
   std::string out(text);
@@ -45,9 +45,9 @@ std::optional<double> real(std::string_view text) {
 std::optional<std::int64_t> integer(std::string_view text) { return parsed_number<std::int64_t>(trim(text)); }
 
 /// Fields of one header, and how to complain about them.
-class Fields {
+class HeaderFields {
  public:
-  explicit Fields(std::string name) : name_(std::move(name)) {}
+  explicit HeaderFields(std::string name) : name_(std::move(name)) {}
 
   std::map<std::string, std::string> values;
 
@@ -100,7 +100,7 @@ class Fields {
   std::string name_;
 };
 
-ScalarType parse_type(const Fields& fields) {
+ScalarType parse_type(const HeaderFields& fields) {
   static const std::map<std::string, ScalarType> kTypes = [] {
     std::map<std::string, ScalarType> types{{"float", ScalarType::float32}, {"double", ScalarType::float64}};
     const auto add = [&](ScalarType type, std::initializer_list<const char*> names) {
@@ -124,7 +124,7 @@ ScalarType parse_type(const Fields& fields) {
   return at->second;
 }
 
-NrrdEncoding parse_encoding(const Fields& fields) {
+NrrdEncoding parse_encoding(const HeaderFields& fields) {
   const std::string encoding = lower(fields.need("encoding", "raw, text, hex, gzip or bzip2"));
   if (encoding == "raw") return NrrdEncoding::raw;
   if (encoding == "txt" || encoding == "text" || encoding == "ascii") return NrrdEncoding::text;
@@ -149,7 +149,7 @@ std::vector<std::string> split_vectors(const std::string& text) {
 }
 
 /// "data file": NAME, or "LIST", or "FORMAT MIN MAX STEP" with one %d in FORMAT.
-std::vector<std::string> parse_data_files(const Fields& fields, const std::vector<std::string>& list) {
+std::vector<std::string> parse_data_files(const HeaderFields& fields, const std::vector<std::string>& list) {
   const std::string* field = fields.find("data file");
   if (!field) return {};
   const auto parts = words(*field);
@@ -172,7 +172,7 @@ std::vector<std::string> parse_data_files(const Fields& fields, const std::vecto
     std::string digits = std::to_string(i);
     if (digits.size() < width) digits.insert(0, width - digits.size(), flags[0] == '0' ? '0' : ' ');
     files.push_back(format.substr(0, percent) + digits + format.substr(conversion + 1));
-    if (files.size() > kMostFiles) fields.refuse("data file", "at most 65536 files");
+    if (files.size() > kMostDataFiles) fields.refuse("data file", "at most 65536 files");
   }
   if (files.empty()) fields.refuse("data file", "MIN to MAX to be at least one file");
   return files;
@@ -181,7 +181,7 @@ std::vector<std::string> parse_data_files(const Fields& fields, const std::vecto
 /// Decides which axes are space, which hold components and which is time. Kinds say so; where they do not, an axis without
 /// direction among axes with one is a component if it is the fastest and time if it is the slowest, and a fourth plain axis is
 /// time.
-void assign_roles(std::vector<NrrdAxis>& axes, const Fields& fields) {
+void assign_roles(std::vector<NrrdAxis>& axes, const HeaderFields& fields) {
   const bool directions = std::any_of(axes.begin(), axes.end(), [](const NrrdAxis& a) { return a.direction.has_value(); });
   for (std::size_t a = 0; a < axes.size(); ++a) {
     NrrdAxis& axis = axes[a];
@@ -205,9 +205,9 @@ void assign_roles(std::vector<NrrdAxis>& axes, const Fields& fields) {
                                             std::to_string(count(NrrdRole::time)) + " of time; expected at most three and one");
 }
 
-std::vector<NrrdAxis> parse_axes(const Fields& fields) {
+std::vector<NrrdAxis> parse_axes(const HeaderFields& fields) {
   const auto dimension = integer(fields.need("dimension", "1 to 16"));
-  if (!dimension || *dimension < 1 || *dimension > static_cast<std::int64_t>(kMostAxes)) fields.refuse("dimension", "1 to 16");
+  if (!dimension || *dimension < 1 || *dimension > static_cast<std::int64_t>(kMostNrrdAxes)) fields.refuse("dimension", "1 to 16");
   const auto count = static_cast<std::size_t>(*dimension);
   std::vector<NrrdAxis> axes(count);
   fields.need("sizes", std::to_string(count) + " sizes");
@@ -259,7 +259,7 @@ std::int64_t NrrdHeader::values() const {
 NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
   if (text.size() < 9 || !text.starts_with("NRRD000") || text[7] < '1' || text[7] > '6' || (text[8] != '\n' && text[8] != '\r'))
     throw Error(ErrorCode::bad_data, name + ": expected 'NRRD0001' to 'NRRD0006' on its first line");
-  Fields fields(name);
+  HeaderFields fields(name);
   std::vector<std::string> list;
   bool ended = false, in_list = false;
   std::size_t at = text.find('\n');
@@ -273,7 +273,7 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
       ended = true;
     } else if (in_list) {
       list.emplace_back(trim(line));
-      if (list.size() > kMostFiles) throw Error(ErrorCode::too_large, name + ": lists more than 65536 data files");
+      if (list.size() > kMostDataFiles) throw Error(ErrorCode::too_large, name + ": lists more than 65536 data files");
     } else if (line.front() != '#') {
       const auto colon = line.find(':');
       if (colon == std::string_view::npos || line.size() > 65536)

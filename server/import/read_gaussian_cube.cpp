@@ -22,9 +22,9 @@ namespace isostrata {
 namespace {
 
 /// Numbers, one after the other, wherever lines end.
-class Words {
+class CubeWords {
  public:
-  Words(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  CubeWords(std::string_view text, const std::string& name) : text_(text), name_(name) {}
   void skip_line() {
     const auto end = text_.find('\n');
     if (end == std::string_view::npos) throw Error(ErrorCode::bad_data, name_ + ": ends within its header");
@@ -96,7 +96,7 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_step(request, 1);
   const MappedFile file(request.file);
-  Words words({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, name);
+  CubeWords words({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, name);
   words.skip_line();
   words.skip_line();
   std::int64_t atoms = words.integer("the number of atoms", 1'000'000);

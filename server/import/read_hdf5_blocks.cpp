@@ -39,9 +39,9 @@ const StoredArray* find(const Hdf5File& file, const char* path) {
 using PlaceOfBlock = std::function<std::vector<std::size_t>(std::size_t block)>;
 
 /// Blocks of one number of cells each.
-class Blocks {
+class EqualBlocks {
  public:
-  Blocks(const Hdf5File& file, const ReadRequest& request, std::array<std::size_t, 3> cells, Imported& to) : file_(file), request_(request), cells_(cells), to_(to) {}
+  EqualBlocks(const Hdf5File& file, const ReadRequest& request, std::array<std::size_t, 3> cells, Imported& to) : file_(file), request_(request), cells_(cells), to_(to) {}
 
   /// `lower` and `upper` are its corners. A direction in which all blocks have one cell has none: x and y are then a plane.
   void add(std::size_t block, const Vec3d& lower, const Vec3d& upper) {
@@ -96,7 +96,7 @@ std::optional<Imported> read_flash(const Hdf5File& file, const ReadRequest& requ
   imported.times = {file.number_beside("real scalars", "time").value_or(0)};
   if (!std::isfinite(imported.times.front())) throw Error(ErrorCode::bad_data, name + ": its time is not a finite number");
   if (request.times_only) return imported;
-  Blocks blocks(file, request, {first->shape[3], first->shape[2], first->shape[1]}, imported);
+  EqualBlocks blocks(file, request, {first->shape[3], first->shape[2], first->shape[1]}, imported);
   const std::vector<double> corner = numbers_of(file, *corners, request), kind = numbers_of(file, *kinds, request);
   constexpr double kLeaf = 1;
   for (std::size_t b = 0; b < count; ++b)
@@ -126,7 +126,7 @@ std::optional<Imported> read_athena(const Hdf5File& file, const ReadRequest& req
   if (request.times_only) return imported;
   for (std::size_t axis = 0; axis < 3; ++axis) places[axis] = numbers_of(file, *faces[axis], request);
   const auto place = [&](std::size_t axis, std::size_t block, std::size_t face) { return places[axis][block * (cells[axis] + 1) + face]; };
-  Blocks blocks(file, request, cells, imported);
+  EqualBlocks blocks(file, request, cells, imported);
   for (std::size_t b = 0; b < count; ++b) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t face = 1; face < cells[axis]; ++face) {

@@ -12,7 +12,7 @@
 namespace isostrata {
 namespace {
 
-constexpr int kDeepest = 32;
+constexpr int kDeepestBlocks = 32;
 constexpr std::size_t kMostFiles = 100'000;
 
 struct Part {
@@ -21,7 +21,7 @@ struct Part {
 
 /// Parts in the order of the file; a name is that of the part or of the block around it.
 void collect(vtkXMLDataElement* element, const std::string& around, int depth, const std::string& name, std::vector<Part>& parts) {
-  if (depth > kDeepest) throw Error(ErrorCode::bad_data, name + ": blocks within blocks, above 32 deep");
+  if (depth > kDeepestBlocks) throw Error(ErrorCode::bad_data, name + ": blocks within blocks, above 32 deep");
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* inner = element->GetNestedElement(i);
     const char* own = inner->GetAttribute("name");

@@ -20,7 +20,7 @@
 namespace isostrata {
 namespace {
 
-constexpr int kDeepest = 8;
+constexpr int kDeepestTerms = 8;
 constexpr std::size_t kMostVariables = 10'000;
 
 struct Placed {
@@ -37,7 +37,7 @@ std::optional<Placed> placed(const NetcdfVariable& of) {
 void collect(const NetcdfGroup& group, int depth, std::vector<Placed>& out) {
   for (int variable = 0; variable < group.variables() && out.size() < kMostVariables; ++variable)
     if (auto one = placed({group, variable})) out.push_back(std::move(*one));
-  if (depth < kDeepest)
+  if (depth < kDeepestTerms)
     for (const NetcdfGroup& inner : group.groups()) collect(inner, depth + 1, out);
 }
 

@@ -12,7 +12,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::int64_t kMostComponents = 256;
+constexpr std::int64_t kMostNrrdComponents = 256;
 
 struct Axes {
   std::vector<std::size_t> space, component;
@@ -35,9 +35,9 @@ Axes sort_axes(const NrrdHeader& header, const std::string& name) {
         components = checked_product({components, header.axes[a].size}, name);
     }
   }
-  if (components > kMostComponents)
+  if (components > kMostNrrdComponents)
     throw Error(ErrorCode::unsupported, name + ": " + std::to_string(components) +
-                                            " components in each point; expected at most " + std::to_string(kMostComponents));
+                                            " components in each point; expected at most " + std::to_string(kMostNrrdComponents));
   return axes;
 }
 

@@ -15,7 +15,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kMostFiles = 100'000;
+constexpr std::size_t kMostBoxFiles = 100'000;
 
 /// The files of all levels, in their order.
 std::vector<std::string> listed_files(const ReadRequest& request) {
@@ -32,7 +32,7 @@ std::vector<std::string> listed_files(const ReadRequest& request) {
   for (int i = 0; i < root->GetNumberOfNestedElements(); ++i)
     inner(root->GetNestedElement(i), "Block", [&](vtkXMLDataElement* level) {
       inner(level, "DataSet", [&](vtkXMLDataElement* box) {
-        if (files.size() == kMostFiles) throw Error(ErrorCode::too_large, name + ": lists above 100000 files");
+        if (files.size() == kMostBoxFiles) throw Error(ErrorCode::too_large, name + ": lists above 100000 files");
         if (const char* file = box->GetAttribute("file")) files.emplace_back(file);
       });
     });

@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::uint64_t kMostUnpacked = 1100;      // of a packed byte: zlib's best is 1032, LZ4's 255
 constexpr std::size_t kPart = std::size_t{3} << 16;  // bytes of base64 that are decoded together
-constexpr std::uint8_t kNone = 64;
+constexpr std::uint8_t kNoByte = 64;
 
 constexpr std::array<std::uint8_t, 256> sextets() {
   std::array<std::uint8_t, 256> out{};
-  out.fill(kNone);
+  out.fill(kNoByte);
   std::uint8_t next = 0;
   for (const char c : "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/")
     if (c) out[static_cast<unsigned char>(c)] = next++;
@@ -37,9 +37,9 @@ std::size_t decode_quad(const std::byte* letters, std::uint8_t* to) {
   std::array<std::uint8_t, 4> of;
   for (std::size_t i = 0; i < 4; ++i) of[i] = kSextets[static_cast<unsigned char>(letters[i])];
   std::size_t bytes = 3;
-  if ((of[0] | of[1] | of[2] | of[3]) >= kNone) [[unlikely]] {
+  if ((of[0] | of[1] | of[2] | of[3]) >= kNoByte) [[unlikely]] {
     for (std::size_t last = 3; last >= 2 && letters[last] == std::byte{'='}; --last) of[last] = 0, --bytes;
-    if ((of[0] | of[1] | of[2] | of[3]) >= kNone) return 0;
+    if ((of[0] | of[1] | of[2] | of[3]) >= kNoByte) return 0;
   }
   to[0] = static_cast<std::uint8_t>(of[0] << 2 | of[1] >> 4);
   to[1] = static_cast<std::uint8_t>(of[1] << 4 | of[2] >> 2);

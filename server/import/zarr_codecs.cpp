@@ -101,27 +101,27 @@ void unshuffle(Bytes from, std::size_t element, std::span<std::byte> to) {
     for (std::size_t i = 0; i < count; ++i) to[i * element + b] = from[b * count + i];
 }
 
-using Kind = ZarrCodec::Kind;
+using CodecKind = ZarrCodec::Kind;
 
 struct Unpacker {
-  Kind kind;
+  CodecKind kind;
   const char* id;
   std::size_t (*unpack)(Bytes, std::span<std::byte>);
 };
 
-constexpr Unpacker kUnpackers[] = {{Kind::blosc, "blosc", unpack_blosc}, {Kind::zstd, "zstd", unpack_zstd}, {Kind::gzip, "gzip", inflate_all},
-                                   {Kind::gzip, "zlib", inflate_all},    {Kind::lz4, "lz4", unpack_lz4},    {Kind::bz2, "bz2", unpack_bz2}};
+constexpr Unpacker kUnpackers[] = {{CodecKind::blosc, "blosc", unpack_blosc}, {CodecKind::zstd, "zstd", unpack_zstd}, {CodecKind::gzip, "gzip", inflate_all},
+                                   {CodecKind::gzip, "zlib", inflate_all},    {CodecKind::lz4, "lz4", unpack_lz4},    {CodecKind::bz2, "bz2", unpack_bz2}};
 
 }  // namespace
 
 ZarrCodec zarr_codec(const std::string& id, const boost::json::object& settings, const std::string& file) {
   constexpr std::string_view kPrefix = "numcodecs.";
   const std::string name = id.starts_with(kPrefix) ? id.substr(kPrefix.size()) : id;
-  if (name == "crc32c" && name == id) return {Kind::crc32c};  // numcodecs' puts the sum first
+  if (name == "crc32c" && name == id) return {CodecKind::crc32c};  // numcodecs' puts the sum first
   if (name == "shuffle") {
     const boost::json::value* element = member(settings, "elementsize");
     if (element && (!element->is_int64() || element->get_int64() < 1 || element->get_int64() > 256)) throw Error(ErrorCode::bad_data, file + ": 'elementsize' of the filter 'shuffle' is not 1 to 256");
-    return {Kind::shuffle, element ? static_cast<std::size_t>(element->get_int64()) : 4};
+    return {CodecKind::shuffle, element ? static_cast<std::size_t>(element->get_int64()) : 4};
   }
   for (const Unpacker& of : kUnpackers)
     if (name == of.id) return {of.kind};
@@ -133,16 +133,16 @@ std::span<std::byte> decode_chunk(std::span<const ZarrCodec> codecs, std::vector
   std::span<std::byte> bytes = stored;
   std::vector<std::byte>*now = &stored, *next = &out;  // where the bytes lie, and where those of the next codec go
   for (std::size_t c = codecs.size(); c-- > 0;) {
-    if (codecs[c].kind == Kind::crc32c) {
+    if (codecs[c].kind == CodecKind::crc32c) {
       if (bytes.size() < kWord || little_endian(bytes.last(kWord)) != crc32c(bytes.first(bytes.size() - kWord)))
         throw Error(ErrorCode::bad_data, file + ": is damaged: its sum (crc32c) is not that of its bytes");
       bytes = bytes.first(bytes.size() - kWord);
       continue;
     }
-    const auto sums = std::count_if(codecs.begin(), codecs.begin() + static_cast<std::ptrdiff_t>(c), [](const ZarrCodec& one) { return one.kind == Kind::crc32c; });
+    const auto sums = std::count_if(codecs.begin(), codecs.begin() + static_cast<std::ptrdiff_t>(c), [](const ZarrCodec& one) { return one.kind == CodecKind::crc32c; });
     const std::size_t wanted = size + kWord * static_cast<std::size_t>(sums);
     next->resize(wanted);
-    if (codecs[c].kind == Kind::shuffle) {
+    if (codecs[c].kind == CodecKind::shuffle) {
       if (bytes.size() != wanted || wanted % codecs[c].element != 0)
         throw Error(ErrorCode::bad_data, file + ": has " + std::to_string(bytes.size()) + " bytes for the filter 'shuffle'; expected " + std::to_string(wanted) + " in values of " +
                                              std::to_string(codecs[c].element));

@@ -9,7 +9,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::uint64_t kNowhere = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kNotStored = std::numeric_limits<std::uint64_t>::max();
 constexpr std::size_t kMostKept = std::size_t{4} << 20;  // entries: 64 MiB
 
 }  // namespace
@@ -48,7 +48,7 @@ const std::vector<ZarrChunkPlaces::Part>& ZarrChunkPlaces::index_of(const std::s
     std::memcpy(parts.data(), index.data(), index.size());
     std::uint64_t all = 0;
     for (const auto& [from, count] : parts) {
-      if (from == kNowhere && count == kNowhere) continue;
+      if (from == kNotStored && count == kNotStored) continue;
       if (from > *size || count > *size - from)
         throw Error(ErrorCode::bad_data, name + ": is damaged or cut off: its index names " + std::to_string(count) + " bytes from " + std::to_string(from) + " on; it has " + std::to_string(*size));
       if ((all += count) > *size) throw Error(ErrorCode::bad_data, name + ": is damaged: its index names more bytes than the " + std::to_string(*size) + " that it has");
@@ -62,7 +62,7 @@ std::optional<ZarrChunkPlaces::Part> ZarrChunkPlaces::part_of(const std::vector<
   const std::vector<Part>& parts = index_of(array_.chunk_file(index));
   if (parts.empty()) return std::nullopt;
   const Part& part = parts[number_in_shard(index)];
-  return part[1] == kNowhere ? std::nullopt : std::optional(part);
+  return part[1] == kNotStored ? std::nullopt : std::optional(part);
 }
 
 std::optional<std::uint64_t> ZarrChunkPlaces::size_of(const std::vector<std::int64_t>& index) {

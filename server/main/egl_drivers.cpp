@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::seconds kLimit{30};
+constexpr std::chrono::seconds kDriverLimit{30};
 
 /// Its path, or why it cannot be loaded.
 LoadedLibrary load(const std::string& name, const std::string& shown) {
@@ -91,7 +91,7 @@ std::vector<LoadedLibrary> egl_libraries() {
             if (i == 0 && !of.ok) return;
           }
         },
-        kLimit);
+        kDriverLimit);
     std::istringstream said(run.said);
     for (LoadedLibrary of; std::getline(said, of.name, '\0');) {
       std::string ok;

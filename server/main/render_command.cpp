@@ -50,7 +50,7 @@ struct RenderArguments {
   bool json = false;
 };
 
-struct Timing {
+struct RenderTiming {
   double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
 };
 
@@ -177,7 +177,7 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
 }
 
 boost::json::object to_json(const RenderArguments& arguments, const Scene& scene, const ExtractedScene& extracted,
-                            const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
+                            const DrawInput& input, const DrawFacts& facts, const RenderTiming& ms) {
   const auto vector = [](Vec3d v) { return boost::json::array{v.x, v.y, v.z}; };
   boost::json::object stages;  // of the last picture
   for (const StageTime& stage : facts.stages) stages[stage.name] = stage.ms;
@@ -289,7 +289,7 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
 
   const Stopwatch total;
   Stopwatch stage;
-  Timing ms;
+  RenderTiming ms;
   const RendererChoice choice{arguments.renderer, arguments.device};
   SceneRanks* const ranks = ranks_in_use();
   if (ranks) ranks->configure({.renderer = choice, .threads = arguments.threads, .region = region_of_arguments()});

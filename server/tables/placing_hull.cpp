@@ -14,22 +14,22 @@ using Row = std::array<std::int64_t, kMaxLatticeDimension>;
 
 /// The corners of a simplex, increasing, one byte each from the lowest, as number + 1; at most seven of them. Points are placed
 /// in the order of their numbers, so a new corner always goes last, and equal simplices are equal numbers.
-using Corners = std::uint64_t;
+using PackedCorners = std::uint64_t;
 static_assert(kMaxHullPoints < 256 && kMaxLatticeDimension < 8);
 
-constexpr Corners kFirstCorner = 1;  // of point 0
+constexpr PackedCorners kFirstCorner = 1;  // of point 0
 
-int corner_count(Corners corners) { return (std::bit_width(corners) + 7) / 8; }
-int corner(Corners corners, int i) { return static_cast<int>(corners >> 8 * i & 255) - 1; }
-Corners with_corner(Corners corners, int p) { return corners | static_cast<Corners>(p + 1) << 8 * corner_count(corners); }
-Corners without_corner(Corners corners, int i) {
-  const Corners below = (Corners{1} << 8 * i) - 1;
+int corner_count(PackedCorners corners) { return (std::bit_width(corners) + 7) / 8; }
+int corner(PackedCorners corners, int i) { return static_cast<int>(corners >> 8 * i & 255) - 1; }
+PackedCorners with_corner(PackedCorners corners, int p) { return corners | static_cast<PackedCorners>(p + 1) << 8 * corner_count(corners); }
+PackedCorners without_corner(PackedCorners corners, int i) {
+  const PackedCorners below = (PackedCorners{1} << 8 * i) - 1;
   return (corners & below) | (corners >> 8 & ~below);
 }
 
 /// A facet of the current hull inside the affine space spanned so far.
 struct Facet {
-  Corners points = 0;
+  PackedCorners points = 0;
   int inner = 0;          // a point of the hull that is not in this facet's hyperplane
   bool reversed = false;  // the outward normal is the negative of the cross product of the sorted points
   Row normal{};
@@ -177,13 +177,13 @@ class PlacingHull {
     basis_.push_back(p);
     for (Facet& facet : facets_) facet.points = with_corner(facet.points, p);
     if (k_ == 1) facets_.front().inner = basis_[0];  // the empty simplex had no point of its own to be off
-    for (const Corners simplex : simplices_) {
+    for (const PackedCorners simplex : simplices_) {
       Facet base;
       base.points = simplex;
       base.inner = p;
       facets_.push_back(base);
     }
-    for (Corners& simplex : simplices_) simplex = with_corner(simplex, p);
+    for (PackedCorners& simplex : simplices_) simplex = with_corner(simplex, p);
     for (Facet& facet : facets_) orient(facet);
   }
 
@@ -218,7 +218,7 @@ class PlacingHull {
   }
 
   struct Ridge {
-    Corners points;
+    PackedCorners points;
     int opposite;  // the visible facet's vertex off the ridge: inside of the new facet
   };
 
@@ -227,7 +227,7 @@ class PlacingHull {
   int k_ = 0;                                            // dimension of the affine hull so far
   std::array<int, kMaxLatticeDimension> coordinates_{};  // [k_]
   std::vector<int> basis_;                               // [k_ + 1] affinely independent points
-  std::vector<Corners> simplices_;                       // of the flat phase
+  std::vector<PackedCorners> simplices_;                       // of the flat phase
   std::vector<Facet> facets_;
   std::vector<Ridge> ridges_;
 };

@@ -11,7 +11,7 @@ GOOD = {
     "README.md": "# A title\n\nSee [below](#a-title), [the page](docs/page.md#two-words) and `server/base/vec.h`.\n",
     "docs/page.md": "# Page\n\n## Two words\n",
     "server/base/vec.h": "#pragma once\n\n#include <string>\n",
-    "server/base/by_vec.cpp": '#include "base/vec.h"\n\nstd::string name;  // std::vector\n',
+    "server/base/by_vec.cpp": '#include "base/vec.h"\n\nconstexpr int kMost = 3;\nstd::string name;  // std::vector\n',
     "deploy/go": '#!/usr/bin/env bash\necho "$1"\n',
 }
 HOME = "/" + "home/somebody/"
@@ -49,6 +49,7 @@ class PlantedViolations(unittest.TestCase):
             ("server/base/a.cpp", 'fail(name + " is no number");\n', "server/base/a.cpp:1: 'is no number': say 'is not a'"),
             ("docs/page.md", "# Page\n\n## Two words\n\nA folder is no file.\n", "docs/page.md:5: 'is no file': say 'is not a'"),
             ("server/base/a.cpp", "#include <vector>\n\nstd::string name;\n", "server/base/a.cpp:3: std::string needs <string>"),
+            ("server/base/near_vec.cpp", "constexpr int kMost{4};\n", "server/base/near_vec.cpp:1: 'kMost' is a name in 'by_vec.cpp' too"),
             ("deploy/go", "#!/usr/bin/env bash\necho $1\n", "deploy/go:2: note: Double quote"),
         ]:
             with self.subTest(place):

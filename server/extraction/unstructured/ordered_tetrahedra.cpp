@@ -20,7 +20,7 @@ namespace isostrata {
 namespace {
 
 constexpr std::int64_t kPerTask = 1 << 13;
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr std::uint32_t kUnranked = ~std::uint32_t{0};
 
 template <class T>
 std::uint64_t bytes_in(const Buffer<T>& buffer) {
@@ -69,12 +69,12 @@ class Maker {
   /// In the order in which the cells name them first. vertices_ then has these numbers.
   void number_points() {
     Buffer<std::uint32_t> rank(static_cast<std::size_t>(grid_.point_count()));
-    std::fill(rank.begin(), rank.end(), kNone);
+    std::fill(rank.begin(), rank.end(), kUnranked);
     for (std::size_t t = 0; t < out_->count(); ++t) {
       std::array<std::uint32_t, 4> of_cell;
       for (std::size_t i = 0; i < 4; ++i) of_cell[out_->turns[t] >> 2 * i & 3u] = vertices_[t][i];
       for (const std::uint32_t id : of_cell) {
-        if (rank[id] != kNone) continue;
+        if (rank[id] != kUnranked) continue;
         rank[id] = static_cast<std::uint32_t>(out_->ids.size());
         out_->ids.push_back(id);
       }

@@ -13,7 +13,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::int64_t kGrain = 8192;
+constexpr std::int64_t kItemsAtOnce = 8192;
 
 bool is_drawn(const IntervalMesh& mesh, std::span<const std::uint8_t> drawn, std::size_t tetrahedron) {
   return drawn[mesh.tetrahedron_interval[tetrahedron]] != 0;
@@ -129,7 +129,7 @@ VisibilityOrder centroid_order(const IntervalMesh& mesh, const OrderRequest& req
   VisibilityOrder order{drawn_tetrahedra(mesh, request.drawn), "centroid (approximate)", false};
   std::vector<Keyed> items(order.tetrahedra.size());
   const Vec3d forward = normalized(camera.at - camera.eye);
-  parallel_for(static_cast<std::int64_t>(items.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  parallel_for(static_cast<std::int64_t>(items.size()), kItemsAtOnce, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const std::uint32_t id = order.tetrahedra[i];
       Vec3d sum;
