@@ -6,10 +6,11 @@
 #include <fstream>
 #include <thread>
 
+#include "isostrata/image.h"
 #include "isostrata/options.h"
-#include "vp9_encoder.h"
-#include "webm_writer.h"
+#include "webm_file.h"
 #include "whole_file.h"
+#include "yuv444.h"
 
 namespace isostrata::client {
 namespace {
@@ -73,34 +74,17 @@ class Y4m : public Film {
 class WebM : public Film {
  public:
   WebM(const std::string& path, const FilmOptions& options)
-      : options_(options),
-        file_(path),
-        writer_(file_, options.width, options.height, options.fps),
-        encoder_(options.width, options.height, options.quality) {}
+      : options_(options), file_(path, options.width, options.height, options.fps, options.quality) {}
   void add(const std::string& png) override {
     const Picture picture = decode(png);
     check_size(picture, options_);
-    const auto time_ms = static_cast<std::int64_t>(std::llround(static_cast<double>(next_++) * 1000 / options_.fps));
-    const auto after_ms = static_cast<std::int64_t>(std::llround(static_cast<double>(next_) * 1000 / options_.fps));
-    encoder_.encode(to_yuv444(picture, Matrix::bt709), time_ms, after_ms - time_ms, packets());
-    end_ms_ = after_ms;
+    file_.add(picture);
   }
-  void finish() override {
-    encoder_.flush(packets());
-    writer_.finish(end_ms_);
-    file_.finish();
-  }
+  void finish() override { file_.finish(); }
 
  private:
-  Vp9Encoder::Packets packets() {
-    return [this](std::string_view bytes, std::int64_t time_ms, bool key) { writer_.add(bytes, time_ms, key); };
-  }
-
   FilmOptions options_;
-  WholeFile file_;
-  WebmWriter writer_;
-  Vp9Encoder encoder_;
-  std::int64_t next_ = 0, end_ms_ = 0;
+  WebmFile file_;
 };
 
 }  // namespace
@@ -110,21 +94,6 @@ std::unique_ptr<Film> open_film(const std::string& path, const FilmOptions& opti
   if (path.ends_with(".y4m")) return std::make_unique<Y4m>(path, options);
   if (path.ends_with(".webm")) return std::make_unique<WebM>(path, options);
   throw ClientError("bad_argument", "--out '" + path + "': expected a name that ends in .png, .y4m or .webm");
-}
-
-// Recommendations ITU-R BT.601 and BT.709, 8 bits.
-std::vector<std::uint8_t> to_yuv444(const Picture& picture, Matrix matrix) {
-  const float kr = matrix == Matrix::bt601 ? 0.299f : 0.2126f, kb = matrix == Matrix::bt601 ? 0.114f : 0.0722f;
-  const std::size_t pixels = picture.rgb.size() / 3;
-  std::vector<std::uint8_t> planes(pixels * 3);  // [3][height][width]
-  for (std::size_t p = 0; p < pixels; ++p) {
-    const float r = picture.rgb[p * 3], g = picture.rgb[p * 3 + 1], b = picture.rgb[p * 3 + 2];
-    const float y = kr * r + (1 - kr - kb) * g + kb * b;
-    planes[p] = static_cast<std::uint8_t>(16.5f + y * (219.f / 255));
-    planes[pixels + p] = static_cast<std::uint8_t>(128.5f + (b - y) / (2 * (1 - kb)) * (224.f / 255));
-    planes[2 * pixels + p] = static_cast<std::uint8_t>(128.5f + (r - y) / (2 * (1 - kr)) * (224.f / 255));
-  }
-  return planes;
 }
 
 }  // namespace isostrata::client

@@ -1,12 +1,8 @@
 // Pictures one after the other, as files: numbered PNGs, or one film.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
-
-#include "isostrata/image.h"
 
 namespace isostrata::client {
 
@@ -29,9 +25,5 @@ struct FilmOptions {
 /// By the name's end: ".png" with a place for the number ("frame-%04d.png"), ".y4m" (uncompressed 4:4:4, BT.601), ".webm" (VP9
 /// 4:4:4, BT.709). Throws ClientError "bad_argument".
 std::unique_ptr<Film> open_film(const std::string& path, const FilmOptions& options);
-
-/// Three planes of width * height bytes each, one after the other, in the range of studios (16..235, 16..240). BT.601 or BT.709.
-enum class Matrix { bt601, bt709 };
-std::vector<std::uint8_t> to_yuv444(const Picture& picture, Matrix matrix);
 
 }  // namespace isostrata::client

@@ -48,7 +48,7 @@ WebmWriter::WebmWriter(WholeFile& file, int width, int height, double fps) : fil
   file_.write(number(0, 8));
 
   const std::string facts = element(0x2AD7B1, whole(1000000)) +  // a tick is a millisecond
-                            element(0x4D80, "isostrata-client") + element(0x5741, "isostrata-client");
+                            element(0x4D80, "isostrata") + element(0x5741, "isostrata");
   file_.write(id(0x1549A966) + size(facts.size() + 2 + 8 + 8) + facts + id(0x4489) + size(8));
   duration_ = file_.size();
   file_.write(number(0, 8));

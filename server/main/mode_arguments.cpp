@@ -41,7 +41,7 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
                      "A transfer function in place of --interval: FILE.json with \"points\" of value, color and opacity, or a "
                      "table of R G B [OPACITY] over the array's range");
   command.add_option("--steps", arguments.steps,
-                     "Steps, 0,2,5 or FIRST:LAST[:STRIDE]: a picture of each, all from one camera; frame-%04d.png numbers them by their steps, film.png holds them all. With "
+                     "Steps, 0,2,5 or FIRST:LAST[:STRIDE]: a picture of each, all from one camera; frame-%04d.png numbers them by their steps, film.webm or film.png holds them all. With "
                      "--mode smear the steps of one picture in the order they are painted");
   command.add_option("--times", arguments.times,
                      "With --mode smear, in place of --steps: times in the order they are painted, 0.5,1.25, also between steps; "
@@ -51,7 +51,7 @@ void add_mode_options(CLI::App& command, ModeArguments& arguments) {
       "--phase", [&arguments](const double& phase) { arguments.phase = phase; },
       "With --mode cycled: draw this interval alone, counted from 0 (default: all, as frame-%02d.png or an animated .png)");
   command
-      .add_option("--seconds", arguments.seconds, "Of an animated picture: how long each interval, or step, is shown")
+      .add_option("--seconds", arguments.seconds, "Of a film or an animated picture: how long each interval, or step, is shown")
       ->check(CLI::Range(0.01, 600.0))
       ->capture_default_str();
   command

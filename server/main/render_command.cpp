@@ -33,6 +33,7 @@
 #include "scene/axis_scale.h"
 #include "scene/color_range.h"
 #include "scene/transfer_function.h"
+#include "webm_file.h"
 
 namespace isostrata {
 namespace {
@@ -49,6 +50,8 @@ struct RenderArguments {
   int threads = 0;
   bool json = false;
 };
+
+constexpr int kFilmQuality = 20;  // VP9's quantizer, 0..63: what `isostrata-client record` takes if nothing is said
 
 struct RenderTiming {
   double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
@@ -268,14 +271,29 @@ void add_facts(DrawFacts& sum, const DrawFacts& of) {
   sum.order_ms = order, sum.draw_ms = draw, sum.readback_ms = readback;
 }
 
+bool is_webm(const RenderArguments& arguments) { return arguments.out.ends_with(".webm"); }
+
+client::Picture without_alpha(const Image& image) {
+  client::Picture picture{image.width, image.height, {}};
+  picture.rgb.reserve(image.rgba.size() / 4 * 3);
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) picture.rgb.insert(picture.rgb.end(), {image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]});
+  return picture;
+}
+
 /// Whatever can be refused before the work begins.
 void check_out(const RenderArguments& arguments) {
-  check_image_path(arguments.out);
+  if (!is_webm(arguments)) check_image_path(arguments.out);
   const bool film = is_film(arguments), cycle = arguments.modes.mode == "cycled" && !arguments.modes.phase && arguments.state.empty();
-  if ((film || cycle) && is_numbered(arguments.out)) numbered_path(arguments.out, 0);
-  if ((film || cycle) && !is_numbered(arguments.out) && !arguments.out.ends_with(".png"))
-    throw Error(ErrorCode::invalid_argument, arguments.out + (film ? ": --steps are several pictures, and only .png holds them in one file; expected .png, or %04d in the name"
-                                                                   : ": a cycle is several pictures, and only .png holds them in one file; expected .png, %02d in the name, or --phase"));
+  if (is_webm(arguments)) {
+    if (!film && !cycle) throw Error(ErrorCode::invalid_argument, arguments.out + ": a film is of several pictures; expected --steps or --mode cycled");
+    if (is_numbered(arguments.out)) throw Error(ErrorCode::invalid_argument, arguments.out + ": one film holds all pictures; expected a name without %");
+    if (arguments.background == "transparent") throw Error(ErrorCode::invalid_argument, arguments.out + ": a film is not transparent; expected a colour for --background");
+  } else if (film || cycle) {
+    if (is_numbered(arguments.out)) numbered_path(arguments.out, 0);
+    else if (!arguments.out.ends_with(".png"))
+      throw Error(ErrorCode::invalid_argument, arguments.out + (film ? ": --steps are several pictures, and only .png and .webm hold them in one file; expected one of these, or %04d in the name"
+                                                                     : ": a cycle is several pictures, and only .png and .webm hold them in one file; expected one of these, %02d in the name, or --phase"));
+  }
   if (film && arguments.layers.time) throw Error(ErrorCode::invalid_argument, "--steps and --time: expected one of them");
 }
 
@@ -284,7 +302,7 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   check_out(arguments);
   const auto [width, height] = parse_size(arguments.size);
   const bool transparent = arguments.background == "transparent";
-  check_image_file(arguments.out, width, height, transparent);
+  if (!is_webm(arguments)) check_image_file(arguments.out, width, height, transparent);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
 
   const Stopwatch total;
@@ -330,8 +348,10 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   scene.step = pictures.front().step;
   auto extracted = extract();
   ms.extract = stage.lap_ms();
-  const bool animated = pictures.size() > 1 && pictures.front().out == arguments.out;
+  const bool animated = is_webm(arguments) || (pictures.size() > 1 && pictures.front().out == arguments.out);
   std::vector<Image> frames;
+  std::optional<client::WebmFile> film;
+  if (is_webm(arguments)) film.emplace(arguments.out, width, height, 1 / scene.cycle.seconds, kFilmQuality);
   DrawInput input;
   DrawFacts facts;
   for (const Picture& picture : pictures) {
@@ -353,7 +373,8 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
                   const auto& bytes = std::get<Image>(rows).rgba;
                   frame.rgba.insert(frame.rgba.end(), bytes.begin(), bytes.end());
                 }));
-      frames.push_back(std::move(frame));
+      if (film) film->add(without_alpha(frame));
+      else frames.push_back(std::move(frame));
       continue;
     }
     std::optional<ImageFile> file;  // its library takes memory that drawing may want
@@ -368,7 +389,8 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     ms.write += stage.lap_ms();
   }
   stage.lap_ms();
-  if (animated) write_animation(arguments.out, frames, scene.cycle.seconds);
+  if (film) film->finish();
+  else if (animated) write_animation(arguments.out, frames, scene.cycle.seconds);
   ms.write += stage.lap_ms();
   ms.total = total.elapsed_ms();
 
@@ -452,7 +474,7 @@ void add_render_command(CLI::App& app) {
       ->add_option(
           "--out", arguments->out,
           "The picture: .png, .jpg, .webp, .tif or .exr (float, linear, with depth); %02d in the name of a cycle numbers its "
-          "pictures, %04d those of --steps")
+          "pictures, %04d those of --steps; of several pictures also .webm (VP9), a film")
       ->required();
   command->add_flag("--json", arguments->json, "Print one JSON document");
   add_ranks_option(*command, arguments->ranks);

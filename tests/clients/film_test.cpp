@@ -7,11 +7,16 @@
 
 #include <bit>
 #include <cmath>
+#include <filesystem>
+#include <functional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "isostrata/client.h"
 #include "support/run_isostrata.h"
 #include "support/temporary_folder.h"
+#include "yuv444.h"
 
 namespace isostrata::client {
 namespace {
@@ -107,41 +112,58 @@ void write_film(const std::string& path, int frames, int quality) {
   film->finish();
 }
 
+/// The film at `path` is these pictures, each shown for as long, within an error of `most`.
+void check_film(const std::string& path, int frames, std::uint64_t frame_ms, double most, const std::function<Picture(int)>& picture) {
+  const std::string file = read_text(path);
+  std::vector<Element> elements;
+  ASSERT_NO_FATAL_FAILURE(walk(file, 0, file.size(), elements));
+  vpx_codec_ctx_t decoder{};
+  ASSERT_EQ(vpx_codec_dec_init(&decoder, vpx_codec_vp9_dx(), nullptr, 0), VPX_CODEC_OK);
+  int frame = 0;
+  std::uint64_t cluster = 0;
+  for (const Element& element : elements) {
+    if (element.id == 0xE7) cluster = number(element.content);
+    if (element.id != 0xA3) continue;
+    EXPECT_EQ(cluster + number(element.content.substr(1, 2)), static_cast<std::uint64_t>(frame) * frame_ms);
+    ASSERT_EQ(vpx_codec_decode(&decoder, reinterpret_cast<const std::uint8_t*>(element.content.data()) + 4,
+                               static_cast<unsigned>(element.content.size() - 4), nullptr, 0),
+              VPX_CODEC_OK);
+    vpx_codec_iter_t at = nullptr;
+    const vpx_image_t* image = vpx_codec_get_frame(&decoder, &at);
+    ASSERT_NE(image, nullptr) << "frame " << frame;
+    EXPECT_EQ(image->fmt, VPX_IMG_FMT_I444);
+    EXPECT_LE(error_of(*image, picture(frame)), most) << "frame " << frame;
+    ++frame;
+  }
+  vpx_codec_destroy(&decoder);
+  EXPECT_EQ(frame, frames);
+}
+
 TEST(WebM, HoldsEveryFrameAtItsTimeAndDecodesToThePictures) {
   const isostrata::testing::TemporaryFolder folder;
+  const std::string path = (folder / "a.webm").string();
   for (const int quality : {0, 20}) {
-    const std::string path = (folder / "a.webm").string();
-    constexpr int kFrames = 31;
-    write_film(path, kFrames, quality);
-    const std::string file = read_text(path);
-    std::vector<Element> elements;
-    ASSERT_NO_FATAL_FAILURE(walk(file, 0, file.size(), elements));
-
-    vpx_codec_ctx_t decoder{};
-    ASSERT_EQ(vpx_codec_dec_init(&decoder, vpx_codec_vp9_dx(), nullptr, 0), VPX_CODEC_OK);
-    int frame = 0;
-    std::uint64_t cluster = 0;
-    for (const Element& element : elements) {
-      if (element.id == 0xE7) cluster = number(element.content);
-      if (element.id != 0xA3) continue;
-      EXPECT_EQ(cluster + number(element.content.substr(1, 2)), static_cast<std::uint64_t>(frame) * 40);
-      ASSERT_EQ(vpx_codec_decode(&decoder, reinterpret_cast<const std::uint8_t*>(element.content.data()) + 4,
-                                 static_cast<unsigned>(element.content.size() - 4), nullptr, 0),
-                VPX_CODEC_OK);
-      vpx_codec_iter_t at = nullptr;
-      const vpx_image_t* image = vpx_codec_get_frame(&decoder, &at);
-      ASSERT_NE(image, nullptr) << "frame " << frame;
-      EXPECT_EQ(image->fmt, VPX_IMG_FMT_I444);
-      const double error = error_of(*image, scene(101, 67, frame));
-      if (quality == 0)
-        EXPECT_EQ(error, 0) << "frame " << frame;
-      else
-        EXPECT_LT(error, 12) << "frame " << frame;  // 37 dB
-      ++frame;
-    }
-    vpx_codec_destroy(&decoder);
-    EXPECT_EQ(frame, kFrames);
+    write_film(path, 31, quality);
+    check_film(path, 31, 40, quality == 0 ? 0 : 12, [](int frame) { return scene(101, 67, frame); });  // 12: 37 dB
   }
+}
+
+TEST(WebM, OfRenderIsThePicturesOfItsSteps) {
+  const isostrata::testing::TemporaryFolder folder;
+  const std::string film = (folder / "a.webm").string(), picture = (folder / "p.png").string();
+  const std::string render = "render cylinder:16x12x8x5 --array Density --interval 0.98:0.99 --camera +z --device native --size 97x64 ";
+  const auto done = isostrata::testing::run_isostrata(render + "--steps 0:4:2 --seconds 0.5 --out '" + film + "'");
+  ASSERT_EQ(done.status, 0) << done.err;
+  check_film(film, 3, 500, 12, [&](int frame) {
+    EXPECT_EQ(isostrata::testing::run_isostrata(render + "--step " + std::to_string(2 * frame) + " --out '" + picture + "'").status, 0);
+    return decode(read_text(picture));
+  });
+  for (const char* wrong : {"--out a.webm", "--steps 0:1 --out a-%02d.webm", "--steps 0:1 --background transparent --out a.webm", "--steps 0:1 --out /no/such/a.webm"}) {
+    const auto refused = isostrata::testing::run_isostrata(render + wrong);
+    EXPECT_EQ(refused.status, 1) << wrong;
+    EXPECT_NE(refused.err.find("webm: "), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(std::filesystem::exists("a.webm"), false);
 }
 
 TEST(WebM, ItsHeadKnowsTheLengthAndWhereTheCuesAre) {
