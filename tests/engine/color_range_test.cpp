@@ -227,7 +227,7 @@ TEST(ColorRange, TheLegendShowsTheMapItselfOverTheWholeRange) {
   scene.annotations.legend = true;
   const Scene drawn = drawn_scene(scene);
   const auto extracted = extract_scene(dataset, drawn, nullptr, Task{});
-  const AnnotationInput shown = annotation_input(*extracted, drawn, draw_input(*extracted, drawn, 400, 300));
+  const AnnotationInput shown = annotation_input(*extracted, drawn, draw_input(*extracted, drawn, 1280, 720));
   ASSERT_EQ(shown.entries.size(), 1u) << "the parts of one layer are one entry";
   EXPECT_TRUE(shown.entries[0].log);
   EXPECT_EQ(shown.entries[0].lower, 0.03);
