@@ -112,7 +112,9 @@ describe('the open dataset', () => {
     expect(dataset.wants({ ...shown, step: 1 })).not.toBeNull();
     dataset.told(info(1, 2));
     expect(dataset.wants({ ...shown, step: 1 })).not.toBeNull();
-    dataset.refused();
+    dataset.sent(5);
+    expect([dataset.refused(4), dataset.wants({ ...shown, step: 1 })]).toEqual([false, null]); // of what was shown before
+    expect(dataset.refused(5)).toBe(true);
     expect(dataset.wants({ ...shown, step: 1 })).not.toBeNull();
     dataset.turnedTo('other');
     expect(dataset.info).toBeNull();

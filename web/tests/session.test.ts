@@ -342,6 +342,24 @@ describe('the store', () => {
     expect(histograms()).toBe(2);
   });
 
+  test('keeps the dataset that was chosen last when the one before it is given up', () => {
+    const { session, says, find } = harness();
+    says(welcome('s'));
+    session.views.openDataset('big');
+    const first = BigInt(find('openDataset')!.seq);
+    session.views.openDataset('jet');
+    says({ case: 'error', value: { inReplyTo: first, code: 'cancelled', message: 'cancelled' } });
+    expect(session.scene.view.dataset).toBe('jet');
+    says({ case: 'state', value: { ...state(2), dataset: 'jet' } });
+    expect(session.history.undoes).toBe('opening jet');
+    session.history.undo();
+    expect(find('openDataset')!.body.value.id).toBe('fin');
+    session.views.openDataset('big');
+    says({ case: 'error', value: { inReplyTo: BigInt(find('openDataset')!.seq), code: 'bad_data', message: 'big: truncated' } });
+    expect(session.scene.view.dataset).toBe('jet');
+    expect(session.notices.list).toMatchObject([{ text: 'big: truncated' }]);
+  });
+
   test('of a histogram of the dataset before nothing is said', () => {
     const { session, says, find } = harness();
     says(welcome('s'));

@@ -29,6 +29,7 @@ export class Outgoing {
   readonly #log = new CommandLog();
   readonly #credits = new CameraCredits();
   readonly #about = new Map<number, About>();
+  #openings: number[] = []; // the newest messages that open a dataset
 
   constructor(private readonly doors: OutgoingDoors) {
     this.slots = new Outbox({
@@ -68,6 +69,7 @@ export class Outgoing {
   lost(): void {
     this.live = false;
     this.#about.clear();
+    this.#openings = [];
     this.#credits.reset();
   }
 
@@ -78,6 +80,10 @@ export class Outgoing {
   /** The server has answered a ping of that time. `dataset`: which it has open. */
   heard(sentMs: number, dataset: string): void {
     this.#log.heard(sentMs, (body) => body.case === 'openDataset' && body.value.id !== dataset);
+  }
+  /** Whether the message was to open a dataset in whose place another one has been chosen since. */
+  overtaken(seq: number): boolean {
+    return this.#openings.includes(seq) && seq !== this.#openings.at(-1);
   }
   /** The message is refused: it is not tried again. What it was about. */
   refused(seq: number): Omit<About, 'command'> {
@@ -95,6 +101,7 @@ export class Outgoing {
   #note(seq: number, body: Command, number: number): number {
     if (seq) {
       this.#about.set(seq, { ...placeOf(body), command: number });
+      if (body.case === 'openDataset') this.#openings = [...this.#openings.slice(-99), seq];
       this.#about.delete(seq - remembered);
     }
     return seq;

@@ -323,6 +323,7 @@ export class Session {
     const why = code === 'cancelled' ? 'Cancelled.' : message || code;
     if (this.stills.answer(inReplyTo, why) || this.probe.answer(inReplyTo, why) || this.curves.answered(inReplyTo, why) || this.measures.answered(inReplyTo, why)) return;
     const about = this.#out.refused(inReplyTo);
+    if (this.#out.overtaken(inReplyTo)) return; // the dataset that was chosen since is on its way
     if (about.place === 'histogram' && !this.dataset.refused(inReplyTo)) return;
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open

@@ -44,9 +44,10 @@ export class Views {
     if (left && id !== scene.server.dataset) recovery.bring(left, 'again', true);
     else recovery.giveUp();
   }
-  /** What is shown, with its camera. */
+  /** What is shown, with its camera; not the dataset that is on its way. */
   get shown(): SceneState {
-    return { ...this.doors.scene.view, camera: this.doors.camera() };
+    const { scene, camera } = this.doors;
+    return { ...scene.view, dataset: scene.server.dataset, camera: camera() };
   }
   /** Another dataset, as this says. */
   visit(state: SceneState): void {
