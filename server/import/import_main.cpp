@@ -23,8 +23,14 @@
 #include "data/recognise.h"
 #include "data/zarr_folder.h"
 #include "import/confine.h"
+#ifdef ISOSTRATA_READS_ENSIGHT
+#include "import/ensight_quotes.h"
+#endif
 #include "import/fork_for_files.h"
 #include "import/memory_limit.h"
+#ifdef ISOSTRATA_READS_OPENFOAM
+#include "import/openfoam_collated.h"
+#endif
 #include "import/parsed_number.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
@@ -80,6 +86,12 @@ void run(const std::vector<std::string>& words) {
   isostrata::set_thread_count(kMostThreads);
   isostrata::collect_vtk_messages(request.file.filename().string());
   isostrata::prepare_pictures(request.file);
+#ifdef ISOSTRATA_READS_OPENFOAM
+  isostrata::make_folders_of_processors(request);
+#endif
+#ifdef ISOSTRATA_READS_ENSIGHT
+  isostrata::make_links_without_blanks(request);
+#endif
   std::error_code error;
   const bool folder = std::filesystem::is_directory(request.file, error);
   isostrata::confine({.directory = folder ? request.file : request.file.parent_path(),

@@ -13,14 +13,16 @@
 namespace isostrata {
 
 Imported read_ensight(const ReadRequest& request) {
-  const std::filesystem::path file = case_without_quotes(request);
+  const std::filesystem::path file = case_for_reader(request);
   check_ensight_case(request.file);
   vtkNew<vtkGenericEnSightReader> reader;
   reader->SetCaseFileName(file.c_str());
   reader->ReadAllVariablesOn();
   for (const char* section : {"MATERIAL", "SCRIPTS", "BLOCK_CONTINUATION"})  // where the reader stops, it has read all that it wants
     pass_over_vtk_errors(std::string("invalid VARIABLE line: ") + section);
-  return run_reader(reader, request);
+  Imported imported = run_reader(reader, request);
+  remove_links(request);
+  return imported;
 }
 
 }  // namespace isostrata

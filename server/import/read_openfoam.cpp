@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "data/recognise.h"
+#include "import/openfoam_collated.h"
 #include "import/read_vtk.h"
 #include "import/vtk_messages.h"
 #include "import/vtk_pipeline.h"
@@ -18,32 +19,6 @@ namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool has_times(const fs::path& folder) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name != "0" && name.find_first_not_of("0123456789.e-+") == std::string::npos && entry.is_directory(error)) return true;
-  }
-  return false;
-}
-
-/// A case that was run in parallel and not put together has its times in the folders of the processors.
-bool decomposed(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_directory(folder / "processor0", error)) return false;
-  if (!fs::is_directory(folder / "constant" / "polyMesh", error)) return true;
-  return !has_times(folder);
-}
-
-/// Each file there holds those of all processors one behind the other (decomposedBlockData), which no reader here takes apart.
-void refuse_collated(const fs::path& folder, const std::string& name) {
-  const std::string collated = collated_folder(folder);
-  std::error_code error;
-  if (collated.empty() || (fs::is_directory(folder / "constant" / "polyMesh", error) && has_times(folder))) return;
-  throw Error(ErrorCode::unsupported, name + ": its times are in " + collated + ", as OpenFOAM's file handler 'collated' writes them; put them together by 'reconstructPar', or make a folder for " +
-                                          "each processor by 'foamFormatConvert -fileHandler uncollated' in parallel, then open it again");
-}
 
 /// We split polyhedra ourselves, in agreement with their neighbours. From VTK 9.6 on the reader never does.
 template <class Reader>
@@ -95,17 +70,11 @@ std::vector<double> common_times(const std::vector<vtkSmartPointer<vtkPOpenFOAMR
 }
 
 /// Each folder is a block of its own, so that points on the border of two processors are joined and the values there are means over the cells of both. VTK would
-/// put the parts into one grid with such points twice.
-Imported read_processors(const fs::path& folder, const ReadRequest& request) {
+/// put the parts into one grid with such points twice. `times` may be those of a whole of which the folders have one.
+Imported read_parts(const std::vector<fs::path>& folders, const std::vector<vtkSmartPointer<vtkPOpenFOAMReader>>& readers, std::vector<double> times, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  const std::vector<fs::path> processors = processors_of(folder);
-  std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers;
-  for (const fs::path& processor : processors) readers.push_back(reader_of(processor / "case.foam", request));
   Imported imported;
-  imported.times = common_times(readers, name);
-  if (imported.times.empty()) throw Error(ErrorCode::bad_data, name + ": its folders processor0 to processor" + std::to_string(readers.size() - 1) + " have no time in common");
-  check_step(request, imported.times.size());
-  if (request.times_only) return imported;
+  imported.times = std::move(times);
   const double time = imported.times[static_cast<std::size_t>(request.step)];
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const std::vector<double> own = listed_times(readers[i], name);
@@ -113,12 +82,43 @@ Imported read_processors(const fs::path& folder, const ReadRequest& request) {
     part.step = static_cast<int>(std::find(own.begin(), own.end(), time) - own.begin());
     Imported one = read_step(readers[i], part);
     for (Block& block : one.blocks) {
-      block.name = processors[i].filename().string() + (block.name == "internalMesh" ? "" : "/" + block.name);
+      block.name = folders[i].filename().string() + (block.name == "internalMesh" ? "" : "/" + block.name);
       imported.blocks.push_back(std::move(block));
     }
     for (const std::string& note : one.notes) add_note(imported.notes, note);
   }
+  return imported;
+}
+
+std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers_of(const std::vector<fs::path>& folders, const ReadRequest& request) {
+  std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers;
+  for (const fs::path& folder : folders) readers.push_back(reader_of(folder / "case.foam", request));
+  return readers;
+}
+
+Imported read_processors(const fs::path& folder, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  const std::vector<fs::path> processors = processors_of(folder);
+  const auto readers = readers_of(processors, request);
+  Imported imported;
+  imported.times = common_times(readers, name);
+  if (imported.times.empty()) throw Error(ErrorCode::bad_data, name + ": its folders processor0 to processor" + std::to_string(readers.size() - 1) + " have no time in common");
+  check_step(request, imported.times.size());
+  if (request.times_only) return imported;
+  imported = read_parts(processors, readers, imported.times, request);
   imported.notes.push_back("read from the folders of the processors");
+  return imported;
+}
+
+Imported read_collated(const fs::path& folder, const ReadRequest& request) {
+  const CollatedCase collated = collated_case(folder, request.file.filename().string());
+  Imported imported;
+  imported.times = collated.times;
+  check_step(request, imported.times.size());
+  if (request.times_only) return imported;
+  const TakenApart processors(collated, request);
+  imported = read_parts(processors.folders(), readers_of(processors.folders(), request), imported.times, request);
+  imported.notes.push_back("read from the files of " + std::to_string(processors.folders().size()) + " processors in " + collated.folders.front().filename().string() + (collated.folders.size() > 1 ? " and others" : ""));
   return imported;
 }
 
@@ -130,8 +130,10 @@ Imported read_openfoam(const ReadRequest& request) {
   const fs::path folder = given_folder ? request.file : request.file.parent_path();
   if (!is_openfoam_case(folder))
     throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected an OpenFOAM case around it: system/controlDict and constant/polyMesh");
-  if (!fs::is_directory(folder / "processor0", error)) refuse_collated(folder, request.file.filename().string());
-  if (decomposed(folder)) return read_processors(folder, request);
+  if (!is_put_together(folder)) {  // a case that was run in parallel has its times in the folders of the processors
+    if (fs::is_directory(folder / "processor0", error)) return read_processors(folder, request);
+    if (!collated_folder(folder).empty()) return read_collated(folder, request);
+  }
   return read_step(reader_of(given_folder ? folder / "system" / "controlDict" : request.file, request), request);
 }
 

@@ -110,7 +110,8 @@ TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
 TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
   for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"},
                                          {"atoms.nc", ErrorCode::unsupported, "particles (AMBER)"}, {"no_steps.nc", ErrorCode::bad_data, "'time' has length 0"}, {"no_steps_nor_times.nc", ErrorCode::bad_data, "'time' has length 0"},
-                                         {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"no_size.ims", ErrorCode::bad_data, "ImageSizeX '' of its first channel"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"}}) {
+                                         {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"only_empty.h5", ErrorCode::unsupported, "without an array of two or three axes of numbers (the largest, 'a', has 0 x 4 x 5)"},
+                                         {"members.nc", ErrorCode::unsupported, "take one place along each of the others ('ncks -d AXIS,0 IN OUT')"}, {"no_size.ims", ErrorCode::bad_data, "ImageSizeX '' of its first channel"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"}}) {
     const Error error = test::refusal(file(name));
     EXPECT_EQ(error.code(), code) << error.what();
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
@@ -253,26 +254,53 @@ TEST_F(ForeignFormats, NamesOutsideACaseAreRefused) {
   EXPECT_NE(std::string(list.what()).find("below its own directory"), std::string::npos) << list.what();
 }
 
-TEST_F(ForeignFormats, ANameWithBlanksInACaseIsRefusedAndSaysWhich) {
-  const std::string bytes = test::read_bytes(file("quotes.case"));
-  const auto at = bytes.find("six.geo");
-  const Error error = test::refusal(folder_.write("f/x.case", std::string(bytes).replace(at, 7, "my six.geo")));
-  EXPECT_EQ(error.code(), ErrorCode::unsupported);
-  EXPECT_NE(std::string(error.what()).find("'quoted/my six.geo'"), std::string::npos) << error.what();
-  const Error outside = test::refusal(folder_.write("f/x.case", std::string(bytes).replace(at, 7, "../../six.geo")));
-  EXPECT_NE(std::string(outside.what()).find("below its own directory"), std::string::npos) << outside.what();
+TEST_F(ForeignFormats, ANameWithBlanksInACaseLeadsNowhereElse) {
+  const std::string bytes = test::read_bytes(file("lists.case"));
+  const auto with = [&](const std::string& from, const std::string& to) { return test::refusal(folder_.write("f/x.case", std::string(bytes).replace(bytes.find(from), from.size(), to))); };
+  EXPECT_NE(std::string(with("box.geo", "\"../a box.geo\"").what()).find("below its own directory"), std::string::npos);
+  EXPECT_NE(std::string(with("numbers.txt", "../numbers.txt").what()).find("below its own directory"), std::string::npos);
+  EXPECT_NE(std::string(with("\"the times.txt\"", "/etc/passwd").what()).find("below its own directory"), std::string::npos);
+  EXPECT_NE(std::string(with("numbers.txt", "box.geo").what()).find("expected numbers in 'box.geo', which has 'made'"), std::string::npos);
+  EXPECT_EQ(with("box.geo", "\"no such box.geo\"").code(), ErrorCode::bad_data);
 }
 
-TEST_F(ForeignFormats, ACollatedCaseOfOpenFoamSaysHowToPutItTogether) {
-  namespace fs = std::filesystem;
-  fs::create_directories(file("collated/processors2/0.5"));
-  fs::copy(file("cavity/system"), file("collated/system"));
-  fs::create_directories(file("collated/constant"));
-  const Error error = test::refusal(file("collated"));
-  EXPECT_EQ(error.code(), ErrorCode::unsupported);
-  for (const char* word : {"collated: its times are in processors2", "reconstructPar", "foamFormatConvert"}) EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-  EXPECT_EQ(recognise(file("collated")).kind, FileKind::openfoam);
-  fs::create_directories(file("cavity/processors2/0.5"));  // put together already
+TEST_F(ForeignFormats, ACollatedCaseOfOpenFoamIsThatOfItsProcessors) {
+  for (const auto& [collated, apart] : {std::pair("collated", "parted"), std::pair("collated_binary", "parted_binary")})
+    for (const int step : {0, 2}) {
+      const auto one = test::open(file(collated), step), other = test::open(file(apart), step);
+      ASSERT_EQ(one->grid.point_count(), other->grid.point_count()) << collated;
+      for (std::int64_t p = 0; p < one->grid.point_count(); ++p) {
+        EXPECT_EQ(one->grid.point(p), other->grid.point(p)) << collated << ", point " << p;
+        EXPECT_EQ(one->array("p").at(static_cast<std::size_t>(p)), other->array("p").at(static_cast<std::size_t>(p))) << collated << ", point " << p;
+      }
+    }
+}
+
+TEST_F(ForeignFormats, ADamagedCollatedCaseOfOpenFoamSaysWhatIsWrong) {
+  const auto p = file("collated/processors3/0/p");
+  const std::string whole = test::read_bytes(p);
+  const auto second = whole.find("// Processor1");
+  const auto without = [&](const std::string& words) { return std::string(whole).replace(whole.find(words), words.size(), ""); };
+  const std::pair<std::string, const char*> wrongs[] = {
+      {whole.substr(0, whole.size() - 9), "processors3/0/p: is cut off, or damaged: expected"},
+      {whole.substr(0, second), "processors3/0/p: has 1 blocks; expected 3, one of each processor of its folder"},
+      {without("\n("), "expected"},
+      {std::string(whole).replace(whole.find("\n\n", second) + 2, 1, "99999999999999999"), "as block 1"},
+      {std::string(whole).replace(whole.find("\n\n", second) + 2, 1, "x"), "expected the number of bytes of block 1"}};
+  for (const auto& [bytes, said] : wrongs) {
+    std::ofstream(p, std::ios::binary) << bytes;
+    const Error error = test::refusal(file("collated"));
+    EXPECT_EQ(error.code(), ErrorCode::bad_data) << error.what();
+    EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+  }
+  std::ofstream(p, std::ios::binary) << whole;
+  std::filesystem::rename(file("collated/processors3/constant/polyMesh/owner"), file("owner"));
+  EXPECT_NE(std::string(test::refusal(file("collated")).what()).find("processors3/constant/polyMesh/owner: no such file"), std::string::npos);
+  std::filesystem::rename(file("owner"), file("collated/processors3/constant/polyMesh/owner"));
+  std::filesystem::rename(file("collated_binary/processors3_0-1"), file("processors3_0-1"));
+  EXPECT_NE(std::string(test::refusal(file("collated_binary")).what()).find("expected processor 0 in a folder beside processors3_2-2"), std::string::npos);
+  std::filesystem::rename(file("processors3_0-1"), file("collated_binary/processors3_0-1"));
+  std::filesystem::create_directories(file("cavity/processors2/0.5"));  // put together already
   EXPECT_EQ(test::open(file("cavity"))->times.size(), 3u);
 }
 

@@ -398,6 +398,30 @@ def older_and_binary_ensight():
         expect(name, "unstructured", 8, 1, {"f": [0, 7, 0]}, [0, 1, 0, 1, 0, 1], [1, 1, 0, "f", 2], [time])
 
 
+def named_ensight():
+    """Steps of box.case under other names: with blanks, numbered by a list, and by lists in files of their own."""
+    def steps(name, model, values, numbers, times="time values: 0.5 1.5"):
+        with open(name, "w") as out:
+            out.write(f"FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: {model}\nVARIABLE\nscalar per node: 1 f {values}\nTIME\ntime set: 1\nnumber of steps: 2\n{numbers}\n{times}\n")
+        for step in range(2):
+            expect(name, "unstructured", 2 * NX * NY * NZ - NY * NZ, 2 * (NX - 1) * (NY - 1) * (NZ - 1), {"f": [1000 * step, 1000 * step + 350, 0]},
+                   [0, 10, 0, NY - 1, 0, NZ - 1], [10, 3, 2, "f", 1000 * step + 240], [0.5, 1.5], step)
+
+    os.makedirs("my case/my steps")
+    shutil.copy("box.geo", "my case/a box.geo")
+    for step, number in enumerate((7, 12)):
+        shutil.copy(f"f_0{step}.scl", f"my case/my steps/f at {number:04d}.scl")
+        shutil.copy(f"f_0{step}.scl", f"f{number}.scl")
+    steps("my case/a case.case", '"a box.geo"', '"my steps/f at ****.scl"', "filename numbers: 7 12")
+    steps("blanks.case", '"my case/a box.geo"', '"my case/my steps/f at ****.scl"', "filename start number: 7\nfilename increment: 5")
+    steps("one_star.case", "box.geo", "f*.scl", "filename numbers:\n7\n12", "time values:\n0.5\n1.5")
+    with open("numbers.txt", "w") as out:
+        out.write("7\n12\n")
+    with open("the times.txt", "w") as out:
+        out.write("0.5 1.5\n")
+    steps("lists.case", "box.geo", "f*.scl", "filename numbers file: numbers.txt", 'time values file: "the times.txt"')
+
+
 def pictures():
     unit = [0, NX - 1, 0, NY - 1, 0, NZ - 1]
     values = FIELD.astype("u2")
@@ -450,8 +474,8 @@ def packed():
     lattice("packed.npy.gz", {"packed": [0, 345, 0]}, [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 3, 2, "packed", 235])
 
 
-def openfoam_part(folder, cells, layer=0):
-    """A box of hexahedra of edge 1, 2, 3, as blockMesh writes it in ASCII. The first of its layers along z is this one of a whole."""
+def openfoam_part(folder, cells, layer=0, binary=False):
+    """A box of hexahedra of edge 1, 2, 3, as blockMesh writes it. The first of its layers along z is this one of a whole."""
     nx, ny, nz = cells
     number = lambda i, j, k: i + (nx + 1) * (j + (ny + 1) * k)
     cell = lambda i, j, k: i + nx * (j + ny * k)
@@ -473,40 +497,78 @@ def openfoam_part(folder, cells, layer=0):
                         outer.append((face, cell(i, j, k), None))
     faces = inner + outer
 
-    def write(path, kind, body, place):
+    def write(path, kind, body, place, raw=binary):
         os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
-        with open(os.path.join(folder, path), "w") as out:
-            out.write("FoamFile\n{\n    version 2.0;\n    format ascii;\n    class " + kind + ";\n    location \"" + place + "\";\n    object " +
-                      os.path.basename(path) + ";\n}\n" + body)
+        form = "binary;\n    arch \"LSB;label=32;scalar=64\"" if raw else "ascii"
+        with open(os.path.join(folder, path), "wb") as out:
+            out.write(("FoamFile\n{\n    version 2.0;\n    format " + form + ";\n    class " + kind + ";\n    location \"" + place + "\";\n    object " + os.path.basename(path) + ";\n}\n").encode() + body)
 
-    listed = lambda entries: f"{len(entries)}\n(\n" + "\n".join(entries) + "\n)\n"
+    def listed(rows, code):
+        if binary:
+            numbers = [number for row in rows for number in row]
+            return f"{len(rows)}\n(".encode() + struct.pack(f"<{len(numbers)}{code}", *numbers) + b")\n"
+        entries = [str(row[0]) if len(row) == 1 else "(" + " ".join(map(str, row)) + ")" for row in rows]
+        return (f"{len(entries)}\n(\n" + "\n".join(entries) + "\n)\n").encode()
+
     mesh = "constant/polyMesh"
-    write(mesh + "/points", "vectorField", listed([f"({a} {b} {c})" for a, b, c in points]), mesh)
-    write(mesh + "/faces", "faceList", listed([f"{len(f)}({' '.join(map(str, f))})" for f, _, _ in faces]), mesh)
-    write(mesh + "/owner", "labelList", listed([str(o) for _, o, _ in faces]), mesh)
-    write(mesh + "/neighbour", "labelList", listed([str(n) for _, _, n in inner]), mesh)
-    write(mesh + "/boundary", "polyBoundaryMesh", f"1\n(\nwalls\n{{\n type wall;\n nFaces {len(outer)};\n startFace {len(inner)};\n}}\n)\n", mesh)
+    write(mesh + "/points", "vectorField", listed(points, "d"), mesh)
+    if binary:
+        write(mesh + "/faces", "faceCompactList", listed([(4 * n,) for n in range(len(faces) + 1)], "i") + listed([(p,) for f, _, _ in faces for p in f], "i"), mesh)
+    else:
+        write(mesh + "/faces", "faceList", listed([f for f, _, _ in faces], "i").replace(b"\n(", b"\n4(").replace(b"\n4(\n", b"\n(\n"), mesh)
+    write(mesh + "/owner", "labelList", listed([(o,) for _, o, _ in faces], "i"), mesh)
+    write(mesh + "/neighbour", "labelList", listed([(n,) for _, _, n in inner], "i"), mesh)
+    write(mesh + "/boundary", "polyBoundaryMesh", f"1\n(\nwalls\n{{\n type wall;\n nFaces {len(outer)};\n startFace {len(inner)};\n}}\n)\n".encode(), mesh, False)
+    if binary:  # it has moved
+        write("1/polyMesh/points", "vectorField", listed([(x + 10, y, z) for x, y, z in points], "d"), mesh)
     first = nx * ny * layer
     for time in ("0", "0.5", "1"):
-        write(time + "/p", "volScalarField", "dimensions [0 2 -2 0 0 0 0];\ninternalField nonuniform List<scalar>\n" +
-              listed([str(c + 100 * float(time)) for c in range(first, first + nx * ny * nz)]) + ";\nboundaryField\n{\nwalls\n{\n type zeroGradient;\n}\n}\n", time)
+        write(time + "/p", "volScalarField", b"dimensions [0 2 -2 0 0 0 0];\ninternalField nonuniform List<scalar>\n" +
+              listed([(c + 100 * float(time),) for c in range(first, first + nx * ny * nz)], "d") + b";\nboundaryField\n{\nwalls\n{\n type zeroGradient;\n}\n}\n", time)
 
 
-def openfoam(folder, layers):
-    """A case of 3 x 2 cells in each layer; of several numbers of layers, one that a processor each has computed."""
+def collate(folder, groups):
+    """The folders of the processors as the file handler "collated" has them: in each file a block of bytes for each, of which the first alone has a header."""
+    for group in groups:
+        parts = [f"{folder}/processor{p}" for p in group]
+        total = sum(map(len, groups))
+        to = f"{folder}/processors{total}" + (f"_{group[0]}-{group[-1]}" if len(groups) > 1 else "")
+        for path, _, names in os.walk(parts[0]):
+            below = os.path.relpath(path, parts[0])
+            os.makedirs(f"{to}/{below}", exist_ok=True)
+            for name in names:
+                with open(f"{to}/{below}/{name}", "wb") as out:
+                    out.write(f"FoamFile\n{{\n    version     2.0;\n    format      binary;\n    class       decomposedBlockData;\n    location    \"{below}\";\n    object      {name};\n}}\n"
+                              "// * * * * * * //\n".encode())
+                    for n, part in enumerate(parts):
+                        with open(f"{part}/{below}/{name}", "rb") as file:
+                            block = file.read()
+                        if n > 0:
+                            block = block[block.index(b"}\n") + 2:]
+                        out.write(f"\n// Processor{group[n]}\n\n{len(block)}\n(".encode() + block + b")\n")
+        for part in parts:
+            shutil.rmtree(part)
+        with open(f"{to}/1/uniform", "w") as out:
+            out.write("no field\n")
+
+
+def openfoam(folder, layers, groups=(), binary=False):
+    """A case of 3 x 2 cells in each layer; of several numbers of layers, one that a processor each has computed, in collated files where there are groups of these."""
     for i, count in enumerate(layers):
-        openfoam_part(folder if len(layers) == 1 else f"{folder}/processor{i}", (3, 2, count), sum(layers[:i]))
+        openfoam_part(folder if len(layers) == 1 else f"{folder}/processor{i}", (3, 2, count), sum(layers[:i]), binary)
     os.makedirs(folder + "/system")
     with open(folder + "/system/controlDict", "w") as out:
         out.write("FoamFile\n{\n    version 2.0;\n    format ascii;\n    class dictionary;\n    location \"system\";\n    object controlDict;\n}\n"
                   "application icoFoam;\nstartTime 0;\nendTime 1;\ndeltaT 0.5;\nwriteControl timeStep;\nwriteInterval 1;\n")
     open(folder + "/case.foam", "w").close()
+    collate(folder, groups)
     nz = sum(layers)
     count = 6 * nz
     for name in (folder, folder + "/case.foam"):
         for step, time in enumerate((0, 0.5, 1)):
-            expect(name, "unstructured", 12 * (nz + 1), count, {"p": [100 * time, 100 * time + count - 1, 0]}, [0, 3, 0, 4, 0, 3 * nz],
-                   [3, 4, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
+            moved = 10 if binary and time == 1 else 0
+            expect(name, "unstructured", 12 * (nz + 1), count, {"p": [100 * time, 100 * time + count - 1, 0]}, [moved, 3 + moved, 0, 4, 0, 3 * nz],
+                   [3 + moved, 4, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
 
 
 def main():
@@ -527,8 +589,12 @@ def main():
     gaussian_cube()
     openfoam("cavity", [2])
     openfoam("parted", [2, 1, 3])
+    openfoam("parted_binary", [2, 1, 3], binary=True)
+    openfoam("collated", [2, 1, 3], [[0, 1, 2]])
+    openfoam("collated_binary", [2, 1, 3], [[0, 1], [2]], True)
     ensight()
     older_and_binary_ensight()
+    named_ensight()
     pictures()
     meta_images()
     packed()
