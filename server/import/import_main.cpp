@@ -13,6 +13,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -31,6 +32,7 @@
 #ifdef ISOSTRATA_READS_OPENFOAM
 #include "import/openfoam_collated.h"
 #endif
+#include "import/missing_values.h"
 #include "import/parsed_number.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
@@ -101,7 +103,9 @@ void run(const std::vector<std::string>& words) {
                       .memory_bytes = isostrata::memory_limit(request.file, request.max_bytes),
                       .cpu_seconds = isostrata::cpu_limit(request.file, number(words[4])),
                       .sandbox = isostrata::sandbox_of(words[5])});
-  write_dataset(read_file(request), request, output);
+  isostrata::Imported imported = read_file(request);
+  leave_out_missing(imported, request);
+  write_dataset(std::move(imported), request, output);
 }
 
 #ifdef ISOSTRATA_HANDS_ON
