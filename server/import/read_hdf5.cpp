@@ -63,6 +63,7 @@ struct HdfAxes {
 
 std::optional<HdfAxes> hdf_axes(const std::vector<std::size_t>& shape, bool components) {
   HdfAxes axes;
+  if (std::find(shape.begin(), shape.end(), 0u) != shape.end()) return std::nullopt;  // nobody has written into it
   for (std::size_t a = 0; a < shape.size(); ++a)
     if (shape[a] > 1) axes.space.push_back(a);
   if (components && axes.space.size() > 3 && shape[axes.space.back()] <= 16) {
@@ -129,7 +130,8 @@ const StoredArray& largest(const ArrayFile& file, const std::string& name, bool 
   if (best != arrays.end() && std::get<1>(order(*best)))
     throw Error(ErrorCode::unsupported, name + ": holds lists of points or cells (" + it + ", " + shown(best->shape) + "), not values on a grid; save it as VTKHDF, CGNS or .vtu (ParaView, or meshio convert)");
   throw Error(ErrorCode::unsupported, name + ": without an array of two or three axes of numbers" + (it.empty() ? "" : " (the largest, " + it + ", has " + shown(best->shape) + ")") +
-                                          "; save it as VTKHDF, CGNS, netCDF (.nc), or one array as .npy");
+                                          (components ? "; save it as VTKHDF, CGNS, netCDF (.nc), or one array as .npy"
+                                                      : "; expected time and two or three axes of space: take one place along each of the others ('ncks -d AXIS,0 IN OUT')"));
 }
 
 Imported read_plainly(const ArrayFile& file, const ReadRequest& request, bool components) {

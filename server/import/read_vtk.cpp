@@ -42,6 +42,7 @@
 #include "import/check_legacy_cells.h"
 #include "import/declared_time.h"
 #include "import/mapped_file.h"
+#include "import/parsed_number.h"
 #include "import/read_image_in_place.h"
 #include "import/read_mesh_in_place.h"
 #include "import/vtk_blocks.h"
@@ -137,12 +138,20 @@ bool says_name(std::string_view element) {
   return false;
 }
 
-/// VTK's readers give up where an array has no name.
-void check_names(const ReadRequest& request) {
+/// VTK's readers give up where an array has no name, and make a name for each component before they look for values.
+void check_arrays(const ReadRequest& request) {
   std::ifstream in(request.file, std::ios::binary);
   std::string head(64 << 10, '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(in.gcount()));
+  constexpr std::string_view kComponents = "NumberOfComponents=\"";
+  constexpr std::uint64_t kMostComponents = 100'000;
+  for (auto at = head.find(kComponents); at != std::string::npos; at = head.find(kComponents, at + 1)) {
+    const auto begin = at + kComponents.size();
+    const std::string_view said = std::string_view(head).substr(begin, head.find('"', begin) - begin);
+    if (const auto components = parsed_number<std::uint64_t>(said); said.size() > 18 || (components && *components > kMostComponents))
+      throw Error(ErrorCode::bad_data, request.file.filename().string() + ": an array has " + std::string(said.substr(0, 40)) + " components; expected at most " + std::to_string(kMostComponents));
+  }
   for (const std::string part : {"PointData", "CellData"}) {
     const auto begin = head.find("<" + part), end = head.find("</" + part);
     for (auto at = head.find("<DataArray", begin); at < end && at != std::string::npos; at = head.find("<DataArray", at + 1)) {
@@ -151,6 +160,24 @@ void check_names(const ReadRequest& request) {
         throw Error(ErrorCode::bad_data, request.file.filename().string() + ": an array of its " + part + " has no name; expected an attribute Name");
     }
   }
+}
+
+/// VTK 9.1 says which array of PointData cannot be read where it is one of CellData: if there is no such, it crashes.
+void check_cell_arrays(vtkXMLDataElement* element, const XmlArrays& xml, const std::string& name) {
+  const auto count = [](vtkXMLDataElement* arrays) { return arrays ? arrays->GetNumberOfNestedElements() : 0; };
+  vtkXMLDataElement* const cells = element->FindNestedElementWithName("CellData");
+  for (int i = count(element->FindNestedElementWithName("PointData")); i < count(cells); ++i) {
+    vtkXMLDataElement* const array = cells->GetNestedElement(i);
+    const std::string_view type = attribute(array, "type");
+    if (std::string_view(array->GetName()) != "DataArray" || type == "String" || type == "Bit" || type.empty()) continue;
+    if (!xml.values(array)) throw Error(ErrorCode::bad_data, name + ": array '" + std::string(attribute(array, "Name")) + "' of its CellData is damaged; expected " + std::string(type));
+  }
+  for (int i = 0; i < count(element); ++i) check_cell_arrays(element->GetNestedElement(i), xml, name);
+}
+
+void check_serial(const ReadRequest& request) {
+  check_arrays(request);
+  if (const auto xml = XmlArrays::open(request.file)) check_cell_arrays(xml->root(), *xml, request.file.filename().string());
 }
 
 vtkSmartPointer<vtkXMLDataElement> parse_small_xml(const ReadRequest& request) {
@@ -244,15 +271,15 @@ Imported read_vtk_xml(const ReadRequest& request, const std::string& type) {
   if (type == "ImageData" || type == "RectilinearGrid" || type == "StructuredGrid" || type == "UnstructuredGrid") check_appended(request.file);
   if (type == "ImageData") {
     if (auto in_place = vti_in_place(request)) return std::move(*in_place);
-    check_names(request);
+    check_serial(request);
     return run_named<vtkXMLImageDataReader>(request);
   }
-  if (type == "RectilinearGrid" || type == "StructuredGrid") check_names(request);
+  if (type == "RectilinearGrid" || type == "StructuredGrid") check_serial(request);
   if (type == "RectilinearGrid") return run_named<vtkXMLRectilinearGridReader>(request);
   if (type == "StructuredGrid") return run_named<vtkXMLStructuredGridReader>(request);
   if (type == "UnstructuredGrid") {
     if (auto in_place = vtu_in_place(request)) return std::move(*in_place);
-    check_names(request);
+    check_serial(request);
     return run_named<vtkXMLUnstructuredGridReader>(request);
   }
   if (type == "PImageData" || type == "PRectilinearGrid" || type == "PStructuredGrid" || type == "PUnstructuredGrid") {

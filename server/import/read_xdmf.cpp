@@ -167,7 +167,7 @@ class XdmfReader {
       return;
     }
     if (const std::string type = grid.word({"GridType"}); !type.empty() && type != "uniform") {
-      notes_.push_back("1 grids of GridType " + type + " skipped");
+      notes_.push_back("grids of GridType " + type + " are skipped");
       return;
     }
     add_leaf(grid);
@@ -180,7 +180,7 @@ class XdmfReader {
       if (part.is("Topology")) leaf.topology = part;
       if (part.is("Geometry")) leaf.geometry = part;
       if (part.is("Attribute")) leaf.attributes.push_back(part);
-      if (part.is("Set")) notes_.push_back("1 sets skipped");
+      if (part.is("Set")) notes_.push_back("sets of points, faces or cells are skipped");
     }
     if (!leaf.topology && !leaf.geometry) return;
     if (!leaf.topology || !leaf.geometry)

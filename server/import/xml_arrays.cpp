@@ -44,7 +44,7 @@ std::optional<FileArray> head_of(vtkXMLDataElement* element) {
   const auto type = vtk_type(attribute(element, "type"));
   const std::string_view said = attribute(element, "NumberOfComponents");
   const auto components = said.empty() || said == "0" ? std::optional<std::uint64_t>(1) : parsed_number<std::uint64_t>(said);
-  if (std::string_view(element->GetName()) != "DataArray" || !type || !components || *components > 1000) return std::nullopt;
+  if (std::string_view(element->GetName()) != "DataArray" || !type || !components || *components > 100'000) return std::nullopt;
   FileArray out;
   out.name = attribute(element, "Name");
   out.type = *type;
@@ -162,7 +162,7 @@ std::optional<XmlArrays> XmlArrays::open(const std::filesystem::path& file) {
                  .base64 = elements->base64,
                  .wide = length == "UInt64",
                  .swapped = order == "BigEndian"};
-  const bool ours = (out.coding_.swapped || order == "LittleEndian") && (compressor.empty() || out.coding_.packing != Packing::none) &&
+  const bool ours = (out.coding_.swapped || order.empty() || order == "LittleEndian") && (compressor.empty() || out.coding_.packing != Packing::none) &&
                     (out.coding_.wide || length == "UInt32" || length.empty());
   return ours ? std::optional(std::move(out)) : std::nullopt;
 }
@@ -239,7 +239,7 @@ std::optional<XmlArray> XmlArrays::array(vtkXMLDataElement* element) const {
 }
 
 std::optional<FileArray> XmlArrays::values(vtkXMLDataElement* element) const {
-  if (attribute(element, "format") != "ascii") {
+  if (const auto format = attribute(element, "format"); !format.empty() && format != "ascii") {
     const auto found = array(element);
     return found ? decoded(*found) : std::nullopt;
   }

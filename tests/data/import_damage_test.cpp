@@ -1,10 +1,14 @@
 // Broken and hostile files: one clear error each; the parent never crashes, hangs or leaves anything behind.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "data/files.h"
 #include "data/import_door.h"
@@ -111,7 +115,7 @@ TEST(ImportDamage, HostileHeadersAreRefused) {
   refused("x.vtk", replaced(kStructured, "0 0 0 1", "0 0 nan 1"));
 }
 
-// Each of these crashed a reader of VTK 9.1 (tests/attack/mutants.py found them).
+// Each of these crashed a reader of VTK 9.1, or kept it busy for good (tests/attack/mutants.py found them).
 TEST(ImportDamage, WhatCrashedReadersIsRefusedWithItsReason) {
   const Scratch scratch;
   const std::string meta = "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\n";
@@ -130,6 +134,8 @@ TEST(ImportDamage, WhatCrashedReadersIsRefusedWithItsReason) {
   const Case cases[] = {
       {"a.vtk", "X_COORDINATES 9223372036854775807 declared",
        "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET RECTILINEAR_GRID\nDIMENSIONS 2 2 2\nX_COORDINATES 9223372036854775807 float\n"},
+      {"components.vti", "expected at most 100000", replaced(kImageHeader, "format=\"ascii\"", "NumberOfComponents=\"9223372036854775807\" format=\"ascii\"")},
+      {"cells.vti", "array 'a' of its CellData is damaged; expected Float32", replaced(replaced(replaced(kImageHeader, "<PointData", "<CellData"), "</PointData", "</CellData"), "0 1 2 3 4 5 6 7", "x")},
       {"pattern.mhd", "the last and the stride", meta + "ElementDataFile = p_%03d.raw 1 4\n"},
       {"name.mhd", "expected at most 200", std::string(400, 'a') + " = 1\n" + meta + "ElementDataFile = box.geo\n"},
       {"a.nii", "expected the letters n+1", nifti},
@@ -373,6 +379,49 @@ TEST(ImportDamage, AHyperTreeWhoseNumbersDoNotFitIsSaid) {
     const Error error = refusal(scratch.write("trees.htg", replaced(right, change.first, change.second)));
     EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
   }
+}
+
+/// Values that nobody has named, and which are far from all others, are none; numbers of materials, and whatever is not customary, stay.
+TEST(ImportDamage, WhatIsCustomaryForNoValueIsNone) {
+  const Scratch scratch;
+  const auto range = [&](const std::string& type, const std::vector<double>& values) {
+    std::string text;
+    for (const double value : values) {
+      char word[40];
+      std::snprintf(word, sizeof word, "%.17g ", value);
+      text += word;
+    }
+    const std::string n = std::to_string(values.size() / 4 - 1), extent = "0 1 0 1 0 " + n;
+    const auto data = test::open(scratch.write("x.vti", "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\"><ImageData WholeExtent=\"" + extent +
+                                                            "\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece Extent=\"" + extent + "\"><PointData><DataArray type=\"" + type +
+                                                            "\" Name=\"a\" format=\"ascii\">" + text + "</DataArray></PointData></Piece></ImageData></VTKFile>\n"));
+    const bool told = std::any_of(data->notes.begin(), data->notes.end(), [](const std::string& note) { return note.find("is taken for no value") != std::string::npos; });
+    EXPECT_EQ(told, data->arrays.front().nan_count > 0);
+    return std::tuple(data->arrays.front().lower, data->arrays.front().upper, data->arrays.front().nan_count);
+  };
+  std::vector<double> field;
+  for (int i = 0; i < 96; ++i) field.push_back(240 + 0.5 * i);
+  const auto with = [&](double value, int count, std::vector<double> of) {
+    for (int i = 0; i < count; ++i) of[static_cast<std::size_t>(7 + 3 * i)] = value;
+    return of;
+  };
+  for (const double value : {-9999.0, -999.0, 1e20, -1e30, 9.9692099683868690e36, 9999.0})
+    for (const std::string type : {"Float32", "Float64"}) EXPECT_EQ(range(type, with(value, 5, field)), std::tuple(240.0, 287.5, 5)) << value << " as " << type;
+  std::vector<double> whole;
+  for (int i = 0; i < 96; ++i) whole.push_back(i);
+  EXPECT_EQ(range("Int16", with(-9999, 4, whole)), std::tuple(0.0, 95.0, 4));
+  EXPECT_EQ(range("Int32", with(-2147483648.0, 4, whole)), std::tuple(0.0, 95.0, 4));
+  // What stays.
+  EXPECT_EQ(range("Float64", with(-9999, 1, field)), std::tuple(-9999.0, 287.5, 0)) << "once";
+  EXPECT_EQ(range("Float64", with(12345, 5, field)), std::tuple(240.0, 12345.0, 0)) << "not customary";
+  EXPECT_EQ(range("UInt16", with(9999, 5, whole)), std::tuple(0.0, 9999.0, 0)) << "a number like others";
+  std::vector<double> wide = field, labels;
+  for (double& value : wide) value = 300 * (value - 240);
+  EXPECT_EQ(range("Float64", with(-9999, 5, wide)), std::tuple(-9999.0, 14250.0, 0)) << "not apart";
+  for (int i = 0; i < 96; ++i) labels.push_back(i % 3);
+  EXPECT_EQ(range("Float64", with(1e30, 5, labels)), std::tuple(0.0, 1e30, 0)) << "names of materials";
+  for (double& value : field) value *= 1e18;
+  EXPECT_EQ(std::get<2>(range("Float64", with(1e20, 5, field))), 0) << "no thousand spans apart";
 }
 
 TEST(ImportDamage, MemoryBudgetIsKept) {

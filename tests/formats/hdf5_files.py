@@ -77,7 +77,18 @@ def imaris(field, lattice):
         lattice("cells.ims", {"nuclei": [1000 * time, 1000 * time + 345, 0], "channel 1": [0, 345 * (1 + time), 0]}, [1.25, 3.75, 0.5, 4.5, -3, 3], [3.75, 3.5, 1, "nuclei", 1000 * time + 235], [0, 29.5], time)
 
 
+def empty(field, lattice):
+    """Beside values a list that nobody has added to, and alone."""
+    for name in ("beside_empty.h5", "only_empty.h5"):
+        with h5py.File(name, "w") as file:
+            file.create_dataset("a", (0, 4, 5), maxshape=(None, 4, 5))
+            if name == "beside_empty.h5":
+                file["b"] = field
+    lattice("beside_empty.h5", {"b": [0, 345, 0]}, [0, 5, 0, 4, 0, 3], [5, 3, 2, "b", 235])
+
+
 def write(field, lattice):
+    empty(field, lattice)
     imaris(field, lattice)
     links(field, lattice)
     kinds(field, lattice)

@@ -303,7 +303,16 @@ def curves(field, expect):
         expect(name, "curvilinear", field.size, 60, {"T": [1000, 1345, 0]}, [175.5 if not turn else 175, 182, 38.75, 44, -36, -4], [181.5, 41.75, -27, "T", 1235], [0, 1], 1)
 
 
+def members(field):
+    """An ensemble with times: five axes of more than one place."""
+    with netCDF4.Dataset("members.nc", "w") as d:
+        for name, size in zip(("member", "time", "z", "y", "x"), (3, 2, *field.shape)):
+            d.createDimension(name, size)
+        d.createVariable("T", "f4", ("member", "time", "z", "y", "x"))[:] = np.broadcast_to(field, (3, 2, *field.shape))
+
+
 def write(field, lattice, expect):
+    members(field)
     odd_places(field, lattice)
     curves(field, expect)
     groups(field, lattice)
