@@ -28,8 +28,9 @@ std::optional<double> customary(T value) {
     if (value == std::numeric_limits<T>::min()) return 1;
   const auto number = static_cast<double>(value);
   if (std::is_integral_v<T> && number >= 0) return std::nullopt;  // 9999 may be a number like others
-  for (const double nines : {999.0, 9999.0, 99999.0, 999999.0, 9999999.0, 999.25})
+  for (const double nines : {9999.0, 99999.0, 999999.0, 9999999.0})
     if (std::abs(number) == nines) return 1;
+  if (number == -999 || number == -999.25) return 1;  // 999 may be the density of water beside air
   if constexpr (std::is_floating_point_v<T>) {
     const T size = std::abs(value);
     if (size == static_cast<T>(std::numeric_limits<float>::max()) || size == std::numeric_limits<T>::max()) return 1000;

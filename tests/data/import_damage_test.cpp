@@ -412,6 +412,7 @@ TEST(ImportDamage, WhatIsCustomaryForNoValueIsNone) {
   EXPECT_EQ(range("Int16", with(-9999, 4, whole)), std::tuple(0.0, 95.0, 4));
   EXPECT_EQ(range("Int32", with(-2147483648.0, 4, whole)), std::tuple(0.0, 95.0, 4));
   // What stays.
+  EXPECT_EQ(std::get<1>(range("Float64", with(999, 4, field))), 999.0) << "water beside air";
   EXPECT_EQ(range("Float64", with(-9999, 1, field)), std::tuple(-9999.0, 287.5, 0)) << "once";
   EXPECT_EQ(range("Float64", with(12345, 5, field)), std::tuple(240.0, 12345.0, 0)) << "not customary";
   EXPECT_EQ(range("UInt16", with(9999, 5, whole)), std::tuple(0.0, 9999.0, 0)) << "a number like others";
