@@ -161,9 +161,8 @@ std::vector<double> LayerBricks::signed_volumes(const Owns* owns, const Task& ta
       write(z, nullptr, owns, slab);
       double* const sums = of_slabs.data() + static_cast<std::size_t>(z) * intervals;
       for (const BoundaryFacet& facet : slab.mesh.facets) {
-        const Vec3d p = slab.mesh.positions[facet.points[0]] - origin, q = slab.mesh.positions[facet.points[1]] - origin,
-                    r = slab.mesh.positions[facet.points[2]] - origin;
-        sums[facet.interval] += dot(p, cross(q, r)) / 6;
+        const auto& x = slab.mesh.positions;
+        sums[facet.interval] += orient3d(origin, x[facet.points[0]], x[facet.points[1]], x[facet.points[2]]) / 6;
       }
     }
   });

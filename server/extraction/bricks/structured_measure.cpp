@@ -106,8 +106,8 @@ void measure_facets(IntervalMesh& mesh, const Task& task) {
     for (auto block = static_cast<std::size_t>(begin); block < static_cast<std::size_t>(end); ++block)
       for (std::size_t f = block * kFacets; f < std::min(mesh.facets.size(), (block + 1) * kFacets); ++f) {
         const BoundaryFacet& facet = mesh.facets[f];
-        const Vec3d p = mesh.positions[facet.points[0]] - origin, q = mesh.positions[facet.points[1]] - origin, r = mesh.positions[facet.points[2]] - origin;
-        sums[block * intervals + facet.interval] += dot(p, cross(q, r)) / 6;
+        const auto& x = mesh.positions;
+        sums[block * intervals + facet.interval] += orient3d(origin, x[facet.points[0]], x[facet.points[1]], x[facet.points[2]]) / 6;
       }
   });
   for (std::size_t i = 0; i < sums.size(); ++i) mesh.summaries[i % intervals].signed_volume += sums[i];

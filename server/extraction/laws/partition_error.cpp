@@ -32,7 +32,7 @@ double enclosed_volume(const IntervalMesh& mesh) {
   for (const BoundaryFacet& facet : mesh.facets) {
     if (facet.label != FacetLabel::domain) continue;
     const auto& x = mesh.positions;
-    volume += dot(x[facet.points[0]] - from, cross(x[facet.points[1]] - from, x[facet.points[2]] - from)) / 6;
+    volume += orient3d(from, x[facet.points[0]], x[facet.points[1]], x[facet.points[2]]) / 6;
   }
   return volume;
 }

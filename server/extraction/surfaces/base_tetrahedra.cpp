@@ -29,8 +29,8 @@ float float_from(double value) {
 
 double volume_of(const IntervalMesh& mesh, std::size_t t) {
   const auto& ids = mesh.tetrahedra[t];
-  const Vec3d& origin = mesh.positions[ids[0]];
-  return dot(mesh.positions[ids[1]] - origin, cross(mesh.positions[ids[2]] - origin, mesh.positions[ids[3]] - origin)) / 6;
+  const auto& x = mesh.positions;
+  return orient3d(x[ids[0]], x[ids[1]], x[ids[2]], x[ids[3]]) / 6;
 }
 
 /// All finite values, as one interval.

@@ -21,13 +21,13 @@ int scaled(int side, double scale) {
 }  // namespace
 
 void FrameScheduler::scene_changed(std::uint64_t revision, bool drawable, TimePoint now) {
-  anew_ = revision == newest_ || (anew_ && dirty_);
+  anew_ = revision == newest_ || (anew_ && wanted_.dirty);
   newest_ = revision;
   drawable_ = drawable;
-  dirty_ = wants_lossless_ = drawable;
-  reduced_ = false;
-  samples_ = 0;
-  if (!drawable) still_.reset();
+  wanted_.dirty = wanted_.lossless = drawable;
+  wanted_.reduced = false;
+  wanted_.samples = 0;
+  if (!drawable) wanted_.still.reset();
   last_change_ = now;
 }
 
@@ -38,10 +38,10 @@ void FrameScheduler::set_viewport(int width, int height, bool hidden, TimePoint 
   width_ = width;
   height_ = height;
   if (shown_again || resized) {
-    dirty_ = wants_lossless_ = drawable_;
+    wanted_.dirty = wanted_.lossless = drawable_;
     anew_ = true;
-    reduced_ = false;
-    samples_ = 0;
+    wanted_.reduced = false;
+    wanted_.samples = 0;
     last_change_ = now;
   }
 }
@@ -52,7 +52,7 @@ void FrameScheduler::set_interaction(bool active, TimePoint now) {
 }
 
 void FrameScheduler::request_still(int width, int height) {
-  if (drawable_) still_ = FrameOrder{width, height, true, FramePhase::lossless};
+  if (drawable_) wanted_.still = FrameOrder{width, height, true, FramePhase::lossless};
 }
 
 void FrameScheduler::set_codec(Codec codec, double most_scale) {
@@ -103,7 +103,7 @@ bool FrameScheduler::may_order(TimePoint now) const {
 }
 
 double FrameScheduler::allowance(TimePoint now) const {
-  return std::min(kBurst, allowance_ + seconds(now - allowed_at_) * kMostFps);
+  return std::min(kBurst, wanted_.allowance + seconds(now - wanted_.allowed_at) * kMostFps);
 }
 
 Duration FrameScheduler::lossless_time(TimePoint now) const {
@@ -117,10 +117,8 @@ bool FrameScheduler::is_reduced(const FrameOrder& order) const {
   return is_video(order.codec) || order.quality < kFullQuality || order.width < width_ || order.height < height_;
 }
 
-void FrameScheduler::remember() { wanted_ = {dirty_, wants_lossless_, reduced_, moving_, still_, samples_, allowance_, allowed_at_}; }
-
 FrameOrder FrameScheduler::give(const FrameOrder& order, TimePoint now) {
-  moving_ = order.phase == FramePhase::moving;
+  wanted_.moving = order.phase == FramePhase::moving;
   ordered_ = order;
   ordered_at_ = now;
   return order;
@@ -128,31 +126,31 @@ FrameOrder FrameScheduler::give(const FrameOrder& order, TimePoint now) {
 
 std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
   if (!may_order(now)) return std::nullopt;
-  remember();
+  before_ = wanted_;
   const bool rests = now - last_change_ >= kSettle;
   FrameOrder order;
-  if (still_) {
+  if (wanted_.still) {
     order = order_of(FramePhase::lossless);
-    if (still_->width > 0) order.width = still_->width, order.height = still_->height;
+    if (wanted_.still->width > 0) order.width = wanted_.still->width, order.height = wanted_.still->height;
     order.whole = true;
     // A still of another size is not the viewport's lossless frame.
-    if (order.width == width_ && order.height == height_) dirty_ = wants_lossless_ = reduced_ = false, samples_ = order.samples;
-    still_.reset();
-  } else if (rests && (reduced_ || dirty_) && (interacting_ || lossless_time(now) > kNoticed)) {
+    if (order.width == width_ && order.height == height_) wanted_.dirty = wanted_.lossless = wanted_.reduced = false, wanted_.samples = order.samples;
+    wanted_.still.reset();
+  } else if (rests && (wanted_.reduced || wanted_.dirty) && (interacting_ || lossless_time(now) > kNoticed)) {
     order = order_of(FramePhase::settled);
-    dirty_ = reduced_ = false;
-  } else if (rests && wants_lossless_ && !interacting_) {
+    wanted_.dirty = wanted_.reduced = false;
+  } else if (rests && wanted_.lossless && !interacting_) {
     order = order_of(FramePhase::lossless);
-    dirty_ = wants_lossless_ = reduced_ = false;
-    samples_ = order.samples;
-  } else if (dirty_) {
+    wanted_.dirty = wanted_.lossless = wanted_.reduced = false;
+    wanted_.samples = order.samples;
+  } else if (wanted_.dirty) {
     const double allowed = allowance(now);
     if (allowed < 1 - 1e-6) return std::nullopt;
-    allowance_ = allowed - 1;
-    allowed_at_ = now;
+    wanted_.allowance = allowed - 1;
+    wanted_.allowed_at = now;
     order = order_of(FramePhase::moving);
-    dirty_ = false;
-    reduced_ = is_reduced(order);
+    wanted_.dirty = false;
+    wanted_.reduced = is_reduced(order);
   } else {
     return std::nullopt;
   }
@@ -160,27 +158,27 @@ std::optional<FrameOrder> FrameScheduler::next(TimePoint now) {
 }
 
 bool FrameScheduler::may_refine(TimePoint now) const {
-  return drawable_ && !hidden_ && !ordered_ && !interacting_ && !dirty_ && !reduced_ && !wants_lossless_ && !still_ && in_flight() == 0 && samples_ > 0 &&
-         samples_ < most_samples_ && lossless_time(now) <= kRefineWithin;
+  return drawable_ && !hidden_ && !ordered_ && !interacting_ && !wanted_.dirty && !wanted_.reduced && !wanted_.lossless && !wanted_.still && in_flight() == 0 && wanted_.samples > 0 &&
+         wanted_.samples < most_samples_ && lossless_time(now) <= kRefineWithin;
 }
 
 std::optional<FrameOrder> FrameScheduler::refined(TimePoint now) {
   if (!may_refine(now) || now - last_change_ < kRefine) return std::nullopt;
-  remember();
-  samples_ *= 2;
+  before_ = wanted_;
+  wanted_.samples *= 2;
   FrameOrder order = order_of(FramePhase::lossless);
-  order.samples = samples_;
+  order.samples = wanted_.samples;
   return give(order, now);
 }
 
 std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {
   if (!drawable_ || hidden_ || ordered_ || width_ <= 0 || in_flight() >= window() || stalled(now)) return std::nullopt;
   std::optional<TimePoint> at;
-  if (still_)
+  if (wanted_.still)
     at = now;
-  else if (dirty_)
+  else if (wanted_.dirty)
     at = now + duration(std::max(0.0, 1 - allowance(now)) / kMostFps);
-  else if (reduced_ || (wants_lossless_ && !interacting_))
+  else if (wanted_.reduced || (wanted_.lossless && !interacting_))
     at = last_change_ + kSettle;
   else if (may_refine(now))
     at = last_change_ + kRefine;
@@ -190,7 +188,7 @@ std::optional<TimePoint> FrameScheduler::wake_at(TimePoint now) const {
 }
 
 bool FrameScheduler::withdraw_order() {
-  if (!ordered_ || ordered_->phase == FramePhase::moving || !dirty_) return false;
+  if (!ordered_ || ordered_->phase == FramePhase::moving || !wanted_.dirty) return false;
   ordered_.reset();
   return true;
 }
@@ -198,20 +196,13 @@ bool FrameScheduler::withdraw_order() {
 void FrameScheduler::put_back() {
   if (!ordered_) return;
   ordered_.reset();
-  dirty_ = wanted_.dirty;
-  wants_lossless_ = wanted_.lossless;
-  reduced_ = wanted_.reduced;
-  moving_ = wanted_.moving;
-  samples_ = wanted_.samples;
-  still_ = wanted_.still;
-  allowance_ = wanted_.allowance;
-  allowed_at_ = wanted_.allowed_at;
+  wanted_ = before_;
 }
 
 void FrameScheduler::started(std::uint64_t revision) {
-  if (ordered_ && ordered_->phase == FramePhase::moving && dirty_ && !anew_ && revision == newest_) {
-    dirty_ = false;
-    reduced_ = is_reduced(*ordered_);
+  if (ordered_ && ordered_->phase == FramePhase::moving && wanted_.dirty && !anew_ && revision == newest_) {
+    wanted_.dirty = false;
+    wanted_.reduced = is_reduced(*ordered_);
   }
   ordered_.reset();
   making_.push_back(ordered_at_);
@@ -235,8 +226,8 @@ std::uint64_t FrameScheduler::sent(const FrameOrder& order, std::uint64_t revisi
   }
   if (drawable_ && revision < newest_ && !ordered_ && started_ == 0) {
     // The newest intervals were not ready yet and nobody waits for them: ask again, the engine answers when they are.
-    dirty_ = true;
-    if (order.lossless) wants_lossless_ = true;
+    wanted_.dirty = true;
+    if (order.lossless) wanted_.lossless = true;
   }
   if (order.lossless) {
     lossless_bytes_ = static_cast<double>(bytes);

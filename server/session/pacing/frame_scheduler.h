@@ -106,7 +106,7 @@ class FrameScheduler {
   /// Whether somebody looks: there is a viewport, and it is not hidden.
   bool visible() const { return !hidden_ && width_ > 0; }
   /// Whether the last picture that was ordered was one in motion: a gesture goes on.
-  bool moving() const { return moving_; }
+  bool moving() const { return wanted_.moving; }
   /// Of the viewport; 0 where there is none.
   int width() const { return width_; }
   int height() const { return height_; }
@@ -130,7 +130,6 @@ class FrameScheduler {
  private:
   FrameOrder order_of(FramePhase phase) const;
   bool is_reduced(const FrameOrder& order) const;
-  void remember();  // what put_back() brings back
   FrameOrder give(const FrameOrder& order, TimePoint now);
   bool may_refine(TimePoint now) const;
   bool may_order(TimePoint now) const;
@@ -146,27 +145,22 @@ class FrameScheduler {
   std::uint64_t newest_ = 0;
   TimePoint last_change_{};
 
-  bool dirty_ = false;           // the newest state has not been ordered
-  bool anew_ = false;            // nor does an order that is there already show it
-  bool wants_lossless_ = false;  // nor has a lossless frame of it
-  bool reduced_ = false;         // the newest state was ordered, as less than the viewport deserves
-  std::optional<FrameOrder> still_;
-  bool moving_ = false;
-  int samples_ = 0;       // of the last lossless frame of the newest state; 0: none was ordered
+  bool anew_ = false;  // the newest state has not been ordered, nor does an order that is there already show it
   int most_samples_ = 1;
 
   struct Wanted {
-    bool dirty = false, lossless = false, reduced = false, moving = false;
+    bool dirty = false;     // the newest state has not been ordered
+    bool lossless = false;  // nor has a lossless frame of it
+    bool reduced = false;   // the newest state was ordered, as less than the viewport deserves
+    bool moving = false;
     std::optional<FrameOrder> still;
-    int samples = 0;
-    double allowance = 0;
+    int samples = 0;            // of the last lossless frame of the newest state; 0: none was ordered
+    double allowance = kBurst;  // moving frames that may be ordered at once, as of allowed_at
     TimePoint allowed_at{};
   };
-  Wanted wanted_;                      // before ordered_
+  Wanted wanted_, before_;             // now, and before ordered_, which put_back() brings back
   std::optional<FrameOrder> ordered_;  // not started
   TimePoint ordered_at_{};
-  double allowance_ = kBurst;  // moving frames that may be ordered at once, as of allowed_at_
-  TimePoint allowed_at_{};
   int started_ = 0;  // not sent
   std::uint64_t last_frame_id_ = 0;
   Duration production_{};         // from order to sending, smoothed

@@ -126,10 +126,4 @@ TimePoint LinkModel::free_at(TimePoint now) const {
   return free;
 }
 
-std::size_t LinkModel::bytes_in_flight() const {
-  std::size_t bytes = 0;
-  for (const Flying& each : flying_) bytes += each.bytes;
-  return bytes;
-}
-
 }  // namespace isostrata

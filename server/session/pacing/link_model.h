@@ -41,7 +41,6 @@ class LinkModel {
   TimePoint free_at(TimePoint now) const;
 
   std::size_t in_flight() const { return flying_.size(); }
-  std::size_t bytes_in_flight() const;
   /// When the oldest of what is in flight was sent; only while something is.
   TimePoint oldest() const { return flying_.front().at; }
 
@@ -52,20 +51,16 @@ class LinkModel {
     TimePoint at;
   };
   struct Passage {
-    TimePoint at;
-    double bytes, seconds;  // seconds < 0: doubtful, until the next one says the same
+    TimePoint at{};
+    double bytes = 0, seconds = 0;  // seconds < 0: doubtful, until the next one says the same
   };
 
   void note_round_trip(Duration time, TimePoint now);
   double mean_rate() const;
   double overdue_seconds(TimePoint now) const;
 
-  struct Run {
-    double bytes = 0, seconds = 0;
-  };
-
   std::deque<Flying> flying_;
-  Run run_;                                                 // of frames that passed close behind each other and have told nothing yet
+  Passage run_;                                             // of frames that passed close behind each other and have told nothing yet
   std::deque<Passage> passages_;                            // the newest last
   std::deque<std::pair<TimePoint, Duration>> round_trips_;  // increasing in both: only what may become the shortest is kept
   TimePoint last_passed_{};
