@@ -85,12 +85,17 @@ RegionTree scaled_regions(RegionTree regions, Vec3d axis_scale) {
 std::shared_ptr<const Dataset> ScaledDatasets::scaled(const std::shared_ptr<const Dataset>& dataset, Vec3d axis_scale) {
   if (axis_scale == Vec3d{1, 1, 1}) return dataset;
   const Factors factors{axis_scale.x, axis_scale.y, axis_scale.z};
-  const std::lock_guard lock(mutex_);
-  if (auto made = find_made(datasets_, dataset.get(), factors)) return made;
   const void* mesh = dataset->grid.rectilinear() ? nullptr : dataset->grid.storage.get();
+  std::unique_lock lock(mutex_);
+  if (auto made = find_made(datasets_, dataset.get(), factors)) return made;
   std::shared_ptr<const Grid> grid = mesh ? find_made(meshes_, mesh, factors) : nullptr;
   if (!grid) {
-    grid = std::make_shared<const Grid>(scaled_grid(dataset->grid, axis_scale));
+    lock.unlock();  // others go on while points are copied
+    auto own = std::make_shared<const Grid>(scaled_grid(dataset->grid, axis_scale));
+    lock.lock();
+    if (auto made = find_made(datasets_, dataset.get(), factors)) return made;
+    grid = mesh ? find_made(meshes_, mesh, factors) : nullptr;
+    if (!grid) grid = std::move(own);
     if (mesh) meshes_[{mesh, factors}] = grid;
   }
   struct Made {

@@ -18,7 +18,7 @@ Dataset scaled_dataset(const Dataset& dataset, Vec3d axis_scale);
 /// The planes between its regions, too.
 RegionTree scaled_regions(RegionTree regions, Vec3d axis_scale);
 
-/// Scaled datasets, each made once for as long as somebody holds it. Steps on one mesh stay on one mesh. Any thread. Lock: mutex_.
+/// Scaled datasets, one of each for as long as somebody holds it. Steps on one mesh stay on one mesh. Any thread. Lock: mutex_, not held while points are copied.
 class ScaledDatasets {
  public:
   /// `dataset` itself if all factors are 1.

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <barrier>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "data/analytic.h"
@@ -79,6 +82,29 @@ TEST(ScaledDatasets, AreMadeOnceAndOfStepsOnOneMeshTheMeshIs) {
   EXPECT_EQ(b->grid.storage, a->grid.storage);
   EXPECT_NE(a->grid.storage, first->grid.storage) << "whoever knows meshes by it must not take one for the other";
   EXPECT_EQ(b->step, 1);
+}
+
+TEST(ScaledDatasets, OfAllWhoAskAtOnceEachGetsTheSame) {
+  const std::shared_ptr<const Dataset> first = curvilinear(*dataset_of("torus:17"));
+  auto other_step = std::make_shared<Dataset>(*first);
+  other_step->step = 1;
+  for (int round = 0; round < 20; ++round) {
+    ScaledDatasets scaled;
+    constexpr int kThreads = 6;
+    std::array<std::shared_ptr<const Dataset>, kThreads> got;
+    std::barrier together(kThreads);
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < kThreads; ++i)
+      threads.emplace_back([&, i] {
+        together.arrive_and_wait();
+        got[static_cast<std::size_t>(i)] = scaled.scaled(i % 2 ? other_step : first, kFactors);
+      });
+    threads.clear();
+    for (std::size_t i = 0; i < kThreads; ++i) {
+      EXPECT_EQ(got[i], got[i % 2]);
+      EXPECT_EQ(got[i]->grid.storage, got[0]->grid.storage) << "steps on one mesh stay on one mesh";
+    }
+  }
 }
 
 TEST(ScaledDatasets, KeepWhatTheyAreMadeOfAsLongAsTheyAreHeld) {
