@@ -4,17 +4,16 @@
 #include <linux/capability.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "base/drop_capabilities.h"
 #include "base/error.h"
 #include "base/landlock.h"
 #include "data/beneath.h"
@@ -47,20 +46,6 @@ void limit_threads() {
   if (std::fscanf(load, "%*s %*s %*s %ld/%ld", &running, &all) == 2 && all > 0)
     limit(RLIMIT_NPROC, static_cast<std::uint64_t>(all + kMore));
   std::fclose(load);
-}
-
-/// Root may go on reading what belongs to others, which is what it was started for.
-void drop_capabilities() {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  std::array<__user_cap_data_struct, 2> sets{};
-  if (syscall(SYS_capget, &header, sets.data()) != 0) return;
-  for (auto& set : sets) {
-    const bool first = &set == sets.data();
-    const std::uint32_t kept = first ? set.permitted & (1u << CAP_DAC_READ_SEARCH) : 0;
-    set.effective = set.permitted = kept;
-    set.inheritable = 0;
-  }
-  syscall(SYS_capset, &header, sets.data());
 }
 
 /// A file often lies in somebody's home directory, beside .ssh and .netrc, so what is hidden there stays shut, but for Zarr's metadata and for what is
@@ -130,7 +115,7 @@ void confine(const Confinement& to) {
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) holds = {};  // both need it
   if (holds.landlock > 0 && !confine_files(to)) holds.landlock = 0;
   if (holds.landlock == 0) open_only_what_it_may(to);
-  drop_capabilities();
+  drop_capabilities_but(1u << CAP_DAC_READ_SEARCH);  // root may go on reading what belongs to others, which is what it was started for
   if (holds.seccomp) holds.seccomp = allow_only_reading_calls();
   check(to, holds);
 }

@@ -19,12 +19,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/drop_capabilities.h"
 #include "base/error.h"
 #include "base/landlock.h"
-#include "base/pass_descriptors.h"
 #include "base/program_file.h"
 #include "data/analytic.h"
-#include "data/file_series.h"
 #include "data/sandbox.h"
 #include "data/zarr_folder.h"
 #include "worker/refused_calls.h"
@@ -114,20 +113,6 @@ bool confine_files(const ReachablePlaces& reach, bool worker) {
   return rules.enforce();
 }
 
-/// Root may go on opening what belongs to others, which is what it was started for.
-void drop_capabilities() {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  std::array<__user_cap_data_struct, 2> sets{};
-  if (syscall(SYS_capget, &header, sets.data()) != 0) return;
-  const std::uint32_t kept = (1u << CAP_DAC_READ_SEARCH) | (1u << CAP_DAC_OVERRIDE);
-  for (auto& set : sets) {
-    set.permitted &= &set == sets.data() ? kept : 0;
-    set.effective = set.permitted;
-    set.inheritable = 0;
-  }
-  syscall(SYS_capset, &header, sets.data());
-}
-
 std::string confine(const ReachablePlaces& reach, bool worker, const std::function<bool()>& refuse_calls) {
 #ifdef ISOSTRATA_SANITIZED
   return {};  // sanitizers start programs and look at other processes when they find something
@@ -136,7 +121,7 @@ std::string confine(const ReachablePlaces& reach, bool worker, const std::functi
   SandboxSupport holds = sandbox_support();
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) holds = {};  // both need it
   if (holds.landlock > 0 && !confine_files(reach, worker)) holds.landlock = 0;
-  drop_capabilities();
+  drop_capabilities_but((1u << CAP_DAC_READ_SEARCH) | (1u << CAP_DAC_OVERRIDE));  // root may go on opening what belongs to others, which is what it was started for
   if (holds.seccomp) holds.seccomp = refuse_calls();
   if (const std::string missing = missing_of(holds); sandbox() == Sandbox::require && !missing.empty())
     throw Error(ErrorCode::unavailable, "--sandbox require: this machine lacks " + missing);
