@@ -1,7 +1,5 @@
 #include "import/fits_tiles.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "import/fits_rice.h"
 #include "import/memory_limit.h"
 #include "import/swap_bytes.h"
+#include "import/unpack_bytes.h"
 
 namespace isostrata {
 namespace {
@@ -156,16 +155,9 @@ class Tiles {
 
   std::vector<std::byte> gunzip(Bytes from, std::size_t most, std::int64_t row) const {
     std::vector<std::byte> out(most);
-    z_stream stream{};
-    if (inflateInit2(&stream, 15 + 32) != Z_OK) throw std::bad_alloc();
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(from.data()));
-    stream.avail_in = static_cast<uInt>(std::min<std::size_t>(from.size(), std::numeric_limits<uInt>::max()));
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(std::min<std::size_t>(most, std::numeric_limits<uInt>::max()));
-    const int status = inflate(&stream, Z_FINISH);
-    out.resize(stream.total_out);
-    inflateEnd(&stream);
-    if (status != Z_STREAM_END) bad("tile " + std::to_string(row) + " is damaged");
+    const std::size_t made = inflate_all(from, out);
+    if (made > most) bad("tile " + std::to_string(row) + " is damaged");
+    out.resize(made);
     return out;
   }
 

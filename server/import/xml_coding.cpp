@@ -1,7 +1,6 @@
 #include "import/xml_coding.h"
 
 #include <libdeflate.h>
-#include <lz4.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include <memory>
 
 #include "base/parallel.h"
+#include "import/unpack_bytes.h"
 
 namespace isostrata {
 namespace {
@@ -87,8 +87,7 @@ bool unpack(const CodedValues& values, std::span<std::byte> to) {
       if (done && values.coding.packing == Packing::zlib)
         done = inflate && libdeflate_zlib_decompress(inflate.get(), in->data(), in->size(), out.data(), out.size(), nullptr) == LIBDEFLATE_SUCCESS;
       else if (done)
-        done = LZ4_decompress_safe(reinterpret_cast<const char*>(in->data()), reinterpret_cast<char*>(out.data()), static_cast<int>(in->size()),
-                                   static_cast<int>(out.size())) == static_cast<int>(out.size());
+        done = unpack_lz4_block(*in, out) == out.size();
       if (!done) good = false;
     }
   });

@@ -2,8 +2,6 @@
 
 #include <blosc.h>
 #include <bzlib.h>
-#include <lz4.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "import/unpack_bytes.h"
 #include "import/zarr_json.h"
 
 namespace isostrata {
@@ -43,29 +42,7 @@ std::uint32_t crc32c(Bytes bytes) {
   return ~crc;
 }
 
-// Each gives how many bytes it made of `from` in `to`, or more than to.size() if it fails or there would be more.
-
-std::size_t inflate_all(Bytes from, std::span<std::byte> to) {
-  z_stream stream{};
-  if (inflateInit2(&stream, 15 + 32) != Z_OK) return to.size() + 1;
-  std::size_t read = 0, made = 0;
-  int state = Z_OK;
-  while (state == Z_OK) {
-    const auto in = static_cast<uInt>(std::min(from.size() - read, std::size_t{1} << 30)), room = static_cast<uInt>(std::min(to.size() - made, std::size_t{1} << 30));
-    std::byte beyond{};
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(from.data() + read));
-    stream.avail_in = in;
-    stream.next_out = reinterpret_cast<Bytef*>(room > 0 ? to.data() + made : &beyond);
-    stream.avail_out = std::max(room, 1u);
-    state = inflate(&stream, Z_NO_FLUSH);
-    read += in - stream.avail_in;
-    made += std::max(room, 1u) - stream.avail_out;
-    if (made > to.size()) break;
-    if (state == Z_STREAM_END && read < from.size() && from[read] == std::byte{0x1f}) state = inflateReset(&stream);  // files of gzip may follow each other
-  }
-  inflateEnd(&stream);
-  return state == Z_STREAM_END ? made : to.size() + 1;
-}
+// As those of unpack_bytes.h.
 
 std::size_t unpack_blosc(Bytes from, std::span<std::byte> to) {
   std::size_t size = 0;
@@ -81,10 +58,7 @@ std::size_t unpack_zstd(Bytes from, std::span<std::byte> to) {
 
 /// numcodecs' form: the size, then one block.
 std::size_t unpack_lz4(Bytes from, std::span<std::byte> to) {
-  if (from.size() < kWord || little_endian(from) != to.size() || std::max(from.size(), to.size()) > kMostInt) return to.size() + 1;
-  const int made = LZ4_decompress_safe(reinterpret_cast<const char*>(from.data() + kWord), reinterpret_cast<char*>(to.data()), static_cast<int>(from.size() - kWord),
-                                       static_cast<int>(to.size()));
-  return made < 0 ? to.size() + 1 : static_cast<std::size_t>(made);
+  return from.size() < kWord || little_endian(from) != to.size() ? to.size() + 1 : unpack_lz4_block(from.subspan(kWord), to);
 }
 
 std::size_t unpack_bz2(Bytes from, std::span<std::byte> to) {
