@@ -279,7 +279,7 @@ std::vector<SeriesFile> series_files(const fs::path& pattern) {
     if (special) numbers.push_back(0);
     if ((!whole && !special && (dotted.empty() || !matches(name, dotted, numbers))) || !(it->is_regular_file(ignored) || is_plotfile(it->path()))) continue;
     if (it->is_symlink(ignored)) check_link(it->path());
-    if (files.size() + decimals.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": above " + std::to_string(kMostFiles) + " files");
+    if (files.size() + decimals.size() == kMostFiles) throw Error(ErrorCode::too_large, text + ": more than " + std::to_string(kMostFiles) + " files");
     (whole ? files : decimals).push_back({it->path(), std::move(numbers)});
   }
   if (files.empty() || are_decimals(numbers_at_star(text, joined(files, decimals)))) files = joined(std::move(files), decimals);

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "import/list_file.h"
 #include "import/parsed_number.h"
 
 namespace isostrata {
@@ -19,7 +20,7 @@ constexpr std::int64_t kMostIndex = std::int64_t{1} << 40;
 std::string text_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw Error(ErrorCode::not_found, file.filename().string() + ": is not there, or is not a file");
-  if (std::filesystem::file_size(file) > (std::uintmax_t{1} << 30)) throw Error(ErrorCode::too_large, file.filename().string() + ": above 1 GiB; a header is not that long");
+  check_text_size(file, 1024);
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }

@@ -37,7 +37,7 @@ class Curves {
     auto x = horizontal({"degrees_east", "degree_east", "degrees_E", "degree_E", "degreesE", "degreeE"}, "longitude");
     auto y = horizontal({"degrees_north", "degree_north", "degrees_N", "degree_N", "degreesN", "degreeN"}, "latitude");
     if (!x || !y || x->over != y->over) return false;
-    if (unwrap(*x, dims)) notes.push_back("longitudes go on where they begin anew at 180 or 360 degrees");
+    if (unwrap(*x, dims)) notes.push_back("longitudes are continued across 180 or 360 degrees, at which they begin anew");
     const auto z = vertical(*x, notes);
     fill(block, dims, *x, *y, z);
     return true;

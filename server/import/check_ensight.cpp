@@ -81,7 +81,7 @@ CaseFiles files_of(const fs::path& file) {
   CaseFiles files;
   Order order(name);
   for (int lines = 0; std::getline(in, line); ++lines) {
-    if (lines > kMostLines) throw Error(ErrorCode::too_large, name + ": above a million lines; a case is not that long");
+    if (lines > kMostLines) throw Error(ErrorCode::too_large, name + ": more than a million lines; a case is not that long");
     line.erase(0, std::min(line.find_first_not_of(" \t"), line.size()));
     if (line.starts_with("#")) continue;
     order.check(line);

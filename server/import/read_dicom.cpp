@@ -39,7 +39,7 @@ std::vector<fs::path> dicom_files(const fs::path& folder) {
       if (is_dicom(file.path)) files.push_back(file.path);
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (it->is_regular_file(ignored) && is_dicom(it->path())) files.push_back(it->path());
-  if (files.size() > 100'000) throw Error(ErrorCode::too_large, folder.filename().string() + ": above 100000 DICOM files");
+  if (files.size() > 100'000) throw Error(ErrorCode::too_large, folder.filename().string() + ": more than 100000 DICOM files");
   std::sort(files.begin(), files.end());
   return files;
 }

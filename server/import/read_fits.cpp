@@ -38,7 +38,7 @@ FitsHeader first_image(std::span<const std::byte> file, const std::string& name)
     if (header.next() <= at) break;
     at = header.next();
   }
-  throw Error(ErrorCode::unsupported, name + ": no image in it, tables at most; expected an image of two or three axes");
+  throw Error(ErrorCode::unsupported, name + ": it has no image, at most tables; expected an image of two or three axes");
 }
 
 FitsAxes sort_axes(const FitsHeader& header, const std::string& name) {

@@ -1,13 +1,9 @@
-#include <vtkSmartPointer.h>
-#include <vtkXMLDataElement.h>
-#include <vtkXMLUtilities.h>
-
 #include <cstring>
 
 #include "data/recognise.h"
+#include "import/list_file.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
-#include "import/vtk_messages.h"
 
 namespace isostrata {
 namespace {
@@ -27,7 +23,7 @@ void collect(vtkXMLDataElement* element, const std::string& around, int depth, c
     const char* own = inner->GetAttribute("name");
     const std::string called = own && *own ? own : around;
     if (const char* file = inner->GetAttribute("file"); file && std::strcmp(inner->GetName(), "DataSet") == 0) {
-      if (parts.size() == kMostFiles) throw Error(ErrorCode::too_large, name + ": lists above 100000 files");
+      if (parts.size() == kMostFiles) throw Error(ErrorCode::too_large, name + ": lists more than 100000 files");
       parts.push_back({called, file});
     } else {
       collect(inner, called, depth + 1, name, parts);
@@ -39,11 +35,8 @@ void collect(vtkXMLDataElement* element, const std::string& around, int depth, c
 
 Imported read_multi_block(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  if (request.depth > 4) throw Error(ErrorCode::bad_data, name + ": lists within lists, above 4 deep");
-  if (std::filesystem::file_size(request.file) > (64u << 20)) throw Error(ErrorCode::too_large, name + ": above 64 MiB; a list of blocks is not that long");
-  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(request.file.c_str()));
-  throw_on_vtk_error(name);
-  if (!root) throw Error(ErrorCode::bad_data, name + ": is not well-formed XML");
+  check_list_depth(request);
+  const auto root = parse_small_xml(request);
   std::vector<Part> parts;
   collect(root, "", 0, name, parts);
   if (parts.empty()) throw Error(ErrorCode::bad_data, name + ": lists no files");

@@ -1,7 +1,3 @@
-#include <vtkSmartPointer.h>
-#include <vtkXMLDataElement.h>
-#include <vtkXMLUtilities.h>
-
 #include <boost/json.hpp>
 #include <charconv>
 #include <cmath>
@@ -18,9 +14,9 @@
 #include "data/recognise.h"
 #include "import/amrex_header.h"
 #include "import/declared_time.h"
+#include "import/list_file.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
-#include "import/vtk_messages.h"
 
 namespace isostrata {
 namespace {
@@ -45,7 +41,6 @@ struct Listed {
   int step = 0;
 };
 
-constexpr int kDeepestLists = 4;
 constexpr std::size_t kMostSteps = 1'000'000;
 
 /// Of a step that is one file, and the only one there.
@@ -91,15 +86,6 @@ Imported read_listed(const ReadRequest& request, const std::vector<Listed>& step
   return imported;
 }
 
-void check_depth(const ReadRequest& request) {
-  if (request.depth >= kDeepestLists) throw Error(ErrorCode::bad_data, request.file.filename().string() + ": lists within lists");
-}
-
-void check_size(const ReadRequest& request) {
-  if (std::filesystem::file_size(request.file) > (64u << 20))
-    throw Error(ErrorCode::too_large, request.file.filename().string() + ": above 64 MiB; a list of time steps is not that long");
-}
-
 /// All of its steps with their times; none where the file does not say a time.
 std::vector<double> times_of(const std::filesystem::path& file, const ReadRequest& request) {
   const FileKind kind = recognise(file).kind;
@@ -135,11 +121,9 @@ std::string leave_out_unfinished(std::vector<SeriesFile>& files) {
 
 Imported read_pvd(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  check_depth(request);
-  check_size(request);
-  auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(request.file.c_str()));
-  throw_on_vtk_error(name);
-  vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
+  check_list_depth(request);
+  const auto root = parse_small_xml(request);
+  vtkXMLDataElement* collection = root->FindNestedElementWithName("Collection");
   if (!collection) throw Error(ErrorCode::bad_data, name + ": expected a <Collection> of <DataSet> elements");
 
   std::map<double, std::vector<std::string>> files;  // ordered by time
@@ -170,8 +154,8 @@ Imported read_pvd(const ReadRequest& request) {
 Imported read_series_file(const ReadRequest& request) {
   namespace json = boost::json;
   const std::string name = request.file.filename().string();
-  check_depth(request);
-  check_size(request);
+  check_list_depth(request);
+  check_text_size(request.file);
   std::ifstream in(request.file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   boost::system::error_code error;
@@ -190,7 +174,7 @@ Imported read_series_file(const ReadRequest& request) {
     if (!file || !file->is_string() || no_number || !std::isfinite(time))
       throw Error(ErrorCode::bad_data, name + ": entry " + std::to_string(files.size()) + " has no name, or a time that is not a finite number");
     files.emplace(time, std::string(file->as_string()));
-    if (files.size() > kMostSteps) throw Error(ErrorCode::too_large, name + ": above " + std::to_string(kMostSteps) + " files");
+    if (files.size() > kMostSteps) throw Error(ErrorCode::too_large, name + ": more than " + std::to_string(kMostSteps) + " files");
   }
   check_step(request, files.size());
   std::vector<Listed> steps;
@@ -204,7 +188,7 @@ Imported read_series_file(const ReadRequest& request) {
 
 Imported read_numbered(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  check_depth(request);
+  check_list_depth(request);
   std::vector<SeriesFile> files = series_files(request.file);
   if (is_dicom_slice(files.front().path)) return read_dicom(request);
   const std::string left_out = leave_out_unfinished(files);
@@ -222,7 +206,7 @@ Imported read_numbered(const ReadRequest& request) {
     if (all_say && name.ends_with("-s*"))  // what a restart computed again replaces what was there
       std::erase_if(said, [&](const Listed& before) { return before.time >= times.front(); });
     for (std::size_t t = 0; t < times.size(); ++t) said.push_back({times[t], {file.path}, static_cast<int>(t)});
-    if (said.size() > kMostSteps) throw Error(ErrorCode::too_large, name + ": above " + std::to_string(kMostSteps) + " steps");
+    if (said.size() > kMostSteps) throw Error(ErrorCode::too_large, name + ": more than " + std::to_string(kMostSteps) + " steps");
   }
   const auto later = [](const Listed& a, const Listed& b) { return a.files == b.files ? b.time < a.time : !(a.time < b.time); };  // one file may have a time twice
   const bool increasing = std::adjacent_find(said.begin(), said.end(), later) == said.end();

@@ -21,7 +21,6 @@
 #include <vtkXMLRectilinearGridReader.h>
 #include <vtkXMLStructuredGridReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
-#include <vtkXMLUtilities.h>
 
 #include <algorithm>
 #include <cctype>
@@ -41,6 +40,7 @@
 #include "data/recognise.h"
 #include "import/check_legacy_cells.h"
 #include "import/declared_time.h"
+#include "import/list_file.h"
 #include "import/mapped_file.h"
 #include "import/parsed_number.h"
 #include "import/read_image_in_place.h"
@@ -178,17 +178,6 @@ void check_cell_arrays(vtkXMLDataElement* element, const XmlArrays& xml, const s
 void check_serial(const ReadRequest& request) {
   check_arrays(request);
   if (const auto xml = XmlArrays::open(request.file)) check_cell_arrays(xml->root(), *xml, request.file.filename().string());
-}
-
-vtkSmartPointer<vtkXMLDataElement> parse_small_xml(const ReadRequest& request) {
-  const std::string name = request.file.filename().string();
-  constexpr std::uintmax_t kMost = 64u << 20;
-  if (std::filesystem::file_size(request.file) > kMost)
-    throw Error(ErrorCode::too_large, name + ": above 64 MiB; a list of files is not that long");
-  auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(request.file.c_str()));
-  throw_on_vtk_error(name);
-  if (!root) throw Error(ErrorCode::bad_data, name + ": is not well-formed XML");
-  return root;
 }
 
 std::int64_t count_pieces(vtkXMLDataElement* element) {

@@ -1,16 +1,12 @@
-#include <vtkSmartPointer.h>
-#include <vtkXMLDataElement.h>
-#include <vtkXMLUtilities.h>
-
 #include <algorithm>
 #include <cstring>
 #include <set>
 
 #include "data/recognise.h"
 #include "import/leaf_block.h"
+#include "import/list_file.h"
 #include "import/read_file.h"
 #include "import/read_own.h"
-#include "import/vtk_messages.h"
 
 namespace isostrata {
 namespace {
@@ -20,10 +16,7 @@ constexpr std::size_t kMostBoxFiles = 100'000;
 /// The files of all levels, in their order.
 std::vector<std::string> listed_files(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  if (std::filesystem::file_size(request.file) > (64u << 20)) throw Error(ErrorCode::too_large, name + ": above 64 MiB; a list of boxes is not that long");
-  const auto root = vtkSmartPointer<vtkXMLDataElement>::Take(vtkXMLUtilities::ReadElementFromFile(request.file.c_str()));
-  throw_on_vtk_error(name);
-  if (!root) throw Error(ErrorCode::bad_data, name + ": is not well-formed XML");
+  const auto root = parse_small_xml(request);
   std::vector<std::string> files;
   const auto inner = [](vtkXMLDataElement* element, const char* called, const auto& use) {
     for (int i = 0; i < element->GetNumberOfNestedElements(); ++i)
@@ -32,7 +25,7 @@ std::vector<std::string> listed_files(const ReadRequest& request) {
   for (int i = 0; i < root->GetNumberOfNestedElements(); ++i)
     inner(root->GetNestedElement(i), "Block", [&](vtkXMLDataElement* level) {
       inner(level, "DataSet", [&](vtkXMLDataElement* box) {
-        if (files.size() == kMostBoxFiles) throw Error(ErrorCode::too_large, name + ": lists above 100000 files");
+        if (files.size() == kMostBoxFiles) throw Error(ErrorCode::too_large, name + ": lists more than 100000 files");
         if (const char* file = box->GetAttribute("file")) files.emplace_back(file);
       });
     });

@@ -111,7 +111,7 @@ class XdmfReader {
     const auto known = steps_.find(collection.xml);
     if (known != steps_.end()) return known->second;
     const std::vector<XdmfElement> grids = file_.children(collection, "Grid");
-    if (grids.size() > kMostXdmfSteps) throw Error(ErrorCode::too_large, name_ + ": above " + std::to_string(kMostXdmfSteps) + " steps");
+    if (grids.size() > kMostXdmfSteps) throw Error(ErrorCode::too_large, name_ + ": more than " + std::to_string(kMostXdmfSteps) + " steps");
     std::vector<double> listed;
     if (const XdmfElement time = file_.child(collection, "Time")) {
       const std::string type = time.word({"TimeType", "Type"});
@@ -134,7 +134,7 @@ class XdmfReader {
 
   /// Whether there is a temporal collection in it.
   bool add_times(const XdmfElement& grid, int depth, std::set<double>& times) {
-    if (depth > kDeepestGrids) throw Error(ErrorCode::bad_data, name_ + ": grids within grids, above " + std::to_string(kDeepestGrids) + " deep");
+    if (depth > kDeepestGrids) throw Error(ErrorCode::bad_data, name_ + ": grids within grids, more than " + std::to_string(kDeepestGrids) + " deep");
     if (is_temporal(grid)) {
       for (const auto& [time, of] : steps_of(grid)) times.insert(time);
       return true;
@@ -151,7 +151,7 @@ class XdmfReader {
 
   /// Those at a time; without one, all.
   void add_leaves(const XdmfElement& grid, std::optional<double> time, int depth) {
-    if (depth > kDeepestGrids) throw Error(ErrorCode::bad_data, name_ + ": grids within grids, above " + std::to_string(kDeepestGrids) + " deep");
+    if (depth > kDeepestGrids) throw Error(ErrorCode::bad_data, name_ + ": grids within grids, more than " + std::to_string(kDeepestGrids) + " deep");
     if (is_temporal(grid)) {
       const auto& steps = steps_of(grid);
       const auto at = std::find_if(steps.rbegin(), steps.rend(), [&](const auto& step) { return !time || step.first == *time; });  // of two at one time the later one
@@ -193,7 +193,7 @@ class XdmfReader {
       attributes.insert(attributes.end(), leaf.attributes.begin(), leaf.attributes.end());
       return;
     }
-    if (leaves_.size() == kMostXdmfGrids) throw Error(ErrorCode::too_large, name_ + ": above " + std::to_string(kMostXdmfGrids) + " grids");
+    if (leaves_.size() == kMostXdmfGrids) throw Error(ErrorCode::too_large, name_ + ": more than " + std::to_string(kMostXdmfGrids) + " grids");
     of_mesh_.emplace(std::move(mesh), leaves_.size());
     leaves_.push_back(std::move(leaf));
   }

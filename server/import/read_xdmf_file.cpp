@@ -45,8 +45,8 @@ XdmfElement XdmfFile::open(const std::filesystem::path& file) {
   auto known = files_.find(file);
   if (known == files_.end()) {
     const std::string name = file.filename().string();
-    if (files_.size() == kMostXdmfFiles) throw Error(ErrorCode::too_large, name + ": refers to above " + std::to_string(kMostXdmfFiles) + " files");
-    if (std::filesystem::file_size(file) > kMostXdmfBytes) throw Error(ErrorCode::too_large, name + ": above 1 GiB of XML; write the values as HDF5 beside it");
+    if (files_.size() == kMostXdmfFiles) throw Error(ErrorCode::too_large, name + ": refers to more than " + std::to_string(kMostXdmfFiles) + " files");
+    if (std::filesystem::file_size(file) > kMostXdmfBytes) throw Error(ErrorCode::too_large, name + ": more than 1 GiB of XML; write the values as HDF5 beside it");
     vtkNew<vtkXMLDataParser> parser;
     parser->SetFileName(file.c_str());
     parser->SetIgnoreCharacterData(0);
@@ -64,7 +64,7 @@ std::vector<XdmfElement> XdmfFile::at(const XdmfElement& from, std::string_view 
   const std::string name = from.file->filename().string();
   const auto found = elements_at(files_.at(*from.file), path);
   if (!found) throw Error(ErrorCode::unsupported, name + ": refers to '" + std::string(path.substr(0, 200)) + "'; expected a path like /Xdmf/Domain/Grid[1]/Topology or //Grid[@Name='a']/*");
-  if (found->empty()) throw Error(ErrorCode::bad_data, name + ": refers to '" + std::string(path.substr(0, 200)) + "', where nothing is");
+  if (found->empty()) throw Error(ErrorCode::bad_data, name + ": refers to '" + std::string(path.substr(0, 200)) + "', but nothing is there");
   std::vector<XdmfElement> out;
   for (vtkXMLDataElement* one : *found) out.push_back({one, from.file});
   return out;
@@ -78,7 +78,7 @@ void XdmfFile::put(const XdmfElement& element, int depth, std::vector<XdmfElemen
     to.push_back(element);
     return;
   }
-  if (depth >= kDeepestReferences) throw Error(ErrorCode::bad_data, element.file->filename().string() + ": references to references, above " + std::to_string(kDeepestReferences) + " deep");
+  if (depth >= kDeepestReferences) throw Error(ErrorCode::bad_data, element.file->filename().string() + ": references to references, more than " + std::to_string(kDeepestReferences) + " deep");
   std::vector<XdmfElement> found;
   if (include) {
     const std::string file = element.attribute("href"), path = element.attribute("xpointer");

@@ -128,7 +128,7 @@ XdmfArray XdmfValues::room(ScalarType type, XdmfSizes shape, std::span<std::byte
 XdmfArray XdmfValues::read(const XdmfElement& item) {
   constexpr int kDeepest = 16;
   const std::string name = item.file->filename().string(), kind = item.word({"ItemType", "Type"});
-  if (depth_ >= kDeepest) throw Error(ErrorCode::bad_data, name + ": DataItems within DataItems, above " + std::to_string(kDeepest) + " deep");
+  if (depth_ >= kDeepest) throw Error(ErrorCode::bad_data, name + ": DataItems within DataItems, more than " + std::to_string(kDeepest) + " deep");
   ++depth_;
   XdmfArray out = [&] {
     if (kind.empty() || kind == "uniform") return uniform(item, nullptr);
@@ -165,7 +165,7 @@ XdmfArray XdmfValues::of_hdf(const XdmfElement& item, const XdmfSizes& declared,
   const std::string path(parts.front().substr(colon + 1));
   const Hdf5File& file = hdf(referred_file(*item.file, std::string(parts.front().substr(0, colon))));
   const auto array = file.find(path);
-  if (!array) throw Error(ErrorCode::bad_data, name + ": refers to '" + std::string(parts.front().substr(0, 200)) + "', where no array of numbers is");
+  if (!array) throw Error(ErrorCode::bad_data, name + ": refers to '" + std::string(parts.front().substr(0, 200)) + "', which is not an array of numbers");
   Slab own;
   if (parts.size() >= 4) {
     own = {xdmf_sizes(parts[1], name), xdmf_sizes(parts[2], name), xdmf_sizes(parts[3], name)};

@@ -89,7 +89,7 @@ Roles roles_of(const ZarrArray& array, const std::vector<ZarrAxis>& axes) {
 
 std::vector<double> times_of(const ZarrArray& array, const std::vector<ZarrAxis>& axes, std::size_t time) {
   if (time == kNone) return {0.0};
-  if (static_cast<std::size_t>(array.shape[time]) > kMostTimes) throw Error(ErrorCode::too_large, array.file + ": above " + std::to_string(kMostTimes) + " steps");
+  if (static_cast<std::size_t>(array.shape[time]) > kMostTimes) throw Error(ErrorCode::too_large, array.file + ": more than " + std::to_string(kMostTimes) + " steps");
   std::vector<double> times;
   const double scale = axes[time].scale > 0 ? axes[time].scale : 1;
   for (std::int64_t t = 0; t < array.shape[time]; ++t) times.push_back(axes[time].translation + scale * static_cast<double>(t));

@@ -40,7 +40,7 @@ const std::vector<ZarrChunkPlaces::Part>& ZarrChunkPlaces::index_of(const std::s
     const std::size_t bytes = entries * sizeof(Part) + (shards.sum ? 4 : 0);
     if (*size < bytes) throw Error(ErrorCode::bad_data, name + ": is cut off: has " + std::to_string(*size) + " bytes; expected an index of " + std::to_string(bytes));
     std::vector<std::byte> stored, room;
-    if (!store_.read_part(file, shards.index_first ? 0 : *size - bytes, bytes, stored)) throw Error(ErrorCode::bad_data, name + ": went while it was read");
+    if (!store_.read_part(file, shards.index_first ? 0 : *size - bytes, bytes, stored)) throw Error(ErrorCode::bad_data, name + ": was removed while it was read");
     const std::vector<ZarrCodec> sum(shards.sum ? 1 : 0, ZarrCodec{ZarrCodec::Kind::crc32c});
     const std::span<std::byte> index = decode_chunk(sum, stored, entries * sizeof(Part), room, name + ", the index of the shard");
     if (shards.swap) swap_bytes(index, sizeof(std::uint64_t));

@@ -123,7 +123,7 @@ TEST(Fits, WhatIsDamagedOrNotReadIsRefusedByItsNameInOneLine) {
            {header(image(16, {4, -3, 2})) + std::string(2880, '\0'), ErrorCode::bad_data, "makes no sense"},
            {header(image(16, {2000000000, 2000000000, 2000000000})), ErrorCode::bad_data, "makes no sense"},
            {header(image(16, {2, 2, 2, 2})) + std::string(2880, '\0'), ErrorCode::unsupported, "more than three axes"},
-           {header(image(8, {})), ErrorCode::unsupported, "no image in it"},
+           {header(image(8, {})), ErrorCode::unsupported, "it has no image"},
            {header(image(8, {})) + header(packed) + std::string(2880, '\0'), ErrorCode::bad_data, "packed in tiles has no points"},
            {"CARD", ErrorCode::bad_data, "expected 'SIMPLE  ='"}}) {
     const Error error = refusal(scratch.write("a.fits", bytes));
