@@ -148,38 +148,29 @@ void leave_out_flat(Imported& imported) {
   if (cells > 0) imported.notes.push_back(std::to_string(cells) + " flat cells skipped: other blocks have cells with a volume");
 }
 
-}  // namespace
+/// The cells of all blocks as one grid, without arrays.
+struct JoinedCells {
+  Block block;
+  bool split = false;                     // a block has added points
+  std::vector<std::int64_t> first_points, first_cells;  // of each block
+  std::vector<std::int64_t> kept;         // of all blocks' cells, one after the other: those that are no ghosts
+  std::int64_t all_cells = 0;
+};
 
-Block append_blocks(Imported& imported, const ReadRequest& request) {
-  const std::string name = request.file.filename().string();
-  if (imported.blocks.empty()) throw Error(ErrorCode::bad_data, name + ": holds no grid");
-  leave_out_flat(imported);
-  for (Block& block : imported.blocks) close_seams(block);
-  if (imported.blocks.size() == 1) return std::move(imported.blocks.front());
-
-  std::uint64_t bytes = 0;
-  for (const Block& block : imported.blocks)
-    bytes += static_cast<std::uint64_t>(block.grid.cell_count()) * 81 + static_cast<std::uint64_t>(block.grid.point_count()) * 12;
-  check_bytes(request, bytes, name + ": its blocks as one unstructured grid");
-
-  const bool doubles =
-      std::any_of(imported.blocks.begin(), imported.blocks.end(), [](const Block& b) { return has_double_points(b.grid); });
-  const bool shared = share_points(imported.blocks);
+/// shared: as share_points has it.
+JoinedCells join_cells(const std::vector<Block>& blocks, bool shared) {
+  const bool doubles = std::any_of(blocks.begin(), blocks.end(), [](const Block& b) { return has_double_points(b.grid); });
   const auto cells = std::make_shared<Cells>();
+  JoinedCells out;
   bool any_hidden = false;
-  bool any_split = false;
   std::vector<std::int64_t> source;
   std::int64_t first_source = 0;
   std::array<std::int64_t, kMaxCellVertices> ids{};
-  std::vector<std::int64_t> first_points, first_cells;
-  std::vector<std::int64_t> kept;  // of all blocks' cells, one after the other: those that are no ghosts
-  std::int64_t all_cells = 0;
-  for (const Block& block : imported.blocks) {
-    first_cells.push_back(static_cast<std::int64_t>(cells->types.size()));
-    const std::int64_t points_before =
-        static_cast<std::int64_t>(doubles ? cells->double_points.size() : cells->single_points.size());
-    first_points.push_back(points_before);
-    const bool whole = !shared || &block == &imported.blocks.front();
+  for (const Block& block : blocks) {
+    out.first_cells.push_back(static_cast<std::int64_t>(cells->types.size()));
+    const auto points_before = static_cast<std::int64_t>(doubles ? cells->double_points.size() : cells->single_points.size());
+    out.first_points.push_back(points_before);
+    const bool whole = !shared || &block == &blocks.front();
     const std::int64_t common = whole ? 0 : file_points(block);  // these are there already
     const bool seams = has_seams(block) && !block.jumps;
     const auto number = [&](std::int64_t id) {
@@ -194,9 +185,9 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
         cells->single_points.push_back({static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)});
     }
     for (std::int64_t c = 0; c < block.grid.cell_count(); ++c) {
-      const std::int64_t number_of_all = all_cells++;
+      const std::int64_t number_of_all = out.all_cells++;
       if (!block.grid.hidden_cells.empty() && block.grid.hidden_cells[static_cast<std::size_t>(c)] == kGhostCell) continue;
-      kept.push_back(number_of_all);
+      out.kept.push_back(number_of_all);
       const int n = block.grid.cell_points(c, ids);
       for (int v = 0; v < n; ++v) cells->connectivity.push_back(number(ids[static_cast<std::size_t>(v)]));
       cells->offsets.push_back(static_cast<std::int64_t>(cells->connectivity.size()));
@@ -206,10 +197,8 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
       source.push_back(first_source + (block.source.empty() ? c : block.source[static_cast<std::size_t>(c)]));
     }
     if (!source.empty()) first_source = source.back() + 1;
-    any_split = any_split || block.added_points > 0;
+    out.split = out.split || block.added_points > 0;
   }
-
-  Block all;
   UnstructuredGrid grid;
   if (doubles)
     grid.points = std::span<const Vec3d>(cells->double_points);
@@ -218,11 +207,16 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
   grid.types = cells->types;
   grid.offsets = cells->offsets;
   grid.connectivity = cells->connectivity;
-  all.grid.shape = grid;
-  if (any_hidden) all.grid.hidden_cells = cells->hidden;
-  all.grid.storage = cells;
-  if (any_split) all.source = std::move(source);
+  out.block.grid.shape = grid;
+  if (any_hidden) out.block.grid.hidden_cells = cells->hidden;
+  out.block.grid.storage = cells;
+  if (out.split) out.block.source = std::move(source);
+  return out;
+}
 
+/// Each array of any block, over all of them; notes those that some lack.
+void join_arrays(JoinedCells& joined, Imported& imported, bool shared) {
+  Block& all = joined.block;
   std::map<std::string, std::size_t> lacking;  // in how many blocks an array has no values
   for (const Block& block : imported.blocks)
     for (const FileArray& array : block.arrays) {
@@ -242,25 +236,42 @@ Block append_blocks(Imported& imported, const ReadRequest& request) {
           parts.push_back(common ? &made.emplace_back(last_tuples(*part, other.added_points)) : part);
         }
       }
-      if (shared && !array.on_cells && !any_split) {
+      if (shared && !array.on_cells && !joined.split) {
         all.arrays.push_back(array);  // it belongs to the common points
         continue;
       }
       all.arrays.push_back(concatenate(parts));
-      if (array.on_cells && std::ssize(kept) < all_cells) all.arrays.back() = of_cells(all.arrays.back(), kept);
+      if (array.on_cells && std::ssize(joined.kept) < joined.all_cells) all.arrays.back() = of_cells(all.arrays.back(), joined.kept);
       all.arrays.back().partial = without > 0;
       if (without > 0) lacking[array.name] = without;
     }
   for (const auto& [array, blocks] : lacking)
     imported.notes.push_back("array '" + array + "' has no values in " + std::to_string(blocks) + " of " + std::to_string(imported.blocks.size()) + " blocks");
-  if (std::ssize(kept) < all_cells)
-    imported.notes.push_back(std::to_string(all_cells - std::ssize(kept)) + " ghost cells left out: other pieces have them as their own");
+}
+
+}  // namespace
+
+Block append_blocks(Imported& imported, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  if (imported.blocks.empty()) throw Error(ErrorCode::bad_data, name + ": holds no grid");
+  leave_out_flat(imported);
+  for (Block& block : imported.blocks) close_seams(block);
+  if (imported.blocks.size() == 1) return std::move(imported.blocks.front());
+
+  std::uint64_t bytes = 0;
+  for (const Block& block : imported.blocks)
+    bytes += static_cast<std::uint64_t>(block.grid.cell_count()) * 81 + static_cast<std::uint64_t>(block.grid.point_count()) * 12;
+  check_bytes(request, bytes, name + ": its blocks as one unstructured grid");
+
+  const bool shared = share_points(imported.blocks);
+  JoinedCells joined = join_cells(imported.blocks, shared);
+  join_arrays(joined, imported, shared);
+  if (const std::int64_t ghosts = joined.all_cells - std::ssize(joined.kept); ghosts > 0)
+    imported.notes.push_back(std::to_string(ghosts) + " ghost cells left out: other pieces have them as their own");
   note_names(imported);
-  imported.notes.push_back(std::to_string(imported.blocks.size()) +
-                           (shared ? " blocks over the same points as one unstructured grid"
-                                   : " blocks as one unstructured grid"));
-  if (!shared) join_pieces(all, first_points, first_cells, global_points(imported.blocks), imported.notes);
-  return all;
+  imported.notes.push_back(std::to_string(imported.blocks.size()) + (shared ? " blocks over the same points as one unstructured grid" : " blocks as one unstructured grid"));
+  if (!shared) join_pieces(joined.block, joined.first_points, joined.first_cells, global_points(imported.blocks), imported.notes);
+  return std::move(joined.block);
 }
 
 }  // namespace isostrata
