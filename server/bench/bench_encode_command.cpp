@@ -11,6 +11,7 @@
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "bench/commands.h"
+#include "data/array_or_first.h"
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"
@@ -46,7 +47,7 @@ struct EncodeRun {
 
 std::vector<Image> draw_frames(const EncodeArguments& arguments, const std::string& data, const std::string& size) {
   const std::shared_ptr<const Dataset> dataset = open_argument(data);
-  const PointArray& array = array_argument(*dataset, arguments.array);
+  const PointArray& array = array_or_first(*dataset, arguments.array);
   Scene scene;
   scene.array = array.name;
   std::vector<std::string> intervals = arguments.intervals;
@@ -178,7 +179,7 @@ void run(const EncodeArguments& arguments) {
 
 void add_bench_encode_command(CLI::App& bench) {
   CLI::App* command =
-      bench.add_subcommand("encode", "Frames of a turning camera through every codec, video at the SSIM that JPEG has");
+      bench.add_subcommand("encode", "Times every codec on frames of a turning camera, video at the SSIM that JPEG has");
   auto arguments = std::make_shared<EncodeArguments>();
   command->add_option("--data", arguments->data, "Files or names of analytic data; may be repeated")
       ->allow_extra_args(false)
@@ -194,7 +195,7 @@ void add_bench_encode_command(CLI::App& bench) {
       ->check(CLI::IsMember({"vp9-444", "jpeg", "png"}))
       ->allow_extra_args(false);
   command->add_option("--frames", arguments->frames, "Frames to encode")->check(CLI::Range(2, 10000))->capture_default_str();
-  command->add_option("--degrees", arguments->degrees, "The camera turns so far from one frame to the next")
+  command->add_option("--degrees", arguments->degrees, "Degrees that the camera turns from one frame to the next")
       ->capture_default_str();
   command->add_option("--quality", arguments->quality, "JPEG's; video gets the bit rate that reaches its SSIM")
       ->check(CLI::Range(1, 100))

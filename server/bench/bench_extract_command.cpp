@@ -13,6 +13,7 @@
 #include "bench/bench_sums.h"
 #include "bench/commands.h"
 #include "bench/usual_interval.h"
+#include "data/array_or_first.h"
 #include "data/read_once.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/brick_memory.h"
@@ -237,7 +238,7 @@ void print_text(const ExtractRun& run) {
 
 DeviceRun measure_device(const std::string& data, const ExtractArguments& arguments) {
   const std::shared_ptr<const Dataset> dataset = open_argument(data);
-  const PointArray& array = array_argument(*dataset, arguments.array);
+  const PointArray& array = array_or_first(*dataset, arguments.array);
   const Interval interval =
       arguments.interval.empty() ? usual_interval(data, array) : parse_interval(arguments.interval, 0).interval;
   return measure_on_device(arguments.device, data, dataset->grid, array, interval, arguments.as_bytes, arguments.repeat);

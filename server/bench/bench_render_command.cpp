@@ -12,6 +12,7 @@
 #include "bench/bench_sums.h"
 #include "bench/commands.h"
 #include "bench/usual_interval.h"
+#include "data/array_or_first.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/draw_lit.h"
 #include "engine/picture/extract_scene.h"
@@ -262,7 +263,7 @@ void run(const RenderArguments& arguments) {
   BaseMeshes bases(std::uint64_t{16} << 30);
   for (const Workload& workload : workloads) {
     const std::shared_ptr<const Dataset> dataset = open_argument(workload.data);
-    const PointArray& array = array_argument(*dataset, arguments.array);
+    const PointArray& array = array_or_first(*dataset, arguments.array);
     std::vector<std::string> intervals = arguments.intervals;
     if (intervals.empty())
       intervals.push_back(workload.interval.empty() ? as_argument(usual_interval(workload.data, array)) : workload.interval);
@@ -298,7 +299,7 @@ void run(const RenderArguments& arguments) {
 }  // namespace
 
 void add_bench_render_command(CLI::App& bench) {
-  CLI::App* command = bench.add_subcommand("render", "Frames of a turning camera: order, draw, readback");
+  CLI::App* command = bench.add_subcommand("render", "Times frames of a turning camera: the visibility order, drawing, reading back");
   auto arguments = std::make_shared<RenderArguments>();
   command
       ->add_option("--data", arguments->data,
@@ -326,7 +327,7 @@ void add_bench_render_command(CLI::App& bench) {
   add_light_options(*command, arguments->light);
   command->add_option("--device", arguments->device, "auto, egl:INDEX, egl:UUID, surfaceless or osmesa")->capture_default_str();
   command->add_option("--repeat", arguments->repeat, "Frames to measure")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->add_option("--seconds", arguments->seconds, "A row ends after so long, but not before three frames")
+  command->add_option("--seconds", arguments->seconds, "Seconds after which a row ends, but not before three frames")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
   command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));

@@ -1,11 +1,7 @@
 #include <boost/json.hpp>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
-#include <limits>
 #include <memory>
-#include <optional>
-#include <sstream>
 
 #include "base/parallel.h"
 #include "base/simd_level.h"
@@ -13,44 +9,30 @@
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/files/write_mesh.h"
 #include "extraction/intervals/extract_intervals.h"
-#include "extraction/intervals/extract_whole.h"
-#include "extraction/laws/check_laws.h"
-#include "extraction/laws/volume_error.h"
 #include "extraction/layers/extract_layers.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/extract_device.h"
 #include "main/json_number.h"
-#include "main/layer_arguments.h"
-#include "main/picture_arguments.h"
+#include "main/mesh_arguments.h"
 #include "main/ranks.h"
-#include "main/sandbox_option.h"
+#include "main/verify_layers.h"
 
 namespace isostrata {
 namespace {
 
-struct ExtractArguments {
-  std::string file, array, color_by, out, ranks;
-  std::vector<std::string> intervals, facets;
-  LayerArguments layers;
+struct ExtractArguments : MeshArguments {
+  std::string color_by, out, ranks;
+  std::vector<std::string> facets;
   ExtractDevice device;
-  std::uint64_t max_memory = LayerRequest{}.max_bytes;
-  int threads = 0, compression = WriteOptions{}.compression;
-  bool json = false, verify = false;
+  int compression = WriteOptions{}.compression;
+  bool verify = false;
 };
 
 struct Timing {
   double load = 0, index = 0, extract = 0, check = 0, write = 0, total = 0;  // ms
   double proof = 0;                                                          // apart: not part of total
 };
-
-/// What --verify finds out beyond counting.
-struct Proof {
-  std::optional<Partition> partition;  // of plain ranges of one step's array
-  std::vector<double> volume_errors;   // of each interval, likewise; also between two steps, but not in space-time
-  std::vector<BrokenLaw> broken;
-};
-constexpr double kPartitionTolerance = 1e-9;
 
 struct FacetCounts {
   std::int64_t lower = 0, upper = 0, domain = 0, unmatched = 0;
@@ -187,18 +169,6 @@ void print_time(const LayerTime& time) {
                 static_cast<double>(time.bytes) / 1e6, time.build_ms, time.slice_ms);
 }
 
-void print_errors(const IntervalMesh& mesh, const Proof& proof) {
-  for (std::size_t i = 0; i < proof.volume_errors.size(); ++i) {
-    const IntervalSummary& row = mesh.summaries[i];
-    if (proof.volume_errors[i] == 0)
-      std::printf("volume %.8g to %.8g: exactly that of the interpolated field\n", row.interval.lower, row.interval.upper);
-    else
-      std::printf("volume %.8g to %.8g: estimated to be within %.3g (%.2g %%) of that of the interpolated field\n",
-                  row.interval.lower, row.interval.upper, proof.volume_errors[i],
-                  100 * proof.volume_errors[i] / std::abs(row.signed_volume));
-  }
-}
-
 /// "lower", or "lower@2" for that of interval 2.
 FacetChoice parse_facet_choice(const std::string& text, std::size_t intervals) {
   const std::size_t at = text.find('@');
@@ -223,103 +193,6 @@ FacetChoice parse_facet_choice(const std::string& text, std::size_t intervals) {
   return choice;
 }
 
-/// The intervals with what is below, between and above them against the whole area, cut as one interval around all values.
-Proof prove_areas(const LayerRequest& request, const Layers& layers) {
-  const Grid& grid = layers.dataset->grid;
-  const PointArray& array = layers.dataset->array(request.array);
-  Proof proof;
-  ExtractOptions options;
-  options.max_bytes = request.max_bytes;
-  const double most = std::numeric_limits<double>::max();
-  const Interval everything{-most, most};
-  const IntervalMesh whole = extract_intervals(grid, array, {&everything, 1}, options, command_task());
-  const double all = whole.summaries.front().area;
-  for (const IntervalSummary& row : layers.mesh.summaries) {
-    options.complement = true;
-    const IntervalMesh tiles = extract_intervals(grid, array, {&row.interval, 1}, options, command_task());
-    double sum = 0;
-    for (const IntervalSummary& tile : tiles.summaries) sum += tile.area;
-    const double error = all > 0 ? std::abs(sum - all) / all : std::abs(sum);
-    if (!proof.partition || error > proof.partition->error) proof.partition = Partition{error, all};
-  }
-  if (proof.partition && !(proof.partition->error <= kPartitionTolerance)) {
-    std::ostringstream text;
-    text << "an interval and what is outside it differ from the area of the cells, " << all << ", by " << proof.partition->error
-         << " of it; expected at most " << kPartitionTolerance;
-    proof.broken.push_back({"partition", 1, text.str()});
-  }
-  return proof;
-}
-
-/// Each interval's cells with those outside it against all cells.
-Proof prove_whole(const LayerRequest& request, const Layers& layers) {
-  const Grid& grid = layers.dataset->grid;
-  const CellValues& cells = *layers.dataset->array(request.array).cells;
-  Proof proof;
-  ExtractOptions options;
-  options.max_bytes = request.max_bytes;
-  options.tetrahedra = false;
-  const auto size = [&](const Interval& interval, bool with_rest) {
-    options.complement = with_rest;
-    double sum = 0;
-    for (const IntervalSummary& row : extract_whole(grid, cells, {&interval, 1}, options, command_task()).summaries) sum += grid.flat() ? row.area : row.signed_volume;
-    return sum;
-  };
-  const double infinity = std::numeric_limits<double>::infinity(), all = size({-infinity, infinity}, false);
-  for (const IntervalSummary& row : layers.mesh.summaries) {
-    const double sum = size(row.interval, true), error = all != 0 ? std::abs((sum - all) / all) : std::abs(sum);
-    if (!proof.partition || error > proof.partition->error) proof.partition = Partition{error, all};
-  }
-  LawOptions laws;
-  laws.one_range = false;  // points have no values
-  if (!grid.flat()) proof.broken = check_laws(grid, layers.mesh, laws, command_task());
-  if (proof.partition && !(proof.partition->error <= kPartitionTolerance)) {
-    std::ostringstream text;
-    text << "an interval and what is outside it differ from the volume of the cells, " << all << ", by " << proof.partition->error << " of it; expected at most "
-         << kPartitionTolerance;
-    proof.broken.push_back({"partition", 1, text.str()});
-  }
-  return proof;
-}
-
-Proof prove(const LayerRequest& request, const Layers& layers) {
-  if (request.values == FieldValues::whole) return prove_whole(request, layers);
-  if (layers.dataset->grid.flat()) return prove_areas(request, layers);
-  Proof proof;
-  const bool plain = request.terms.empty() && !request.time;
-  if (plain) {
-    ExtractOptions options;
-    options.strict = request.triangulation == Triangulation::strict;
-    options.max_bytes = request.max_bytes;
-    proof.partition =
-        partition_error(layers.dataset->grid, layers.dataset->array(request.array), layers.mesh, options, command_task());
-  }
-  if (request.terms.empty() && layers.time.mode != TimeMode::spacetime)
-    proof.volume_errors =
-        volume_errors(layers.dataset->grid, layers.dataset->array(request.array), layers.mesh, command_task());
-  LawOptions laws;
-  laws.one_range = request.terms.empty();
-  laws.strict = request.triangulation == Triangulation::strict;
-  proof.broken = check_laws(layers.dataset->grid, layers.mesh, laws, command_task());
-  if (proof.partition && !(proof.partition->error <= kPartitionTolerance)) {
-    std::ostringstream text;
-    text << "the intervals and what is between them differ from the volume of their cells, " << proof.partition->volume << ", by "
-         << proof.partition->error << " of it; expected at most " << kPartitionTolerance;
-    proof.broken.push_back({"partition", 1, text.str()});
-  }
-  return proof;
-}
-
-/// Throws where a law is broken, after a line for each but the last.
-void judge(const Proof& proof) {
-  const auto line = [](const BrokenLaw& law) {
-    return "broken law '" + law.law + "', " + std::to_string(law.count) + " times, first: " + law.first;
-  };
-  for (std::size_t i = 0; i + 1 < proof.broken.size(); ++i)
-    std::fprintf(stderr, "isostrata: %s\n", line(proof.broken[i]).c_str());
-  if (!proof.broken.empty()) throw Error(ErrorCode::internal, line(proof.broken.back()));
-}
-
 /// Of what looks at the whole mesh ranks do nothing.
 void check_for_ranks(const ExtractArguments& arguments) {
   if (arguments.verify) throw Error(ErrorCode::unsupported, "--verify looks at the whole mesh, which no rank has; leave --ranks away");
@@ -333,7 +206,7 @@ void run_as_rank(SceneRanks& ranks, LayerRequest request, const ExtractArguments
   Stopwatch total, stage;
   Timing ms;
   const StepSource steps = step_source(arguments.file);
-  request.array = array_argument(*steps(request.step, command_task()), request.array).name;
+  open_for(request, steps);
   ms.load = stage.lap_ms();
   const RankedExtraction made = ranks.write_pieces({arguments.file, arguments.file}, steps, request, arguments.out, write, command_task());
   ms.extract = stage.lap_ms();
@@ -352,12 +225,7 @@ void run(ExtractArguments& arguments) {
     check_for_ranks(arguments);
     run_by_ranks(arguments.ranks, arguments.out);
   }
-  LayerRequest request = layer_request(arguments.layers);
-  request.max_bytes = arguments.max_memory;
-  for (const std::string& text : arguments.intervals)
-    request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
-  request.array = arguments.array;
-  request.facets = true;
+  LayerRequest request = mesh_request(arguments);
   if (request.values == FieldValues::whole) request.carry.push_back("");  // the array itself, once its name is known
   if (!arguments.color_by.empty() && arguments.color_by != arguments.array) request.carry.push_back(arguments.color_by);
   if (!arguments.out.empty() && !ranks_in_use()) check_mesh_path(arguments.out);
@@ -376,14 +244,8 @@ void run(ExtractArguments& arguments) {
     ms.load += loading.lap_ms();
     return dataset;
   };
-  const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
-  request.array = array_argument(*dataset, request.array).name;
+  const std::shared_ptr<const Dataset> dataset = open_for(request, steps);
   if (request.values == FieldValues::whole) request.carry.front() = request.array;
-  if (!request.time)
-    for (const Interval& interval : request.intervals) warn_if_outside(interval, dataset->array(request.array));
-  if (dataset->grid.cell_count() == 0)
-    throw Error(ErrorCode::unsupported, dataset->name + ": it has no cells with a volume or an area, so there is nothing to cut; " +
-                                            "`isostrata info` says what is in it");
   stage.lap_ms();
 
   prepare_tables(dataset->grid);
@@ -436,13 +298,9 @@ void run(ExtractArguments& arguments) {
 void add_extract_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("extract", "Extracts interval volumes as a mesh of tetrahedra");
   auto arguments = std::make_shared<ExtractArguments>();
-  add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
-  command->add_option("--array", arguments->array, "The point array to extract on (default: the first)");
-  command->add_option("--interval", arguments->intervals, "LOWER:UPPER, of which -inf and inf leave an end open; may be repeated")->required()->allow_extra_args(false);
-  add_layer_options(*command, arguments->layers);
-  add_region_options(*command);
+  add_mesh_options(*command, *arguments);
   add_device_option(*command, arguments->device);
-  command->add_option("--color-by", arguments->color_by, "A point array to carry to the mesh");
+  command->add_option("--color-by", arguments->color_by, "A further array whose values are written with the mesh");
   command->add_option("--out", arguments->out, "Write the tetrahedra (.vtu; .vtkhdf, which is written faster; .pvtu with --ranks) or their boundary (.ply, .stl)");
   command
       ->add_option("--facets", arguments->facets,
@@ -454,16 +312,8 @@ void add_extract_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--verify", arguments->verify,
                     "Check every law that the mesh must keep; exit status 1 and a line for each broken one. Also estimates how far the "
-                    "volumes are from those of the interpolated field, which hexahedra, wedges and pyramids are cut straight in");
-  command
-      ->add_option("--max-memory", arguments->max_memory,
-                   "The most bytes that extraction may need (suffixes KB, MB, GB): more is refused before it is taken")
-      ->transform(CLI::AsSizeValue(false))
-      ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
-  command->add_flag("--json", arguments->json, "Print one JSON document");
+                    "volumes are from those of the interpolated field: hexahedra, wedges and pyramids are cut straight");
   add_ranks_option(*command, arguments->ranks);
-  add_sandbox_option(*command);
   command->callback([arguments] { run(*arguments); });
 }
 

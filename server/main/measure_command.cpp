@@ -16,23 +16,18 @@
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/json_number.h"
-#include "main/layer_arguments.h"
-#include "main/picture_arguments.h"
-#include "main/sandbox_option.h"
+#include "main/mesh_arguments.h"
 
 namespace isostrata {
 namespace {
 
 namespace json = boost::json;
 
-struct MeasureArguments {
-  std::string file, array, by;
-  std::vector<std::string> intervals, of;
-  LayerArguments layers;
-  std::uint64_t max_memory = LayerRequest{}.max_bytes;
+struct MeasureArguments : MeshArguments {
+  std::string by;
+  std::vector<std::string> of;
   double min_volume = 0;
-  int threads = 0;
-  bool all_steps = false, csv = false, json = false;
+  bool all_steps = false, csv = false;
 };
 
 /// The layers of one step, measured.
@@ -44,23 +39,8 @@ struct Measured {
   std::vector<double> errors;  // [intervals] of the volumes, where they can be told
 };
 
-LayerRequest request_of(const MeasureArguments& arguments) {
-  LayerRequest request = layer_request(arguments.layers);
-  request.array = arguments.array;
-  request.max_bytes = arguments.max_memory;
-  request.facets = true;
-  request.carry = arguments.of;
-  for (const std::string& text : arguments.intervals) request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
-  return request;
-}
-
-Measured measure(const MeasureArguments& arguments, LayerRequest request, const StepSource& steps, bool by_component) {
-  const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
-  request.array = array_argument(*dataset, request.array).name;
-  if (dataset->grid.cell_count() == 0)
-    throw Error(ErrorCode::unsupported, dataset->name + ": it has no cells with a volume or an area, so there is nothing to measure; `isostrata info` says what is in it");
-  if (!request.time && !arguments.all_steps)
-    for (const Interval& interval : request.intervals) warn_if_outside(interval, dataset->array(request.array));
+Measured measure(LayerRequest request, const StepSource& steps, bool by_component, bool warn = true) {
+  open_for(request, steps, warn);
   Measured made;
   made.layers = extract_layers(request, steps, command_task());
   const IntervalMesh& mesh = made.layers.mesh;
@@ -164,7 +144,8 @@ void print_text(const Measured& made, double time, const std::vector<std::string
 
 void run_measure(const MeasureArguments& arguments) {
   if (arguments.threads > 0) set_thread_count(arguments.threads);
-  LayerRequest request = request_of(arguments);
+  LayerRequest request = mesh_request(arguments);
+  request.carry = arguments.of;
   const StepSource steps = step_source(arguments.file);
   int first = request.step, last = request.step;
   if (arguments.all_steps) {
@@ -175,7 +156,7 @@ void run_measure(const MeasureArguments& arguments) {
   json::array documents;
   if (arguments.csv) print_csv_head(arguments.of);
   for (request.step = first; request.step <= last; ++request.step) {
-    const Measured made = measure(arguments, request, steps, arguments.by == "component");
+    const Measured made = measure(request, steps, arguments.by == "component", !arguments.all_steps);
     const double time = made.layers.time.time;
     if (arguments.csv) {
       print_csv(made, time);
@@ -205,7 +186,7 @@ Vec3d anchor(const Measured& made, std::uint32_t piece) {
 void run_components(const MeasureArguments& arguments) {
   if (arguments.threads > 0) set_thread_count(arguments.threads);
   const StepSource steps = step_source(arguments.file);
-  const Measured made = measure(arguments, request_of(arguments), steps, true);
+  const Measured made = measure(mesh_request(arguments), steps, true);
   const bool flat = made.layers.mesh.tetrahedra.empty();
   const auto size = [flat](const LayerMeasure& row) { return flat ? row.area.domain : row.volume; };
   std::vector<std::size_t> order(made.rows.size());
@@ -233,37 +214,25 @@ void run_components(const MeasureArguments& arguments) {
   if (arguments.json) print_json(json::object{{"components", std::move(components)}});
 }
 
-void add_options(CLI::App& command, MeasureArguments& arguments) {
-  add_file_option(command, arguments.file, "A file, or the name of analytic data (torus:64)");
-  add_region_options(command);
-  command.add_option("--array", arguments.array, "The point array (default: the first)");
-  add_layer_options(command, arguments.layers);
-  command.add_option("--max-memory", arguments.max_memory, "What the mesh may take (16GB)")->transform(CLI::AsSizeValue(false));
-  command.add_option("--threads", arguments.threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
-  command.add_flag("--json", arguments.json, "Print one JSON document");
-  add_sandbox_option(command);
-}
-
 }  // namespace
 
 void add_measure_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("measure", "Says what each layer holds: volume, areas, centroid, axes, and of any array minimum, mean, standard deviation, maximum and integral");
   const auto arguments = std::make_shared<MeasureArguments>();
-  add_options(*command, *arguments);
-  command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated (-inf and inf leave an end open)")->required()->allow_extra_args(false);
+  add_mesh_options(*command, *arguments);
   command->add_option("--of", arguments->of, "An array to integrate over each layer; may be repeated")->allow_extra_args(false);
   command->add_option("--by", arguments->by, "component: a row for each connected piece of a layer")->check(CLI::IsMember({"component"}));
   command->add_flag("--all-steps", arguments->all_steps, "Every step of a series, one after the other");
-  command->add_flag("--csv", arguments->csv, "Print a table with commas");
+  command->add_flag("--csv", arguments->csv, "Print a table of values with commas between them");
   command->callback([arguments] { run_measure(*arguments); });
 }
 
 void add_components_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("components", "Lists the connected pieces of a layer, the largest first");
   const auto arguments = std::make_shared<MeasureArguments>();
-  add_options(*command, *arguments);
-  command->add_option("--interval", arguments->intervals, "LOWER:UPPER (-inf and inf leave an end open)")->required()->expected(1);
-  command->add_option("--min-volume", arguments->min_volume, "Leaves out what is smaller (of a flat grid: by its area)");
+  add_mesh_options(*command, *arguments);
+  command->get_option("--interval")->description("LOWER:UPPER, of which -inf and inf leave an end open")->expected(1);
+  command->add_option("--min-volume", arguments->min_volume, "Leaves out pieces of a smaller volume (of a flat grid: of a smaller area)");
   command->callback([arguments] { run_components(*arguments); });
 }
 

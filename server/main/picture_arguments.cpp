@@ -59,10 +59,4 @@ std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts
   return intervals;
 }
 
-const PointArray& array_argument(const Dataset& dataset, const std::string& name) {
-  if (!name.empty()) return dataset.array(name);
-  if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
-  return dataset.arrays.front();
-}
-
 }  // namespace isostrata

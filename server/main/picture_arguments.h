@@ -19,7 +19,4 @@ std::array<int, 2> parse_size(std::string_view text, std::string_view what = "si
 std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts, const Dataset& dataset,
                                            const PointArray& array);
 
-/// The named array, or the first. Throws not_found.
-const PointArray& array_argument(const Dataset& dataset, const std::string& name);
-
 }  // namespace isostrata

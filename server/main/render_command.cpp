@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "data/array_or_first.h"
 #include "data/scaled_dataset.h"
 #include "encoding/encode_image.h"
 #include "encoding/image_file.h"
@@ -93,7 +94,7 @@ Scene make_scene(const RenderArguments& arguments, const CLI::App& command, cons
     if (arguments.axis_scale.empty()) scene.axis_scale = view.axis_scale;
     camera = rescaled(camera, view.axis_scale, scene.axis_scale, dataset.bounds);
   } else {
-    const PointArray& array = array_argument(dataset, arguments.array);
+    const PointArray& array = array_or_first(dataset, arguments.array);
     scene.array = array.name;
     if (arguments.modes.transfer.empty()) scene.intervals = parse_intervals(arguments.intervals, dataset, array);
   }
@@ -125,7 +126,7 @@ void override_scene(Scene& scene, const RenderArguments& arguments, const CLI::A
   RenderArguments all = arguments;
   if (given("--array")) scene.array = dataset.array(arguments.array).name;
   if (given("--color-by")) scene.color_by = arguments.color_by;
-  const PointArray& array = array_argument(dataset, scene.array);
+  const PointArray& array = array_or_first(dataset, scene.array);
   if (!arguments.intervals.empty()) scene.intervals = parse_intervals(arguments.intervals, dataset, array);
   if (given("--step")) scene.step = arguments.layers.step, scene.time.reset();
   if (given("--time")) scene.time = arguments.layers.time;
@@ -278,6 +279,13 @@ client::Picture without_alpha(const Image& image) {
   picture.rgb.reserve(image.rgba.size() / 4 * 3);
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) picture.rgb.insert(picture.rgb.end(), {image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]});
   return picture;
+}
+
+void print_text(const RenderArguments& arguments, const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
+  std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), input.width, input.height, static_cast<long long>(facts.tetrahedra), facts.order.c_str());
+  std::printf("drawn by %s\n", facts.device.c_str());
+  std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n",
+              ms.load, ms.extract, ms.device, facts.order_ms, facts.draw_ms, facts.readback_ms, ms.write);
 }
 
 /// Whatever can be refused before the work begins.
@@ -442,7 +450,7 @@ void add_render_command(CLI::App& app) {
       ->add_option(
           "--camera", arguments->camera,
           "eye=x,y,z;at=x,y,z;up=x,y,z;fov=degrees;projection=perspective|orthographic (any of them), or reset, +x, -x, +y, -y, "
-          "+z, -z, or such a view with changes: +x;projection=orthographic. Default: reset; without --interval where the layers show best");
+          "+z, -z, or such a view with changes: +x;projection=orthographic. Default: reset; without --interval a view that shows the layers best");
   add_mode_options(*command, arguments->modes);
   command
       ->add_option("--renderer", arguments->renderer,
@@ -452,8 +460,9 @@ void add_render_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--tetrahedra", arguments->tetrahedra,
-                   "A grid of nothing but tetrahedra: split into the intervals', or cut in the rays (native only, and without "
-                   "surfaces among colour maps, combined ranges and colours of another array; split else). auto: split, for one picture")
+                   "How a grid of nothing but tetrahedra is drawn. split: its tetrahedra are cut at the ends of the intervals, then drawn; cut: each ray is cut "
+                    "there (native only; not with surfaces among colour maps, combined ranges or colours of another array, which are split). auto: "
+                    "split, for one picture")
       ->check(CLI::IsMember({"auto", "split", "cut"}))
       ->capture_default_str();
   add_still_options(*command, arguments->still);

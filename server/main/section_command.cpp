@@ -18,20 +18,14 @@
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/json_number.h"
-#include "main/layer_arguments.h"
-#include "main/picture_arguments.h"
-#include "main/sandbox_option.h"
+#include "main/mesh_arguments.h"
 
 namespace isostrata {
 namespace {
 
-struct SectionArguments {
-  std::string file, array, plane, out;
-  std::vector<std::string> intervals, of;
-  LayerArguments layers;
-  std::uint64_t max_memory = LayerRequest{}.max_bytes;
-  int threads = 0;
-  bool json = false;
+struct SectionArguments : MeshArguments {
+  std::string plane, out;
+  std::vector<std::string> of;
 };
 
 /// "x,y,z,nx,ny,nz", or "x=VALUE" and so on.
@@ -74,18 +68,12 @@ void run_section(const SectionArguments& arguments) {
   const Plane plane = parse_plane(arguments.plane);
   if (!arguments.out.empty() && !arguments.out.ends_with(".vtp")) check_mesh_path(arguments.out);
   if (arguments.threads > 0) set_thread_count(arguments.threads);
-  LayerRequest request = layer_request(arguments.layers);
-  request.max_bytes = arguments.max_memory;
-  request.facets = true;
+  LayerRequest request = mesh_request(arguments);
   request.carry = arguments.of;
-  for (const std::string& text : arguments.intervals) request.intervals.push_back(parse_interval(text, request.intervals.size()).interval);
   const StepSource steps = step_source(arguments.file);
-  const std::shared_ptr<const Dataset> dataset = steps(request.step, command_task());
-  request.array = array_argument(*dataset, arguments.array).name;
-  if (dataset->grid.cell_count() == 0 || dataset->grid.flat())
-    throw Error(ErrorCode::unsupported, dataset->name + ": it has no cells with a volume that a plane could cut; `isostrata info` says what is in it");
-  if (!request.time)
-    for (const Interval& interval : request.intervals) warn_if_outside(interval, dataset->array(request.array));
+  const std::shared_ptr<const Dataset> dataset = open_for(request, steps);
+  if (dataset->grid.flat())
+    throw Error(ErrorCode::unsupported, dataset->name + ": it has areas and no cells with a volume that a plane could cut; `isostrata info` says what is in it");
   const Layers layers = extract_layers(request, steps, command_task());
   const Section section = section_of(layers.mesh, layers.carried, plane, command_task());
   if (!arguments.out.empty()) write_section(arguments.out, section, request.array);
@@ -107,18 +95,10 @@ void run_section(const SectionArguments& arguments) {
 void add_section_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("section", "Cuts layers by a plane: the area of each, and the areas as a mesh");
   const auto arguments = std::make_shared<SectionArguments>();
-  add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
-  add_region_options(*command);
-  command->add_option("--array", arguments->array, "The point array (default: the first)");
-  command->add_option("--interval", arguments->intervals, "LOWER:UPPER; may be repeated (-inf and inf leave an end open)")->required()->allow_extra_args(false);
-  command->add_option("--plane", arguments->plane, "x,y,z,nx,ny,nz: a point of it and its direction; or x=VALUE, y=VALUE, z=VALUE")->required();
-  add_layer_options(*command, arguments->layers);
+  add_mesh_options(*command, *arguments);
+  command->add_option("--plane", arguments->plane, "x,y,z,nx,ny,nz: a point of the plane and its normal; or x=VALUE, y=VALUE, z=VALUE")->required();
   command->add_option("--of", arguments->of, "An array to carry to the areas; may be repeated")->allow_extra_args(false);
   command->add_option("--out", arguments->out, "The areas as .vtp, .vtu, .vtkhdf, .ply or .stl");
-  command->add_option("--max-memory", arguments->max_memory, "What the layers may take (16GB)")->transform(CLI::AsSizeValue(false));
-  command->add_option("--threads", arguments->threads, "Threads to use (default: all cores)")->check(CLI::Range(0, 4096));
-  command->add_flag("--json", arguments->json, "Print one JSON document");
-  add_sandbox_option(*command);
   command->callback([arguments] { run_section(*arguments); });
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "data/array_or_first.h"
 #include "engine/picture/layer_request.h"
 #include "extraction/files/write_bounded_mesh.h"
 
@@ -46,11 +47,7 @@ ExportedMesh export_mesh(const StepSource& steps, const Scene& scene, const std:
   LayerRequest request = layer_request(plain);
   request.facets = path.extension() != ".vtu" && path.extension() != ".vtkhdf";
   request.max_bytes = room.memory;
-  if (request.array.empty()) {
-    const auto dataset = steps(request.step, task);
-    if (dataset->arrays.empty()) throw Error(ErrorCode::not_found, dataset->name + ": no point array; expected at least one");
-    request.array = dataset->arrays.front().name;
-  }
+  if (request.array.empty()) request.array = array_or_first(*steps(request.step, task), "").name;
   request.carry.clear();
   if (request.values == FieldValues::whole) request.carry.push_back(request.array);
   if (!scene.color_by.empty() && scene.color_by != request.array) request.carry.push_back(scene.color_by);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/stopwatch.h"
+#include "data/array_or_first.h"
 #include "engine/picture/instead_of_mesh.h"
 #include "engine/picture/layer_request.h"
 #include "engine/picture/smear.h"
@@ -15,11 +16,6 @@
 
 namespace isostrata {
 namespace {
-
-const std::string& first_array(const Dataset& dataset) {
-  if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
-  return dataset.arrays.front().name;
-}
 
 using Values = std::shared_ptr<const std::vector<float>>;
 
@@ -143,7 +139,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
     if (std::find(made->steps.begin(), made->steps.end(), dataset) == made->steps.end()) made->steps.push_back(dataset);
     return dataset;
   };
-  const ExtractionPlan plan = plan_extraction(scene, scene.array.empty() ? first_array(*steps(scene.step, task)) : scene.array, aids);
+  const ExtractionPlan plan = plan_extraction(scene, scene.array.empty() ? array_or_first(*steps(scene.step, task), "").name : scene.array, aids);
   const Reuse reuse = reuse_of(last.get(), plan, source, task);
   if (reuse == Reuse::everything) return unchanged(last);
   made->array = plan.layers.array;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "data/array_or_first.h"
 #include "engine/picture/layer_request.h"
 #include "extraction/measure/components.h"
 #include "extraction/measure/measure_layers.h"
@@ -26,7 +27,7 @@ LayerStatistics layer_statistics(const StepSource& steps, const Scene& asked, st
   LayerRequest request = layer_request(scene);
   const auto dataset = steps(scene.step, task);
   if (dataset->whole) throw Error(ErrorCode::unsupported, dataset->name + ": it lies in parts with several processes; a layer's statistics are not summed over parts yet");
-  if (request.array.empty() && !dataset->arrays.empty()) request.array = dataset->arrays.front().name;
+  request.array = array_or_first(*dataset, request.array).name;
   const std::string wanted = dataset->array(array.empty() ? request.array : array).name;
   request.carry = {wanted};
   request.facets = true;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "data/array_or_first.h"
 #include "data/nearest_points.h"
 #include "data/take_cells.h"
 #include "engine/picture/layer_request.h"
@@ -89,9 +90,8 @@ RayLayers::RayLayers(const StepSource& source, const Scene& scene, const ViewRay
   if (first.whole)
     throw Error(ErrorCode::unsupported, first.name + ": it lies in parts with several processes; values at a place are not looked up in parts yet, only in "
                                         "files that one process can read");
-  if (first.arrays.empty()) throw Error(ErrorCode::not_found, first.name + ": no point array; expected at least one");
   if (!array.empty()) request.array = array;
-  if (request.array.empty()) request.array = first.arrays.front().name;
+  request.array = array_or_first(first, request.array).name;
 }
 
 bool RayLayers::has_array(const std::string& name) const {

@@ -1,6 +1,5 @@
 #include "extraction/bricks/extract_structured.h"
 
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -84,8 +83,7 @@ class Writer {
     const std::string what =
         std::to_string(active_.tetrahedra()) + " tetrahedra with " + std::to_string(active_.points()) + " points";
     check_budget(what, bytes, options_.max_bytes);
-    if (std::max(active_.tetrahedra(), active_.points()) > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large, "extraction: " + what + "; expected fewer than 2^32 of each: narrow the intervals");
+    check_numbers(std::max(active_.tetrahedra(), active_.points()), what);
     for (auto* starts : {&starts_.tetrahedra, &starts_.runs}) starts->assign(1, 0);
     for (const ActiveBrick& brick : active_.bricks()) {
       starts_.tetrahedra.push_back(starts_.tetrahedra.back() + brick.tetrahedra);

@@ -31,7 +31,7 @@ IsoRules::IsoRules(std::span<const Interval> intervals, bool complement) {
   for (const Interval& asked : intervals) {
     const Interval interval = with_finite_ends(asked);
     if (std::isnan(asked.lower) || std::isnan(asked.upper))
-      throw Error(ErrorCode::invalid_argument, "interval " + text(asked) + ": both ends must be numbers; expected inf for none");
+      throw Error(ErrorCode::invalid_argument, "interval " + text(asked) + ": an end is not a number; expected -inf or inf for an open end");
     if (!(interval.lower < interval.upper))
       throw Error(ErrorCode::invalid_argument, "interval " + text(asked) + ": lower must be less than upper");
     begins.push_back(interval.lower);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <string>
 
 #include "base/parallel.h"
@@ -91,9 +90,7 @@ StructuredPoints::StructuredPoints(const Grid& grid, std::span<const CellCase> c
     base_[i] = static_cast<std::uint32_t>(total);
     total += static_cast<std::uint64_t>(std::popcount(slots_[i]));
   }
-  if (total > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ErrorCode::too_large,
-                "extraction: " + std::to_string(total) + " points; expected fewer than 2^32: narrow the intervals");
+  check_numbers(total, std::to_string(total) + " points");
   size_ = static_cast<std::int64_t>(total);
 }
 

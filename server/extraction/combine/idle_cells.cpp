@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "data/check_values.h"
 
 namespace isostrata {
 namespace {
@@ -59,19 +60,12 @@ void visit_cells(const Grid& grid, const PointArray& array, const Interval& rang
       array.values);
 }
 
-void check_length(const Grid& grid, const PointArray& array) {
-  const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));
-  if (values != grid.point_count())
-    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
-                                                 " values; the grid has " + std::to_string(grid.point_count()) + " points");
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> find_idle_cells(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                           std::span<const ArrayTerm> terms, const Task& task) {
-  check_length(grid, array);
-  for (const ArrayTerm& term : terms) check_length(grid, *term.array);
+  check_values(array, grid.point_count());
+  for (const ArrayTerm& term : terms) check_values(*term.array, grid.point_count());
   task.report(0.0, "searching");
   std::vector<std::uint8_t> may(grid.cell_count());  // hold a part of the region
   // More intervals than a few are taken as one that spans them: only what is looked at in vain grows.

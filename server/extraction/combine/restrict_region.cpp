@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <string>
 
 #include "base/parallel.h"
@@ -171,9 +170,7 @@ class Pass {
       tetrahedra_before_[b + 1] += tetrahedra_before_[b];
       runs_before_[b + 1] += runs_before_[b];
     }
-    if (tetrahedra_before_.back() > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large, "extraction: " + std::to_string(tetrahedra_before_.back()) +
-                                            " tetrahedra; expected fewer than 2^32: narrow the ranges");
+    check_numbers(tetrahedra_before_.back(), std::to_string(tetrahedra_before_.back()) + " tetrahedra", "ranges");
   }
 
   void use(std::uint32_t point) { std::atomic_ref(used_[point]).store(1, std::memory_order_relaxed); }
@@ -248,9 +245,7 @@ class Pass {
     });
 
     const std::uint64_t points = kept_.back() + keys_.size(), tetrahedra = tetrahedra_before_.back();
-    if (points > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large,
-                  "extraction: " + std::to_string(points) + " points; expected fewer than 2^32: narrow the ranges");
+    check_numbers(points, std::to_string(points) + " points", "ranges");
     check_budget("a combination of " + std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points) + " points",
                  mesh_.bytes() + points * (sizeof(Vec3d) + mesh_.fields.size() * sizeof(double)) +
                      tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t) + 1) +

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <limits>
 #include <string>
 
 #include "base/parallel.h"
+#include "data/check_values.h"
 #include "extraction/bricks/extract_structured.h"
 #include "extraction/bricks/hexahedron_gather.h"
 #include "extraction/cells/active_cells.h"
@@ -132,9 +132,7 @@ class Extraction {
         cases_.size() * sizeof(CellCase) + cells_before_.back() * (sizeof(CellRun) + sizeof(CellHandedness));
     check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points.size()) + " points", bytes,
                  options_.max_bytes);
-    if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large,
-                  "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
+    check_numbers(tetrahedra, std::to_string(tetrahedra) + " tetrahedra");
   }
 
   /// Which way the active cells are turned; a cell without volume is taken to be turned as most others are.
@@ -262,10 +260,7 @@ void prepare_tables(const Grid& grid) {
 
 IntervalMesh extract_intervals(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                const ExtractOptions& options, const Task& task) {
-  const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));
-  if (values != grid.point_count())
-    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
-                                                 " values; the grid has " + std::to_string(grid.point_count()) + " points");
+  check_values(array, grid.point_count());
   task.check();
   if (grid.flat()) return extract_areas(grid, array, intervals, options, task);
   if (options.strict) return extract_strict(grid, array, intervals, options, task);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -341,8 +340,7 @@ class WholeExtraction {
                      static_cast<std::uint64_t>(total.facets) * sizeof(BoundaryFacet) + cases_.size() * sizeof(WholeCase) +
                      static_cast<std::uint64_t>(total.cells) * sizeof(CellRun) + mesh_.positions.size() * (sizeof(Vec3d) + sizeof(PointOrigin)),
                  options_.max_bytes);
-    if (total.tetrahedra > std::int64_t{std::numeric_limits<std::uint32_t>::max()})
-      throw Error(ErrorCode::too_large, "extraction: " + what + "; expected fewer than 2^32: narrow the intervals");
+    check_numbers(static_cast<std::uint64_t>(total.tetrahedra), what);
     mesh_.tetrahedra.resize(static_cast<std::size_t>(total.tetrahedra));
     mesh_.tetrahedron_interval.resize(static_cast<std::size_t>(total.tetrahedra));
     mesh_.cell_runs.resize(static_cast<std::size_t>(total.cells));

@@ -1,7 +1,6 @@
 #include "extraction/intervals/strict_triangulation.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,9 +88,7 @@ class Strict {
                      np * (sizeof(Vec3d) + sizeof(double) + sizeof(PointOrigin)) +
                      weights * (sizeof(std::int64_t) + sizeof(float)),
                  options_.max_bytes);
-    if (std::max(nt, np) > std::numeric_limits<std::uint32_t>::max() || weights > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large, "extraction: " + std::to_string(nt) + " tetrahedra with " + std::to_string(np) +
-                                            " points; expected fewer than 2^32: narrow the intervals");
+    check_numbers(std::max({nt, np, weights}), std::to_string(nt) + " tetrahedra with " + std::to_string(np) + " points");
 
     decltype(mesh_.tetrahedra) new_tetrahedra;
     decltype(mesh_.tetrahedron_interval) new_intervals;

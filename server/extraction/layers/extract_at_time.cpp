@@ -5,18 +5,13 @@
 #include <utility>
 
 #include "base/stopwatch.h"
+#include "data/array_or_first.h"
 #include "extraction/combine/combine_ranges.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/space_time/time_steps.h"
 
 namespace isostrata {
 namespace {
-
-const std::string& array_name(const LayerRequest& request, const Dataset& dataset) {
-  if (!request.array.empty()) return request.array;
-  if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
-  return dataset.arrays.front().name;
-}
 
 /// The time that a request means, and its place among the steps. `any` is a step that is at hand.
 TimePlace place_of(const LayerRequest& request, const Dataset& any, LayerTime& out) {
@@ -90,7 +85,7 @@ std::shared_ptr<const Dataset> dataset_at_time(const LayerRequest& request, cons
   time.second = place.second;
   time.weight = place.weight;
   time.mode = place.weight == 0 ? TimeMode::step : TimeMode::interpolate;
-  std::vector<std::string> names{array_name(request, *any)};
+  std::vector<std::string> names{array_or_first(*any, request.array).name};
   any.reset();
   const auto first = steps(place.first, task);
   if (place.weight == 0) return first;
@@ -109,7 +104,7 @@ std::optional<Layers> slice_space_time(const LayerRequest& request, const StepSo
   TimePlace place = place_of(request, *any, layers.time);
   const int last = static_cast<int>(any->times.size()) - 1;
   if (last == 0 || any->grid.flat()) return std::nullopt;
-  const std::string name = array_name(request, *any);
+  const std::string name = array_or_first(*any, request.array).name;
   any.reset();
   if (place.first == place.second) {  // at a step: a pair that has it
     if (place.first == last)

@@ -1,5 +1,6 @@
 #include "extraction/layers/extract_layers.h"
 
+#include "data/array_or_first.h"
 #include "data/nearest_points.h"
 #include "extraction/combine/combine_ranges.h"
 #include "extraction/intervals/extract_intervals.h"
@@ -9,12 +10,6 @@
 
 namespace isostrata {
 namespace {
-
-const PointArray& find_array(const Dataset& dataset, const std::string& name) {
-  if (!name.empty()) return dataset.array(name);
-  if (dataset.arrays.empty()) throw Error(ErrorCode::not_found, dataset.name + ": no point array; expected at least one");
-  return dataset.arrays.front();
-}
 
 void combine_terms(const LayerRequest& request, const Dataset& dataset, const PointArray& array,
                    std::span<const PointArray* const> carry, const LayerAids& aids, Layers& layers, const Task& task) {
@@ -55,7 +50,7 @@ void check_whole(const LayerRequest& request) {
 }
 
 Layers extract_whole_layers(const LayerRequest& request, Layers layers, const Task& task) {
-  const PointArray* array = &find_array(*layers.dataset, request.array);
+  const PointArray* array = &array_or_first(*layers.dataset, request.array);
   if (!array->cells) {
     if (array->association == Association::cell_averaged)
       throw Error(ErrorCode::unsupported, layers.dataset->name + ": array '" + array->name + "' is of cells that this part of the grid does not have as they are; "
@@ -90,7 +85,7 @@ Layers extract_layers(const LayerRequest& request, const StepSource& steps, cons
   layers.dataset = dataset_at_time(request, steps, layers.time, task);
   if (request.values == FieldValues::whole) return extract_whole_layers(request, std::move(layers), task);
   const Dataset& dataset = *layers.dataset;
-  const PointArray& array = find_array(dataset, request.array);
+  const PointArray& array = array_or_first(dataset, request.array);
   if (dataset.grid.flat()) check_flat(request, dataset);
   std::vector<const PointArray*> carry;
   for (const std::string& name : request.carry) carry.push_back(&dataset.array(name));

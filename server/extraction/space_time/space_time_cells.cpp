@@ -8,6 +8,7 @@
 
 #include "base/finite.h"
 #include "base/parallel.h"
+#include "data/check_values.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/space_time/time_steps.h"
@@ -50,14 +51,6 @@ bool positions_are_finite(const Grid& grid, std::int64_t cell) {
   return std::all_of(ids.begin(), ids.begin() + n, [&](std::int64_t id) {
     return is_finite(grid.point(id));
   });
-}
-
-void check_length(const Dataset& dataset, const PointArray& array) {
-  const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));
-  if (values != dataset.grid.point_count())
-    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
-                                                 " values; the grid has " + std::to_string(dataset.grid.point_count()) +
-                                                 " points");
 }
 
 }  // namespace
@@ -117,8 +110,8 @@ SpaceTimeCells find_space_time_cells(std::shared_ptr<const Dataset> first, std::
   SpaceTimeCells out;
   out.at_first = &array_at_step(*first, array);
   out.at_second = &array_at_step(*second, array);
-  check_length(*first, *out.at_first);
-  check_length(*second, *out.at_second);
+  check_values(*out.at_first, first->grid.point_count());
+  check_values(*out.at_second, second->grid.point_count());
   out.grid = first->grid;
   const Grid& grid = first->grid;
   const std::int64_t cells = grid.cell_count();

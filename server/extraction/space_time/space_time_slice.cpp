@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "data/check_values.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/cells/mesh_sums.h"
@@ -247,9 +248,7 @@ class SpaceTimeSlicer {
                  tetrahedra * (sizeof(std::array<std::uint32_t, 4>) + sizeof(std::uint16_t)) + facets * sizeof(BoundaryFacet) +
                      cells * sizeof(CellRun) + out_.points.size() * (sizeof(Vec3d) + sizeof(SlicePoint) + sizeof(double)),
                  options_.max_bytes);
-    if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large,
-                  "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
+    check_numbers(tetrahedra, std::to_string(tetrahedra) + " tetrahedra");
     IntervalMesh& mesh = out_.mesh;
     mesh.cells = volume_.grid_cells_;
     mesh.active_cells = static_cast<std::int64_t>(cells);
@@ -351,12 +350,7 @@ SpaceTimeSlice SpaceTimeVolume::slice(double weight, const SliceOptions& options
 
 Buffer<double> SpaceTimeVolume::carry(const SpaceTimeSlice& slice, const PointArray& at_first,
                                       const PointArray& at_second) const {
-  for (const PointArray* array : {&at_first, &at_second}) {
-    const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array->values));
-    if (values != grid_points_)
-      throw Error(ErrorCode::invalid_argument, "array '" + array->name + "' has " + std::to_string(values) +
-                                                   " values; the grid has " + std::to_string(grid_points_) + " points");
-  }
+  for (const PointArray* array : {&at_first, &at_second}) check_values(*array, grid_points_);
   // A weight of 0 or 1 takes the end itself: the other one may be NaN.
   const auto between = [](double weight, auto&& a, auto&& b) {
     return weight == 0 ? a() : weight == 1 ? b() : a() * (1 - weight) + b() * weight;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -67,8 +66,7 @@ class OrderedExtraction {
         cuts_->list_bytes + cuts_->bin.size() + (of_.point_count() + of_.edge_count()) * sizeof(std::uint32_t);
     const std::string what = std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points) + " points";
     check_budget(what, bytes, options_.max_bytes);
-    if (std::max(tetrahedra, points) > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large, "extraction: " + what + "; expected fewer than 2^32 of each: narrow the intervals");
+    check_numbers(std::max(tetrahedra, points), what);
   }
 
   /// Writes the points and their numbers: at number_[p] of the point p, at number_[points of the grid + e] the first on the edge

@@ -203,9 +203,7 @@ class UnstructuredExtraction {
         cases_.bytes() + cases_.uses() * 3 * sizeof(std::uint32_t) + cases_.active_cells() * sizeof(CellRun);
     check_budget(std::to_string(tetrahedra) + " tetrahedra with " + std::to_string(points) + " points", bytes,
                  options_.max_bytes);
-    if (tetrahedra > std::numeric_limits<std::uint32_t>::max())
-      throw Error(ErrorCode::too_large,
-                  "extraction: " + std::to_string(tetrahedra) + " tetrahedra; expected fewer than 2^32: narrow the intervals");
+    check_numbers(tetrahedra, std::to_string(tetrahedra) + " tetrahedra");
   }
 
   void locate_points() {

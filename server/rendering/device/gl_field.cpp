@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "data/check_values.h"
 #include "rendering/shader_sources.h"
 
 namespace isostrata {
@@ -170,10 +171,7 @@ GlField load_field(ComputeDevice& device, const Grid& grid, const PointArray& ar
   if (!grid.structured())
     throw Error(ErrorCode::unsupported,
                 "extraction on a device needs a structured grid, this one is unstructured: extract on the CPU");
-  const auto values = static_cast<std::int64_t>(std::visit([](auto v) { return v.size(); }, array.values));
-  if (values != grid.point_count())
-    throw Error(ErrorCode::invalid_argument, "array '" + array.name + "' has " + std::to_string(values) +
-                                                 " values; the grid has " + std::to_string(grid.point_count()) + " points");
+  check_values(array, grid.point_count());
   if (grid.point_count() > std::numeric_limits<std::uint32_t>::max())
     throw Error(ErrorCode::too_large, "extraction on a device: " + std::to_string(grid.point_count()) +
                                           " points; expected fewer than 2^32: extract on the CPU");
