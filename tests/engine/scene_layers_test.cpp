@@ -1,13 +1,13 @@
 // Scenes that ask for more than intervals of one step: times, terms, triangulation.
 #include <gtest/gtest.h>
 
-#include <map>
 
 #include "data/analytic.h"
 #include "engine/engine/engine.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/layer_request.h"
+#include "support/steps_of.h"
 
 namespace isostrata {
 namespace {
@@ -23,22 +23,13 @@ class SceneLayers : public ::testing::Test {
     scene_.intervals.push_back(one);
   }
 
-  std::shared_ptr<const Dataset> step(int number) {
-    auto& dataset = opened_[number];
-    if (!dataset) {
-      OpenOptions options;
-      options.step = number;
-      dataset = make_analytic("cylinder:16x12x8x3", options, Task{});
-    }
-    return dataset;
-  }
+  std::shared_ptr<const Dataset> step(int number) const { return steps_(number, Task{}); }
   std::shared_ptr<const ExtractedScene> extract(const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
-    const StepSource steps = [this](int number, const Task&) { return step(number); };
-    return extract_scene(steps, scene_, previous, Task{});
+    return extract_scene(steps_, scene_, previous, Task{});
   }
   double between(double weight) { return step(0)->times[1] * (1 - weight) + step(0)->times[2] * weight; }
 
-  std::map<int, std::shared_ptr<const Dataset>> opened_;
+  const StepSource steps_ = steps_of("cylinder:16x12x8x3");
   Scene scene_;
 };
 
@@ -47,8 +38,7 @@ TEST_F(SceneLayers, ATimeIsExtractedAsALayerRequestSays) {
     scene_.time = between(0.25);
     scene_.time_mode = mode;
     const auto extracted = extract();
-    const StepSource steps = [this](int number, const Task&) { return step(number); };
-    const Layers layers = extract_layers(layer_request(scene_), steps, Task{});
+    const Layers layers = extract_layers(layer_request(scene_), steps_, Task{});
     ASSERT_GT(layers.mesh.tetrahedra.size(), 0u);
     EXPECT_EQ(extracted->mesh->tetrahedra, layers.mesh.tetrahedra) << static_cast<int>(mode);
     EXPECT_EQ(extracted->time.first, 1);

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
 
 #include "data/analytic.h"
 #include "engine/engine/engine.h"
@@ -12,6 +11,7 @@
 #include "engine/picture/layer_request.h"
 #include "engine/picture/scene_legend.h"
 #include "engine/picture/scene_styles.h"
+#include "support/steps_of.h"
 
 namespace isostrata {
 namespace {
@@ -30,17 +30,9 @@ class SceneModes : public ::testing::Test {
       scene_.intervals.push_back(one);
     }
   }
-  std::shared_ptr<const Dataset> step(int number) {
-    auto& dataset = opened_[number];
-    if (!dataset) {
-      OpenOptions options;
-      options.step = number;
-      dataset = make_analytic("cylinder:16x12x8x4", options, Task{});
-    }
-    return dataset;
-  }
+  std::shared_ptr<const Dataset> step(int number) const { return steps_(number, Task{}); }
   std::shared_ptr<const ExtractedScene> extract(const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
-    return extract_scene([this](int number, const Task&) { return step(number); }, scene_, previous, Task{});
+    return extract_scene(steps_, scene_, previous, Task{});
   }
   DrawInput input(const std::shared_ptr<const ExtractedScene>& extracted) { return draw_input(*extracted, scene_, 64, 48); }
   std::vector<bool> visible() {
@@ -49,7 +41,7 @@ class SceneModes : public ::testing::Test {
     return out;
   }
 
-  std::map<int, std::shared_ptr<const Dataset>> opened_;
+  const StepSource steps_ = steps_of("cylinder:16x12x8x4");
   Scene scene_;
 };
 

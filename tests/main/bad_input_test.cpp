@@ -11,6 +11,7 @@
 
 #include "support/run_isostrata.h"
 #include "support/refined_cubes.h"
+#include "support/run_json.h"
 #include "support/truncated_cubes.h"
 #include "support/voronoi_cells.h"
 #include "support/vtk_text.h"
@@ -22,14 +23,7 @@ using isostrata::Vec3d;
 using ::testing::HasSubstr;
 namespace json = boost::json;
 
-double number(const json::value& value) { return value.to_number<double>(); }
-
-/// `extract FILE ARGUMENTS --json`; null and a failure where it does not exit with 0.
-json::value extracted(const std::filesystem::path& file, const std::string& arguments) {
-  const CommandResult result = run_isostrata("extract '" + file.string() + "' " + arguments + " --json");
-  EXPECT_EQ(result.status, 0) << file << " " << arguments << ": " << result.err;
-  return result.status == 0 ? json::parse(result.out) : json::value();
-}
+json::value extracted(const std::filesystem::path& file, const std::string& arguments) { return json_of("extract '" + file.string() + "' " + arguments); }
 
 double signed_volume(const json::value& document) {
   double sum = 0;

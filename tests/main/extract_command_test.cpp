@@ -2,14 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <boost/json.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include "support/run_isostrata.h"
+#include "support/run_json.h"
 #include "support/sample_files.h"
 #include "support/shared_data.h"
 
@@ -19,13 +18,8 @@ using namespace isostrata::testing;
 using ::testing::HasSubstr;
 namespace json = boost::json;
 
-json::value extract_json(const std::string& arguments) {
-  const CommandResult result = run_isostrata("extract " + arguments + " --json");
-  EXPECT_EQ(result.status, 0) << arguments << ": " << result.err;
-  return result.status == 0 ? json::parse(result.out) : json::value();
-}
+json::value extract_json(const std::string& arguments) { return json_of("extract " + arguments); }
 
-double number(const json::value& value) { return value.to_number<double>(); }
 
 double signed_volume(const json::value& document) {
   double sum = 0;

@@ -2,11 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <boost/json.hpp>
 #include <filesystem>
 #include <random>
 
-#include "support/run_isostrata.h"
+#include "support/run_json.h"
 #include "support/sample_files.h"
 #include "support/shared_data.h"
 #include "support/vtk_text.h"
@@ -17,13 +16,8 @@ using namespace isostrata::testing;
 using ::testing::HasSubstr;
 namespace json = boost::json;
 
-json::value extract_json(const std::string& arguments) {
-  const CommandResult result = run_isostrata("extract " + arguments + " --json");
-  EXPECT_EQ(result.status, 0) << arguments << ": " << result.err;
-  return result.status == 0 ? json::parse(result.out) : json::value();
-}
+json::value extract_json(const std::string& arguments) { return json_of("extract " + arguments); }
 
-double number(const json::value& value) { return value.to_number<double>(); }
 double volume(const json::value& document) { return number(document.at("intervals").at(0).at("signed_volume")); }
 
 TEST(ExtractAtTime, SaysWhichStepsAndWhichModeWereUsed) {

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <boost/json.hpp>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "support/run_isostrata.h"
+#include "support/run_json.h"
 
 namespace {
 
@@ -24,8 +23,6 @@ std::string said(const std::string& arguments) {
   return result.out;
 }
 
-double number(const json::value& value) { return value.to_number<double>(); }
-
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> all;
   std::istringstream text(line);
@@ -35,8 +32,8 @@ std::vector<std::string> cells(const std::string& line) {
 
 TEST(MeasureCommand, SaysWhatExtractSaysAndMore) {
   const std::string layers = "tets:9 --interval 0.3:0.5 --interval 0.5:0.7";
-  const json::value extracted = json::parse(said("extract " + layers + " --json"));
-  const json::value measured = json::parse(said("measure " + layers + " --of distance --json"));
+  const json::value extracted = json_of("extract " + layers);
+  const json::value measured = json_of("measure " + layers + " --of distance");
   const json::array& rows = measured.at("steps").at(0).at("layers").as_array();
   ASSERT_EQ(rows.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -60,7 +57,7 @@ TEST(MeasureCommand, PrintsATableOfEveryStep) {
   const std::vector<std::string> names = cells(line);
   EXPECT_EQ(names.front(), "time");
   EXPECT_EQ(names.back(), "\"Energy integral\"");
-  const json::value document = json::parse(said(arguments + " --json"));
+  const json::value document = json_of(arguments);
   ASSERT_EQ(document.at("steps").as_array().size(), 3u);
   for (const json::value& step : document.at("steps").as_array()) {
     ASSERT_TRUE(std::getline(table, line));
@@ -83,7 +80,7 @@ TEST(MeasureCommand, ACentroidThatRoundingAloneKeepsFromZeroIsZeroAsText) {
 TEST(MeasureCommand, OfAFlatGridIsItsArea) {
   const TemporaryFolder folder;
   folder.write("flat.nrrd", "NRRD0004\ntype: double\ndimension: 2\nsizes: 3 2\nencoding: ascii\n\n0 1 2 0 1 2\n");
-  const json::value row = json::parse(said("measure '" + (folder / "flat.nrrd").string() + "' --interval 0.5:1.5 --json")).at("steps").at(0).at("layers").at(0);
+  const json::value row = json_of("measure '" + (folder / "flat.nrrd").string() + "' --interval 0.5:1.5").at("steps").at(0).at("layers").at(0);
   EXPECT_EQ(number(row.at("volume")), 0);
   EXPECT_NEAR(number(row.at("area").at("domain")), 1, 1e-12);
 }
@@ -97,8 +94,8 @@ TEST(MeasureCommand, SaysThatNothingLiesInALayer) {
 
 TEST(SectionCommand, PrintsAndWritesAreasThatMeet) {
   const TemporaryFolder folder;
-  const std::string layers = "section tets:9 --interval 0.2:0.4 --interval 0.4:0.6 --of distance --json --plane ";
-  const json::value plain = json::parse(said(layers + "0.05,0.1,0.2,1,2,3"));
+  const std::string layers = "section tets:9 --interval 0.2:0.4 --interval 0.4:0.6 --of distance --plane ";
+  const json::value plain = json_of(layers + "0.05,0.1,0.2,1,2,3");
   EXPECT_EQ(number(plain.at("unmatched_edges")), 0);
   ASSERT_EQ(plain.at("layers").as_array().size(), 2u);
   for (const json::value& row : plain.at("layers").as_array()) {
@@ -108,7 +105,7 @@ TEST(SectionCommand, PrintsAndWritesAreasThatMeet) {
   // What is written is opened again as a mesh of areas: the same areas, and the values within the layers.
   const std::string out = (folder / "cut.vtu").string();
   said(layers + "z=0.2 --out '" + out + "'");
-  const json::value info = json::parse(said("info '" + out + "' --json"));
+  const json::value info = json_of("info '" + out + "'");
   EXPECT_NEAR(number(info.at("bounds").at(2).at(0)), 0.2, 1e-12);
   EXPECT_NEAR(number(info.at("bounds").at(2).at(1)), 0.2, 1e-12);
   said(layers + "z=0.2 --out '" + (folder / "cut.vtp").string() + "'");
@@ -132,7 +129,7 @@ TEST(ComponentsCommand, ListsPlantedPiecesByTheirSize) {
       }
   folder.write("cubes.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 12 12 12\nencoding: ascii\n\n" + values + "\n");
   const std::string file = "'" + (folder / "cubes.nrrd").string() + "' --interval 0.5:1";
-  const json::value pieces = json::parse(said("components " + file + " --json")).at("components");
+  const json::value pieces = json_of("components " + file).at("components");
   ASSERT_EQ(pieces.as_array().size(), 3u);
   const double at[] = {8, 4, 1}, upper[] = {10.5, 5.5, 1.5};
   double sum = 0;
@@ -146,11 +143,11 @@ TEST(ComponentsCommand, ListsPlantedPiecesByTheirSize) {
     }
     sum += number(piece.at("volume"));
   }
-  const json::value whole = json::parse(said("measure " + file + " --json")).at("steps").at(0).at("layers").at(0);
+  const json::value whole = json_of("measure " + file).at("steps").at(0).at("layers").at(0);
   EXPECT_NEAR(sum, number(whole.at("volume")), 1e-9);
-  EXPECT_EQ(json::parse(said("components " + file + " --min-volume 5 --json")).at("components").as_array().size(), 2u);
+  EXPECT_EQ(json_of("components " + file + " --min-volume 5").at("components").as_array().size(), 2u);
   EXPECT_THAT(said("components " + file + " --min-volume 5"), HasSubstr("2 pieces, 1 smaller ones left out"));
-  EXPECT_EQ(json::parse(said("measure " + file + " --by component --json")).at("steps").at(0).at("layers").as_array().size(), 3u);
+  EXPECT_EQ(json_of("measure " + file + " --by component").at("steps").at(0).at("layers").as_array().size(), 3u);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "support/places.h"
 #include "support/run_isostrata.h"
+#include "support/run_json.h"
 #include "support/temporary_folder.h"
 
 namespace {
@@ -17,19 +18,13 @@ using namespace isostrata::testing;
 using ::testing::HasSubstr;
 namespace json = boost::json;
 
-double number(const json::value& value) { return value.to_number<double>(); }
-
 class PeerBench : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(isostrata::places::binaries() + "/isostrata-peer-bench")) GTEST_SKIP() << "built without VTK: no peer bench";
   }
 
-  static json::value extract(const std::string& arguments) {
-    const CommandResult result = run_program("isostrata-peer-bench", "extract " + arguments + " --json");
-    EXPECT_EQ(result.status, 0) << arguments << ": " << result.err;
-    return result.status == 0 ? json::parse(result.out) : json::value();
-  }
+  static json::value extract(const std::string& arguments) { return json_of("extract " + arguments, "isostrata-peer-bench"); }
 };
 
 TEST_F(PeerBench, CutsTheSameRegionAsVtkOutOfEveryKindOfGrid) {

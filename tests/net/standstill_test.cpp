@@ -5,6 +5,7 @@
 #include <string>
 
 #include "net/running_server.h"
+#include "support/client_messages.h"
 
 namespace isostrata {
 namespace {
@@ -23,17 +24,6 @@ std::string hello(std::uint32_t width, std::uint32_t height, const std::string& 
   message.mutable_hello()->mutable_viewport()->set_width(width);
   message.mutable_hello()->mutable_viewport()->set_height(height);
   return message.SerializeAsString();
-}
-
-v1::ClientMessage camera_at(double x) {
-  v1::ClientMessage message;
-  v1::Camera& camera = *message.mutable_set_camera()->mutable_camera();
-  camera.mutable_eye()->set_x(x);
-  camera.mutable_eye()->set_z(9);
-  camera.mutable_at();
-  camera.mutable_up()->set_y(1);
-  camera.set_fov_deg(30);
-  return message;
 }
 
 /// Whether it becomes true within the time.

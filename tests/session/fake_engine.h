@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "session/sessions/sessions.h"
+#include "support/client_messages.h"
 #include "support/fin_facts.h"
 
 namespace isostrata {
@@ -136,16 +137,7 @@ class SessionsOnAClock {
     message.mutable_frame_ack()->set_frame_id(client.outbox.frames.back().frame_id());
     say(client, std::move(message));
   }
-  static v1::ClientMessage camera(double x) {
-    v1::ClientMessage message;
-    v1::Camera& camera = *message.mutable_set_camera()->mutable_camera();
-    camera.mutable_eye()->set_x(x);
-    camera.mutable_eye()->set_z(9);
-    camera.mutable_at();
-    camera.mutable_up()->set_y(1);
-    camera.set_fov_deg(30);
-    return message;
-  }
+  static v1::ClientMessage camera(double x) { return camera_at(x); }
 
   TimePoint now{std::chrono::hours(1)};
   std::vector<EngineRequest> requests;

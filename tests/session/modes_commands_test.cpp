@@ -1,10 +1,10 @@
 // The commands of the paper's modes: surfaces, cycles, smears, transfer functions.
-#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include "session/commands/apply_command.h"
 #include "session/wire/limits.h"
 #include "session/wire/wire.h"
+#include "support/client_messages.h"
 #include "support/fin_facts.h"
 
 namespace isostrata {
@@ -21,13 +21,7 @@ class ModesCommands : public ::testing::Test {
     facts_.times = {0, 1, 2};
     open_in_scene(state_, facts_);
   }
-  v1::ClientMessage from_json(const std::string& json) {
-    v1::ClientMessage message;
-    const auto done = google::protobuf::util::JsonStringToMessage(json, &message);
-    EXPECT_TRUE(done.ok()) << json << ": " << done.ToString();
-    return message;
-  }
-  CommandOutcome apply(const std::string& json) { return apply_command(state_, from_json(json), {&facts_}); }
+  CommandOutcome apply(const std::string& json) { return apply_command(state_, message_of(json), {&facts_}); }
   void expect_refused(const std::string& json, const std::string& code, const std::string& field) {
     const std::string before = to_wire(state_.scene).SerializeAsString();
     const CommandOutcome outcome = apply(json);

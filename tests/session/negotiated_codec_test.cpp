@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "session/sessions/sessions.h"
+#include "support/client_messages.h"
 
 namespace isostrata {
 namespace {
@@ -313,12 +314,7 @@ TEST_F(BandsAtRest, ThoseThatHaveNotLeftAreGivenUpForNewInput) {
   outbox_.frames.clear();
   outbox_.payloads.clear();
   finish_bands(request, 9);
-  v1::ClientMessage move;
-  move.mutable_set_camera()->mutable_camera()->mutable_eye()->set_z(3);
-  move.mutable_set_camera()->mutable_camera()->mutable_up()->set_y(1);
-  move.mutable_set_camera()->mutable_camera()->mutable_at();
-  move.mutable_set_camera()->mutable_camera()->set_fov_deg(30);
-  receive(move);
+  receive(camera_at(0, 3));
   const std::size_t left = outbox_.frames.size();
   EXPECT_LT(left, 9u);
   for (int i = 0; i < 9; ++i) {
@@ -364,12 +360,7 @@ TEST_F(NegotiatedCodec, APictureOfAHandThatRestsIsGivenUpWhenItGoesOn) {
   EXPECT_EQ(settled->width, 64);
   EXPECT_TRUE(settled->until_newer);
   start(*settled);
-  v1::ClientMessage move;
-  move.mutable_set_camera()->mutable_camera()->mutable_eye()->set_z(3);
-  move.mutable_set_camera()->mutable_camera()->mutable_up()->set_y(1);
-  move.mutable_set_camera()->mutable_camera()->mutable_at();
-  move.mutable_set_camera()->mutable_camera()->set_fov_deg(30);
-  receive(move);
+  receive(camera_at(0, 3));
   sessions_->on_event(RequestFailed{settled->session, settled->request, 0, ErrorCode::cancelled, "a newer scene came first"}, now_);
   const auto next = take<FrameRequest>();
   ASSERT_TRUE(next) << "and the one in motion comes at once";

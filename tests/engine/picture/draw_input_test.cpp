@@ -2,32 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
 #include "engine/picture/extract_scene.h"
+#include "engine/two_layers.h"
 
 namespace isostrata {
 namespace {
 
-SceneInterval interval(std::uint32_t id, double lower, double upper, std::string map = "") {
-  SceneInterval one;
-  one.id = id;
-  one.lower = lower;
-  one.upper = upper;
-  one.color_map = std::move(map);
-  return one;
-}
-
-class DrawInputTest : public ::testing::Test {
- protected:
-  std::shared_ptr<const ExtractedScene> extract(const Scene& scene) { return extract_scene(dataset_, scene, nullptr, Task{}); }
-  Scene scene() const {
-    Scene scene;
-    scene.array = dataset_->arrays[0].name;
-    scene.intervals = {interval(1, 1.0, 1.5), interval(2, 1.5, 2.0)};
-    return scene;
-  }
-  std::shared_ptr<const Dataset> dataset_ = make_analytic("cylinder:12x10x8", {}, Task{});
-};
+using DrawInputTest = TwoLayers;
 
 TEST_F(DrawInputTest, ASceneWithoutIntervalsHasNothingToStyle) {
   Scene empty = scene();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "data/analytic.h"
+#include "engine/two_layers.h"
 #include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata {
@@ -11,29 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-SceneInterval interval(std::uint32_t id, double lower, double upper, std::string map = "") {
-  SceneInterval one;
-  one.id = id;
-  one.lower = lower;
-  one.upper = upper;
-  one.color_map = std::move(map);
-  return one;
-}
-
-class ExtractScene : public ::testing::Test {
- protected:
-  std::shared_ptr<const ExtractedScene> extract(const Scene& scene,
-                                                const std::shared_ptr<const ExtractedScene>& previous = nullptr) {
-    return extract_scene(dataset_, scene, previous, Task{});
-  }
-  Scene scene() const {
-    Scene scene;
-    scene.array = dataset_->arrays[0].name;
-    scene.intervals = {interval(1, 1.0, 1.5), interval(2, 1.5, 2.0)};
-    return scene;
-  }
-  std::shared_ptr<const Dataset> dataset_ = make_analytic("cylinder:12x10x8", {}, Task{});
-};
+using ExtractScene = TwoLayers;
 
 TEST_F(ExtractScene, ExtractsWhatExtractIntervalsExtracts) {
   const auto extracted = extract(scene());

@@ -11,15 +11,13 @@
 #include "data/analytic.h"
 #include "engine/picture/layer_request.h"
 #include "support/field_dataset.h"
+#include "support/steps_of.h"
 
 namespace isostrata {
 namespace {
 
 constexpr std::uint64_t kRoom = std::uint64_t{1} << 30;
 
-StepSource steps_of(const std::shared_ptr<const Dataset>& dataset) {
-  return [dataset](int, const Task&) { return dataset; };
-}
 Scene scene_of(const Dataset& dataset, double lower, double upper) {
   Scene scene;
   scene.array = dataset.arrays.front().name;

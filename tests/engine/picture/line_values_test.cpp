@@ -14,24 +14,11 @@
 #include "engine/picture/layer_request.h"
 #include "engine/picture/step_values.h"
 #include "support/field_dataset.h"
+#include "support/scene_of_shares.h"
+#include "support/steps_of.h"
 
 namespace isostrata {
 namespace {
-
-StepSource steps_of(const std::string& name) {
-  return [name, opened = std::make_shared<std::map<int, std::shared_ptr<const Dataset>>>()](int step, const Task&) {
-    auto& dataset = (*opened)[step];
-    if (!dataset) {
-      OpenOptions options;
-      options.step = step;
-      dataset = make_analytic(name, options, Task{});
-    }
-    return dataset;
-  };
-}
-StepSource steps_of(const std::shared_ptr<const Dataset>& dataset) {
-  return [dataset](int, const Task&) { return dataset; };
-}
 
 Vec3d point_in(const Box3d& box, std::mt19937_64& random) {
   std::uniform_real_distribution<double> share(0, 1);
@@ -90,20 +77,6 @@ LayerRequest whole_request(const Scene& scene, const std::string& array) {
   return request;
 }
 
-Scene scene_of(const Dataset& dataset, std::vector<std::array<double, 2>> shares) {
-  Scene scene;
-  const PointArray& array = dataset.arrays.front();
-  scene.array = array.name;
-  for (const auto& [lower, upper] : shares) {
-    SceneInterval one;
-    one.id = static_cast<std::uint32_t>(10 + scene.intervals.size());
-    one.lower = array.lower + lower * (array.upper - array.lower);
-    one.upper = array.lower + upper * (array.upper - array.lower);
-    scene.intervals.push_back(one);
-  }
-  return scene;
-}
-
 /// The law. Returns how many places were in the data.
 int holds(const StepSource& steps, const Scene& scene, const std::string& array, unsigned seed = 11) {
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -150,15 +123,15 @@ TEST(LineValues, AreThoseOfTheTetrahedraThatTheLineGoesThroughOnEveryKindOfGrid)
     SCOPED_TRACE(name);
     const StepSource steps = steps_of(name);
     const Dataset& dataset = *steps(0, Task{});
-    EXPECT_GT(holds(steps, scene_of(dataset, {{0.1, 0.3}, {0.5, 0.62}}), dataset.arrays.front().name), 40);
-    EXPECT_GT(holds(steps, scene_of(dataset, {{0.1, 0.3}}), dataset.arrays.back().name), 40);
+    EXPECT_GT(holds(steps, scene_of_shares(dataset, {{0.1, 0.3}, {0.5, 0.62}}), dataset.arrays.front().name), 40);
+    EXPECT_GT(holds(steps, scene_of_shares(dataset, {{0.1, 0.3}}), dataset.arrays.back().name), 40);
   }
 }
 
 TEST(LineValues, FollowCombinedRangesAndTimesBetweenSteps) {
   const StepSource steps = steps_of("cylinder:16x12x8x4");
   const Dataset& dataset = *steps(0, Task{});
-  Scene scene = scene_of(dataset, {{0.2, 0.8}});
+  Scene scene = scene_of_shares(dataset, {{0.2, 0.8}});
   const PointArray& other = dataset.arrays.at(1);
   for (const RangeOperator op : {RangeOperator::intersect, RangeOperator::unite}) {
     scene.terms = {{{op, other.name, {other.lower, other.lower + 0.6 * (other.upper - other.lower)}}, {}, "", {}, {}, true}};
@@ -174,7 +147,7 @@ TEST(LineValues, FollowCombinedRangesAndTimesBetweenSteps) {
 
 TEST(LineValues, ALineOnFacesAndEdgesOfCellsHasNoGapsAndEachValueOnce) {
   const auto dataset = testing::field_dataset<double>({9, 9, 9}, [](Vec3d p) { return 3 * p.x - p.y + 2 * p.z; });
-  const Scene scene = scene_of(*dataset, {{0.25, 0.5}});
+  const Scene scene = scene_of_shares(*dataset, {{0.25, 0.5}});
   for (const auto& [from, to] : std::vector<std::pair<Vec3d, Vec3d>>{{{-1, -1, -1}, {1, 1, 1}}, {{-1, 0, 0}, {1, 0, 0}}, {{1, 1, -1}, {1, -1, -1}}, {{-1, 0, -1}, {1, 0, 1}}, {{0, 0, -1}, {0.3, 0, 1}}}) {
     const CurveFacts curve = line_values(steps_of(dataset), scene, "", from, to, Task{});
     ASSERT_GE(curve.at.size(), 2u);
@@ -199,7 +172,7 @@ TEST(LineValues, ALineOnFacesAndEdgesOfCellsHasNoGapsAndEachValueOnce) {
 
 TEST(LineValues, WhereNothingIsThereIsAGap) {
   auto dataset = testing::field_dataset<float>({9, 3, 3}, [](Vec3d p) { return p.x == 0 ? NAN : p.x; });
-  Scene scene = scene_of(*dataset, {{0.1, 0.9}});
+  Scene scene = scene_of_shares(*dataset, {{0.1, 0.9}});
   const CurveFacts curve = line_values(steps_of(dataset), scene, "", {-3, -0.74, -0.73}, {2, -0.74, -0.73}, Task{});
   ASSERT_GT(curve.at.size(), 2u);
   EXPECT_NEAR(curve.at.front(), 2, 1e-7) << "where the data begins";
@@ -218,7 +191,7 @@ TEST(LineValues, WhereNothingIsThereIsAGap) {
 
 TEST(LineValues, WholeValuesJump) {
   const auto labels = testing::field_dataset<std::int16_t>({9, 8, 7}, [](Vec3d p) { return 100 * std::round(1.4 * length(p)); });
-  Scene scene = scene_of(*labels, {});
+  Scene scene = scene_of_shares(*labels, {});
   scene.intervals = {SceneInterval{7, 99.5, 100.5}};
   scene.values = FieldValues::whole;
   const CurveFacts curve = line_values(steps_of(labels), scene, "", {-1, 0.11, 0.07}, {1, 0.11, 0.07}, Task{});
@@ -233,7 +206,7 @@ TEST(LineValues, OfAFlatGridAreThoseOfALineInIt) {
   const StepSource steps = steps_of("diamond:9");
   const Dataset& dataset = *steps(0, Task{});
   const Vec3d middle = dataset.bounds.center(), wide = dataset.bounds.upper - dataset.bounds.lower;
-  const Scene scene = scene_of(dataset, {{0.2, 0.6}});
+  const Scene scene = scene_of_shares(dataset, {{0.2, 0.6}});
   const Vec3d from = middle - Vec3d{0.3 * wide.x, 0.1 * wide.y, 0}, to = middle + Vec3d{0.4 * wide.x, 0.2 * wide.y, 0};
   const CurveFacts curve = line_values(steps, scene, "", from, to, Task{});
   ASSERT_GT(curve.at.size(), 4u);
@@ -274,7 +247,7 @@ TEST(LineValues, ManySamplesKeepTheirExtremesAndTheirGaps) {
 
 TEST(LineValues, WhatCannotBeAskedIsSaid) {
   const StepSource steps = steps_of("torus:8");
-  const Scene scene = scene_of(*steps(0, Task{}), {});
+  const Scene scene = scene_of_shares(*steps(0, Task{}), {});
   const auto code = [&](const auto& call) {
     try {
       call();
@@ -292,7 +265,7 @@ TEST(LineValues, WhatCannotBeAskedIsSaid) {
 TEST(StepValues, AreThoseOfALineThroughThePlaceAtEachStep) {
   const StepSource steps = steps_of("cylinder:16x12x8x5");
   const Dataset& dataset = *steps(0, Task{});
-  Scene scene = scene_of(dataset, {});
+  Scene scene = scene_of_shares(dataset, {});
   std::mt19937_64 random(2);
   int found = 0;
   for (int n = 0; n < 6; ++n) {

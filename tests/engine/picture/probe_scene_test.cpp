@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -19,6 +18,8 @@
 #include "scene/axis_scale.h"
 #include "support/field_dataset.h"
 #include "support/oracle_ray.h"
+#include "support/scene_of_shares.h"
+#include "support/steps_of.h"
 
 namespace isostrata {
 namespace {
@@ -32,41 +33,19 @@ struct Sight {
 
 class ProbeScene : public ::testing::Test {
  protected:
-  StepSource steps() {
-    return [this](int step, const Task&) {
-      auto& dataset = opened_[step];
-      if (!dataset) {
-        OpenOptions options;
-        options.step = step;
-        dataset = made_ ? made_ : make_analytic(name_, options, Task{});
-      }
-      return dataset;
-    };
+  const StepSource& steps() const { return steps_; }
+  void show(const std::string& name, const std::vector<std::array<double, 2>>& layers) {
+    steps_ = steps_of(name);
+    show_layers(layers);
   }
-  void show(std::string name, std::vector<std::array<double, 2>> layers) {
-    name_ = std::move(name);
-    made_ = nullptr;
-    show_layers(std::move(layers));
-  }
-  void show(std::shared_ptr<const Dataset> dataset, std::vector<std::array<double, 2>> layers) {
-    name_ = "made";
-    made_ = std::move(dataset);
-    show_layers(std::move(layers));
+  void show(const std::shared_ptr<const Dataset>& dataset, const std::vector<std::array<double, 2>>& layers) {
+    steps_ = steps_of(dataset);
+    show_layers(layers);
   }
   /// Of the range of the first array.
-  void show_layers(std::vector<std::array<double, 2>> layers) {
-    opened_.clear();
-    scene_ = Scene{};
-    const PointArray& array = steps()(0, Task{})->arrays.front();
-    scene_.array = array.name;
-    for (const auto& [lower, upper] : layers) {
-      SceneInterval one;
-      one.id = static_cast<std::uint32_t>(10 + scene_.intervals.size());
-      one.lower = array.lower + lower * (array.upper - array.lower);
-      one.upper = array.lower + upper * (array.upper - array.lower);
-      one.priority = static_cast<int>(scene_.intervals.size());
-      scene_.intervals.push_back(one);
-    }
+  void show_layers(const std::vector<std::array<double, 2>>& layers) {
+    scene_ = scene_of_shares(*steps()(0, Task{}), layers);
+    for (std::size_t i = 0; i < scene_.intervals.size(); ++i) scene_.intervals[i].priority = static_cast<int>(i);
   }
   void look_from(Vec3d side, double away, bool orthographic = false) {
     const Box3d bounds = steps()(0, Task{})->bounds;
@@ -173,9 +152,7 @@ class ProbeScene : public ::testing::Test {
     EXPECT_GE(hits, least_hits) << what << ": too few hits to show anything";
   }
 
-  std::string name_;
-  std::shared_ptr<const Dataset> made_;
-  std::map<int, std::shared_ptr<const Dataset>> opened_;
+  StepSource steps_;
   Scene scene_;
 };
 

@@ -10,6 +10,7 @@
 #include "engine/picture/layer_request.h"
 #include "engine/picture/without_mesh.h"
 #include "extraction/bricks/brick_memory.h"
+#include "support/steps_of.h"
 
 namespace isostrata {
 namespace {
@@ -108,16 +109,7 @@ TEST(ShadedBodies, ASmearHasThoseOfItsSteps) {
   scene.array = "Density";
   scene.mode = SceneMode::smear;
   scene.smear.steps = {0, 2};
-  const StepSource steps = [](int number, const Task&) {
-    static std::vector<std::shared_ptr<const Dataset>> opened(4);
-    if (!opened[static_cast<std::size_t>(number)]) {
-      OpenOptions options;
-      options.step = number;
-      opened[static_cast<std::size_t>(number)] = make_analytic("cylinder:16x12x8x4", options, Task{});
-    }
-    return opened[static_cast<std::size_t>(number)];
-  };
-  const auto extracted = extract_scene(steps, scene, nullptr, Task{});
+  const auto extracted = extract_scene(steps_of("cylinder:16x12x8x4"), scene, nullptr, Task{});
   EXPECT_EQ(extracted->parts.size(), 2u);
   EXPECT_GT(known(*extracted), 0.99);
 }

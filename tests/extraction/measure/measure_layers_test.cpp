@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "data/analytic.h"
 #include "extraction/layers/extract_layers.h"
+#include "extraction/measure/linear_layers.h"
 #include "extraction/measure/principal_axes.h"
 #include "extraction/small_grids.h"
 
@@ -119,24 +120,7 @@ TEST(MeasureLayers, ComesNearToAShellInTheOrderOfTheGrid) {
 
 TEST(MeasureLayers, IntegratesWhatIsLinearExactly) {
   // x + 2y - z over the box [0, 4] x [0, 3] x [0, 2], cut at x = 1 and x = 3.
-  const Grid grid = uniform_grid({5, 4, 3});
-  std::vector<double> x, linear;
-  for (std::int64_t i = 0; i < grid.point_count(); ++i) {
-    const Vec3d p = grid.point(i);
-    x.push_back(p.x);
-    linear.push_back(p.x + 2 * p.y - p.z);
-  }
-  auto dataset = std::make_shared<Dataset>();
-  dataset->grid = grid;
-  dataset->arrays = {point_array(x, "x"), point_array(linear, "linear")};
-  dataset->times = {0};
-  const Task task;
-  LayerRequest request;
-  request.array = "x";
-  request.intervals = {{1, 3}};
-  request.carry = {"linear"};
-  request.facets = true;
-  const Layers layers = extract_layers(request, [&](int, const Task&) { return dataset; }, task);
+  const Layers layers = layers_of_linear({5, 4, 3});
   const LayerMeasure row = measured(layers).front();
   EXPECT_NEAR(row.volume, 12, 1e-12);
   EXPECT_NEAR(row.of[0].integral, 12 * (2 + 3 - 1), 1e-9);

@@ -8,6 +8,7 @@
 
 #include "data/analytic.h"
 #include "extraction/layers/extract_layers.h"
+#include "extraction/measure/linear_layers.h"
 #include "extraction/measure/measure_layers.h"
 #include "extraction/small_grids.h"
 
@@ -87,23 +88,7 @@ TEST(Section, IsTheChangeOfTheVolumeBelowThePlane) {
 
 TEST(Section, CarriesWhatIsLinearExactlyAndIsMeasuredAsAnArea) {
   const Task task;
-  const Grid grid = uniform_grid({5, 5, 5});
-  std::vector<double> x, linear;
-  for (std::int64_t i = 0; i < grid.point_count(); ++i) {
-    const Vec3d p = grid.point(i);
-    x.push_back(p.x);
-    linear.push_back(p.x + 2 * p.y - p.z);
-  }
-  auto dataset = std::make_shared<Dataset>();
-  dataset->grid = grid;
-  dataset->arrays = {point_array(x, "x"), point_array(linear, "linear")};
-  dataset->times = {0};
-  LayerRequest request;
-  request.array = "x";
-  request.intervals = {{1, 3}};
-  request.carry = {"linear"};
-  request.facets = true;
-  const Layers layers = extract_layers(request, [&](int, const Task&) { return dataset; }, task);
+  const Layers layers = layers_of_linear({5, 5, 5});
   const Section section = section_of(layers.mesh, layers.carried, {{0, 0, 1.25}, {0, 0, 1}}, task);
   for (std::size_t p = 0; p < section.mesh.positions.size(); ++p) {
     const Vec3d at = section.mesh.positions[p];

@@ -1,6 +1,5 @@
 #include "session/commands/apply_command.h"
 
-#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "session/wire/limits.h"
 #include "session/wire/wire.h"
+#include "support/client_messages.h"
 #include "support/fin_facts.h"
 
 namespace isostrata {
@@ -19,13 +19,7 @@ class ApplyCommand : public ::testing::Test {
  protected:
   ApplyCommand() { open_in_scene(state_, facts_); }
 
-  v1::ClientMessage from_json(const std::string& json) {
-    v1::ClientMessage message;
-    const auto done = google::protobuf::util::JsonStringToMessage(json, &message);
-    EXPECT_TRUE(done.ok()) << json << ": " << done.ToString();
-    return message;
-  }
-  CommandOutcome apply(const std::string& json) { return apply_command(state_, from_json(json), {&facts_}); }
+  CommandOutcome apply(const std::string& json) { return apply_command(state_, message_of(json), {&facts_}); }
 
   DatasetFacts facts_ = fin_facts();
   SceneState state_;
@@ -288,7 +282,7 @@ TEST_F(ApplyCommand, AnnotationsProjectionAndNamesComeBackFromTheWire) {
 }
 
 TEST_F(ApplyCommand, AViewShowsTheWholeDatasetInANarrowViewportAndKeepsTheProjection) {
-  v1::ClientMessage message = from_json(R"({"setView":{"view":"+x"}})");
+  v1::ClientMessage message = message_of(R"({"setView":{"view":"+x"}})");
   state_.scene.camera->orthographic = true;
   EXPECT_FALSE(apply_command(state_, message, {&facts_, 0.25}).error);
   EXPECT_EQ(*state_.scene.camera, view_of(facts_.bounds, "+x", 0.25, true));
