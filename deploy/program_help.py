@@ -1,8 +1,9 @@
-"""What --help of the programs says, taken apart: for deploy/man and deploy/reference."""
+"""Which programs there are, and what their --help says, taken apart: for deploy/man, deploy/reference, deploy/archive and deploy/sbom."""
 import re
 import subprocess
 import sys
 
+PACKAGED = ("isostrata", "isostrata-bench", "isostrata-import", "isostrata-import-all", "isostrata-client")
 COLUMN = 30  # at which descriptions begin
 USAGE = re.compile(r"^(?:Usage: )?(\S.*\[OPTIONS\].*?) *$", re.M)
 PROGRAMS = {"isostrata": [], "isostrata-client": ["http://127.0.0.1:8080/"]}  # with what stands before a command
