@@ -90,7 +90,7 @@ void record(const Options& options, const RecordArguments& arguments) {
 }  // namespace
 
 void add_record(CLI::App& app, Options& options) {
-  CLI::App* command = app.add_subcommand("record", "Saves a camera's way around a session as pictures or as a film");
+  CLI::App* command = app.add_subcommand("record", "Saves a camera's way around a session as pictures or as a film. Ctrl-C leaves the pictures that are complete, and nothing of a film");
   const auto arguments = std::make_shared<RecordArguments>();
   add_scene_options(*command, arguments->scene);
   command
@@ -120,7 +120,6 @@ void add_record(CLI::App& app, Options& options) {
   command->add_option("--quality", arguments->quality, "Of .webm: 0 lossless to 63 smallest")
       ->check(CLI::Range(0, 63))
       ->capture_default_str();
-  command->footer("Ctrl-C leaves the pictures that are complete, and nothing of a film.");
   command->callback([&options, arguments] { record(options, *arguments); });
 }
 

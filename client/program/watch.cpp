@@ -145,7 +145,7 @@ void add_watch(CLI::App& app, Options& options) {
   add_scene_options(*command, arguments->scene);
   command->get_option("--size")->description("WIDTHxHEIGHT of the frames in pixels; none: no frames are sent");
   command->add_option("--seconds", arguments->seconds, "How long; by default until Ctrl-C")->check(CLI::Range(0.001, 1e7));
-  command->add_option("--frames", arguments->frames, "Ends after so many frames")
+  command->add_option("--frames", arguments->frames, "Ends after this many frames")
       ->check(CLI::Range(1, 1000000000))
       ->needs("--size");
   command->add_flag("--json", arguments->json, "A JSON document a line: the protocol's ServerMessage without pictures");

@@ -112,7 +112,7 @@ void add_bench_open_command(CLI::App& bench) {
   auto arguments = std::make_shared<OpenArguments>();
   command->add_option("--data", arguments->data, "File, pattern of a series, or name of analytic data; several may follow")->capture_default_str();
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  command->add_option("--repeat", arguments->repeat, "How often each is measured; medians are told")->check(CLI::Range(1, 100))->capture_default_str();
+  command->add_option("--repeat", arguments->repeat, "How often each is measured; the median is printed")->check(CLI::Range(1, 100))->capture_default_str();
   command->add_flag("--json", arguments->json, "Print one JSON document");
   command->callback([arguments] { run(*arguments); });
 }

@@ -301,7 +301,7 @@ void run(StreamArguments arguments) {
 
 void add_bench_stream_command(CLI::App& bench) {
   CLI::App* command =
-      bench.add_subcommand("stream", "A turning camera through a real server and client, over links of all kinds");
+      bench.add_subcommand("stream", "Frames per second and latency of a turning camera, by a real server and client over links of all kinds");
   auto arguments = std::make_shared<StreamArguments>();
   command->add_option("--data", arguments->data, "File or name of analytic data")->capture_default_str();
   command

@@ -36,7 +36,7 @@ Request parse(std::string_view name, const char* expected) {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error == std::errc::result_out_of_range)
-      throw Error(ErrorCode::too_large, std::string(name) + ": size " + std::string(part) + " is absurd; expected " + expected);
+      throw Error(ErrorCode::too_large, std::string(name) + ": size " + std::string(part) + " is above every limit; expected " + expected);
     if (error != std::errc{} || end != part.data() + part.size()) refuse(request, expected);
     request.sizes.push_back(value);
     if (part.size() == rest.size()) return request;

@@ -8,7 +8,7 @@
 namespace isostrata {
 
 /// n^3 points; every cube is split into the six tetrahedra whose edges ascend from its lowest to its highest corner
-/// (H. W. Kuhn, "Some Combinatorial Lemmas in Topology", 1960). Translation-invariant, hence conforming. Fills grid and the array
+/// (H. W. Kuhn, "Some Combinatorial Lemmas in Topology", 1960). Translation-invariant, and so conforming. Fills grid and the array
 /// "distance" with `field`.
 void fill_tets(Dataset& dataset, std::int64_t n, double (*field)(Vec3d), const Task& task);
 std::uint64_t tets_bytes(std::int64_t n);  // what points, cells and the array take

@@ -26,7 +26,7 @@ namespace json = boost::json;
 constexpr std::size_t kMostManifest = 64u << 20, kMostArrays = 20000, kLongestName = 1000, kMostNotes = 1000;
 constexpr std::int64_t kMostTimes = 1'000'000;
 
-/// A file of the directory, mapped read-only, then unlinked where it shall be. Its directory belongs to us alone, and the child
+/// A file of the directory, mapped read-only, then unlinked if it is to be. Its directory belongs to us alone, and the child
 /// has ended.
 class ImportMapping {
  public:

@@ -93,16 +93,18 @@ bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
   return false;
 }
 
+[[noreturn]] void refuse(const ForeignFormat& foreign, const std::string& name) {
+  throw Error(ErrorCode::unsupported, name + ": this is " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
+}
+
 Recognised recognise_folder(const fs::path& folder) {
   const std::string name = folder.filename().string();
   if (is_openfoam_case(folder)) return {FileKind::openfoam, {}};
   if (is_zarr(folder)) return {FileKind::zarr, {}};
   if (is_plotfile(folder)) return {FileKind::amrex, {}};
   if (any_file(folder, 64, is_dicom)) return {FileKind::dicom, {}};
-  if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".n5"))
-    throw Error(ErrorCode::unsupported, name + ": N5; save it as OME-Zarr (Python: zarr, ome-zarr)");
-  if (ends_with_one_of("x" + small_letters(folder.extension().string()), ".bp"))
-    throw Error(ErrorCode::unsupported, name + ": ADIOS; save it as VTKHDF or .vtu (ParaView: Save Data)");
+  for (const ForeignFormat& foreign : foreign_formats())
+    if ((foreign.what == "ADIOS" || foreign.what == "N5") && ends_with_one_of("x" + small_letters(folder.extension().string()), foreign.extensions)) refuse(foreign, name);
   throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, a Zarr folder, a plotfile of AMReX, or a folder of DICOM slices");
 }
 
@@ -138,13 +140,9 @@ void refuse_others_of_plot3d(std::string_view head, const std::string& name) {
   const auto first = words_of_line(head, 0), second = words_of_line(head, 1), third = words_of_line(head, 2);
   if (first.size() == 1 && numbers(first, "0123456789") && third.size() >= 4 && std::isalpha(static_cast<unsigned char>(third[0][0])) &&
       numbers(std::span(third).subspan(1, 3), "0123456789.+-eE"))
-    throw Error(ErrorCode::unsupported, name + ": a list of atoms; expected a grid: save their density on one, as Gaussian cube, MRC or .npy");
+    throw Error(ErrorCode::unsupported, name + ": this is a list of atoms; expected a grid: save their density on one, as Gaussian cube, MRC or .npy");
   if (first.size() == 4 && second.size() == 2 && numbers(first, "0123456789") && numbers(second, "0123456789") && second[1] == first[2])
-    throw Error(ErrorCode::unsupported, name + ": a surface (Movie.BYU); expected a grid whose cells have a volume");
-}
-
-[[noreturn]] void refuse(const ForeignFormat& foreign, const std::string& name) {
-  throw Error(ErrorCode::unsupported, name + ": " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
+    throw Error(ErrorCode::unsupported, name + ": this is a surface (Movie.BYU); expected a grid whose cells have a volume");
 }
 
 /// TIFFs whose pages are not what they are in others, by the names that their makers give them.
@@ -167,12 +165,12 @@ void refuse_microscope(const std::string& file, const std::string& name) {
   if (ends_with_one_of(file, extensions_of(FileKind::fits))) throw Error(ErrorCode::bad_data, name + ": expected 'SIMPLE  =' at its start, as FITS has it");
   if (file.ends_with(".npy")) throw Error(ErrorCode::bad_data, name + ": expected '\\x93NUMPY' at its start");
   if (file.ends_with(".plt") && (head.starts_with(std::string_view("\3\0\0\0", 4)) || head.starts_with(std::string_view("\0\0\0\3", 4))))
-    throw Error(ErrorCode::unsupported, name + ": a density of gOpenMol; save it as MRC or Gaussian cube, or as .npy (Python: gridData)");
+    throw Error(ErrorCode::unsupported, name + ": this is a density of gOpenMol; save it as MRC or Gaussian cube, or as .npy (Python: gridData)");
   for (const ForeignFormat& foreign : foreign_formats())
     if (ends_with_one_of(file, foreign.extensions)) refuse(foreign, name);
-  if (head.starts_with("#!TDV")) throw Error(ErrorCode::unsupported, name + ": Tecplot; save it as CGNS, or as .vtu (ParaView: Save Data)");
-  if (head.starts_with("\x7f" "ELF") || head.starts_with("#!")) throw Error(ErrorCode::unsupported, name + ": a program");
-  throw Error(ErrorCode::unsupported, name + ": not a known kind of file; docs/formats.md lists those that are read");
+  if (head.starts_with("#!TDV")) throw Error(ErrorCode::unsupported, name + ": this is Tecplot; save it as CGNS, or as .vtu (ParaView: Save Data)");
+  if (head.starts_with("\x7f" "ELF") || head.starts_with("#!")) throw Error(ErrorCode::unsupported, name + ": this is a program");
+  throw Error(ErrorCode::unsupported, name + ": this is not a known kind of file; docs/formats.md lists those that are read");
 }
 
 /// "mesh.e-s0003" is a restart of "mesh.e".

@@ -98,8 +98,8 @@ PngStream::PngStream(int width, int height, bool alpha)
 Bytes PngStream::put(const Image& rows) {
   check_image(rows);
   if (rows.width != width_ || rows.height > rows_left_)
-    throw Error(ErrorCode::internal, "PNG: " + std::to_string(rows.width) + "x" + std::to_string(rows.height) + " pixels where " +
-                                         std::to_string(width_) + "x" + std::to_string(rows_left_) + " are left");
+    throw Error(ErrorCode::internal, "PNG: " + std::to_string(rows.width) + "x" + std::to_string(rows.height) + " pixels came; " +
+                                         std::to_string(width_) + "x" + std::to_string(rows_left_) + " were left");
   rows_left_ -= rows.height;
   Bytes out = std::move(begun_);
   begun_.clear();

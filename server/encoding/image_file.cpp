@@ -106,8 +106,8 @@ struct ImageFile::Writer {
     check_image(image);
     if (image.width != width || image.height > height - rows)
       throw Error(ErrorCode::internal, path.string() + ": " + std::to_string(image.width) + "x" + std::to_string(image.height) +
-                                           " pixels where " + std::to_string(width) + "x" + std::to_string(height - rows) +
-                                           " are left");
+                                           " pixels came; " + std::to_string(width) + "x" + std::to_string(height - rows) +
+                                           " were left");
   }
 
   void put_bytes(const Image& image) {

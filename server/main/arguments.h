@@ -33,7 +33,7 @@ Task& command_task();
 /// Adds FILE, which must be said. Every "." on the way of a path is left out: to readers it would be the mark of a root (data/beneath.h).
 void add_file_option(CLI::App& command, std::string& file, const std::string& help);
 
-/// Adds --region and --stride, which open_argument heeds from then on.
+/// Adds --region and --stride, which open_argument obeys from then on.
 void add_region_options(CLI::App& command);
 struct Region;  // data/region.h
 const Region& region_of_arguments();

@@ -71,8 +71,8 @@ void add_cache_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "cache",
-      "Says what is kept of files that were read once, so that they open at once the next time: files that took half a second or more, mapped, for "
-      "every command and server of this user. ISOSTRATA_CACHE is another folder, or \"off\"; ISOSTRATA_CACHE_SIZE is how much it may hold (4GB).");
+      "Says what is kept of files that took half a second or more to read, so that every command and server of this user opens them at once the next "
+      "time. ISOSTRATA_CACHE names another folder, or is \"off\"; ISOSTRATA_CACHE_SIZE is how much it may hold (4GB)");
   command->add_flag("--clear", arguments->clear, "Remove all of it");
   command->add_flag("--json", arguments->json, "As JSON: folder, max_bytes, entries, bytes");
   command->callback([arguments] { run(*arguments); });

@@ -177,7 +177,7 @@ void print_sandbox(const SandboxSupport& support) {
                 support.landlock < 3 ? " (Linux 6.2 would also keep it from cutting files short by name, which seccomp does here)" : "");
   else
     std::printf("this machine lacks %s\n", missing.c_str());
-  if (!missing.empty()) std::printf("        serve wants all of it where --host is not a loopback address\n");
+  if (!missing.empty()) std::printf("        serve wants all of it if --host is not a loopback address\n");
 }
 
 void print_libraries(const Findings& findings) {

@@ -116,7 +116,7 @@ void add_first_view_command(CLI::App& app) {
   command->add_option("--array", arguments->array, "The array to show (default: the best)");
   command
       ->add_option("--step", arguments->step,
-                   "The time step to show, from 0 (default: the middle one, or where the values spread most)")
+                   "The time step to show, from 0 (default: the middle one, or the one whose values spread most)")
       ->check(CLI::Range(0, 1 << 30));
   command->add_option("--size", arguments->size, "WIDTHxHEIGHT of the picture that the camera is for; sessions begin with that of a square one")->capture_default_str();
   command->add_flag("--json", arguments->json, "One JSON document on standard output");

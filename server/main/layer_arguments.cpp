@@ -44,13 +44,12 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
     const char* what;
   };
   constexpr Option kOptions[]{
-      {"--and", RangeOperator::intersect, "NAME=LOWER:UPPER: keep only where the array NAME is in the range, too"},
+      {"--and", RangeOperator::intersect, "NAME=LOWER:UPPER: keep only what lies in this range of the array NAME, too"},
       {"--or", RangeOperator::unite,
-       "NAME=LOWER:UPPER: add where the array NAME is in the range; render takes ,color= ,opacity= and ,priority= after it for "
-       "what "
-       "it adds, which else looks like the first interval"},
-      {"--minus", RangeOperator::subtract, "NAME=LOWER:UPPER: leave out where the array NAME is in the range"},
-      {"--xor", RangeOperator::exclusive_or, "NAME=LOWER:UPPER: keep what is in just one of both"}};
+       "NAME=LOWER:UPPER: add what lies in this range of the array NAME; render takes ,color= ,opacity= and ,priority= after it for what it adds "
+       "(default: the looks of the first interval)"},
+      {"--minus", RangeOperator::subtract, "NAME=LOWER:UPPER: leave out what lies in this range of the array NAME"},
+      {"--xor", RangeOperator::exclusive_or, "NAME=LOWER:UPPER: keep what lies in just one of both, the layers so far and this range"}};
   // Each value is appended as it is met, so that terms of different kinds keep the order of the command line.
   for (const Option& option : kOptions)
     command
@@ -82,8 +81,8 @@ void add_layer_options(CLI::App& command, LayerArguments& arguments) {
   command
       .add_option_function<std::string>(
           "--values", [&arguments](const std::string& text) { arguments.values = text == "whole" ? FieldValues::whole : FieldValues::interpolated; },
-          "interpolated: values between those of the array (default); whole: none, so that cells are taken uncut. An array of cells has one value in "
-          "each, an array of points everywhere that of the nearest one: for labels")
+          "interpolated (default): the field runs between the array's points, and cells are cut; whole, for labels: cells are not cut. Each cell has the "
+          "value that an array of cells gives it; an array of points gives every place the value of the nearest point")
       ->check(CLI::IsMember({"interpolated", "whole"}));
 }
 

@@ -131,7 +131,7 @@ void run(const PartitionArguments& arguments) {
 }  // namespace
 
 void add_partition_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("partition", "Writes a dataset in parts, so that each of as many ranks reads its own and no other (docs/ranks.md); VTK and ParaView open them as one");
+  CLI::App* command = app.add_subcommand("partition", "Writes a dataset in parts, one for each rank, which then reads no other (docs/ranks.md); VTK and ParaView open them as one");
   const auto arguments = std::make_shared<PartitionArguments>();
   add_file_option(*command, arguments->file, "A file, or the name of analytic data (torus:64)");
   command->add_option("--parts", arguments->parts, "How many: as many as there will be ranks, and no more than there are cells")->required()->check(CLI::Range(1, 65536));

@@ -83,7 +83,7 @@ std::string rank_program() {
   const fs::path program = program_file().parent_path() / "isostrata-rank";
   if (access(program.c_str(), X_OK) == 0) return program.string();
   throw Error(ErrorCode::unavailable, "--ranks: " + program.string() +
-                                          " is not there: it is built where CMake finds MPI and IceT (`deploy/setup ranks` on Debian; docs/ranks.md)");
+                                          " is not there: it is built if CMake finds MPI and IceT (`deploy/setup ranks` on Debian; docs/ranks.md)");
 }
 
 void add_ranks_option(CLI::App& command, std::string& launcher) {

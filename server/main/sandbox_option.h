@@ -8,11 +8,11 @@
 
 namespace isostrata {
 
-/// Obeyed before the command's callback. `otherwise` says what holds where neither it nor $ISOSTRATA_SANDBOX is given; `what` is shut in.
+/// Obeyed before the command's callback. `otherwise` says what holds if neither it nor $ISOSTRATA_SANDBOX is given; `what` loses its rights.
 inline void add_sandbox_option(CLI::App& command, const std::string& otherwise = "try", const std::string& what = "the process that reads files") {
   command
       .add_option_function<std::string>("--sandbox", [](const std::string& name) { use_sandbox(name); },
-                                        "Shut in " + what + ": require (or do nothing), try (as far as the kernel can) or off (default: $ISOSTRATA_SANDBOX, else " +
+                                        "Take away the rights of " + what + ": require (and do nothing if the kernel cannot), try (as far as the kernel can) or off (default: $ISOSTRATA_SANDBOX, else " +
                                             otherwise + ")")
       ->check(CLI::IsMember({"require", "try", "off"}))
       ->type_name("HOW")

@@ -126,7 +126,7 @@ void choose_sandbox(bool open_to_others, ServerLog& log) {
   if (missing.empty()) return;
   if (sandbox() == Sandbox::require)
     throw Error(ErrorCode::unavailable, "this machine lacks " + missing +
-                                            "; files are read without that only where --sandbox try says so, which is the default "
+                                            "; files are read without that only if --sandbox try says so, which is the default "
                                             "on a loopback address");
   log.warn("sandbox", "files are read without " + missing);
 }
@@ -299,7 +299,7 @@ void add_serve_command(CLI::App& app) {
   command
       ->add_option("--watch", arguments->watch,
                    "How files that come, grow, change and go are noticed: auto: by inotify, and by looking every second if that does not work (files of other "
-                   "machines, more folders than watches); poll: by looking every second, for file systems that claim to tell and do not")
+                   "machines, more folders than watches); poll: by looking every second, for file systems that accept inotify and report nothing")
       ->check(CLI::IsMember({"auto", "poll"}))
       ->capture_default_str();
   command->add_option("--host", arguments->host, "Address to listen on")->capture_default_str();
@@ -308,7 +308,7 @@ void add_serve_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--socket", arguments->socket,
-                   "Unix socket to listen on, in place of a port, which everybody on this machine can reach: made with mode 0600")
+                   "Unix socket to listen on, in place of a port. It has mode 0600, for you alone; everybody on this machine can reach a port")
       ->type_name("PATH");
   command->add_option("--base-url", arguments->base_url, "Path, or whole URL, under which a proxy shows the server")
       ->capture_default_str();
@@ -327,7 +327,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--tls-key", arguments->tls_key, "The certificate's key, in PEM, without a password")
       ->type_name("FILE")
       ->needs(certificate);
-  command->add_option("--allow-host", arguments->allowed_hosts, "Further Host and Origin names, NAME or NAME:PORT")
+  command->add_option("--allow-host", arguments->allowed_hosts, "A further name by which browsers may reach the server (Host and Origin), NAME or NAME:PORT")
       ->type_name("NAME[:PORT]");
   command
       ->add_option(
@@ -345,12 +345,12 @@ void add_serve_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--max-viewer-size", arguments->max_viewer_size,
-                   "WIDTHxHEIGHT: as many pixels as this have the pictures and stills of those who may only look")
+                   "WIDTHxHEIGHT: who may only look gets pictures and stills of at most as many pixels")
       ->type_name("SIZE")
       ->capture_default_str();
   command
       ->add_option("--state-dir", arguments->state_dir,
-                   "Directory in which sessions survive this process, by default $XDG_STATE_HOME/isostrata; none: they do not")
+                   "Directory that keeps sessions for the next start (default: $XDG_STATE_HOME/isostrata); none: they end with the server")
       ->type_name("DIR");
   command->add_option("--session-ttl", arguments->session_ttl_s, "Seconds that a session is kept without anyone using it")
       ->check(CLI::Range(1, 31536000))
@@ -370,12 +370,12 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   add_ranks_option(*command, arguments->ranks);
-  command->add_option("--ready-file", arguments->ready_file, "Written as JSON once the server answers")->type_name("FILE");
+  command->add_option("--ready-file", arguments->ready_file, "A file to write, as JSON, once the server answers")->type_name("FILE");
   command->add_option("--log-format", arguments->log_format, "text or json, on standard error")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
   command->add_option("--web-root", arguments->web_root, "Directory of the built page")->check(CLI::ExistingDirectory);
-  add_sandbox_option(*command, "require where --host is not this machine alone, else try",
+  add_sandbox_option(*command, "require if --host is not this machine alone, else try",
                      "the process that reads files, the one that draws and the server");
   add_config_option(*command);
   command->callback([arguments] { serve(*arguments); });

@@ -92,8 +92,8 @@ void add_light_options(CLI::App& command, LightArguments& light) {
       ->capture_default_str();
   command
       .add_option("--body-shading", light.body_shading,
-                  "From 0 to 1: how far interiors are shaded along the gradient of the array, by a light at the eye; where the gradient is at right "
-                  "angles to the view 1 leaves no light")
+                  "From 0 to 1: how far interiors are shaded along the gradient of the array, by a light at the eye; with 1, what has its "
+                   "gradient at right angles to the view gets no light")
       ->capture_default_str();
 }
 

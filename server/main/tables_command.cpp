@@ -88,10 +88,10 @@ void add_tables_command(CLI::App& app) {
   command
       ->add_option_function<std::int64_t>(
           "--cases", [arguments](const std::int64_t& cases) { arguments->cases = cases; },
-          "So many cases, drawn at random, of each --cell (default: all, or 1000 of those with more than 60000)")
+          "This many cases of each --cell, drawn at random (default: all, or 1000 of those with more than 60000)")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1000000000}))
       ->needs("--cell");
-  command->add_option("--seed", arguments->seed, "Of the draw")->capture_default_str();
+  command->add_option("--seed", arguments->seed, "The seed of the random numbers")->capture_default_str();
   CLI::Option* one_case = command
                               ->add_option("--case", arguments->one_case,
                                            "One case of one --cell: a digit 0, 1 or 2 for each vertex (below the interval, inside, "

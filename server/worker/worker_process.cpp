@@ -21,7 +21,7 @@ SharedBoard::SharedBoard() : file_(make_memory_file("isostrata-board", sizeof(Ac
 SharedBoard::SharedBoard(Descriptor file) : file_(std::move(file)) {
   struct stat facts {};
   if (fstat(file_.get(), &facts) != 0 || facts.st_size != static_cast<off_t>(sizeof(ActivityBoard)))
-    throw Error(ErrorCode::bad_data, "the worker's board is none of this program's");
+    throw Error(ErrorCode::bad_data, "the worker's board of activities has another size than this program's");
   map();
 }
 

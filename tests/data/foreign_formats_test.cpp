@@ -149,7 +149,7 @@ TEST_F(ForeignFormats, BlocksThatAreRefusedSayWhy) {
 }
 
 TEST_F(ForeignFormats, XdmfThatIsRefusedSaysWhy) {
-  for (const auto& [name, code, what] : {std::tuple{"no_array.xdmf", ErrorCode::bad_data, "'run.h5:/nothing', where no array of numbers is"}, {"outside.xdmf", ErrorCode::bad_data, "'../run.h5'; expected a file below its own directory"},
+  for (const auto& [name, code, what] : {std::tuple{"no_array.xdmf", ErrorCode::bad_data, "'run.h5:/nothing', which is not an array of numbers"}, {"outside.xdmf", ErrorCode::bad_data, "'../run.h5'; expected a file below its own directory"},
                                          {"other_size.xdmf", ErrorCode::bad_data, "'/all' has 3 x 120 values; the file says 7"}, {"short.xdmf", ErrorCode::bad_data, "'p' has 2 values for 3 points"},
                                          {"cut_off.xdmf", ErrorCode::bad_data, "from byte 1432 of 'numbers.bin', which has 1443"}, {"huge.xdmf", ErrorCode::bad_data, "a size of 4000000000"},
                                          {"beyond.xdmf", ErrorCode::bad_data, "takes 3 places from 118"}, {"computes.xdmf", ErrorCode::unsupported, "the function '$0 + $1'"},

@@ -172,7 +172,7 @@ std::optional<LayersChoice> ct_numbers(const Field& field) {
   LayersChoice choice;
   choice.kind = FieldKind::image;
   choice.anatomy = true;
-  choice.reason = "CT numbers: air and soft tissue are where Hounsfield's scale has them";
+  choice.reason = "CT numbers: air and soft tissue have the values of Hounsfield's scale";
   choice.layers = {{LayerRole::outer, t(-480), t(170), true, "skin", "from midway between air and tissue"},
                    {LayerRole::inner, t(170), 1, true, "bone", "above 170 Hounsfield units"}};
   return choice;

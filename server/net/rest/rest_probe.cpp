@@ -91,8 +91,8 @@ void add_probe_routes(std::vector<Route>& routes, RestContext& context) {
                     .id = "getProbe",
                     .tag = "pictures",
                     .summary = "What lies at a place of the picture: position, layer, cell, and the values of all arrays",
-                    .description = "Of the newest state, as a picture of this size shows it. Values are looked up in the data, not in the picture. Where nothing "
-                                   "is, `hit` is false and `miss` says why.",
+                    .description = "Of the newest state, as a picture of this size shows it. Values are looked up in the data, not in the picture. If nothing "
+                                   "lies there, `hit` is false and `miss` says why.",
                     .query = {x, y, {"width", "The picture's, in pixels", true, 1, 16384, "800"}, {"height", "The picture's, in pixels", true, 1, 16384, "600"}},
                     .answers = {{200, "The first layer there", "ProbeResult"}},
                     .handler = [&context](Call call) { probe(context, call); }});

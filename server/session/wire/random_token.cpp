@@ -34,7 +34,7 @@ std::string proof_of(const std::string& secret, const std::string& text) {
   unsigned size = 0;
   if (!HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()), reinterpret_cast<const unsigned char*>(text.data()), text.size(),
             hash.data(), &size))
-    throw Error(ErrorCode::internal, "HMAC-SHA-256 is not to be had");
+    throw Error(ErrorCode::internal, "OpenSSL has no HMAC-SHA-256");
   return hexadecimal({hash.data(), size});
 }
 
@@ -42,7 +42,7 @@ std::string secret_hash(const std::string& secret) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
   unsigned size = 0;
   if (EVP_Digest(secret.data(), secret.size(), hash.data(), &size, EVP_sha256(), nullptr) != 1)
-    throw Error(ErrorCode::internal, "SHA-256 is not to be had");
+    throw Error(ErrorCode::internal, "OpenSSL has no SHA-256");
   return {reinterpret_cast<const char*>(hash.data()), size};
 }
 
