@@ -1,4 +1,4 @@
-// isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that shall be read. What it has
+// isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that is to be read. What it has
 // no reader for becomes isostrata-import-all's, if it is there. Started by data/import_door.h only; what a reader says:
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostMessages = 20;
 
-/// What VTK writes before it ends the process for want of memory (9.4 and newer, as distributions build it).
+/// What VTK writes before it ends the process because memory is missing (9.4 and newer, as distributions build it).
 constexpr const char* kNoMemory = "Unable to allocate";
 volatile std::sig_atomic_t out_of_memory = 0;
 /// In place of what VTK says of a reader that failed. Why it failed may be in a warning before it.

@@ -6,7 +6,7 @@
 
 namespace isostrata {
 
-/// Installs VTK's output window that keeps messages instead of printing them. An abort for want of memory becomes the error too_large, said of NAME. Call once.
+/// Installs VTK's output window that keeps messages instead of printing them. An abort because memory is missing becomes the error too_large, said of NAME. Call once.
 void collect_vtk_messages(const std::string& name);
 
 /// Throws bad_data with the first error that VTK's readers printed so far, said as "NAME: text".

@@ -24,7 +24,7 @@ std::vector<double> declared_times(vtkDataObject* object);
 /// thing that VTK complained of.
 Imported run_reader(vtkAlgorithm* reader, const ReadRequest& request);
 
-/// As run_reader, for a reader that has been told what it shall read and whose information is up to date.
+/// As run_reader, for a reader that has been told what to read and whose information is up to date.
 Imported read_step(vtkAlgorithm* reader, const ReadRequest& request);
 
 }  // namespace isostrata

@@ -11,7 +11,7 @@ namespace isostrata {
 /// What its threads were at: "drawing and extracting".
 std::string stages_of(const std::vector<ActivityFacts>& at);
 
-/// How many processes of this one's control group the kernel has killed for want of memory so far, as far as it says.
+/// How many processes of this one's control group the kernel has killed because memory was missing so far, as far as it says.
 long killed_for_memory();
 
 }  // namespace isostrata

@@ -1,6 +1,6 @@
 #include "worker/starter_process.h"
 
-// Both sides of it. A request is a packet of one letter, or of one letter and the text of the ready file; the descriptors that a worker shall have
+// Both sides of it. A request is a packet of one letter, or of one letter and the text of the ready file; the descriptors that a worker gets
 // go with it. The answer is a fixed head, and behind it a folder's name or what failed.
 #include <fcntl.h>
 #include <sys/prctl.h>

@@ -11,7 +11,7 @@
 
 namespace isostrata {
 
-/// Another process, which does nothing else, starts them as children of this one. It reads from this one no more than that it shall, so whoever
+/// Another process, which does nothing else, starts them as children of this one. It reads from this one no more than when to do so, so whoever
 /// takes this process over can start workers, and nothing else or otherwise.
 class StarterProcess final : public Launcher {
  public:

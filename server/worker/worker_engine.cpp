@@ -401,7 +401,7 @@ class WorkerEngine::Impl {
     send(std::move(events));
   }
 
-  /// Settles what the dead one leaves; false where there shall be no other.
+  /// Settles what the dead one leaves; false if there is to be no other.
   bool bury(const std::string& cause, const std::vector<ActivityFacts>& at, const std::exception_ptr& error, bool ran) {
     const std::string what = "the renderer's process was " + cause;
     bool fall_back = false, nobody_draws = false;

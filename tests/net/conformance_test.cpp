@@ -1,4 +1,4 @@
-// WebSocket frames by RFC 6455: what is right is heeded, what is wrong closes the connection with the code that it names.
+// WebSocket frames by RFC 6455: what is right is obeyed, what is wrong closes the connection with the code that it names.
 #include <gtest/gtest.h>
 
 #include "net/running_server.h"

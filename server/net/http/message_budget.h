@@ -1,4 +1,4 @@
-// How many messages of one connection are heeded: a client that sends ten thousand camera moves a second must not cost the others
+// How many messages of one connection are obeyed: a client that sends ten thousand camera moves a second must not cost the others
 // their frames.
 //
 // A bucket of tokens that fills at a steady rate (Turner, "New directions in communications (or which way to the information

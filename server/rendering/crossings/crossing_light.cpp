@@ -17,7 +17,7 @@ std::array<double, 3> weights_of(Vec3d a, Vec3d b, Vec3d c, Vec3d origin, Vec3d 
   return {share(w[0]), share(w[1]), share(w[2])};
 }
 
-/// A number for each interval such that sums of a few of them, with signs, are 0 only where each is added as often as it is
+/// A number for each interval, so chosen that sums of a few of them, with signs, are 0 only if each is added as often as it is
 /// taken away.
 std::int32_t signature(std::size_t interval) {
   std::uint64_t x = (interval + 1) * 0x9e3779b97f4a7c15u;  // SplitMix64

@@ -44,7 +44,7 @@ class Journal {
 
   /// Whether changes are being kept; false once the directory could not be used.
   bool usable() const;
-  /// Whether the last write failed, for want of room on the disk, say. It is tried again.
+  /// Whether the last write failed, because the disk is full, say. It is tried again.
   bool in_trouble() const;
   /// The sessions found when it was opened, the most recently changed first.
   std::vector<journal::Entry> take_found();
