@@ -332,9 +332,15 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
            {"a.xyz", " 3 \nwater\nO 0.0 0.0 0.1\nH 0 0.7 -4e-1\nH 0 -0.7 -0.4\n", "a list of atoms"},
            {"a.g", "1 4 2 8\n1 2\n0.0 0.0 0.0 1.0 0.0 0.0\n", "a surface (Movie.BYU)"},
            {"a.plt", std::string("\3\0\0\0\52\0\0\0", 8), "a density of gOpenMol"}})
-    EXPECT_NE(std::string(test::refusal(scratch.write(name, bytes)).what()).find(name + ": " + what), std::string::npos) << name;
+    EXPECT_NE(std::string(test::refusal(scratch.write(name, bytes)).what()).find(name + ": this is " + what), std::string::npos) << name;
   EXPECT_EQ(std::string(test::refusal(scratch.write("cow.g", "1\n2 2 2\n0 0 0 1 1 1 0 0\n")).what()),
             "cow.g: no PLOT3D solution file beside it; looked for cow.q, cow.Q, cow.f");
+  for (const char* folder : {"b.bp", "a.bp4", "a.bp5", "a.n5"}) {
+    std::filesystem::create_directory(scratch / folder);
+    const Error error = test::refusal(scratch / folder);
+    EXPECT_EQ(error.code(), ErrorCode::unsupported) << error.what();
+    EXPECT_NE(std::string(error.what()).find(folder == std::string("a.n5") ? "this is N5" : "this is ADIOS"), std::string::npos) << error.what();
+  }
   std::filesystem::create_directory(scratch / "empty");
   EXPECT_NE(std::string(test::refusal(scratch / "empty").what()).find("OpenFOAM case"), std::string::npos);
 }
