@@ -281,7 +281,7 @@ client::Picture without_alpha(const Image& image) {
   return picture;
 }
 
-void print_text(const RenderArguments& arguments, const DrawInput& input, const DrawFacts& facts, const Timing& ms) {
+void print_text(const RenderArguments& arguments, const DrawInput& input, const DrawFacts& facts, const RenderTiming& ms) {
   std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), input.width, input.height, static_cast<long long>(facts.tetrahedra), facts.order.c_str());
   std::printf("drawn by %s\n", facts.device.c_str());
   std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n",
@@ -413,11 +413,7 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     return;
   }
   if (pictures.size() > 1) std::printf("%zu pictures\n", pictures.size());
-  std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), width, height,
-              static_cast<long long>(facts.tetrahedra), facts.order.c_str());
-  std::printf("drawn by %s\n", facts.device.c_str());
-  std::printf("load %.1f ms, extract %.1f ms, device %.1f ms, order %.1f ms, draw %.1f ms, readback %.1f ms, write %.1f ms\n",
-              ms.load, ms.extract, ms.device, facts.order_ms, facts.draw_ms, facts.readback_ms, ms.write);
+  print_text(arguments, input, facts, ms);
 }
 
 }  // namespace
