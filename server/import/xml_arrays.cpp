@@ -27,7 +27,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kLongestHead = 16u << 20;
+constexpr std::size_t kLongestXmlHead = 16u << 20;
 constexpr const char* kText = "IsostrataText";  // an element that says where the text in another one begins
 
 std::optional<ScalarType> vtk_type(std::string_view name) {
@@ -96,7 +96,7 @@ std::optional<Elements> elements_of(std::string_view text) {
       continue;
     }
     const auto close = end_of_element(text, at);
-    if (close == std::string_view::npos || out.text.size() + (close - at) > kLongestHead) return std::nullopt;
+    if (close == std::string_view::npos || out.text.size() + (close - at) > kLongestXmlHead) return std::nullopt;
     const std::string_view element = text.substr(at, close + 1 - at);
     at = close + 1;
     if (element.starts_with("<AppendedData")) {
