@@ -238,8 +238,8 @@ TEST(Pictures, ATiffMayHaveAnyName) {
   const FolderListing listing = list_folder(scratch.path());
   EXPECT_EQ(listing.entries.size(), 7u);
   EXPECT_TRUE(listing.passed_over.empty());
-  for (const auto& [name, words] : {std::pair{"a.lsm", "a.lsm: a microscope's own format; save it as OME-Zarr or OME-TIFF"},
-                                    std::pair{"a.stk", "a.stk: a microscope's own format"}}) {
+  for (const auto& [name, words] : {std::pair{"a.lsm", "a.lsm: this is a microscope's own format; save it as OME-Zarr or OME-TIFF"},
+                                    std::pair{"a.stk", "a.stk: this is a microscope's own format"}}) {
     const Error error = refusal(scratch.write(name, whole));
     EXPECT_EQ(error.code(), ErrorCode::unsupported);
     EXPECT_EQ(std::string(error.what()).find(words), 0u) << error.what();
