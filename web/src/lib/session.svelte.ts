@@ -210,8 +210,7 @@ export class Session {
         this.scene.edit((mine) => mine.forget('dataset'));
         this.#recovery.giveUp();
         this.history.stayed();
-        // Else it was a curve, a layer's numbers or a place, which say so themselves.
-        if (!waited && this.frames.frame?.revision === this.scene.server.revision) return;
+        if (!waited && (this.curves.asks || this.measures.asks || this.probe.asks)) return; // they say so themselves
         return this.notices.say('Cancelled. The picture shows the last finished state.', 'note');
       }
       case 'error':
