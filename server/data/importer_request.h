@@ -1,4 +1,4 @@
-// What a reader is asked for, as one packet to the process that makes readers (loaded_importer.h, import/fork_for_files.h).
+// What a reader is asked for, as one packet to the process that makes readers (loaded_importer.h, import/limits/fork_for_files.h).
 #pragma once
 
 #include <cstddef>

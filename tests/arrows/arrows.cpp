@@ -50,11 +50,12 @@ std::vector<Include> includes_of(const fs::path& file) {
 
 std::string first_folder(const std::string& path) { return path.substr(0, path.find('/')); }
 
-// The folders of a room in their order, as its CMakeLists.txt gives them to isostrata_room(... FOLDERS a b c PUBLIC ...).
+// The folders of a room in their order, as its CMakeLists.txt gives them: isostrata_room(... FOLDERS a b c PUBLIC ...), and import, which is no
+// library, set(FOLDERS a b c).
 std::vector<std::string> folders_of(const fs::path& room) {
   std::ifstream in(room / "CMakeLists.txt");
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  static const std::regex call(R"re(isostrata_room\(\w+\s+FOLDERS\s+([a-z_\s]+))re");
+  static const std::regex call(R"re((?:isostrata_room\(\w+\s+|set\()FOLDERS\s+([a-z_0-9\s]+))re");
   std::smatch match;
   if (!std::regex_search(text, match, call)) return {};
   std::istringstream names(match[1]);
@@ -71,7 +72,9 @@ class Checker {
       if (const auto name = entry.path().filename().string();
           entry.is_directory() && name != "import" && rank_of(name) == kNoRoom)
         complain(entry.path(), 0, "is no room");
-    for (const std::string& room : rooms())
+    std::vector<std::string> with_folders = rooms();
+    with_folders.push_back("import");
+    for (const std::string& room : with_folders)
       if (auto folders = folders_of(root_ / "server" / room); !folders.empty()) {
         check_folders(root_ / "server" / room, folders);
         folders_[room] = std::move(folders);

@@ -60,6 +60,14 @@ TEST_F(Arrows, TheFoldersOfARoomPointOneWayToo) {
               ElementsAre("server/data/grid/back.cpp:2: data/grid may not include data/doors: data/doors/open.h"));
 }
 
+TEST_F(Arrows, TheFoldersOfTheImporterDoAsWell) {
+  write("server/import/CMakeLists.txt", "set(FOLDERS bytes hdf5)\n");
+  write("server/import/hdf5/read.h", "#include \"import/bytes/number.h\"\n");
+  write("server/import/bytes/number.h", "#include \"import/hdf5/read.h\"\n");
+  EXPECT_THAT(broken_arrows(root_),
+              ElementsAre("server/import/bytes/number.h:1: import/bytes may not include import/hdf5: import/hdf5/read.h"));
+}
+
 TEST_F(Arrows, ARoomWithFoldersHasNothingBesideThem) {
   write("server/data/CMakeLists.txt", "isostrata_room(data FOLDERS grid readers)\n");
   write("server/data/grid/grid.h", "#pragma once\n");

@@ -46,7 +46,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "import/confine.h"
+#include "import/limits/confine.h"
 #include "worker/confine.h"
 
 namespace {
@@ -59,7 +59,7 @@ int stream = -1, datagrams = -1;  // sockets that were opened before
 
 std::string at(const char* name) { return (folder / name).string(); }
 
-/// By the kernel's own call: who has taken a reader over does not ask the importer's open (import/opened_paths.h).
+/// By the kernel's own call: who has taken a reader over does not ask the importer's open (import/limits/opened_paths.h).
 int called_open(const std::string& path, int flags) { return static_cast<int>(syscall(SYS_openat, AT_FDCWD, path.c_str(), flags, 0600)); }
 
 /// An act succeeds where it gives 0 or more.

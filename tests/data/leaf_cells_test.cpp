@@ -1,4 +1,4 @@
-#include "import/leaf_cells.h"
+#include "import/adaptive/leaf_cells.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "data/files.h"
-#include "import/level_weights.h"
+#include "import/adaptive/level_weights.h"
 #include "support/block_tree.h"
 
 namespace isostrata {

@@ -1,4 +1,4 @@
-#include "import/memory_limit.h"
+#include "import/limits/memory_limit.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "import/level_lattice.h"
+#include "import/adaptive/level_lattice.h"
 
 namespace isostrata::test {
 

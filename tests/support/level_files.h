@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "import/level_lattice.h"
+#include "import/adaptive/level_lattice.h"
 #include "support/temporary_folder.h"
 #include "support/vtk_text.h"
 

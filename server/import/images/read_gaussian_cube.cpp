@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "import/bytes/mapped_file.h"
+#include "import/bytes/parsed_number.h"
+#include "import/imported/place_image.h"
+#include "import/imported/read_own.h"
+
+namespace isostrata {
+namespace {
+
+/// Numbers, one after the other, wherever lines end.
+class CubeWords {
+ public:
+  CubeWords(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  void skip_line() {
+    const auto end = text_.find('\n');
+    if (end == std::string_view::npos) throw Error(ErrorCode::bad_data, name_ + ": ends within its header");
+    text_.remove_prefix(end + 1);
+  }
+  double number(const char* what) {
+    const auto first = text_.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos) throw Error(ErrorCode::bad_data, name_ + ": ends before " + what);
+    text_.remove_prefix(first + (text_[first] == '+'));
+    double value = 0;
+    const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
+    if (end != text_.data() + text_.size() && !std::isspace(static_cast<unsigned char>(*end))) return fortran_number(static_cast<std::size_t>(end - text_.data()), what);
+    if (error == std::errc::invalid_argument) refuse(what);
+    text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
+    return value;
+  }
+  std::string_view rest_of_line() {
+    const auto line = text_.substr(0, text_.find('\n'));
+    skip_line();
+    return line;
+  }
+  std::int64_t integer(const char* what, std::int64_t most) {
+    const double value = number(what);
+    if (value != std::floor(value) || std::abs(value) > static_cast<double>(most))
+      throw Error(ErrorCode::bad_data, name_ + ": " + what + " is " + std::to_string(value) + "; expected a whole number up to " + std::to_string(most));
+    return static_cast<std::int64_t>(value);
+  }
+
+ private:
+  /// "0.5D-02", and "3.45-102" where the letter found no place. from_chars ends at `mantissa`.
+  double fortran_number(std::size_t mantissa, const char* what) {
+    const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
+    const char at = word[mantissa];
+    std::string text(word);
+    if (at == 'D' || at == 'd')
+      text[mantissa] = 'E';
+    else if (at == '+' || at == '-')
+      text.insert(mantissa, "E");
+    const auto value = mantissa > 0 && text != word ? parsed_number<double>(text) : std::nullopt;
+    if (!value) refuse(what);
+    text_.remove_prefix(word.size());
+    return *value;
+  }
+  [[noreturn]] void refuse(const char* what) const {
+    throw Error(ErrorCode::bad_data, name_ + ": expected a number for " + what + ", not '" + printable(text_.substr(0, 16)) + "'");
+  }
+  static std::string printable(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+      if (c < 32 || c == 127) c = ' ';
+    return out;
+  }
+  std::string_view text_;
+  const std::string& name_;
+};
+
+/// How many values each point has; 1 if the line says nothing that can be a count of them.
+std::int64_t trailing_count(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+  const auto count = parsed_number<std::int64_t>(line.substr(0, line.find_first_of(" \t\r")));
+  return count && *count >= 1 && *count <= 1000 ? *count : 1;
+}
+
+}  // namespace
+
+// Gaussian's cube files: two lines of text; atoms, origin and the number of values in each point, if it is not 1; three lines of count and step; the atoms; then the values, z fastest. A negative
+// number of atoms says that a line with the number of fields and their names follows; a negative count that lengths are in Angstrom.
+Imported read_gaussian_cube(const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  check_step(request, 1);
+  const MappedFile file(request.file);
+  CubeWords words({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, name);
+  words.skip_line();
+  words.skip_line();
+  std::int64_t atoms = words.integer("the number of atoms", 1'000'000);
+  const bool named_fields = atoms < 0;
+  atoms = std::abs(atoms);
+  std::array<double, 3> origin{};
+  for (double& x : origin) x = words.number("the origin");
+  const std::int64_t values_of_point = trailing_count(words.rest_of_line());
+  std::array<std::int64_t, 3> dims{};
+  std::array<std::array<double, 3>, 3> step{};
+  std::vector<std::string> notes;
+  std::int64_t fields = named_fields ? 1 : values_of_point;
+  for (std::size_t a = 0; a < 3; ++a) {
+    dims[a] = words.integer("the number of points along an axis", 1 << 24);
+    if (a == 0) notes.push_back(dims[a] < 0 ? "unit of length: Angstrom" : "unit of length: Bohr");
+    dims[a] = std::abs(dims[a]);
+    if (dims[a] == 0) throw Error(ErrorCode::bad_data, name + ": no points along an axis");
+    for (double& x : step[a]) x = words.number("the step along an axis");
+    words.skip_line();
+  }
+  for (std::int64_t i = 0; i < atoms; ++i) words.skip_line();
+  std::vector<std::string> names{"density"};
+  if (fields > 1) names.clear();
+  for (std::int64_t i = 1; fields > 1 && i <= fields; ++i) names.push_back("value " + std::to_string(i));
+  if (named_fields) {
+    fields = words.integer("the number of fields", 1000);
+    if (fields < 1) throw Error(ErrorCode::bad_data, name + ": has no field");
+    names.clear();
+    for (std::int64_t i = 0; i < fields; ++i) names.push_back("orbital " + std::to_string(words.integer("the number of an orbital", 1 << 30)));
+  }
+  const std::int64_t points = checked_product({dims[0], dims[1], dims[2]}, name);
+  const std::int64_t values = checked_product({points, fields}, name);
+  if (values > static_cast<std::int64_t>(file.bytes().size()))
+    throw Error(ErrorCode::bad_data, name + ": " + std::to_string(values) + " values declared in a file of " + std::to_string(file.bytes().size()) + " bytes");
+  check_bytes(request, static_cast<std::uint64_t>(values) * sizeof(double), name);
+
+  Imported imported;
+  imported.notes = notes;
+  Block block;
+  place_image(block, dims, origin, step, name);
+  std::vector<std::span<double>> to;
+  for (const std::string& field : names) {
+    auto [storage, span] = allocate<double>(static_cast<std::size_t>(points));
+    to.push_back(span);
+    FileArray array;
+    array.name = field;
+    array.type = ScalarType::float64;
+    array.values = std::as_bytes(span);
+    array.storage = storage;
+    block.arrays.push_back(std::move(array));
+  }
+  for (std::int64_t i = 0; i < dims[0]; ++i) {
+    request.progress(static_cast<double>(i) / static_cast<double>(dims[0]));
+    for (std::int64_t j = 0; j < dims[1]; ++j)
+      for (std::int64_t k = 0; k < dims[2]; ++k)
+        for (std::span<double>& field : to) field[static_cast<std::size_t>(i + dims[0] * (j + dims[1] * k))] = words.number("a value");
+  }
+  imported.blocks.push_back(std::move(block));
+  return imported;
+}
+
+}  // namespace isostrata
