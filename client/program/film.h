@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "webm_file.h"
+
 namespace isostrata::client {
 
 /// A film that is being written. Nothing has the film's name before finish(); without it nothing of a film is left behind, and of
@@ -19,7 +21,7 @@ class Film {
 struct FilmOptions {
   int width = 0, height = 0;
   double fps = 30;
-  int quality = 20;  // VP9's quantizer, 0..63: 0 is lossless, 63 the smallest
+  int quality = kFilmQuality;
 };
 
 /// By the name's end: ".png" with a place for the number ("frame-%04d.png"), ".y4m" (uncompressed 4:4:4, BT.601), ".webm" (VP9

@@ -10,6 +10,7 @@
 #include "arguments.h"
 #include "camera_path.h"
 #include "film.h"
+#include "webm_file.h"
 
 namespace isostrata::client {
 namespace {
@@ -20,7 +21,7 @@ struct RecordArguments {
   double orbit_deg = 360, elevation_deg = 0;
   int frames = 0;
   double fps = 0, seconds = 0;
-  int quality = 20;
+  int quality = kFilmQuality;
 };
 
 constexpr std::int64_t kMaxFrames = 1000000;

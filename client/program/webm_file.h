@@ -11,10 +11,12 @@
 
 namespace isostrata::client {
 
+constexpr int kFilmQuality = 20;  // VP9's quantizer, 0..63: 0 is lossless, 63 the smallest
+
 /// Nothing has the file's name before finish(); without it nothing is left behind.
 class WebmFile {
  public:
-  /// fps above 0; quality is VP9's quantizer, 0..63: 0 is lossless, 63 the smallest. Throws ClientError.
+  /// fps above 0; quality as kFilmQuality. Throws ClientError.
   WebmFile(const std::string& path, int width, int height, double fps, int quality);
   /// The next picture, of the file's size. Throws ClientError.
   void add(const Picture& picture);

@@ -34,13 +34,6 @@ std::vector<PngBand> encode_png_bands(const Image& image, std::size_t max_bytes,
 /// (too_large). For stills; any thread.
 Bytes encode_webp(const Image& image);
 
-/// Pictures of one size shown one after another, `seconds` each, again and again: an animated PNG (a PNG viewer that knows
-/// nothing of animation shows the first). Throws invalid_argument where there is none or their sizes differ.
-Bytes encode_animated_png(const std::vector<Image>& images, double seconds);
-
-/// Writes .png as encode_animated_png. Throws invalid_argument for any other extension: no other animated format can be written.
-void write_animation(const std::filesystem::path& path, const std::vector<Image>& images, double seconds);
-
 /// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg lossy, at quality 95; the others lossless)
 /// and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth). Throws invalid_argument for an unknown
 /// extension (naming those that are known) and unavailable where the file cannot be written.

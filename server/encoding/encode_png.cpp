@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -85,73 +86,65 @@ std::vector<Bytes> deflate_rows(const Image& rows, int channels, std::span<const
   return parts;
 }
 
-std::vector<Bytes> deflate_image(const Image& image, int channels) {
-  uLong adler = 1;
-  return deflate_rows(image, channels, {}, adler, true, true);
-}
-
 }  // namespace
 
-PngStream::PngStream(int width, int height, bool alpha)
-    : width_(width), rows_left_(height), channels_(alpha ? 4 : 3), begun_(begin_png(width, height, channels_)) {}
+PngStream::PngStream(int width, int height, bool alpha, PngAnimation animation)
+    : width_(width),
+      height_(height),
+      channels_(alpha ? 4 : 3),
+      animation_(animation),
+      pictures_left_(animation.pictures),
+      rows_left_(0),
+      begun_(begin_png(width, height, channels_)) {
+  if (animation.pictures == 1) return;
+  std::array<std::uint8_t, 8> control{};
+  put_u32(&control[0], static_cast<std::uint32_t>(animation.pictures));  // then 0: again and again
+  put_chunk(begun_, "acTL", control);
+}
+
+// The chunks acTL, fcTL and fdAT of "Portable Network Graphics (PNG) Specification (Third Edition)", section 11.3.6.
+void PngStream::begin_picture(Bytes& out) {
+  --pictures_left_;
+  rows_left_ = height_;
+  adler_ = 1;
+  before_.clear();
+  if (animation_.pictures == 1) return;
+  std::array<std::uint8_t, 26> control{};
+  put_u32(&control[0], sequence_++);
+  put_u32(&control[4], static_cast<std::uint32_t>(width_));
+  put_u32(&control[8], static_cast<std::uint32_t>(height_));
+  const auto hundredths = static_cast<std::uint32_t>(std::clamp(animation_.seconds * 100 + 0.5, 1.0, 65535.0));
+  control[20] = static_cast<std::uint8_t>(hundredths >> 8), control[21] = static_cast<std::uint8_t>(hundredths);
+  control[23] = 100;  // hundredths of a second; each picture then replaces the one before
+  put_chunk(out, "fcTL", control);
+}
 
 Bytes PngStream::put(const Image& rows) {
   check_image(rows);
-  if (rows.width != width_ || rows.height > rows_left_)
+  const int left = rows_left_ > 0 || pictures_left_ == 0 ? rows_left_ : height_;
+  if (rows.width != width_ || rows.height > left)
     throw Error(ErrorCode::internal, "PNG: " + std::to_string(rows.width) + "x" + std::to_string(rows.height) + " pixels came; " +
-                                         std::to_string(width_) + "x" + std::to_string(rows_left_) + " were left");
+                                         std::to_string(width_) + "x" + std::to_string(left) + " were left");
+  Bytes out = std::exchange(begun_, {});
+  if (rows_left_ == 0) begin_picture(out);
   rows_left_ -= rows.height;
-  Bytes out = std::move(begun_);
-  begun_.clear();
-  for (const Bytes& part : deflate_rows(rows, channels_, before_, adler_, before_.empty(), rows_left_ == 0))
-    put_chunk(out, "IDAT", part);  // together one zlib stream
+  for (Bytes& part : deflate_rows(rows, channels_, before_, adler_, before_.empty(), rows_left_ == 0)) {
+    // The parts of one picture are together one zlib stream.
+    if (sequence_ > 1) {
+      part.insert(part.begin(), 4, 0);
+      put_u32(part.data(), sequence_++);
+    }
+    put_chunk(out, sequence_ > 1 ? "fdAT" : "IDAT", part);
+  }
   before_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(channels_));
   pack_row(&rows.rgba[rows.rgba.size() - 4 * static_cast<std::size_t>(width_)], width_, channels_, before_.data());
-  if (rows_left_ == 0) put_chunk(out, "IEND", {});
+  if (rows_left_ == 0 && pictures_left_ == 0) put_chunk(out, "IEND", {});
   return out;
 }
 
 Bytes encode_png(const Image& image) {
   check_image(image);
   return PngStream(image.width, image.height, !is_opaque(image)).put(image);
-}
-
-// The chunks acTL, fcTL and fdAT of "Portable Network Graphics (PNG) Specification (Third Edition)", section 11.3.6.
-Bytes encode_animated_png(const std::vector<Image>& images, double seconds) {
-  if (images.empty()) throw Error(ErrorCode::invalid_argument, "PNG: no picture to animate");
-  int channels = 3;
-  for (const Image& image : images) {
-    check_image(image);
-    if (image.width != images[0].width || image.height != images[0].height)
-      throw Error(ErrorCode::invalid_argument, "PNG: the pictures of an animation differ in size");
-    if (!is_opaque(image)) channels = 4;
-  }
-  Bytes out = begin_png(images[0].width, images[0].height, channels);
-  std::array<std::uint8_t, 8> animation{};
-  put_u32(&animation[0], static_cast<std::uint32_t>(images.size()));  // then 0: again and again
-  put_chunk(out, "acTL", animation);
-  std::uint32_t sequence = 0;
-  for (const Image& image : images) {
-    std::array<std::uint8_t, 26> control{};
-    put_u32(&control[0], sequence++);
-    put_u32(&control[4], static_cast<std::uint32_t>(image.width));
-    put_u32(&control[8], static_cast<std::uint32_t>(image.height));
-    const auto hundredths = static_cast<std::uint32_t>(std::clamp(seconds * 100 + 0.5, 1.0, 65535.0));
-    control[20] = static_cast<std::uint8_t>(hundredths >> 8), control[21] = static_cast<std::uint8_t>(hundredths);
-    control[23] = 100;  // hundredths of a second; each picture then replaces the one before
-    put_chunk(out, "fcTL", control);
-    for (Bytes& part : deflate_image(image, channels)) {
-      if (sequence == 1) {
-        put_chunk(out, "IDAT", part);
-        continue;
-      }
-      part.insert(part.begin(), 4, 0);
-      put_u32(part.data(), sequence++);
-      put_chunk(out, "fdAT", part);
-    }
-  }
-  put_chunk(out, "IEND", {});
-  return out;
 }
 
 }  // namespace isostrata

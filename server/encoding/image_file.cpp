@@ -63,7 +63,8 @@ void check_image_file(const std::filesystem::path& path, int width, int height, 
 struct ImageFile::Writer {
   std::filesystem::path path, part;  // what it is called at the end and until then
   std::string extension;
-  int width = 0, height = 0, rows = 0;
+  int width = 0;
+  std::int64_t height = 0, rows = 0;  // of all pictures, one below the other
   int channels = 4;
   bool floats = false, done = false, keep_alpha = true;
   std::optional<PngStream> png;
@@ -71,12 +72,15 @@ struct ImageFile::Writer {
   std::ofstream file;
   std::unique_ptr<PictureWriter> output;
 
-  Writer(const std::filesystem::path& name, int w, int h, ImageChannels wanted)
-      : path(name), part(name.string() + ".part"), extension(extension_of(name)), width(w), height(h) {
+  Writer(const std::filesystem::path& name, int w, int h, ImageChannels wanted, PngAnimation animation)
+      : path(name), part(name.string() + ".part"), extension(extension_of(name)), width(w), height(std::int64_t{h} * animation.pictures) {
     check_image_file(name, w, h, false);
+    if (animation.pictures != 1 && extension != ".png")
+      throw Error(ErrorCode::invalid_argument,
+                  path.string() + ": only .png can hold several pictures; expected .png, or %02d in the name for one file each");
     floats = is_float_format(name);
     if (extension == ".png") {
-      png.emplace(w, h, wanted.alpha);
+      png.emplace(w, h, wanted.alpha, animation);
       file.open(part, std::ios::binary | std::ios::trunc);
       if (!file) cannot_write(path, "the folder is missing, not writable or full");
       return;
@@ -173,8 +177,8 @@ struct ImageFile::Writer {
   }
 };
 
-ImageFile::ImageFile(const std::filesystem::path& path, int width, int height, ImageChannels channels)
-    : writer_(std::make_unique<Writer>(path, width, height, channels)) {}
+ImageFile::ImageFile(const std::filesystem::path& path, int width, int height, ImageChannels channels, PngAnimation animation)
+    : writer_(std::make_unique<Writer>(path, width, height, channels, animation)) {}
 ImageFile::~ImageFile() = default;
 
 void ImageFile::put(const Image& rows) {
@@ -196,17 +200,6 @@ void ImageFile::put(const FloatImage& rows) {
 }
 
 void ImageFile::finish() { writer_->finish(); }
-
-void write_animation(const std::filesystem::path& path, const std::vector<Image>& images, double seconds) {
-  if (extension_of(path) != ".png")
-    throw Error(ErrorCode::invalid_argument,
-                path.string() + ": only .png can hold several pictures; expected .png, or %02d in the name for one file each");
-  const Bytes bytes = encode_animated_png(images, seconds);
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) cannot_write(path, "the folder is missing, not writable or full");
-}
 
 void write_image(const std::filesystem::path& path, const Image& image) {
   check_image_path(path);

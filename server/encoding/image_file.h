@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/image.h"
+#include "encoding/png_stream.h"
 
 namespace isostrata {
 
@@ -18,11 +19,11 @@ struct ImageChannels {
 /// others some rows. The file has its name only when finish() has returned; without that nothing is left of it.
 class ImageFile {
  public:
-  /// Throws too what check_image_file throws.
-  ImageFile(const std::filesystem::path& path, int width, int height, ImageChannels channels);
+  /// Throws too what check_image_file throws, and invalid_argument if several pictures are for another file than .png. Of several pictures each has `height` rows.
+  ImageFile(const std::filesystem::path& path, int width, int height, ImageChannels channels, PngAnimation animation = {});
   ~ImageFile();
 
-  /// The next rows from the top. Floats become bytes for formats of bytes, and bytes floats for .exr.
+  /// The next rows from the top, of one picture. Floats become bytes for formats of bytes, and bytes floats for .exr.
   void put(const Image& rows);
   void put(const FloatImage& rows);
   void finish();

@@ -23,6 +23,7 @@
 #include "extraction/bricks/brick_memory.h"
 #include "main/arguments.h"
 #include "main/commands.h"
+#include "main/film_file.h"
 #include "main/json_number.h"
 #include "main/layer_arguments.h"
 #include "main/mode_arguments.h"
@@ -34,7 +35,6 @@
 #include "scene/axis_scale.h"
 #include "scene/color_range.h"
 #include "scene/transfer_function.h"
-#include "webm_file.h"
 
 namespace isostrata {
 namespace {
@@ -51,8 +51,6 @@ struct RenderArguments {
   int threads = 0;
   bool json = false;
 };
-
-constexpr int kFilmQuality = 20;  // VP9's quantizer, 0..63: what `isostrata-client record` takes if nothing is said
 
 struct RenderTiming {
   double load = 0, extract = 0, device = 0, write = 0, total = 0;  // ms; drawing and writing take turns
@@ -274,13 +272,6 @@ void add_facts(DrawFacts& sum, const DrawFacts& of) {
 
 bool is_webm(const RenderArguments& arguments) { return arguments.out.ends_with(".webm"); }
 
-client::Picture without_alpha(const Image& image) {
-  client::Picture picture{image.width, image.height, {}};
-  picture.rgb.reserve(image.rgba.size() / 4 * 3);
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4) picture.rgb.insert(picture.rgb.end(), {image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]});
-  return picture;
-}
-
 void print_text(const RenderArguments& arguments, const DrawInput& input, const DrawFacts& facts, const RenderTiming& ms) {
   std::printf("%s: %dx%d, %lld tetrahedra, order: %s\n", arguments.out.c_str(), input.width, input.height, static_cast<long long>(facts.tetrahedra), facts.order.c_str());
   std::printf("drawn by %s\n", facts.device.c_str());
@@ -356,10 +347,9 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
   scene.step = pictures.front().step;
   auto extracted = extract();
   ms.extract = stage.lap_ms();
-  const bool animated = is_webm(arguments) || (pictures.size() > 1 && pictures.front().out == arguments.out);
-  std::vector<Image> frames;
-  std::optional<client::WebmFile> film;
-  if (is_webm(arguments)) film.emplace(arguments.out, width, height, 1 / scene.cycle.seconds, kFilmQuality);
+  std::optional<FilmFile> film;  // of all pictures; else each has a file
+  if (is_webm(arguments) || (pictures.size() > 1 && pictures.front().out == arguments.out))
+    film.emplace(arguments.out, width, height, transparent, PngAnimation{static_cast<int>(pictures.size()), scene.cycle.seconds});
   DrawInput input;
   DrawFacts facts;
   for (const Picture& picture : pictures) {
@@ -375,36 +365,26 @@ void run(const RenderArguments& arguments, const CLI::App& command) {
     input.transparent = transparent;
     input.float_image = is_float_format(picture.out);
     const Still still{input, annotate(annotation_input(*extracted, scene, input)), arguments.still.samples, kPartSamples, scene.light};
-    if (animated) {
-      Image frame{width, height, {}};
-      add_facts(facts, draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {
-                  const auto& bytes = std::get<Image>(rows).rgba;
-                  frame.rgba.insert(frame.rgba.end(), bytes.begin(), bytes.end());
-                }));
-      if (film) film->add(without_alpha(frame));
-      else frames.push_back(std::move(frame));
-      continue;
-    }
     std::optional<ImageFile> file;  // its library takes memory that drawing may want
     add_facts(facts, draw_still(*renderer, still, command_task(), [&](const AnyImage& rows) {
                 const Stopwatch writing;
-                if (!file) file.emplace(picture.out, width, height, ImageChannels{transparent, input.float_image});
-                std::visit([&](const auto& image) { file->put(image); }, rows);
+                if (!film && !file) file.emplace(picture.out, width, height, ImageChannels{transparent, input.float_image});
+                if (film) film->add(std::get<Image>(rows));
+                else std::visit([&](const auto& image) { file->put(image); }, rows);
                 ms.write += writing.elapsed_ms();
               }));
     stage.lap_ms();
-    file->finish();
+    if (file) file->finish();
     ms.write += stage.lap_ms();
   }
   stage.lap_ms();
   if (film) film->finish();
-  else if (animated) write_animation(arguments.out, frames, scene.cycle.seconds);
   ms.write += stage.lap_ms();
   ms.total = total.elapsed_ms();
 
   if (arguments.json) {
     boost::json::object document = to_json(arguments, scene, *extracted, input, facts, ms);
-    if (pictures.size() > 1 && !animated) {
+    if (pictures.size() > 1 && !film) {
       boost::json::array paths;
       for (const Picture& picture : pictures) paths.push_back(boost::json::string(picture.out));
       document["pictures"] = std::move(paths);

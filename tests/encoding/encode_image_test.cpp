@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <thread>
@@ -48,6 +49,11 @@ ReadImage read(const std::filesystem::path& path) {
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data()))
     throw std::runtime_error(input->geterror());
   return image;
+}
+
+Bytes bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return Bytes(std::istreambuf_iterator<char>(file), {});
 }
 
 ReadImage read_png(const Bytes& bytes) {
@@ -141,20 +147,6 @@ std::vector<Bytes> frames_of(const Bytes& bytes) {
   }
   for (Bytes& frame : frames) append_chunk(frame, "IEND", {});
   return frames;
-}
-
-TEST(EncodeAnimatedPng, EveryPictureComesBackInItsOrder) {
-  const std::vector<Image> images{noise(300, 401, true, 1), noise(300, 401, false, 2), gradient(300, 401)};
-  const auto frames = frames_of(encode_animated_png(images, 0.25));
-  ASSERT_EQ(frames.size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) expect_same(images[i], read_png(frames[i]), "picture " + std::to_string(i));
-  EXPECT_EQ(frames_of(encode_animated_png({gradient(5, 4)}, 0)).size(), 1u);
-}
-
-TEST(EncodeAnimatedPng, RefusesNoneDifferentSizesAndOtherFormats) {
-  EXPECT_THROW(encode_animated_png({}, 1), Error);
-  EXPECT_THROW(encode_animated_png({gradient(5, 4), gradient(4, 5)}, 1), Error);
-  EXPECT_THROW(write_animation("a.webp", {gradient(5, 4)}, 1), Error);
 }
 
 TEST(EncodePng, SmoothPicturesGetSmall) {
@@ -284,6 +276,36 @@ TEST(ImageFile, BandsMakeTheFileOfTheWhole) {
     EXPECT_EQ(a.values, b.values) << name;
     EXPECT_EQ(a.channels, std::string(name) == "a.jpg" ? 3 : 4);
   }
+}
+
+TEST(ImageFile, AnAnimationIsItsPicturesInTheirOrder) {
+  const TemporaryFolder folder;
+  const std::vector<Image> images{noise(300, 401, true, 1), noise(300, 401, false, 2), gradient(300, 401)};
+  for (const int most : {401, 150}) {  // whole pictures, and rows as they come
+    ImageFile file(folder / "a.png", 300, 401, {true, false}, {3, 0.25});
+    for (const Image& image : images)
+      for (int y = 0; y < 401; y += most) file.put(rows_of(image, y, std::min(most, 401 - y)));
+    EXPECT_EQ(std::filesystem::exists(folder / "a.png"), most == 150);
+    file.finish();
+    const auto frames = frames_of(bytes_of(folder / "a.png"));
+    ASSERT_EQ(frames.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) expect_same(images[i], read_png(frames[i]), "picture " + std::to_string(i));
+    expect_same(images[0], read(folder / "a.png"), "without animation");
+  }
+}
+
+TEST(ImageFile, AnAnimationIsRefusedIfPicturesAreMissingOrTooMany) {
+  const TemporaryFolder folder;
+  {
+    ImageFile file(folder / "a.png", 5, 4, {true, false}, {2, 1});
+    EXPECT_THROW(file.put(gradient(5, 5)), Error) << "rows of two pictures at once";
+    file.put(gradient(5, 4));
+    EXPECT_THROW(file.finish(), Error);
+    file.put(gradient(5, 4));
+    EXPECT_THROW(file.put(gradient(5, 1)), Error);
+  }
+  EXPECT_THROW(ImageFile(folder / "a.webp", 5, 4, {true, false}, {2, 1}), Error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "."));
 }
 
 TEST(ImageFile, BandsOfFloatsKeepAlphaAndDepth) {
