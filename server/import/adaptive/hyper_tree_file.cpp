@@ -140,9 +140,6 @@ class TreeFile {
   void read_elements(Element trees) {
     std::map<std::string, std::vector<FileArray>> parts;
     std::vector<std::string> names;  // in their order
-    const auto append = [](XmlBits& to, const XmlBits& from, std::uint64_t count) {
-      for (std::uint64_t i = 0; i < count; ++i) to.append(from[i]);
-    };
     for (int t = 0; t < trees->GetNumberOfNestedElements(); ++t) {
       const Element tree = trees->GetNestedElement(t);
       if (std::string_view(tree->GetName()) != "Tree") continue;
@@ -153,11 +150,11 @@ class TreeFile {
       const XmlBits refined = bits(required(tree, "Descriptor"));  // without the last ones that are 0
       const std::uint64_t coarser = out_.cells - before - out_.trees.back().cells.back();
       if (out_.cells - before > 1 + refined.count * 2 * kMostChildren) broken("tree " + std::to_string(*root) + " has more cells than its descriptor refines");
-      append(out_.refined, refined, coarser);
+      out_.refined.append(refined, coarser);
       if (const Element mask = find(tree, "Mask")) {
-        append(out_.masked, {}, before - out_.masked.count);
+        out_.masked.append({}, before - out_.masked.count);
         const XmlBits masked = bits(mask);
-        append(out_.masked, masked, std::min(masked.count, out_.cells - before));
+        out_.masked.append(masked, std::min(masked.count, out_.cells - before));
       }
       const Element first = tree->FindNestedElementWithName("CellData"), of_cells = first ? first : tree->FindNestedElementWithName("PointData");
       for (int i = 0; of_cells && i < of_cells->GetNumberOfNestedElements(); ++i) {

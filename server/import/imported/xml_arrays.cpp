@@ -259,6 +259,20 @@ std::optional<FileArray> XmlArrays::values(vtkXMLDataElement* element) const {
   return out && std::visit(read, scalar_span(out->type, {})) ? std::move(out) : std::nullopt;
 }
 
+void XmlBits::append(const XmlBits& others, std::uint64_t many) {
+  const std::uint64_t known = std::min(many, others.count);
+  const unsigned int shift = static_cast<unsigned int>(count % 8);
+  bytes.resize(static_cast<std::size_t>((count + many + 7) / 8));
+  std::size_t to = static_cast<std::size_t>(count / 8);
+  for (std::uint64_t at = 0; at < known; at += 8, ++to) {
+    // What is beyond the last one is no value of theirs.
+    const auto eight = static_cast<std::uint8_t>(others.bytes[static_cast<std::size_t>(at / 8)] & (known - at < 8 ? 0xff00u >> (known - at) : 0xffu));
+    bytes[to] |= static_cast<std::uint8_t>(eight >> shift);
+    if (shift > 0 && to + 1 < bytes.size()) bytes[to + 1] = static_cast<std::uint8_t>(eight << (8 - shift));
+  }
+  count += many;
+}
+
 std::optional<XmlBits> XmlArrays::bits(vtkXMLDataElement* element) const {
   XmlBits out;
   if (attribute(element, "format") == "ascii") {

@@ -39,6 +39,8 @@ struct XmlBits {
     bytes[count / 8] |= static_cast<std::uint8_t>(value << (7 - count % 8));
     ++count;
   }
+  /// The first `many` of these others; 0 for those that they lack.
+  void append(const XmlBits& others, std::uint64_t many);
 };
 
 class XmlArrays {
